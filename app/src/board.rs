@@ -29,7 +29,7 @@ pub enum BoardError {
 }
 
 impl BoardError {
-    /// Returns the message for the operator.
+    /// Returns the message that tells the operator why the board cannot be opened.
     pub fn message(&self) -> Message {
         match self {
             Self::Signals(error) => error.message(),
@@ -38,16 +38,16 @@ impl BoardError {
     }
 }
 
-/// A board and its link. The board stops when this value is dropped, and when the end of
-/// the program is requested.
+/// A connection to a board. The board stops when this value is dropped, or when a termination
+/// signal arrives.
 pub struct BoardSession {
-    /// The link.
+    /// The state of the dialogue with the board.
     pub link: Link,
     port_io: PortIo,
     termination: TerminationFlag,
     lookahead: Duration,
-    /// The board makes all motion it holds even if this program ends: protocol of text
-    /// lines.
+    /// True for boards that receive motion as text lines: such a board executes all motion it
+    /// holds even if this program ends.
     is_line_protocol: bool,
 }
 
@@ -58,8 +58,8 @@ impl Drop for BoardSession {
 }
 
 impl BoardSession {
-    /// Opens the port and begins the dialogue; `program` is the executable of the process
-    /// that holds the port.
+    /// Opens the port and begins the dialogue; `program` is the executable file of the guard
+    /// process, which holds the port.
     ///
     /// # Errors
     /// The port or the signal handlers fail; the message names the port.
@@ -87,12 +87,12 @@ impl BoardSession {
         }
     }
 
-    /// Returns the id of the process that holds the port.
+    /// Returns the id of the guard process that holds the port; `None` if no process does.
     pub fn holder_process_id(&self) -> Option<u32> {
         self.port_io.holder_process_id()
     }
 
-    /// Keeps the traffic from now on, for [`BoardSession::take_traffic`].
+    /// Records the lines of traffic from now on, for [`BoardSession::take_traffic`].
     pub fn record_traffic(&mut self) {
         self.port_io.set_recording(true);
     }
@@ -102,8 +102,8 @@ impl BoardSession {
         self.port_io.now()
     }
 
-    /// Reads, ticks and writes once; waits at most 2 ms for bytes. Closes the link once
-    /// the end of the program is requested.
+    /// Reads the bytes of the board (waits at most 2 ms for them), advances the link, writes
+    /// its bytes and returns its events. Closes the link after a termination signal.
     pub fn pump(&mut self) -> Vec<LinkEvent> {
         if self.termination.is_requested() {
             self.close();
@@ -128,7 +128,8 @@ impl BoardSession {
         self.link.events()
     }
 
-    /// Pumps until a condition holds or the time is up; returns the events meanwhile.
+    /// Calls [`Self::pump`] until `until` is true, `limit` is over or the link is off; returns
+    /// all events.
     pub fn pump_until(
         &mut self,
         limit: Duration,
@@ -143,8 +144,8 @@ impl BoardSession {
         events
     }
 
-    /// Pumps until the board is ready, refused or lost, at most [`READY_TIMEOUT`]; returns the
-    /// events meanwhile.
+    /// Calls [`Self::pump`] until the board is ready, refused or lost, at most
+    /// [`READY_TIMEOUT`]; returns all events.
     pub fn wait_until_ready(&mut self) -> Vec<LinkEvent> {
         self.pump_until(READY_TIMEOUT, |link, events| {
             matches!(
@@ -156,7 +157,7 @@ impl BoardSession {
         })
     }
 
-    /// Returns the lines of traffic since the last call.
+    /// Returns the lines of traffic recorded since the last call.
     pub fn take_traffic(&mut self) -> Vec<TrafficLine> {
         let link = &self.link;
         self.port_io

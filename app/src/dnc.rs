@@ -15,31 +15,32 @@ use crate::message_format::describe_io_error;
 use crate::platform::is_serial_port;
 use crate::ports::{self, Port, PortError};
 
-/// File in the folder of the data directory that is sent when no other source is named.
+/// Name of the file in the transfer folder of the data directory that is sent in DNC when no
+/// other source is named.
 pub const FILE_IN_FOLDER: &str = "DNC.CNC";
 
 /// Size of a read, bytes.
 const CHUNK_BYTES: usize = 4096;
-/// Number of chunks that wait for the control.
+/// Number of chunks that the reader keeps in advance for the control.
 const MAX_CHUNKS: usize = 2;
-/// Reader start and reader stop.
+/// Control characters that start (DC1) and stop (DC3) the reader of the sender.
 const DC1: u8 = 0x11;
 const DC3: u8 = 0x13;
 
-/// Source of the programs.
+/// Where programs for DNC operation come from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum DncSource {
-    /// A file, sent from its beginning at each call for a program.
+    /// A file, sent from its beginning each time the control requests a program.
     File(PathBuf),
-    /// Standard input, which continues where it was.
+    /// Standard input; each program starts where the last one ended.
     Standard,
-    /// A serial port; DC1 and DC3 start and stop the sender.
+    /// The name of a serial port; the control starts and stops the sender with DC1 and DC3.
     Port(String),
 }
 
 impl DncSource {
-    /// Parses a name of the command line: `-` is standard input, a port is read as one,
-    /// every other name is a file.
+    /// Parses a name of the command line: `-` is standard input, the name of a serial port is
+    /// that port, every other name is a file.
     pub fn from_name(name: &Path) -> Self {
         match name.to_str() {
             Some("-") => Self::Standard,
@@ -49,7 +50,7 @@ impl DncSource {
     }
 }
 
-/// Why a source cannot be read.
+/// Why a DNC source cannot be read.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 enum SourceError {
@@ -70,24 +71,25 @@ impl SourceError {
     }
 }
 
-/// A chunk, or why no more can be read.
+/// Bytes read from the source, or the error that ended the reading.
 type Chunk = io::Result<Vec<u8>>;
 
 #[derive(Debug)]
 pub struct DncPartner {
     source: DncSource,
-    /// Number of the call that is being answered.
+    /// The request of the control that is being served, as the control counts them.
     call_number: u32,
     chunks: Option<Receiver<Chunk>>,
-    /// Channel to the reader of a port: a character for the other end.
+    /// Channel to the thread that reads a port: DC1 or DC3 for the sender; `None` if no port
+    /// is open.
     to_port: Option<Sender<u8>>,
-    /// The current chunk.
+    /// The chunk that is being passed to the control.
     chunk: Vec<u8>,
     sent: usize,
 }
 
 impl DncPartner {
-    /// Creates a partner that sends from a source.
+    /// Creates a partner that sends programs from `source`.
     pub const fn new(source: DncSource) -> Self {
         Self {
             source,
@@ -99,7 +101,7 @@ impl DncPartner {
         }
     }
 
-    /// Opens the source after a call of the control.
+    /// Opens the source when the control requests a program.
     fn open_source(&mut self, cnc: &Cnc) -> Result<(), SourceError> {
         match &self.source {
             DncSource::File(path) => {
@@ -131,7 +133,8 @@ impl DncPartner {
         self.sent = 0;
     }
 
-    /// Fetches the next chunk; returns `false` if there is none now.
+    /// Fetches the next chunk; returns `false` if none has arrived. Reports the end of the
+    /// source or its error to the control.
     fn fetch_chunk(&mut self, cnc: &mut Cnc, wait: PartnerWait) -> bool {
         let Some(chunks) = &self.chunks else {
             cnc.end_dnc();
@@ -180,7 +183,7 @@ impl gsk_runner::partner::ProgramPartner for DncPartner {
     }
 }
 
-/// Reads in a separate thread, only as far ahead as the channel has space.
+/// Reads `source` in a separate thread, only as far ahead as the channel has space.
 fn start_reader(mut source: impl Read + Send + 'static) -> Result<Receiver<Chunk>, SourceError> {
     start_thread(move |chunks| {
         let mut buffer = vec![0; CHUNK_BYTES];
@@ -199,7 +202,7 @@ fn start_reader(mut source: impl Read + Send + 'static) -> Result<Receiver<Chunk
     })
 }
 
-/// Reads a port in a separate thread and sends characters to it.
+/// Reads a port in a separate thread and writes the characters of `to_send` to it.
 fn start_port_reader(
     mut port: Port,
     to_send: Receiver<u8>,

@@ -27,7 +27,7 @@ use frame::{FrameKind, GuardFrameReader, Lease};
 use crate::platform::{self, HolderConnection};
 use crate::ports;
 
-/// The hidden command that starts a holder.
+/// The hidden command of this program that starts a holder process.
 pub const HOLDER_COMMAND: &str = "hold-port";
 
 /// How long a read waits for the first byte.
@@ -36,14 +36,14 @@ const READ_WAIT: Duration = Duration::from_millis(2);
 const START_TIMEOUT: Duration = Duration::from_secs(10);
 /// Longest time for a holder to stop the board and end.
 const END_TIMEOUT: Duration = Duration::from_secs(5);
-/// Time between two checks whether the holder has ended.
+/// Time between two checks whether the holder has ended or answered.
 const POLL_INTERVAL: Duration = Duration::from_millis(2);
 /// The holder stops the board when the program was silent for this time with slides or
 /// spindle in motion. The board has made its lookahead by then.
 const MAX_SILENCE: Duration = Duration::from_secs(1);
 /// Longest time between two renewals of the lease.
 const RENEW_INTERVAL: Duration = Duration::from_millis(100);
-/// How long bytes for the board may take to the holder beyond the lookahead.
+/// How long bytes for the board may take to reach the holder, in addition to the lookahead.
 const TRANSIT_TIME: Duration = Duration::from_millis(100);
 /// Limit of the bytes that wait for the holder.
 const MAX_WAITING_BYTES: usize = frame::MAX_CONTENT;
@@ -53,7 +53,7 @@ fn now_ms() -> u64 {
     platform::shared_time().as_millis() as u64
 }
 
-/// The board after its holder has ended before the program.
+/// What happened to the board after its holder had ended before the program.
 #[derive(Debug)]
 pub enum Orphan {
     /// The holder has stopped the board because the program was silent; the board's
@@ -63,38 +63,38 @@ pub enum Orphan {
     BeingStopped(Receiver<Vec<u8>>),
 }
 
-/// Why no holder could open the port.
+/// Why no holder process could open the port.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum GuardError {
     /// The holder process cannot be started.
     NotStarted {
-        /// The port.
+        /// Name of the port.
         port: String,
-        /// Error of the system.
+        /// Error of the operating system.
         error: io::Error,
     },
-    /// The holder process has ended.
+    /// The holder process ended before it had opened the port.
     Ended {
-        /// The port.
+        /// Name of the port.
         port: String,
     },
-    /// The holder cannot open the port; its reason.
+    /// The holder cannot open the port; the payload is its reason.
     Refused(Message),
-    /// The process sends no frames: it is not a holder.
+    /// The started process sends no frames: it is not a holder.
     Strange {
-        /// The port.
+        /// Name of the port.
         port: String,
     },
-    /// The holder does not answer in time.
+    /// The holder did not answer within `START_TIMEOUT`.
     Silent {
-        /// The port.
+        /// Name of the port.
         port: String,
     },
 }
 
 impl GuardError {
-    /// Returns the message for the operator.
+    /// Returns the message for the operator: why the port cannot be held.
     pub fn message(&self) -> Message {
         match self {
             Self::NotStarted { port, error } => say::port_holder_not_started(port, error),
@@ -106,7 +106,8 @@ impl GuardError {
     }
 }
 
-/// A port that another process holds. Dropping it without [`PortGuard::close`] stops the board.
+/// A port that a holder process keeps open. Dropping it without [`PortGuard::close`] stops the
+/// board.
 pub struct PortGuard {
     child: Child,
     holder: HolderConnection,
@@ -181,8 +182,8 @@ impl PortGuard {
         self.child.id()
     }
 
-    /// Reads the bytes that have arrived; waits 2 ms for the first one and returns none
-    /// after it.
+    /// Returns the bytes of the board that have arrived; waits up to 2 ms for the first one
+    /// and returns an empty vector without one.
     ///
     /// # Errors
     /// The port is gone, or its holder is.
@@ -220,9 +221,9 @@ impl PortGuard {
         count
     }
 
-    /// Renews the lease; called at every turn. With `is_moving` slides or spindle are in
-    /// motion: the holder then stops the board if the program falls silent, and drops
-    /// bytes that arrive later than the lookahead.
+    /// Renews the lease at every turn of the caller. `is_moving`: slides or spindle are in
+    /// motion; the holder then stops the board if the program falls silent, and drops bytes
+    /// that arrive later than `lookahead`.
     pub fn renew_lease(&mut self, is_moving: bool, lookahead: Duration) {
         let lease = match is_moving {
             true => Lease {
@@ -246,7 +247,8 @@ impl PortGuard {
         self.orphan.take()
     }
 
-    /// Sets the bytes that stop the board when the program is gone; none: do not stop it.
+    /// Sets the bytes that the holder sends to stop the board when the program is gone; empty:
+    /// the holder does not stop the board.
     pub fn set_stop_bytes(&mut self, bytes: &[u8]) {
         if self.stop_bytes != bytes {
             self.stop_bytes = bytes.to_vec();
@@ -267,13 +269,14 @@ impl PortGuard {
         // Dropping the value waits for the rest.
     }
 
-    /// Reads the bytes of the holder that arrive within this time.
+    /// Reads the bytes of the holder that arrive within the time `within` into the frame
+    /// reader.
     fn receive(&mut self, within: Duration) -> io::Result<()> {
         self.reader.push_bytes(&self.holder.receive(within)?);
         Ok(())
     }
 
-    /// Sends the waiting frames, as far as the holder takes them.
+    /// Sends the waiting frames until the holder accepts no more bytes.
     fn send_waiting(&mut self) {
         while !self.unsent.is_empty() {
             match self.holder.send(&self.unsent) {
@@ -285,7 +288,7 @@ impl PortGuard {
         }
     }
 
-    /// Leaves the board to the holder, which stops it; returns the board's answer.
+    /// Closes the connection, so that the holder stops the board; returns the board's answer.
     fn let_holder_stop(mut self) -> Vec<u8> {
         self.holder.end_sending();
         let begun = Instant::now();
@@ -300,8 +303,8 @@ impl PortGuard {
         answered
     }
 
-    /// Starts another holder that stops the board, after the first one has ended
-    /// unexpectedly.
+    /// Starts another holder that stops the board, after the first one has ended unexpectedly.
+    /// Returns the error for the caller of the read.
     fn replace_holder(&mut self) -> io::Error {
         let stop = core::mem::take(&mut self.stop_bytes);
         if !stop.is_empty() {
@@ -342,7 +345,7 @@ impl Drop for PortGuard {
     }
 }
 
-/// Decodes the error of the port that the holder has reported.
+/// Decodes the system error of the port that the holder has reported as four bytes.
 fn decode_port_error(number: &[u8]) -> io::Error {
     let number: [u8; 4] = number.try_into().unwrap_or_default();
     match i32::from_le_bytes(number) {

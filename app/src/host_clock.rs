@@ -6,20 +6,20 @@ use web_time::{Duration, SystemTime};
 
 use crate::platform;
 
-/// Smallest jump of the wall clock that counts as an absence; smaller ones are
-/// corrections.
+/// Smallest jump of the wall clock that counts as sleep of the computer; smaller ones are
+/// corrections of the clock.
 const MIN_JUMP: Duration = Duration::from_millis(50);
 
-/// Time since a port was opened.
+/// Measures the time since a port was opened, including sleep of the computer.
 #[derive(Debug)]
 pub struct HostClock {
     started_at: Duration,
-    /// Times of the last check for a jump: time with sleep, and wall clock.
+    /// Readings at the last check for a jump: the time with sleep, and the wall clock.
     last_check: (Duration, SystemTime),
 }
 
 impl HostClock {
-    /// Creates a clock at zero.
+    /// Creates a clock that starts at zero.
     pub fn start() -> Self {
         let now = platform::time_with_sleep();
         Self {

@@ -15,42 +15,43 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use web_time::Duration;
 
-/// Interval of the queries to the display, and of the frames of the window while keys are
-/// held.
+/// Time between two queries to the display, and between two frames of the window while keys
+/// are held.
 pub const QUERY_INTERVAL: Duration = Duration::from_millis(50);
-/// Held keys are released when their last proof is older. Together with the lookahead of a
-/// board and the ramp of a rapid the axis stops within 600 ms.
+/// Held keys are released when the newest proof that they are held is older than this.
+/// Together with the lookahead of a board and the ramp of a rapid the axis stops within 600
+/// ms.
 const LEASE: Duration = Duration::from_millis(130);
-/// The same limit for the simulated lathe, which can hurt no one.
+/// As [`LEASE`], while the lathe is simulated, which can hurt no one.
 const LEASE_SIMULATED: Duration = Duration::from_millis(600);
-/// Held keys are released when the last message of the window is older: drawing a frame
-/// takes time.
+/// Held keys are released when the last message of the window is older than this; it allows
+/// for the time to draw a frame.
 const WINDOW_LEASE: Duration = Duration::from_millis(250);
 /// A display without a reply for this time has hung.
 const HANG_TIMEOUT: Duration = Duration::from_millis(350);
-/// A display that has hung delivers old key presses first; its input counts again after it
-/// has replied steadily for this time.
+/// A display that has hung delivers old key presses first. Its input counts again after the
+/// display has replied steadily for this time.
 const SETTLE_TIME: Duration = Duration::from_millis(300);
 
-/// What holds keys of the panel down.
+/// The input devices that hold keys of the panel down.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Holders {
-    /// Number of keys of the PC keyboard.
+    /// Number of keys that are down on the PC keyboard.
     pub keys: usize,
-    /// A mouse button.
+    /// A mouse button is down.
     pub pointer: bool,
-    /// Number of fingers; display servers do not report them.
+    /// Number of fingers on the screen, which display servers do not report.
     pub fingers: usize,
 }
 
 impl Holders {
-    /// Whether anything is held.
+    /// Whether any input device holds a key.
     pub const fn any(self) -> bool {
         self.keys > 0 || self.pointer || self.fingers > 0
     }
 
-    /// Whether a display with `keys` keys down (modifiers not counted), and a mouse button
-    /// down or not, confirms these holders.
+    /// Whether the reply of a display confirms these holders: `keys` keys (modifiers not
+    /// counted) and, with `pointer`, a mouse button are down.
     const fn are_confirmed_by(self, keys: usize, pointer: bool) -> bool {
         keys >= self.keys && (pointer || !self.pointer)
     }
@@ -59,18 +60,18 @@ impl Holders {
 /// Reply of a display to a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DisplayReply {
-    /// What is down.
+    /// The display reports what is down.
     Down {
         /// Number of keys, modifiers not counted.
         keys: usize,
-        /// A mouse button is down.
+        /// Whether a mouse button is down.
         pointer: bool,
     },
-    /// The display responds but does not report what is down.
+    /// The display responds but cannot report what is down.
     Alive,
 }
 
-/// Source of the proof that keys are held.
+/// Where the proof that keys are held comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum ProofSource {
     /// The display; there is no proof before its first reply.
@@ -84,19 +85,20 @@ enum ProofSource {
 struct State {
     source: ProofSource,
     holders: Holders,
-    /// A board moves slides: the display is queried continuously.
+    /// A board moves the slides, so the display is queried continuously.
     linked: bool,
-    /// The control is off: queries end.
+    /// The control is off, so the queries end.
     ended: bool,
     /// Time of the newest query with a reply.
     last_reply: Option<Duration>,
     /// Time of the newest query whose reply confirmed the holders.
     last_proof: Option<Duration>,
-    /// Start of the replies without a pause.
+    /// Time since which the display has replied without a pause; `None` while it does not.
     steady_since: Option<Duration>,
 }
 
-/// Shared by the window, the kernel thread and the thread that queries the display.
+/// State about held keys, shared by the window, the kernel thread and the thread that queries
+/// the display.
 #[derive(Clone, Debug, Default)]
 pub struct InputWatch(Arc<Mutex<State>>);
 
@@ -105,7 +107,7 @@ impl InputWatch {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Stores what holds keys now.
+    /// Stores which input devices hold keys now.
     pub fn set_holders(&self, holders: Holders) {
         self.state().holders = holders;
     }
@@ -115,7 +117,8 @@ impl InputWatch {
         self.state().linked = linked;
     }
 
-    /// Takes the frames of the window as proof, on systems without a display to query.
+    /// Accepts the frames of the window as proof that keys are held, on systems without a
+    /// display to query.
     pub fn trust_window(&self) {
         self.state().source = ProofSource::Window;
     }
@@ -153,7 +156,8 @@ impl InputWatch {
         }
     }
 
-    /// Whether keys that went down at `pressed` have been without proof for too long.
+    /// Whether keys that went down at `pressed` must be released because there is no recent
+    /// proof that they are held.
     pub fn has_lapsed(&self, pressed: Duration, now: Duration) -> bool {
         let state = self.state();
         let proof = state.last_proof.map_or(pressed, |proof| proof.max(pressed));
@@ -161,8 +165,8 @@ impl InputWatch {
         state.source == ProofSource::Display && now.saturating_sub(proof) > lease
     }
 
-    /// Whether the last message of the window, of time `last_message`, is too old for its
-    /// keys to stay down.
+    /// Whether the last message of the window, sent at `last_message`, is so old that its keys
+    /// must be released.
     pub fn has_window_lapsed(&self, last_message: Duration, now: Duration) -> bool {
         let lease = match self.state().linked {
             true => WINDOW_LEASE,
@@ -203,7 +207,7 @@ mod tests {
         fingers: 0,
     };
 
-    /// A display that replies within 5 ms, from 0 to `end`.
+    /// Records replies of a display that replies within 5 ms, from 0 to `end` ms.
     fn reply_until(watch: &InputWatch, end: u64, reply: DisplayReply) {
         for queried in (0..end).step_by(100) {
             watch.record_reply(ms(queried), ms(queried + 5), reply);

@@ -60,22 +60,22 @@ impl JobArgs {
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum JobError {
-    /// The job file cannot be read.
+    /// The file at the job's path cannot be read.
     File(#[from] ProgramFileError),
-    /// The file is not a job in RON.
+    /// The job file is not a job in RON.
     Syntax {
         path: PathBuf,
         line: usize,
         error: Box<ron::Error>,
     },
-    /// A number in the file is not finite.
+    /// A number in the job file is not finite.
     NonFiniteNumber {
         path: PathBuf,
         line: usize,
         /// The number as written.
         token: String,
     },
-    /// The job breaks a rule of [`Job::check`].
+    /// The job in the file breaks a rule of [`Job::check`].
     BrokenRule {
         path: PathBuf,
         /// The rule that is broken.
@@ -101,36 +101,36 @@ impl JobError {
     }
 }
 
-/// The job of a program and its origin.
+/// The job selected for a program, and where it comes from.
 #[derive(Clone, Debug)]
 pub struct SelectedJob {
     pub job: Job,
-    /// `None` if the job is a guess.
+    /// Path of the job file; `None` if the job was guessed from the moves of the program.
     pub file: Option<PathBuf>,
 }
 
 impl SelectedJob {
-    /// A new part with the stock and the tools of the job.
+    /// Creates an uncut part with the stock and the tools of the job.
     pub fn create_machining(&self) -> Machining {
         Machining::new(self.job.clone())
     }
 
-    /// Sets the work zero of the job if the setup has none. Returns the message to show in
-    /// that case.
+    /// Sets the work zero of the job if the setup has none, and returns the message that
+    /// reports it; `None` if nothing was set.
     pub fn set_work_zero(&self, setup: &mut Setup) -> Option<Message> {
         let zero = self.job.zero.filter(|_| setup.absolute.is_none())?;
         setup.absolute = Some(setup.start.unwrap_or_default() - zero.point());
         Some(say::job_work_zero(zero.x.0, zero.z))
     }
 
-    /// The name of the job file; `None` if the job is a guess.
+    /// The name of the job file; `None` if the job was guessed.
     pub fn file_name(&self) -> Option<String> {
         let file = self.file.as_ref()?;
         Some(file.display().to_string())
     }
 }
 
-/// The path of the job file of a program: `shaft.CNC` has `shaft.job.ron`.
+/// Returns the path of the job file of a program: `shaft.CNC` has `shaft.job.ron`.
 pub fn job_path(program: &Path) -> PathBuf {
     program.with_extension("job.ron")
 }
@@ -165,7 +165,7 @@ pub fn write(path: &Path, job: &Job) -> Result<(), WriteError> {
     atomic::write(path, text.as_bytes()).map_err(|error| WriteError::new(path, error))
 }
 
-/// A job as RON text.
+/// Formats a job as RON text.
 fn to_ron_text(job: &Job) -> Result<String, ron::Error> {
     let pretty = ron::ser::PrettyConfig::new()
         .depth_limit(3)

@@ -67,31 +67,31 @@ use program_start::StartWatch;
 use program_wait::WaitWatch;
 pub use thread::{KernelEnvironment, KernelThread, start};
 
-/// Ticks between two snapshots.
+/// Ticks of 1 ms between two snapshots.
 pub const SNAPSHOT_TICKS: u64 = 25;
-/// Ticks between two views of machine and PLC, while the window shows them.
+/// Ticks of 1 ms between two views of machine and PLC, while the window shows them.
 const MACHINE_VIEW_TICKS: u64 = 50;
 /// A handwheel that has not turned for this time is at rest.
 const WHEEL_REST_TIME: Duration = Duration::from_millis(300);
-/// Capacity of the queues of commands and notices.
+/// Capacity of the command queue and of the notice queue.
 const QUEUE_CAPACITY: usize = 1024;
 
-/// What the kernel has published of machine and PLC.
+/// What the kernel has published of machine and PLC, and when it publishes again.
 #[derive(Debug, Default)]
 struct MachineMonitor {
     last_view: Option<MachineView>,
-    /// Tick of the next view.
+    /// Tick at which the next view is published.
     next_tick: u64,
 }
 
-/// The kernel.
+/// Runs the control and carries out the commands of the window.
 #[derive(Debug)]
 pub struct Kernel {
     emulator: Emulator,
     commands: Receiver<Command>,
     snapshots: Arc<ArrayQueue<PanelSnapshot>>,
     machine: Arc<ArrayQueue<MachineView>>,
-    /// `Some` only while a view shows machine and PLC.
+    /// State of the publishing of machine and PLC; `Some` only while a view shows them.
     machine_monitor: Option<MachineMonitor>,
     /// The board that moves real slides, if one is connected.
     drive: Option<Drive>,
@@ -101,18 +101,19 @@ pub struct Kernel {
     serial: Option<SerialLine>,
     links: Arc<ArrayQueue<LinkView>>,
     link_watched: bool,
-    /// The snapshot contains the LCD in the other language, too.
+    /// Whether snapshots contain the LCD in the other language, too.
     translate_screen: bool,
-    /// The snapshot contains the motion, for the sound of the machine.
+    /// Whether snapshots contain the motion, for the sound of the machine.
     publish_motion: bool,
-    /// The lesson under way: a practice machine replaces the learner's own machine.
+    /// The lesson under way, in which a practice machine replaces the learner's own machine;
+    /// `None` outside lessons.
     lesson: Option<PracticeSession>,
     /// The alarms raised since the control was opened.
     alarm_history: AlarmHistory,
-    /// The program opened last.
+    /// The program that was opened last from a file; `None` before the first one.
     last_opened: Option<LastOpened>,
     notices: Sender<Notice>,
-    /// Key edges that wait, and the keys that are down.
+    /// Key events that wait for their tick, and the keys that are down.
     key_edges: KeyEdgeQueue,
     key_refusals: KeyRefusals,
     wait_watch: WaitWatch,
@@ -122,22 +123,22 @@ pub struct Kernel {
     speed_percent: u32,
     speed: RunSpeed,
     speed_ratio: Option<SpeedRatio>,
-    /// `Some` only while a scope is open.
+    /// The running scope recording; `Some` only while a scope is open.
     active_probe: Option<ActiveProbe>,
-    /// The part in the lathe.
+    /// The part in the lathe, with its job.
     part: KernelPart,
-    /// Number of commands so far: it proves that the window is alive.
+    /// Number of commands received so far; an increase proves that the window is alive.
     command_count: u64,
-    /// Proof that held keys are still held.
+    /// Holds the proof that held keys are still held.
     input_watch: InputWatch,
-    /// After the display has hung, the kernel drops handwheel turns until the wheel has
-    /// rested up to this time.
+    /// After the display has hung, handwheel turns are dropped until this time on the clock
+    /// with sleep; each further turn moves it by `WHEEL_REST_TIME`.
     wheel_rests_until: Duration,
     quit_requested: bool,
 }
 
 impl Kernel {
-    /// Creates a kernel and the console for its window.
+    /// Creates a kernel for an emulator, and the console through which its window talks to it.
     pub fn new(emulator: Emulator) -> (Self, Console) {
         let (commands, from_window) = bounded(QUEUE_CAPACITY);
         let (notices, from_kernel) = bounded(QUEUE_CAPACITY);
@@ -194,7 +195,7 @@ impl Kernel {
         )
     }
 
-    /// Sets the partner that sends programs in DNC operation.
+    /// Sets the source that sends programs in DNC operation.
     pub fn set_dnc_source(&mut self, source: DncSource) {
         self.partner = Some(DncPartner::new(source));
     }
@@ -209,8 +210,8 @@ impl Kernel {
         &self.emulator
     }
 
-    /// Returns the speed in force: only a program in automatic operation on the simulated
-    /// lathe runs faster or slower than on a real one (decision WINDOW-9).
+    /// Returns the speed in force: the selected one while a program runs automatically on the
+    /// simulated lathe, else that of a real lathe (decision WINDOW-9).
     pub fn speed(&self) -> RunSpeed {
         let runs = self.emulator.simulation.cnc.run_state() == RunState::Run;
         match runs && self.drive.is_none() {
@@ -219,7 +220,7 @@ impl Kernel {
         }
     }
 
-    /// Takes the window's commands and runs this number of ticks.
+    /// Carries out the window's commands and runs this number of ticks.
     pub fn run(&mut self, ticks: u64) {
         self.execute_commands();
         for _ in 0..ticks {
@@ -283,8 +284,8 @@ impl Kernel {
         }
     }
 
-    /// Publishes a snapshot if anything has changed since the last one; returns whether
-    /// there is something new to show.
+    /// Publishes a snapshot if anything has changed since the last one; returns true if there
+    /// is something new to show.
     pub fn publish(&mut self) -> bool {
         let part_shown = self.part.publish(&self.emulator.simulation);
         let views_shown = self.publish_machine() || part_shown;
@@ -298,7 +299,8 @@ impl Kernel {
         true
     }
 
-    /// Publishes machine and PLC if a view shows them and they have changed.
+    /// Publishes machine and PLC if a view shows them and they have changed; returns true if
+    /// so.
     fn publish_machine(&mut self) -> bool {
         let Some(monitor) = &mut self.machine_monitor else {
             return false;
@@ -358,9 +360,10 @@ impl Kernel {
         }
     }
 
-    /// Returns slides and spindle in motion, of the board or of the simulated lathe.
+    /// Returns slide positions and spindle speed: of the board if one is connected, else of
+    /// the simulated lathe.
     fn motion(&self) -> MachineMotion {
-        /// Resolution of the spindle speed, r/min.
+        /// Step to which the spindle speed is rounded, r/min.
         const STEP: f64 = 10.0;
         let Simulation { cnc, lathe, .. } = &self.emulator.simulation;
         let (slides, spindle) = match cnc.has_board() {
@@ -453,7 +456,7 @@ impl Kernel {
         }
     }
 
-    /// Queues a key press. The emergency stop waits for no other key.
+    /// Queues a key event. The emergency stop waits for no other key.
     fn press_key(&mut self, key: Key, edge: KeyEdge) {
         match key {
             Key::EmergencyStop => {
@@ -463,7 +466,7 @@ impl Kernel {
         }
     }
 
-    /// Opens a program and starts it on the simulated lathe.
+    /// Opens a program and starts it on the simulated lathe; with a board it is opened only.
     fn open_and_start(&mut self, opened: OpenedProgram) {
         let is_selected = self.open(opened);
         if is_selected && self.drive.is_none() {
@@ -503,15 +506,16 @@ impl Kernel {
         }
     }
 
-    /// The state that a project stores, and the operation level.
+    /// Returns the state of the learner's own machine that a project stores, and its operation
+    /// level.
     fn project_state(&self) -> (ProjectState, OperationLevel) {
         let own = self.own_machine();
         let level = own.simulation.cnc.battery_memory().authority.level();
         (retained::project::state_of_emulator(own), level)
     }
 
-    /// Whether the command would move a real machine while the display has hung: the age
-    /// of the key press is unknown.
+    /// Whether the command would move a real machine although its age is unknown, because the
+    /// display has hung.
     fn is_late(&mut self, command: &Command) -> bool {
         let turns = matches!(command, Command::Turn(_));
         let moves = match command {
@@ -554,7 +558,8 @@ impl Kernel {
         }
     }
 
-    /// Turns the handwheel; in step mode nothing moves and a notice says why.
+    /// Turns the handwheel by this number of detents. In step mode nothing moves and a notice
+    /// says why.
     fn turn_handwheel(&mut self, detents: i32) {
         self.emulator.turn(detents);
         let cnc = &self.emulator.simulation.cnc;
@@ -578,7 +583,7 @@ impl Kernel {
         }
     }
 
-    /// Reports why a key does nothing, or that a key acts again.
+    /// Notifies the window why a key does nothing, or that a key acts again.
     fn report_verdict(&self, verdict: Option<RefusalReport>) {
         match verdict {
             Some(RefusalReport::Refused(why)) => self.notify(Notice::KeyRefusal(Some(why))),
@@ -593,8 +598,8 @@ impl Kernel {
         alarm.or_else(|| cnc.active_message())
     }
 
-    /// Lets go of every key and drops the handwheel detents that the axis has not
-    /// followed: nothing proves any more that a hand is at the machine.
+    /// Releases every key and drops the handwheel detents that the axis has not followed yet,
+    /// because nothing proves any more that a hand is at the machine.
     fn release_keys_and_wheel(&mut self) {
         self.release_all_keys();
         self.drop_wheel();

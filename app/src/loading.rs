@@ -32,87 +32,87 @@ use crate::setup_args::{ModelMismatch, OffsetOption, ParameterOption, SetupArgs}
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum LoadError {
-    /// The data directory.
+    /// The data directory cannot be used.
     Data(#[from] DataDirError),
-    /// A file.
+    /// A program or machine file cannot be read.
     File(#[from] ProgramFileError),
-    /// `--input` with an address outside X.
+    /// `--input` has an address outside X; the payload is the address.
     NotAnInput(String),
-    /// `--start` outside the travel of a slide.
+    /// `--start` is outside the travel of a slide.
     StartBeyondTravel {
         /// Name of the axis.
         name: String,
-        /// Its section in a machine file.
+        /// Name of the axis's section in a machine file.
         section: String,
         /// Minus end of the travel, mm.
         minus: f64,
         /// Plus end of the travel, mm.
         plus: f64,
     },
-    /// `--param`.
+    /// `--param` has an invalid number or value.
     Parameter(#[from] ParameterError),
-    /// `--model-param`.
+    /// `--model-param` has an invalid number or value, for this reason.
     ModelParameter(Message),
-    /// An option that does not apply to a mill.
+    /// An option does not apply to the selected kind of machine, lathe or mill.
     OfMill(#[from] ModelMismatch),
-    /// `--mill-start`, `--mill-zero`, `--mill-offset`.
+    /// `--mill-start`, `--mill-zero` or `--mill-offset` is invalid, for this reason.
     MillWord(Message),
-    /// `--offset`.
+    /// `--offset` is refused by the control with this alarm.
     Offset(Box<Alarm>),
-    /// An address of the PLC.
+    /// An address of the PLC is invalid.
     Address {
-        /// The text.
+        /// The text of the address.
         text: String,
-        /// The error.
+        /// Why it is invalid.
         error: AddressError,
     },
-    /// A ladder with errors.
+    /// A ladder has errors.
     Ladder {
-        /// Path of the ladder.
+        /// Path of the ladder file.
         path: PathBuf,
-        /// Its errors.
+        /// The errors of the ladder.
         errors: CompileErrors,
     },
-    /// A machine file that cannot be read.
+    /// A machine file is malformed.
     Machine {
-        /// Path of the file.
+        /// Path of the machine file.
         path: PathBuf,
-        /// Line, from 1.
+        /// Line of the error in the file, from 1.
         line: usize,
         /// The error in this line.
         error: Box<ron::Error>,
     },
     /// A number in a machine file is not finite.
     MachineNumber {
-        /// Path of the file.
+        /// Path of the machine file.
         path: PathBuf,
-        /// Line, from 1.
+        /// Line of the number in the file, from 1.
         line: usize,
-        /// The number as written.
+        /// The number as written in the file.
         token: String,
     },
-    /// A machine file that breaks the rules for lathes.
+    /// A machine file breaks the rules for lathes.
     InvalidLathe {
-        /// Path of the file.
+        /// Path of the machine file.
         path: PathBuf,
-        /// The broken rules.
+        /// One message for each broken rule.
         rules: Vec<Message>,
     },
-    /// No program is named.
+    /// The command line names no program to run.
     NoProgram,
-    /// A subprogram without a number: no program could call it.
+    /// A subprogram file has no program number, so that no program could call it.
     NoNumber(PathBuf),
-    /// The memory refuses a program.
+    /// The memory refuses a program file.
     NotStored {
-        /// Path of its file.
+        /// Path of the program file.
         path: PathBuf,
-        /// The alarm.
+        /// The alarm with which the memory refuses it.
         alarm: Box<Alarm>,
     },
 }
 
 impl LoadError {
-    /// Returns the message for the operator.
+    /// Returns the message for the operator: what cannot be loaded, and why.
     pub fn message(&self) -> Message {
         match self {
             Self::Data(error) => error.message(),
@@ -150,7 +150,7 @@ impl LoadError {
     }
 }
 
-/// Messages about the programs that were loaded into the memory.
+/// Messages for the operator about programs that were loaded into the memory.
 #[derive(Clone, Debug, Default)]
 pub struct Notices(pub Vec<Message>);
 
@@ -163,8 +163,7 @@ impl Notices {
     }
 }
 
-/// Fits out a new control: without a machine file it drives the training lathe, which has
-/// a chuck.
+/// Equips `bare` with the training lathe, which has a chuck, unless a machine file is named.
 pub fn with_training_lathe(bare: Setup, machine: Option<&PathBuf>) -> Setup {
     match machine {
         Some(_) => bare,
@@ -191,8 +190,8 @@ pub fn command_setup(
     Ok(setup)
 }
 
-/// Makes the setups of `check` and `plot` with a mill: the mill, and the control that
-/// reads its programs.
+/// Makes the setup of a mill for `check` and `plot`, and the setup of the control that reads
+/// its programs.
 pub fn mill_setup(args: &SetupArgs) -> Result<(MillSetup, Setup), LoadError> {
     args.check_lathe_options()?;
     let mut setup = Setup::default();
@@ -218,14 +217,14 @@ pub fn mill_setup(args: &SetupArgs) -> Result<(MillSetup, Setup), LoadError> {
     Ok((mill, setup))
 }
 
-/// Applies the options of control and lathe.
+/// Applies the options of control and lathe to `setup`.
 pub fn apply_options(setup: &mut Setup, args: &SetupArgs) -> Result<(), LoadError> {
     args.refuse_mill()?;
     apply_options_from(setup, args, None)
 }
 
-/// Applies the options; `zero`: the work zero, if the options set it, machine coordinates,
-/// mm.
+/// Applies the options. `zero` is the work zero that the options set, in machine coordinates,
+/// mm (X as a radius); the start position counts from it.
 fn apply_options_from(
     setup: &mut Setup,
     args: &SetupArgs,
@@ -327,7 +326,7 @@ fn apply_offset(setup: &mut Setup, word: &OffsetOption) -> Result<(), LoadError>
         .map_err(|alarm| LoadError::Offset(Box::new(alarm)))
 }
 
-/// Parses an address such as `X0.4`.
+/// Parses a PLC address such as `X0.4`.
 pub fn parse_address(text: &str) -> Result<BitAddress, LoadError> {
     text.parse().map_err(|error| LoadError::Address {
         text: text.to_owned(),
@@ -353,7 +352,7 @@ pub fn load_machine(path: &Path) -> Result<LatheConfig, LoadError> {
     parse_machine(path, &program_file::read(path)?.text)
 }
 
-/// Parses the text of a machine file; `path` is for messages.
+/// Parses the text of a machine file and checks its rules; `path` is for error messages only.
 pub fn parse_machine(path: &Path, text: &str) -> Result<LatheConfig, LoadError> {
     if let Some(NonFinite { line, token }) = find_non_finite(text) {
         return Err(LoadError::MachineNumber {
@@ -390,7 +389,8 @@ pub fn open_program(setup: &mut Setup, files: &[PathBuf]) -> Result<Notices, Loa
     Ok(notices)
 }
 
-/// Reads a program file and stores the other programs it needs in the memory.
+/// Reads the program file `main` and returns its program; stores the other programs that it
+/// needs in `programs`.
 pub fn open_into(
     programs: &mut ProgramMemory,
     model: &ControlModel,
@@ -424,7 +424,8 @@ pub fn open_text(
     Ok(notices)
 }
 
-/// Returns the program of a text to run; stores the other programs it needs in the memory.
+/// Returns the program of a text that is to run; stores the other programs that it needs in
+/// the memory.
 fn load_text(
     (programs, model): (&mut ProgramMemory, &ControlModel),
     (main, text): (&Path, String),
@@ -456,7 +457,7 @@ fn load_text(
     Ok(program)
 }
 
-/// Stores the programs of files.
+/// Stores all programs of the files in `programs`.
 pub fn store_files(programs: &mut ProgramMemory, files: &[PathBuf]) -> Result<Notices, LoadError> {
     let mut notices = Vec::new();
     for path in files {
@@ -469,15 +470,15 @@ pub fn store_files(programs: &mut ProgramMemory, files: &[PathBuf]) -> Result<No
     Ok(Notices(notices))
 }
 
-/// Replaces the standard ladder by the one with keys for DNC.
+/// Replaces the standard ladder by the one with keys for DNC; other ladders stay.
 pub fn use_dnc_ladder(setup: &mut Setup) {
     if setup.ladder.is_standard() {
         setup.ladder = dnc_teach_ladder().into();
     }
 }
 
-/// Returns the index of the program of a file to run: the first, unless another one calls
-/// it; then the first that no program calls.
+/// Returns the index of the program in `parts` that is to run: the first one if no other
+/// program calls it, else the first one that no program calls.
 fn main_program_index(parts: &[Program], model: &ControlModel) -> usize {
     let [first, others @ ..] = parts else {
         return 0;
@@ -519,7 +520,8 @@ fn store_subprogram(
     }
 }
 
-/// Makes the setup of `run` and similar commands.
+/// Makes the setup of a command that starts with a new control: the data directory is not
+/// read, the options are applied.
 pub fn dry_run_setup(args: &SetupArgs) -> Result<Setup, LoadError> {
     let mut setup = with_training_lathe(Setup::default(), args.machine.as_ref());
     apply_options(&mut setup, args)?;

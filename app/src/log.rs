@@ -17,14 +17,14 @@ use crate::message_format::describe_io_error;
 use crate::platform::{LogFile, LogGuard, log_file};
 use crate::setup_args::OptionValueError;
 
-/// Folder of the log in the data directory.
+/// Name of the folder for log files in the data directory.
 pub const FOLDER: &str = "log";
 /// Number of log files that are kept.
 const MAX_FILES: usize = 14;
-/// Target of this program's events; events of libraries are dropped.
+/// Target of the log events of this program; events of libraries are dropped.
 const OWN_TARGET: &str = "gsk_app";
 
-/// Levels, from nothing to everything.
+/// Names of the log levels with their filters, from none to all events.
 pub const LEVELS: [(&str, LevelFilter); 6] = [
     ("off", LevelFilter::OFF),
     ("error", LevelFilter::ERROR),
@@ -34,7 +34,7 @@ pub const LEVELS: [(&str, LevelFilter); 6] = [
     ("trace", LevelFilter::TRACE),
 ];
 
-/// Parses a level.
+/// Parses the name of a log level.
 ///
 /// # Errors
 /// The word is no level.
@@ -44,24 +44,24 @@ pub fn parse_level(word: &str) -> Result<LevelFilter, OptionValueError> {
     found.ok_or_else(|| OptionValueError::UnknownLogLevel(word.to_owned()))
 }
 
-/// Why there is no log.
+/// The log folder cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub struct LogError {
     /// The folder that cannot be created or written.
     folder: PathBuf,
-    /// Error of the system.
+    /// Error of the operating system.
     cause: io::Error,
 }
 
 impl LogError {
-    /// Returns the message for the operator.
+    /// Returns the message for the operator: the log folder and the reason.
     pub fn message(&self) -> Message {
         say::log_not_written(self.folder.display(), describe_io_error(&self.cause))
     }
 }
 
-/// The thread that writes the file; dropping it writes what waits.
+/// Guard of the thread that writes the log file; dropping it writes the waiting lines.
 static WRITER: Mutex<Option<LogGuard>> = Mutex::new(None);
 
 /// A running log; dropping it ends the log.
@@ -75,7 +75,7 @@ impl Drop for RunningLog {
     }
 }
 
-/// Logs the end of the program and writes what waits: for an exit that drops nothing.
+/// Logs the end of the program and writes the waiting lines; for exits that drop no values.
 pub fn finish() {
     info!("ended");
     if let Ok(mut writer) = WRITER.lock() {

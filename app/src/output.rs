@@ -23,7 +23,7 @@ use crate::message_format::describe_io_error;
 use crate::platform;
 use crate::work_limit::WorkLimit;
 
-/// An error of a file that cannot be written, with its path.
+/// The error for a file that cannot be written, with its path.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub struct WriteError {
@@ -191,8 +191,8 @@ macro_rules! complain {
     };
 }
 
-/// Prints a report, as one JSON object or in words. `to_stderr` selects standard error, because
-/// the moves are on standard output.
+/// Prints a report, as one JSON object or in words. `to_stderr` selects standard error, for
+/// use when the moves are on standard output.
 ///
 /// # Errors
 /// The report cannot be converted to JSON.
@@ -226,12 +226,12 @@ pub struct PreviewWatch {
     limit: WorkLimit,
     bar: Option<ProgressBar>,
     line_count: u64,
-    /// When the progress line appears; `None` if it is off or already shown.
+    /// Time at which the progress line appears; `None` if it is off or already shown.
     progress_from: Option<Instant>,
 }
 
-/// Starts to watch a preview of the selected program. `shown` allows a progress line; it is
-/// off if several programs are previewed at once.
+/// Starts to watch a preview of the selected program. `shows_progress` permits a progress
+/// line; it must be false if several programs are previewed at once.
 pub fn watch_preview(
     programs: &ProgramMemory,
     limit: WorkLimit,
@@ -248,7 +248,7 @@ pub fn watch_preview(
 }
 
 impl PreviewWatch {
-    /// Updates the progress line. Returns false if the preview must end.
+    /// Updates the progress line. Returns false if the preview must be cancelled.
     pub fn update_progress(&mut self, progress: &PreviewProgress) -> bool {
         if self.progress_from.is_some_and(|from| Instant::now() > from) {
             self.progress_from = None;

@@ -15,11 +15,11 @@ pub struct CommandInputs<'a> {
     pub files: Vec<&'a Path>,
     /// The main program: its folder is searched for subprograms.
     pub main_program: Option<&'a Path>,
-    /// The data directory of the control.
+    /// The data directory of the control, if the command uses one.
     pub data_dir: Option<&'a Path>,
 }
 
-/// The paths of those results that the command line requests.
+/// Collects those result paths that the command line gives.
 pub fn collect_outputs<'a>(paths: &[&'a Option<PathBuf>]) -> Vec<&'a Path> {
     let requested = paths.iter().filter_map(|path| path.as_deref());
     requested.collect()
@@ -35,16 +35,16 @@ pub enum OverwriteError {
     InputFile(PathBuf),
     /// The next run would read the file as a subprogram.
     Subprogram {
-        /// Path of the result.
+        /// Path of the refused result.
         path: PathBuf,
-        /// Program number that the name or the file gives.
+        /// Program number in the name or the text of the file.
         number: u16,
-        /// The main program.
+        /// Path of the main program.
         main: PathBuf,
     },
     /// The file belongs to the memory in a data directory.
     ControlMemory {
-        /// Path of the result.
+        /// Path of the refused result.
         path: PathBuf,
         data: PathBuf,
     },
@@ -63,7 +63,7 @@ impl OverwriteError {
     }
 }
 
-/// Folders of the data directory that hold the control's memory.
+/// Names of the folders in the data directory that hold the control's memory.
 const MEMORY_FOLDERS: [&str; 5] = [
     "programs",
     "copies",
@@ -71,7 +71,7 @@ const MEMORY_FOLDERS: [&str; 5] = [
     models::MODELS_FOLDER,
     crate::log::FOLDER,
 ];
-/// Files of the data directory that hold the control's memory, besides `*.ron`.
+/// Names of the files in the data directory that hold the control's memory, besides `*.ron`.
 const MEMORY_FILES: [&str; 4] = ["ladder.il", "link.log", "lock", models::MODEL_FILE];
 
 /// Refuses results that would overwrite what the command reads, or each other.
@@ -117,7 +117,7 @@ pub fn check_overwrites(
     Ok(())
 }
 
-/// The absolute path of an existing or new file, symbolic links resolved.
+/// Returns the absolute path of an existing or new file, with symbolic links resolved.
 fn resolve_path(path: &Path) -> PathBuf {
     let resolved = path.canonicalize().or_else(|error| {
         let name = path.file_name().ok_or(error)?;
@@ -130,8 +130,8 @@ fn resolve_path(path: &Path) -> PathBuf {
     resolved.unwrap_or_else(|_| path.to_owned())
 }
 
-/// The program number under which a run of `main` would find the file as a subprogram;
-/// `None` if it would not.
+/// The program number under which a run of `main` would find the file at `path` as a
+/// subprogram; `None` if it would not.
 fn find_subprogram_number(main: &Path, path: &Path) -> Option<u16> {
     let (main_at, at) = (resolve_path(main), resolve_path(path));
     let by_name = (main_at.parent() == at.parent())
@@ -147,7 +147,7 @@ fn find_subprogram_number(main: &Path, path: &Path) -> Option<u16> {
     })
 }
 
-/// Whether a file belongs to the memory in a data directory.
+/// Whether the file at `path` belongs to the memory in the data directory `data`.
 fn is_memory_file(data: &Path, path: &Path) -> bool {
     let resolved = resolve_path(path);
     let Ok(relative) = resolved.strip_prefix(resolve_path(data)) else {

@@ -6,12 +6,12 @@ use web_time::{Duration, Instant};
 /// Time between two turns of the kernel thread, ms.
 pub const TURN_MS: u64 = 8;
 /// Limit of the ticks in one turn at the speed of a real lathe, so that keys take effect
-/// in between.
+/// between turns.
 const MAX_TICKS_REAL: u64 = 40;
 /// Longest delay that is caught up, ms. After a longer one the machine is slower than the
 /// clock, and no motion is skipped.
 const CATCH_UP_MS: u64 = 250;
-/// Measuring time of the ratio.
+/// Interval over which the ratio of machine time to wall time is measured.
 const WINDOW: Duration = Duration::from_secs(2);
 
 /// Limit of the ticks in one turn at the speed of the computer.
@@ -20,7 +20,7 @@ const MAX_TICKS_FASTEST: u64 = 100_000;
 /// Speed of machine time while a program runs on the simulated lathe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RunSpeed {
-    /// Machine time over wall time, %.
+    /// Machine time divided by wall time, %.
     Percent(u32),
     /// As fast as the computer can.
     Fastest,
@@ -46,14 +46,14 @@ impl RunSpeed {
     ];
 }
 
-/// Paces ticks of 1 ms.
+/// Determines how many ticks of 1 ms are due.
 #[derive(Clone, Copy, Debug)]
 pub struct TickPacer {
     speed: RunSpeed,
     /// Wall time of tick zero.
     origin: Instant,
     done_ticks: u64,
-    /// Time of the last call of `due`.
+    /// Time of the last call of [`Self::take_due`].
     last_due_call: Instant,
     window_start: Instant,
     window_done_ticks: u64,
@@ -61,7 +61,7 @@ pub struct TickPacer {
 }
 
 impl TickPacer {
-    /// Starts at a time.
+    /// Creates a pacer whose tick zero is at `now`, at the speed of a real lathe.
     pub const fn new(now: Instant) -> Self {
         Self {
             speed: RunSpeed::REAL,
@@ -79,7 +79,7 @@ impl TickPacer {
         self.speed
     }
 
-    /// Sets the speed; drops the ticks due by the old one.
+    /// Sets the speed; drops the ticks that are due by the old one.
     pub fn set_speed(&mut self, speed: RunSpeed, now: Instant) {
         if speed == self.speed {
             return;
@@ -118,12 +118,13 @@ impl TickPacer {
         overdue_ticks.min((MAX_TICKS_REAL * percent / 100).max(1))
     }
 
-    /// Takes back ticks that were due and have not run, for lack of time.
+    /// Returns ticks that [`Self::take_due`] has counted as done but that have not run, for
+    /// lack of time.
     pub const fn give_back(&mut self, ticks: u64) {
         self.done_ticks = self.done_ticks.saturating_sub(ticks);
     }
 
-    /// Returns when the next ticks are due.
+    /// Returns the time at which the next ticks are due.
     pub fn next_due(&self) -> Instant {
         match self.speed {
             RunSpeed::Percent(percent) => {
@@ -134,8 +135,8 @@ impl TickPacer {
         }
     }
 
-    /// Returns machine time over wall time in the last two seconds: the speed in force
-    /// unless the computer is too slow.
+    /// Returns machine time divided by wall time, measured over the last two seconds: the
+    /// speed in force unless the computer is too slow.
     pub const fn ratio(&self) -> f64 {
         self.ratio
     }

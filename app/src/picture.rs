@@ -7,22 +7,22 @@ use std::path::{Path, PathBuf};
 use gsk_messages::{Message, say};
 use gsk_runner::picture::{PictureFormat, UnknownPictureFormat};
 
-/// Why a picture cannot be written under a name.
+/// Why a picture cannot be written to a path.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum PictureNameError {
-    /// The extension is not that of a picture.
+    /// The extension is not one of a picture format.
     Ending(#[from] UnknownPictureFormat),
-    /// The extension is not that of a PNG.
+    /// The extension of this path is not `.png`.
     NotPng(PathBuf),
-    /// A solid view is made of pixels, not of lines.
+    /// A solid view can only be written as a PNG, because it consists of pixels.
     SolidNotPng(PathBuf),
-    /// The existing file is not a picture.
+    /// The existing file at this path is not a picture and is kept.
     NotOverwritten(PathBuf),
 }
 
 impl PictureNameError {
-    /// Returns the message for the operator.
+    /// Returns the message for the operator: why the picture cannot be written to the path.
     pub fn message(&self) -> Message {
         match self {
             Self::Ending(error) => error.message(),
@@ -33,7 +33,7 @@ impl PictureNameError {
     }
 }
 
-/// First bytes of every PNG file.
+/// The bytes with which every PNG file begins.
 const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 
 /// Checks that a PNG may be written under this name: it ends in `.png`, links followed,

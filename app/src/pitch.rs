@@ -33,7 +33,7 @@ pub enum EvaluatedMeasurement {
 }
 
 impl EvaluatedMeasurement {
-    /// The proposed parameter changes.
+    /// The proposed changes of pitch error parameters.
     pub const fn proposal(&self) -> &Proposal {
         match self {
             Self::Measured(_, _, plan) => &plan.proposal,
@@ -95,7 +95,8 @@ pub const fn axis_letter(axis: Axis) -> char {
     }
 }
 
-/// Lists parameter changes as project differences; values that stay equal are left out.
+/// Lists parameter changes as project differences to `state`; changes to an equal value are
+/// left out.
 pub fn list_differences(
     changes: &[ParameterChange],
     state: &ProjectState,

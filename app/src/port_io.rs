@@ -10,41 +10,42 @@ use web_time::{Duration, Instant};
 use crate::guard::{GuardError, Orphan, PortGuard};
 use crate::host_clock::HostClock;
 
-/// Longest time for the last bytes to a board.
+/// Longest time to write the last bytes to a board before the port is closed.
 const CLOSE_TIMEOUT: Duration = Duration::from_millis(500);
 
-/// Time between two attempts to write them.
+/// Time between two attempts to write the last bytes.
 const RETRY_INTERVAL: Duration = Duration::from_millis(2);
 
-/// One line of traffic.
+/// One line of the recorded traffic between PC and board.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TrafficLine {
     /// Time since the port was opened.
     pub at: Duration,
-    /// True: from the PC to the board.
+    /// True if the line went from the PC to the board.
     pub is_outward: bool,
-    /// The text; bytes that are no text appear as `\xNN`.
+    /// The text of the line; bytes that are not text appear as `\xNN`.
     pub text: String,
 }
 
 /// An open port. Dropping it without [`PortIo::close`] stops the board.
 pub struct PortIo {
-    /// `None` after it was closed.
+    /// The connection to the guard process; `None` after the port was closed.
     guard: Option<PortGuard>,
     clock: HostClock,
-    /// When the port was last read.
+    /// Time of the last read of the port.
     last_read: Duration,
     lookahead: Duration,
-    /// Bytes of incomplete texts, outward and inward.
+    /// Bytes of texts that are not complete yet: [0] to the board, [1] from the board.
     incomplete: [Vec<u8>; 2],
-    /// The traffic since the last call of [`PortIo::take_traffic`], while it is recorded.
+    /// The traffic since the last call of [`PortIo::take_traffic`]: time, whether it went to
+    /// the board, and bytes. Empty unless it is recorded.
     recorded: Vec<(Duration, bool, Vec<u8>)>,
     is_recording: bool,
 }
 
 impl PortIo {
-    /// Opens the port exclusively; `program` is the executable of the process that holds
-    /// it.
+    /// Opens the port exclusively; `program` is the executable file of the guard process,
+    /// which holds the port.
     ///
     /// # Errors
     /// The holder does not start, or cannot open the port; the message names the port.
@@ -73,17 +74,19 @@ impl PortIo {
         self.clock.now()
     }
 
-    /// Returns the time by which only the wall clock has advanced since the last call.
+    /// Returns the time by which only the wall clock has advanced since the last call; zero if
+    /// the clocks agree.
     pub fn take_jump(&mut self) -> Duration {
         self.clock.take_wall_clock_jump()
     }
 
-    /// Returns the id of the process that holds the port.
+    /// Returns the id of the guard process that holds the port; `None` after the port was
+    /// closed.
     pub fn holder_process_id(&self) -> Option<u32> {
         self.guard.as_ref().map(PortGuard::process_id)
     }
 
-    /// Reads the bytes that have arrived; waits at most 2 ms.
+    /// Returns the bytes of the board that have arrived; waits at most 2 ms for the first one.
     ///
     /// # Errors
     /// The port is gone.
@@ -113,23 +116,24 @@ impl PortIo {
         count
     }
 
-    /// Sets the bytes that stop the board when this program is gone; none: do not stop it.
+    /// Sets the bytes that the guard process sends to stop the board when this program is
+    /// gone; empty: it does not stop the board.
     pub fn set_stop_bytes(&mut self, bytes: &[u8]) {
         if let Some(guard) = &mut self.guard {
             guard.set_stop_bytes(bytes);
         }
     }
 
-    /// Renews the lease; called at every turn. With `is_moving` slides or spindle are in
-    /// motion: the holder then stops the board if the program falls silent.
+    /// Renews the lease at every turn of the caller. `is_moving`: slides or spindle are in
+    /// motion; the holder then stops the board if the program falls silent.
     pub fn renew_lease(&mut self, is_moving: bool) {
         if let Some(guard) = &mut self.guard {
             guard.renew_lease(is_moving, self.lookahead);
         }
     }
 
-    /// Takes what has happened to the board after [`PortIo::read`] has failed; `None` if
-    /// the port has failed.
+    /// Takes what happened to the board after [`PortIo::read`] has failed; `None` if the port
+    /// itself has failed.
     pub fn take_orphan(&mut self) -> Option<Orphan> {
         self.guard.as_mut().and_then(PortGuard::take_orphan)
     }

@@ -33,21 +33,22 @@ pub use control_import::{
     open_control_memory,
 };
 
-/// The file that marks a folder as a project.
+/// Name of the file that marks a folder as a project.
 pub const PROJECT_FILE: &str = "project.gpr";
-/// The marker file that is present while the files of a project are replaced.
+/// Name of the file that is present while the files of a project are replaced.
 const UNFINISHED_MARKER: &str = ".gsk980td-unfinished";
 /// Suffix of the hidden folder in which a new project is written.
 const NEW_FOLDER_SUFFIX: &str = ".gsk980td-new";
-/// Folders of a project; tables may also be at its top.
+/// Folders of a project, besides tables at its top.
 const PROJECT_FOLDERS: [&str; 3] = ["programs", "ladder", "disks"];
-/// Folder in the data directory for the memory as it was before each import.
+/// Name of the folder in the data directory that keeps the memory as it was before each
+/// import.
 const BACKUP_FOLDER: &str = "backups";
 
-/// The largest file that is read, programs excepted, bytes: a hundred times the usual size.
+/// Size limit of a project file that is not a program, bytes: a hundred times the usual size.
 const MAX_TABLE_BYTES: u64 = 4 * 1024 * 1024;
 
-/// Text encodings of the programs of a folder, by program number.
+/// Text encodings of the programs of a project folder, by program number.
 pub type Encodings = BTreeMap<u16, TextEncoding>;
 
 /// Why a project cannot be read, written or imported.
@@ -56,19 +57,19 @@ pub type Encodings = BTreeMap<u16, TextEncoding>;
 pub enum ProjectError {
     /// The data directory cannot be used.
     Data(#[from] DataDirError),
-    /// The folder contains other files.
+    /// The target folder contains other files than a project.
     NotEmpty(PathBuf),
     /// The folder is neither a project nor a data directory.
     NotAProject(PathBuf),
-    /// The last writing of the folder was interrupted.
+    /// The last write of the folder was interrupted, so that its files do not match.
     Unfinished(PathBuf),
-    /// An error of the operating system.
+    /// The operating system reports an error for this path.
     System(PathBuf, io::Error),
-    /// The errors in the files of the folder.
+    /// The files of the folder have these errors.
     Problems(PathBuf, Vec<ProjectProblem>),
-    /// Values that would be invalid after the import.
+    /// These values would be invalid after the import.
     InvalidValues(Vec<gsk_project::InvalidValue>),
-    /// The project is for another control model.
+    /// The project in the folder is for this control model, not for the requested one.
     OtherModel(PathBuf, ModelId),
     /// No operation level has this password.
     WrongPassword,
@@ -106,15 +107,15 @@ fn system_error(path: &Path) -> impl FnOnce(io::Error) -> ProjectError + '_ {
     |error| ProjectError::System(path.to_owned(), error)
 }
 
-/// A control of a model in its factory state, with the lathe of a machine file. The default
-/// lathe has a chuck.
+/// Makes a control of a model in its factory state, with the lathe of a machine file. The
+/// lathe without a file is the training lathe, which has a chuck.
 pub fn factory_setup(model: ModelId, machine: Option<&PathBuf>) -> Setup {
     let mut setup = loading::with_training_lathe(Setup::delivered(), machine);
     setup.memory.set_model(ControlModel::new(model));
     setup
 }
 
-/// Whether a folder is a project.
+/// Whether a folder contains the file that marks a project.
 pub fn is_project(folder: &Path) -> bool {
     platform::is_taken(&folder.join(PROJECT_FILE))
 }
@@ -133,7 +134,7 @@ pub fn read_control(
     Ok(read_content(&data, factory_setup(model, None)))
 }
 
-/// The project files in a folder, as relative paths with `/`.
+/// Lists the project files in a folder, as relative paths with `/`.
 fn list_project_files(folder: &Path) -> Result<Vec<String>, ProjectError> {
     let mut found = Vec::new();
     let mut pending_folders: Vec<String> = vec![String::new()];
@@ -213,7 +214,7 @@ pub fn read(folder: &Path) -> Result<(ProjectState, Encodings), ProjectError> {
     }
 }
 
-/// Size limit of a project file, bytes.
+/// Size limit of the project file `name`, bytes.
 fn max_bytes(name: &str) -> u64 {
     match program_number(name) {
         Some(_) => program_file::MAX_BYTES,
@@ -221,7 +222,7 @@ fn max_bytes(name: &str) -> u64 {
     }
 }
 
-/// Reads a regular file of at most `max_bytes` bytes.
+/// Reads a regular file; refuses one of more than `max_bytes` bytes.
 fn read_regular_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, Message> {
     let facts = platform::path_facts(path).map_err(say::as_written)?;
     // Reading a pipe would wait for its writer.
@@ -240,7 +241,7 @@ fn program_number(name: &str) -> Option<u16> {
     name.parse().ok()
 }
 
-/// The errors in a machine file or a job file; other files have none here.
+/// Lists the errors in a machine file or a job file; other files are not checked here.
 fn find_problems(path: &Path, name: &str, text: &str) -> Vec<ProjectProblem> {
     let problem = |line: Option<usize>, rule| ProjectProblem {
         file: name.to_owned(),
@@ -278,15 +279,15 @@ fn find_problems(path: &Path, name: &str, text: &str) -> Vec<ProjectProblem> {
     }
 }
 
-/// The numbers of files that a writing changed.
+/// Numbers of files that a call of [`write()`] has changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ProjectWriteCounts {
-    /// Files that are new or have other contents.
+    /// Number of files that are new or have other contents.
     pub changed_files: usize,
     pub removed_files: usize,
 }
 
-/// The encoding of an existing program file.
+/// The encoding of an existing program file; `None` if it cannot be read.
 fn read_encoding(path: &Path) -> Option<TextEncoding> {
     let bytes = read_regular_file(path, program_file::MAX_BYTES).ok()?;
     decode::decode(bytes).ok().map(|decoded| decoded.encoding)
@@ -356,7 +357,7 @@ pub fn write(
     })
 }
 
-/// Whether a file is a machine file or a job, which a control does not hold.
+/// Whether a file is a machine file or a job file, which a control does not hold.
 fn is_machine_or_job_file(name: &str) -> bool {
     name == "machine.ron" || name.ends_with(".job.ron")
 }
@@ -369,7 +370,8 @@ fn write_file(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), ProjectErro
     atomic::write(&path, bytes).map_err(system_error(&path))
 }
 
-/// Writes into a hidden folder and renames it: the project appears complete or not at all.
+/// Writes the files into a hidden folder and renames that to `folder`: the project appears
+/// complete or not at all.
 fn write_new(
     folder: &Path,
     bytes: &BTreeMap<String, Vec<u8>>,
@@ -420,7 +422,7 @@ pub fn back_up(data: &Path, held: &DataDirContent) -> Result<PathBuf, ProjectErr
     Ok(path)
 }
 
-/// Reads a machine file as the machine file of a project.
+/// Reads a machine file and returns its text with the key of a project's machine file.
 ///
 /// # Errors
 /// The file cannot be read, or is not a valid machine file.

@@ -178,13 +178,13 @@ pub struct MillArgs {
     pub mill_offsets: Vec<String>,
 }
 
-/// An option that contradicts a connected machine.
+/// An option that contradicts the state of a connected machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum MachineStateOption {
-    /// `--start`: the position of the slides.
+    /// `--start` was given, which sets the position of the slides.
     Slides,
-    /// `--spindle`: the speed of the spindle.
+    /// `--spindle` was given, which sets the speed of the spindle.
     Spindle,
 }
 
@@ -197,15 +197,15 @@ impl MachineStateOption {
     }
 }
 
-/// An option or command that does not suit the selected model, lathe or mill.
+/// An option or command that does not apply to the selected model, a lathe or a mill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum ModelMismatch {
     /// Programs of this mill cannot be executed.
     NotExecutable(ModelId),
-    /// The option belongs to lathes.
+    /// This option applies to lathes only.
     LatheOnly(&'static str),
-    /// The option belongs to mills.
+    /// This option applies to mills only.
     MillOnly(&'static str),
 }
 

@@ -11,30 +11,30 @@ use crate::platform::{self, Player};
 use mixer::{Mixer, RATE};
 pub use mixer::{OUTPUTS, SoundState};
 
-/// Volumes to choose from, %.
+/// Volumes that the operator can select, %.
 pub const VOLUMES: [u8; 4] = [10, 25, 50, 100];
-/// How far ahead of their time samples go to the player.
+/// How long before their time samples are passed to the player.
 const LEAD_TIME: Duration = Duration::from_millis(60);
-/// Time between two turns of the thread.
+/// Time between two turns of the sound thread.
 const TURN_INTERVAL: Duration = Duration::from_millis(10);
-/// Sound that is later than this is dropped: the computer was asleep.
+/// Sound that is later than this is dropped, because the computer was asleep.
 const MAX_DELAY: Duration = Duration::from_millis(500);
-/// Capacity of the queue to the thread.
+/// Capacity of the command queue to the sound thread.
 const QUEUE_CAPACITY: usize = 64;
 
-/// A command for the thread.
+/// A command for the sound thread.
 enum SoundCommand {
     State(SoundState),
     Volume(u8),
 }
 
-/// The window's end of the thread's channels.
+/// The window's ends of the channels to the sound thread.
 struct SoundChannels {
     commands: Sender<SoundCommand>,
     failures: Receiver<Message>,
 }
 
-/// The sound of the machine; without a volume it needs no thread and no player.
+/// Plays the sound of the machine; has no thread and no player while it is off.
 #[derive(Default)]
 pub struct MachineSound {
     volume: Option<u8>,
@@ -42,8 +42,8 @@ pub struct MachineSound {
 }
 
 impl MachineSound {
-    /// Switches the sound on, off, or to another volume, %. Returns once the message of a
-    /// failed player.
+    /// Sets the volume, %; `None` switches the sound off. Returns the message of a player that
+    /// has failed, once.
     pub fn set_volume(&mut self, volume: Option<u8>) -> Option<Message> {
         if self.volume != volume {
             self.volume = volume;
@@ -65,7 +65,7 @@ impl MachineSound {
         self.channels.is_some()
     }
 
-    /// Sends the current state of the machine.
+    /// Sends the state of the machine whose sound is to be played.
     pub fn send_state(&self, state: SoundState) {
         if let Some(line) = &self.channels {
             // A player that hangs must not hold up the window.
@@ -110,7 +110,7 @@ fn start_thread(volume: u8) -> Option<SoundChannels> {
     })
 }
 
-/// Counts the samples that are due.
+/// Counts the samples that are due by the clock.
 struct SampleClock {
     start: Instant,
     passed_samples: usize,

@@ -12,19 +12,19 @@ use crate::platform;
 /// Exit code after a termination signal.
 pub const TERMINATED_EXIT_CODE: u8 = 130;
 
-/// The signal handlers cannot be installed.
+/// The error for signal handlers that cannot be installed.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub struct SignalError(io::Error);
 
 impl SignalError {
-    /// Returns the message for the operator.
+    /// Returns the message for the operator: the signal handlers cannot be installed.
     pub fn message(&self) -> Message {
         say::signals_unheard(&self.0)
     }
 }
 
-/// Shared flag: the end of the program is requested.
+/// A shared flag that requests the end of the program.
 #[derive(Clone, Debug, Default)]
 pub struct TerminationFlag(Arc<AtomicBool>);
 
@@ -39,7 +39,7 @@ impl TerminationFlag {
         Ok(flag)
     }
 
-    /// Requests the end of the program: the window cannot be used any more.
+    /// Requests the end of the program, because the window cannot be used any more.
     pub fn request(&self) {
         self.0.store(true, Ordering::Relaxed);
     }

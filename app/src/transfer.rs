@@ -12,7 +12,7 @@ use crate::files::program_file::{self, ProgramFileError};
 use crate::message_format::describe_io_error;
 use crate::platform;
 
-/// Folder of received files in the data directory.
+/// Name of the folder in the data directory for the files that the control sends.
 pub const FOLDER: &str = "transfer";
 
 /// Why files that the control has sent cannot be stored.
@@ -24,7 +24,7 @@ pub struct TransferError {
 }
 
 impl TransferError {
-    /// Returns the message for the operator.
+    /// Returns the message for the operator: the folder, and why the files cannot be stored.
     pub fn message(&self) -> Message {
         say::file_not_written(self.folder.display(), describe_io_error(&self.error))
     }
@@ -46,7 +46,7 @@ pub fn write_files(folder: &Path, files: &[SerialFile]) -> Result<(), TransferEr
     Ok(())
 }
 
-/// Extensions of data for the control, as opposed to programs.
+/// Extensions of files with offsets, pitch errors and parameters, as opposed to programs.
 const DATA_EXTENSIONS: [&str; 3] = ["ofs", "wmp", "par"];
 
 /// Whether a file contains tool offsets, pitch errors or parameters, by its extension.
@@ -59,7 +59,7 @@ pub fn is_data_file(path: &Path) -> bool {
     })
 }
 
-/// Reads a file for the control.
+/// Reads a file that is to be sent to the control.
 ///
 /// # Errors
 /// The file cannot be read or decoded.
@@ -72,7 +72,7 @@ pub fn read_serial_file(path: &Path) -> Result<SerialFile, ProgramFileError> {
     })
 }
 
-/// Returns the names of files for a message.
+/// Joins the names of files for a message.
 pub fn describe_files(files: &[SerialFile]) -> String {
     match files {
         [file] => file.name.clone(),
@@ -81,8 +81,8 @@ pub fn describe_files(files: &[SerialFile]) -> String {
     }
 }
 
-/// Writes files in a separate thread: a slow disk never holds up the kernel. `done` gets
-/// the names and the folder, or why they were not written.
+/// Writes files in a separate thread, because a slow disk must not hold up the kernel. `done`
+/// gets the names and the folder, or why the files were not written.
 pub fn write_in_background(
     folder: PathBuf,
     files: Vec<SerialFile>,

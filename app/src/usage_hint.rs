@@ -11,14 +11,14 @@ use gsk_messages::{Language, Message, say};
 use crate::cli::{CommandLine, chinese, find_language};
 use crate::setup_args;
 
-/// Parses the command line of the process. On an error, or if help is requested, prints it
-/// and ends the process.
+/// Parses the command line of the process. Prints an error or requested help and ends the
+/// process.
 pub fn parse_command_line() -> CommandLine {
     let words: Vec<OsString> = env::args_os().collect();
     CommandLine::try_parse_from(&words).unwrap_or_else(|error| localize_error(error, &words).exit())
 }
 
-/// The text of a clap error, or of requested help, in the language of the command line.
+/// Translates a clap error, or requested help, into the language of the command line `words`.
 fn localize_error(error: Error, words: &[OsString]) -> Error {
     let localized = match find_language(words) {
         Some(Language::Zh) => chinese::translate_error(words, with_hint),
@@ -27,8 +27,8 @@ fn localize_error(error: Error, words: &[OsString]) -> Error {
     localized.unwrap_or_else(|| with_hint(error, Language::En))
 }
 
-/// Adds a hint to an unknown command: the form that was probably meant, such as an option
-/// before a file.
+/// Adds a hint to the error for an unknown command: the form that was probably meant, such as
+/// an option before a file.
 fn with_hint(mut error: Error, language: Language) -> Error {
     let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else {
         return error;
@@ -41,8 +41,8 @@ fn with_hint(mut error: Error, language: Language) -> Error {
     error
 }
 
-/// The hint for a word that is not a command. `has_similar_command`: clap knows a command with a similar
-/// name.
+/// Returns the hint for a word that is not a command; `None` if there is none.
+/// `has_similar_command`: clap knows a command with a similar name.
 fn hint_for_word(word: &str, has_similar_command: bool) -> Option<Message> {
     if CommandLine::command().find_subcommand(word).is_some() {
         return Some(say::hint_options_after_command(word));

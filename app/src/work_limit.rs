@@ -5,16 +5,16 @@ use web_time::{Duration, Instant};
 
 use crate::platform;
 
-/// Limits of a preview, from its beginning on.
+/// Limits of the work and the time of a preview.
 #[derive(Clone, Copy, Debug)]
 pub struct WorkLimit {
     budget: WorkBudget,
-    /// When the preview ends in any case.
+    /// Time at which the preview is cancelled; `None`: no time limit.
     deadline: Option<Instant>,
 }
 
 impl WorkLimit {
-    /// Limits the work alone: the same program gets the same result on every computer.
+    /// Limits the work only, so that the same program gets the same result on every computer.
     pub fn new(budget: WorkBudget) -> Self {
         Self {
             budget: budget.min(platform::LARGEST_PREVIEW),
@@ -22,7 +22,7 @@ impl WorkLimit {
         }
     }
 
-    /// Limits the time, too, counted from now.
+    /// Also limits the time, counted from this call; `None` sets no limit.
     #[must_use]
     pub fn with_deadline(self, time: Option<Duration>) -> Self {
         Self {

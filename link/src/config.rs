@@ -484,12 +484,12 @@ mod tests {
             (
                 "",
                 r#"coolant: "!PA0""#,
-                "io.coolant: is the pin of link.x.step, too",
+                "io.coolant: is also the pin of link.x.step",
             ),
             (
                 r#"limit: "^PA3""#,
                 "",
-                "z.dir: is the pin of link.x.limit, too",
+                "z.dir: is also the pin of link.x.limit",
             ),
             (
                 "",

@@ -9,40 +9,40 @@ use thiserror::Error;
 /// Why a task failed.
 #[derive(Debug, Error)]
 pub enum TaskError {
-    /// A command cannot be started.
+    /// A command cannot be started, for instance because it is not installed.
     #[error("{line}: {error}")]
     Start {
-        /// The command.
+        /// The command line.
         line: String,
-        /// The cause.
+        /// Error of the operating system.
         error: io::Error,
     },
-    /// A command failed.
+    /// A command ended with an error.
     #[error("{line}: {status}")]
     Failed {
-        /// The command.
+        /// The command line.
         line: String,
-        /// Its exit status.
+        /// Exit status of the command.
         status: ExitStatus,
     },
-    /// The path of a case does not have three parts.
+    /// The path of a new case, which the payload quotes, does not have three parts.
     #[error("{0}: a case is subject/code/name, for instance cycles/G71/roughing-small-step")]
     CaseParts(String),
-    /// The path of a case has a forbidden character.
+    /// The path of a new case, which the payload quotes, has a forbidden character.
     #[error("{0}: letters, digits and hyphens only")]
     CaseCharacters(String),
-    /// The folder of a new case exists.
+    /// The folder of a new case already exists.
     #[error("{} exists already", .0.display())]
     Exists(PathBuf),
     /// A folder or file cannot be read or written.
     #[error("{}: {error}", path.display())]
     Write {
-        /// The folder or file.
+        /// Path of the folder or file.
         path: PathBuf,
-        /// The cause.
+        /// Error of the operating system.
         error: io::Error,
     },
-    /// A tool for building the program for a system is not installed.
+    /// A tool that is needed to build the program for a system is not installed.
     #[error("the program for {system} is not built: {missing} is missing; {cure}")]
     Tools {
         /// The target system.
@@ -52,33 +52,33 @@ pub enum TaskError {
         /// How to install it.
         cure: &'static str,
     },
-    /// A release file is too large.
+    /// A release file exceeds its size limit.
     #[error("{}: {size} bytes are more than {largest}", path.display())]
     Large {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Its size, bytes.
+        /// Size of the file, bytes.
         size: u64,
-        /// The limit, bytes.
+        /// Size limit of the file, bytes.
         largest: u64,
     },
-    /// The changelog has no section of the version.
+    /// The changelog has no section of this version.
     #[error("CHANGELOG.md has no heading `## [{0}] – YYYY-MM-DD`")]
     NoHeading(String),
     /// The requirements of a program cannot be read.
     #[error("{}: {why}", path.display())]
     Program {
-        /// The program.
+        /// Path of the program.
         path: PathBuf,
-        /// The reason.
+        /// Why they cannot be read.
         why: String,
     },
     /// An archive cannot be written.
     #[error("{}: {error}", path.display())]
     Archive {
-        /// The archive.
+        /// Path of the archive.
         path: PathBuf,
-        /// The cause.
+        /// Error of the archive library.
         error: zip::result::ZipError,
     },
 }

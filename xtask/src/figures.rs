@@ -11,10 +11,10 @@ use crate::dist::target;
 use crate::error::TaskError;
 use crate::shapes;
 
-/// Sample programs whose `check` and `run` are timed.
+/// Names of the sample programs whose `check` and `run` are timed.
 const SAMPLES: [&str; 3] = ["01-stepped-shaft", "02-bushing", "03-grooved-pin"];
 
-/// Runs per figure; the median counts.
+/// Number of runs per figure; the median is printed.
 const RUNS: usize = 5;
 
 /// Speed of `rs274 -g` of LinuxCNC 2.9 on an x86-64 computer with two cores, in blocks per
@@ -29,7 +29,7 @@ const LINUXCNC: [(&str, f64); 6] = [
     ("macro loop", 505_000.0),
 ];
 
-/// Measures and prints all figures.
+/// Measures all figures of speed and prints them.
 pub fn print() -> Result<(), TaskError> {
     run("cargo", &["bench", "--workspace", "--locked"], &[])?;
     run("cargo", &["build", "--release", "--locked"], &[])?;
@@ -60,8 +60,8 @@ pub fn print() -> Result<(), TaskError> {
     measure_long_programs(&program, &folder.join("long.CNC"))
 }
 
-/// Time and memory of long programs: `check` of ten thousand to ten million blocks, `plot`
-/// of a million moves.
+/// Measures and prints time and memory for long programs: `check` of ten thousand to ten
+/// million blocks, `plot` of a million moves.
 fn measure_long_programs(program: &Path, file: &Path) -> Result<(), TaskError> {
     let write = |text: String| {
         fs::write(file, text).map_err(|error| TaskError::Write {
@@ -93,9 +93,9 @@ fn measure_long_programs(program: &Path, file: &Path) -> Result<(), TaskError> {
     Ok(())
 }
 
-/// Runs a command and returns its time and peak memory as text.
+/// Runs a command and formats its time and peak memory.
 fn time_and_memory(command: &[&str]) -> Result<String, TaskError> {
-    /// GNU time; a shell's own `time` does not report memory.
+    /// Path of GNU time; a shell's own `time` does not report memory.
     const GNU_TIME: &str = "/usr/bin/time";
     let begun = Instant::now();
     if !Path::new(GNU_TIME).exists() {
@@ -112,7 +112,7 @@ fn time_and_memory(command: &[&str]) -> Result<String, TaskError> {
     Ok(format!("{seconds:.2} s, {:.0} MiB", peak / 1024.0))
 }
 
-/// Measures `check` of a file and returns its figures as text.
+/// Measures `check` of a file and formats its figures.
 fn measure_check(program: &Path, name: &str, file: &Path) -> Result<String, TaskError> {
     let check = [
         program.to_string_lossy(),
@@ -146,7 +146,7 @@ fn measure_check(program: &Path, name: &str, file: &Path) -> Result<String, Task
     ))
 }
 
-/// Counts the instructions of a command; `None` if valgrind is not installed.
+/// Counts the processor instructions of a command; `None` if valgrind is not installed.
 fn count_instructions(command: &[impl AsRef<str>]) -> Option<f64> {
     let counted = Command::new("valgrind")
         .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
@@ -177,7 +177,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// The whole number after the text `before`.
+/// Returns the whole number that follows `before` in the text; `None` if there is none.
 fn number_after(text: &str, before: &str) -> Option<f64> {
     let (_, rest) = text.split_once(before)?;
     let rest = rest.trim_start();

@@ -19,10 +19,10 @@ use crate::setup_args::OptionValueError;
 
 static TABLE_TEXT: &str = include_str!("../../../assets/tables/command-line.tsv");
 
-/// Chinese texts by their English originals.
+/// English texts with their Chinese translations.
 type Texts = BTreeMap<&'static str, &'static str>;
 
-/// The rows of the table by kind.
+/// The rows of the translation table, by the kind in their first column.
 struct ChineseTexts {
     texts: Texts,
     values: Texts,
@@ -45,8 +45,8 @@ impl ChineseTexts {
         }
     }
 
-    /// Translates a text of a command or option line by line. A line without a row stays
-    /// English.
+    /// Translates a text of a command or option line by line. A line that the table lacks
+    /// stays English.
     fn translate_text(&self, english: &StyledStr) -> String {
         let translate = |line: &str| {
             let text = line.trim_start();
@@ -74,7 +74,7 @@ impl ChineseTexts {
         out
     }
 
-    /// Translates a command and its subcommands.
+    /// Translates all texts of a command and of its subcommands.
     fn translate_command(&self, command: Command) -> Command {
         let about = command.get_about().map(|text| self.translate_text(text));
         let long_about = command
@@ -141,7 +141,7 @@ impl ChineseTexts {
         }
     }
 
-    /// One line of the list of possible values.
+    /// Formats one line of the list of possible values of an option.
     fn format_possible_value(&self, value: &PossibleValue) -> String {
         let name = value.get_name();
         match value.get_help() {
@@ -151,7 +151,8 @@ impl ChineseTexts {
     }
 }
 
-/// Translates a sentence of clap in a line; `None` if the line does not contain it.
+/// Replaces the English sentence of clap in a line by the Chinese one; `None` if the line does
+/// not contain it.
 fn replace_sentence(line: &str, english: &str, chinese: &str) -> Option<String> {
     let mut parts = english.split("{}");
     let first = parts.next()?;
@@ -178,8 +179,8 @@ fn replace_sentence(line: &str, english: &str, chinese: &str) -> Option<String> 
     Some(out)
 }
 
-/// The English and the Chinese reason why a value is invalid, if the parser of this program
-/// reported it.
+/// The reason why a value is invalid, as the English text in the error and as a message;
+/// `None` if no parser of this program reported it.
 fn find_reason(error: &Error) -> Option<(String, Message)> {
     let source = error.source()?;
     let word = || source.downcast_ref().map(OptionValueError::message);
@@ -189,7 +190,7 @@ fn find_reason(error: &Error) -> Option<(String, Message)> {
     Some((source.to_string(), message))
 }
 
-/// All commands with Chinese texts.
+/// The command line parser with all texts in Chinese.
 pub fn chinese_command() -> Command {
     let mut command = CommandLine::command();
     // Options are built when their command is called.
@@ -202,8 +203,8 @@ pub fn translate_clap_text(rendered: &str) -> String {
     ChineseTexts::read().translate_rendered(rendered)
 }
 
-/// The Chinese text of a faulty command line or of requested help. `hint` adds a usage hint.
-/// `None` if the command line is correct.
+/// Parses the command line `words` and returns the Chinese error, or the Chinese help if
+/// requested; `None` if the command line is correct. `hint` adds a usage hint to an error.
 pub fn translate_error(words: &[OsString], hint: fn(Error, Language) -> Error) -> Option<Error> {
     let error = chinese_command().try_get_matches_from_mut(words).err()?;
     let error = hint(error, Language::Zh);
@@ -245,7 +246,7 @@ mod tests {
         "华兴 31/32",
     ];
 
-    /// Collects the visible commands with their words.
+    /// Collects the visible commands, each with the words that call it.
     fn collect_commands(command: &Command, words: &str, out: &mut Vec<(String, Command)>) {
         out.push((words.to_owned(), command.clone()));
         for subcommand in command.get_subcommands().filter(|it| !it.is_hide_set()) {
@@ -261,7 +262,7 @@ mod tests {
         out
     }
 
-    /// The lines of all help texts of a command and its options.
+    /// All lines of the help texts of a command and its options.
     fn help_lines(command: &Command) -> BTreeSet<String> {
         let mut texts = vec![
             command.get_about(),
@@ -342,7 +343,8 @@ mod tests {
         }
     }
 
-    /// The first line with an English word of clap; lines of scripts contain none.
+    /// The first line of `text` that contains an English word of clap, which lines of scripts
+    /// do not; `None` if there is none.
     fn find_english(text: &str) -> Option<&str> {
         let words = [
             "Usage",

@@ -6,7 +6,7 @@ use std::ffi::OsString;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gsk_runner::Language;
 
-/// Parser of a language name.
+/// Creates the parser of the value of `--lang`.
 pub(super) fn language_parser() -> impl TypedValueParser<Value = Language> {
     let words = [("zh", "Chinese"), ("en", "English")];
     // The parser accepts no other word.
@@ -26,8 +26,8 @@ pub fn first_window_language() -> Language {
     window_language(locale().as_deref())
 }
 
-/// English on a system of any other language than Chinese. A system without a language leaves
-/// the panel's own.
+/// English if the locale names another language than Chinese; Chinese, the panel's default, if
+/// it is Chinese or names none.
 fn window_language(locale: Option<&str>) -> Language {
     match locale {
         Some(name) if !is_chinese(name) && !is_unset(name) => Language::En,
@@ -41,7 +41,7 @@ fn is_unset(locale: &str) -> bool {
     matches!(name, "C" | "POSIX")
 }
 
-/// The locale of the user.
+/// The locale of the user's account; `None` if the system reports none.
 fn locale() -> Option<String> {
     // The first variable that is set decides, as usual. This holds on Windows, too, for
     // shells ported from Unix; otherwise the operating system decides.
@@ -50,8 +50,8 @@ fn locale() -> Option<String> {
     first_set.or_else(system)
 }
 
-/// The language of error messages about a command line that may be malformed: from `--lang`
-/// among its words, else from the operating system.
+/// The language for error messages about a command line that may be malformed: the value of
+/// `--lang` in `words`, else the language of the operating system.
 pub fn find_language(words: &[OsString]) -> Option<Language> {
     let mut words = words.iter().filter_map(|word| word.to_str());
     let mut requested = None;
@@ -78,7 +78,7 @@ fn system() -> Option<String> {
     sys_locale::get_locale()
 }
 
-/// A page in a browser has no command line.
+/// Returns `None`: a page in a browser has no command line.
 #[cfg(not(any(unix, windows)))]
 const fn system() -> Option<String> {
     None

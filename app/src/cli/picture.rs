@@ -24,7 +24,7 @@ pub struct PictureArgs {
 }
 
 impl PictureArgs {
-    /// The options in the form of the drawing module.
+    /// Converts the options to those of the drawing module.
     pub fn to_look(self) -> DrawingOptions {
         DrawingOptions {
             size: self.size.unwrap_or_default(),
@@ -35,7 +35,7 @@ impl PictureArgs {
         }
     }
 
-    /// Whether an option needs the part.
+    /// Whether one of the options requires the part to be cut for the drawing.
     pub const fn needs_part(self) -> bool {
         self.dimensions || self.tools
     }

@@ -26,7 +26,7 @@ pub struct LimitArgs {
 }
 
 impl LimitArgs {
-    /// Starts the limits; the time limit counts from now.
+    /// Returns the work limit of a preview; its time limit counts from this call.
     pub fn start(self) -> WorkLimit {
         let budget = WorkBudget {
             moves: self.most_moves,

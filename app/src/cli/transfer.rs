@@ -32,7 +32,7 @@ pub enum TextEnd {
 }
 
 impl TextEnd {
-    /// The line end in the form of the transfer crate.
+    /// Converts the line end to the type of the transfer crate.
     pub const fn to_line_end(self) -> TextLineEnd {
         match self {
             Self::Crlf => TextLineEnd::CrLf,
@@ -101,14 +101,14 @@ pub enum ExistingFile {
     Skip,
 }
 
-/// Parser of a partition of the control's memory.
+/// Parses the name of a partition of the control's memory: USER, USER1 or USER2.
 fn parse_partition(word: &str) -> Result<Partition, OptionValueError> {
     let mut all = Partition::ALL.into_iter();
     let found = all.find(|partition| partition.name().eq_ignore_ascii_case(word));
     found.ok_or(OptionValueError::UnknownPartition)
 }
 
-/// Parser of a file name at the control.
+/// Parses the name of a file at the control, such as `O0001.CNC`.
 fn parse_file_name(word: &str) -> Result<FileName, gsk_transfer::FileNameError> {
     FileName::new(word)
 }

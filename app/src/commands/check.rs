@@ -18,7 +18,7 @@ use crate::job::{self, write_section};
 use crate::loading;
 use crate::overwrite_guard::{CommandInputs, check_overwrites, collect_outputs};
 
-/// Checks programs and returns the exit code.
+/// Checks programs, prints the results and returns the highest exit code.
 pub fn check(args: &CheckArgs, language: Option<Language>) -> Result<u8, CommandError> {
     if args.setup.selected_model().is_mill() {
         return mill::check(args, language);

@@ -39,45 +39,45 @@ pub enum CommandError {
     Data(#[from] DataDirError),
     /// The program cannot be executed.
     Execution(#[from] ExecutionError),
-    /// A malformed message from the editor, or a closed connection.
+    /// The editor sent a malformed message or closed the connection; holds the reason.
     Editor(String),
     /// A program file cannot be read.
     File(#[from] ProgramFileError),
-    /// There is no job for the program.
+    /// No job was found or guessed for the program, or the job file is faulty.
     Job(#[from] JobError),
-    /// A value cannot be written as JSON.
+    /// A result cannot be written as JSON.
     Json(#[from] serde_json::Error),
-    /// A lesson is unknown or faulty.
+    /// A lesson is unknown or its file is faulty; holds the reason.
     Lesson(Message),
     /// The section `link` of the machine file is invalid.
     Link(#[from] LinkConfigError),
     /// The initial state of the control cannot be loaded.
     Load(#[from] LoadError),
-    /// The file name is not that of a picture.
+    /// The name of the output file is not that of a picture.
     Name(#[from] PictureNameError),
-    /// The ending of the file name is not one of a picture format.
+    /// The extension of the output file is not one of a picture format.
     Ending(#[from] UnknownPictureFormat),
     /// `hold-port` has no parent program that needs the port.
     NoProgram(#[from] NoProgram),
-    /// A measurement of pitch errors cannot be used.
+    /// A measurement of pitch errors cannot be used; holds the reason.
     Pitch(Message),
-    /// The picture cannot be drawn.
+    /// The picture cannot be drawn or written.
     Picture(#[from] PictureError),
-    /// The port cannot be opened.
+    /// A serial port cannot be opened.
     Port(#[from] PortError),
     /// The project cannot be read or written.
     Project(#[from] ProjectError),
-    /// An open port or stream failed.
+    /// A port or stream failed after it had been opened.
     Gone(io::Error),
-    /// An option contradicts a connected machine.
+    /// An option contradicts the state of a connected machine.
     SetByTheMachine(#[from] MachineStateOption),
     /// The signal handlers cannot be installed.
     Signals(#[from] SignalError),
-    /// A text from the serial port cannot be used.
+    /// A file that the control has sent cannot be written.
     Transfer(#[from] TransferError),
-    /// The transfer of files failed.
+    /// A file transfer with the control failed.
     Files(#[from] FilesError),
-    /// A result cannot be written.
+    /// A result file cannot be written.
     Write(#[from] WriteError),
     /// A stream of results, such as moves, cannot be written.
     Output(io::Error),
@@ -87,43 +87,44 @@ pub enum CommandError {
         /// One error for each faulty line.
         errors: Vec<ScriptError>,
     },
-    /// No help topic matches the question.
+    /// No help topic matches the question, which the payload quotes.
     NoTopic(String),
-    /// No LCD page has this name.
+    /// No LCD page has the requested name.
     NoPage {
         name: String,
-        /// The names of all pages.
+        /// The names of all pages, for the message.
         pages: String,
     },
-    /// Several parts at a real machine need an operator at a terminal. Holds the number of
-    /// parts.
+    /// Several parts (the payload is their number) are requested at a real machine, but there
+    /// is no operator at a terminal.
     Unattended(u32),
-    /// `--moves` was given for several programs.
+    /// `--moves` was given with several programs; it takes only one.
     OneProgram,
-    /// `--section` was given for several programs.
+    /// `--section` was given with several programs; it takes only one.
     OneSection,
-    /// The error of another file ended the check.
+    /// This file was not checked, because an error in another file ended the check.
     NotChecked,
-    /// One port is named for both the serial line and DNC.
+    /// The serial line and DNC are given the same port, whose name is the payload.
     SamePort(String),
-    /// The questions of the first start would choose a lathe, but a board is connected.
+    /// `--first-start` was given, but a board is connected: the questions would choose another
+    /// lathe.
     FirstStartAtBoard,
     /// Neither the command line nor the machine file names a board's port.
     NoPort,
     /// Neither the command line nor the window's settings name a port of the PC.
     NoTransferPort,
-    /// The feed exceeds the pulse rate of the board.
+    /// The feed requires more pulses per second than the board can make.
     TooFast {
         /// Feed in mm/min.
         feed: f64,
-        /// Pulse rate of that feed, 1/s.
+        /// Pulse rate that the feed requires, pulses per second.
         rate: f64,
-        /// Maximum pulse rate of the board, 1/s.
+        /// Maximum pulse rate of the board, pulses per second.
         most: f64,
     },
-    /// The board moves or is locked.
+    /// The board cannot begin a test move: it is moving or locked.
     NotStill,
-    /// The program does not exist.
+    /// The program file at this path does not exist.
     NoFile(PathBuf),
     /// The memory of the control cannot be saved.
     NotSaved(#[from] NotSaved),

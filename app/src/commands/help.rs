@@ -10,7 +10,7 @@ use crate::cli::{CommandLine, HelpArgs, chinese};
 
 /// Up to this number of articles are printed in full; more are listed.
 const MAX_FULL_ARTICLES: usize = 4;
-/// Most lines of the list.
+/// Maximum number of lines in the list of topics.
 const MAX_LISTED_TOPICS: usize = 40;
 
 /// Prints help on a command or a topic.
@@ -75,7 +75,7 @@ pub fn help(args: &HelpArgs, spoken: Option<Language>) -> Result<u8, CommandErro
     Ok(EXIT_OK)
 }
 
-/// One line per topic: the words that select it, and its name.
+/// Formats one line per topic: the words that select it, and its name.
 fn format_headings(topics: &[&Topic], language: Language) -> String {
     let line = |topic: &&Topic| {
         let name = gsk_help::subject_name(topic.subject, language);

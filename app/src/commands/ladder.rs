@@ -20,7 +20,7 @@ pub fn ladder(command: &LadderCommand) -> Result<u8, CommandError> {
     }
 }
 
-/// The errors of a ladder, one line each.
+/// The errors of a ladder, one string per error.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", .0.join("\n"))]
 struct LadderErrors(Vec<String>);
@@ -37,7 +37,7 @@ fn compile(path: Option<&Path>) -> Result<Result<Arc<Ladder>, LadderErrors>, Com
     }))
 }
 
-/// A line such as `door.il:123: E03 …`, which editors link to the file.
+/// Formats an error of a ladder as `door.il:123: E03 …`, which editors link to the file.
 fn format_finding(name: &str, found: &CompileError) -> String {
     let text = output::localize(&found.message);
     format!("{name}:{}: {} {text}", found.line, found.code)
@@ -118,7 +118,7 @@ fn run(args: &LadderRunArgs) -> Result<u8, CommandError> {
     Ok(EXIT_OK)
 }
 
-/// The outputs that are on and the active messages.
+/// Formats the outputs that are on and the active messages of the PLC, one per line.
 fn format_outputs(plc: &Plc) -> String {
     let mut out = String::new();
     let memory = plc.memory();

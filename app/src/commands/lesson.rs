@@ -50,7 +50,7 @@ fn list(data: Option<&Path>, language: Option<Language>) -> u8 {
     }
 }
 
-/// Finds a lesson by name, else reads it from a file.
+/// Finds a lesson by its name; a name that is unknown is read as a file.
 fn find(name: &Path, data: Option<&Path>) -> Result<Lesson, CommandError> {
     let all_lessons = lessons::load_lessons(data).lessons;
     let names: Vec<String> = all_lessons
@@ -68,7 +68,7 @@ fn find(name: &Path, data: Option<&Path>) -> Result<Lesson, CommandError> {
     Err(CommandError::Lesson(message))
 }
 
-/// Plays the solution and reports the outcome of every step.
+/// Plays the solution of a lesson and prints the outcome of every step; returns the exit code.
 fn run(lesson: Lesson, language: Option<Language>) -> Result<u8, CommandError> {
     let lesson = Arc::new(lesson);
     let text_language = language.unwrap_or(Language::En);

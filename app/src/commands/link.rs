@@ -42,8 +42,8 @@ fn list() -> Result<u8, CommandError> {
     Ok(EXIT_OK)
 }
 
-/// Opens the selected board with the settings of the machine file and the parameters of the
-/// control.
+/// Opens the board with the link settings of the machine file, the parameters of the control
+/// and the options.
 fn open(args: &LinkBoardArgs) -> Result<BoardSession, CommandError> {
     let setup = loading::command_setup(&args.setup, None, None)?;
     let mut config: LinkConfig = setup.lathe.link.unwrap_or_default();
@@ -61,7 +61,8 @@ fn open(args: &LinkBoardArgs) -> Result<BoardSession, CommandError> {
     )?)
 }
 
-/// Prints the alarms. Returns true if one of them is not about settings that differ.
+/// Prints the alarms among the events. Returns true if any of them is about something other
+/// than differing settings.
 fn print_alarms(events: &[LinkEvent]) -> bool {
     let mut failed = false;
     for event in events {
@@ -194,7 +195,7 @@ fn monitor(args: &LinkMonitorArgs) -> Result<u8, CommandError> {
     Ok(if failed { EXIT_ALARM } else { EXIT_OK })
 }
 
-/// Prints the traffic since the last call.
+/// Prints the recorded traffic since the last call.
 fn print_traffic(board: &mut BoardSession) {
     for line in board.take_traffic() {
         let arrow = if line.is_outward { '>' } else { '<' };

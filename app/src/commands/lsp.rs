@@ -28,14 +28,14 @@ use super::{CommandError, EXIT_OK};
 use crate::cli::LspArgs;
 use crate::loading;
 
-/// Exit code: the editor disconnected without `shutdown`.
+/// Exit code if the editor disconnected without `shutdown`.
 const EXIT_DISCONNECTED: u8 = 1;
 
-/// The control that the programs are checked for.
+/// The control model and memory that the programs are checked for.
 pub struct CheckedControl {
-    /// Its memory; for a mill only the programs in it are used.
+    /// Memory and settings of the control; for a mill only the programs in it are used.
     setup: Setup,
-    /// The setup of the mill, if the model is one.
+    /// The setup of the mill; `None` if the model is a lathe.
     mill: Option<MillSetup>,
 }
 

@@ -11,7 +11,7 @@ use crate::output::{self, WriteError};
 
 const NAME: &str = "gsk980td";
 
-/// Prints a completion script for a shell.
+/// Prints the completion script for the shell in `args`; returns the exit code.
 pub fn completions(args: &CompletionsArgs) -> u8 {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut CommandLine::command(), NAME, &mut script);
@@ -39,7 +39,7 @@ pub fn man(args: &ManArgs) -> Result<u8, CommandError> {
     Ok(EXIT_OK)
 }
 
-/// A command and all its visible subcommands.
+/// Lists a command and all its visible subcommands.
 fn visible_commands(command: clap::Command) -> Vec<clap::Command> {
     let below = command
         .get_subcommands()
@@ -48,7 +48,7 @@ fn visible_commands(command: clap::Command) -> Vec<clap::Command> {
     [vec![command], below].concat()
 }
 
-/// The file name of a manual page: the words of the command, joined.
+/// The file name of a manual page without extension: the words of the command, joined.
 fn file_name(command: &clap::Command) -> String {
     command.get_display_name().unwrap_or(NAME).to_owned()
 }

@@ -21,7 +21,7 @@ use crate::overwrite_guard::{CommandInputs, check_overwrites, collect_outputs};
 use crate::picture::check_name;
 use crate::setup_args::ModelMismatch;
 
-/// The error for an option that mills do not have.
+/// Creates the error for an option that applies to lathes only.
 fn lathe_option_error(option: &'static str) -> CommandError {
     LoadError::OfMill(ModelMismatch::LatheOnly(option)).into()
 }
@@ -86,7 +86,8 @@ fn check_file(
     ))
 }
 
-/// Draws a program in four views. The moves before an alarm are drawn as well.
+/// Draws a mill program in four views into a picture. The moves before an alarm are drawn as
+/// well.
 pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandError> {
     check_name(&args.output)?;
     let format = PictureFormat::from_file_name(&args.output)?;

@@ -15,7 +15,7 @@ use crate::files::program_file;
 use crate::loading::LoadError;
 use crate::overwrite_guard::{CommandInputs, check_overwrites};
 
-/// Carries out a calculation and prints its result.
+/// Carries out a `mill` command and prints its result; returns the exit code.
 pub fn run_mill_command(
     command: &MillCommand,
     language: Option<Language>,
@@ -50,7 +50,8 @@ pub fn run_mill_command(
     }
 }
 
-/// Describes the reference return of each axis with the parameters of a machine.
+/// Describes how each axis returns to the reference point with the given machine parameters;
+/// returns the exit code.
 fn describe_homing(args: &HomingArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let mut values = ParameterValues::default();
     if let Some(path) = &args.params {
@@ -153,8 +154,8 @@ fn check_export_target(source: Option<&Path>, target: &Path) -> Result<(), Comma
     Ok(())
 }
 
-/// Adds the values of a Renishaw file to the table. Returns its axis and its backlash in
-/// 0.001 mm, if it contains them.
+/// Adds the values of a Renishaw file to `table`. Returns the axis that the file names and its
+/// backlash, 0.001 mm; each is `None` if the file lacks it.
 fn add_renishaw_file(
     table: &mut MillPitchTable,
     args: &PitchArgs,

@@ -31,14 +31,14 @@ use crate::cli::{CliCommand, CommandLine, system_language};
 use crate::guard::holder;
 use crate::{log, output};
 
-/// Exit code: success.
+/// Exit code of success.
 pub const EXIT_OK: u8 = 0;
-/// Exit code: the control raised an alarm, or a script failed.
+/// Exit code if the control raised an alarm, or a script failed.
 pub const EXIT_ALARM: u8 = 1;
-/// Exit code: wrong call, or an unusable file.
+/// Exit code of a wrong command line or an unusable file.
 pub const EXIT_USAGE: u8 = 2;
 
-/// Exit code: a tool collided.
+/// Exit code if a tool collided.
 pub const EXIT_COLLISION: u8 = 3;
 
 /// The program's notice, its licence, and the licences of its packages.

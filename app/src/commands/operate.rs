@@ -27,7 +27,7 @@ use crate::picture::check_png;
 use crate::termination::TERMINATED_EXIT_CODE;
 use crate::{loading, retained, transfer};
 
-/// Runs a script. Exit code 1 if an expectation is not met.
+/// Plays a script of key presses. Returns exit code 1 if an expectation is not met.
 pub fn operate(args: &OperateArgs, language: Option<Language>) -> Result<u8, CommandError> {
     args.setup.refuse_mill().map_err(LoadError::from)?;
     let path = &args.script;
@@ -99,7 +99,7 @@ pub fn operate(args: &OperateArgs, language: Option<Language>) -> Result<u8, Com
     Ok(code)
 }
 
-/// Refuses a recording or pictures that would overwrite files that the script reads.
+/// Refuses a recording or pictures that would overwrite a file that the script reads.
 fn check_script_outputs(
     args: &OperateArgs,
     script: &Script,
@@ -133,8 +133,8 @@ fn check_script_outputs(
     Ok(check_overwrites(&inputs, &outputs)?)
 }
 
-/// The path of a file named in a script: in the folder of the script, else in the current
-/// folder.
+/// Returns the path of a file named in a script: in the folder of the script if it exists
+/// there, else in the current folder.
 fn resolve_path(folder: &Path, name: &str) -> PathBuf {
     let beside = folder.join(name);
     if beside.exists() {
@@ -148,7 +148,7 @@ const fn simulation(emulator: &mut Emulator) -> &mut Simulation {
     &mut emulator.simulation
 }
 
-/// Runs the script, after a board has reported its state. Returns the exit code.
+/// Plays the script once the board, if any, has reported its state. Returns the exit code.
 fn play_script(
     script: Script,
     path: &Path,
@@ -211,7 +211,7 @@ fn script_folder(script: &Path) -> PathBuf {
     script.parent().map(Path::to_path_buf).unwrap_or_default()
 }
 
-/// Opens the files named in a script.
+/// Resolves and opens the files named in a script, relative to the folder of the script.
 struct ScriptFiles {
     folder: PathBuf,
 }

@@ -19,7 +19,7 @@ use crate::cli::{PitchCommand, PitchFormat, PitchImportArgs, PitchShowArgs};
 use crate::pitch::{self, EvaluatedMeasurement, axis_letter};
 use crate::project::{self, ImportRights, ImportTarget};
 
-/// The last point of the table.
+/// Number of the last point in the pitch error table.
 const LAST_POINT: u8 = 255;
 
 pub fn pitch(command: &PitchCommand, language: Option<Language>) -> Result<u8, CommandError> {
@@ -113,7 +113,8 @@ fn import(args: &PitchImportArgs, language: Option<Language>) -> Result<u8, Comm
     Ok(EXIT_OK)
 }
 
-/// Describes the fitted errors of a screw.
+/// Formats the result of a fit: number of readings and runs, and the fitted errors of the
+/// screw.
 fn describe_fit(readings: usize, runs: usize, fit: &ScrewFit) -> Message {
     let backlash = match fit.backlash {
         Some(play) => say::commission_play(play.0),
@@ -166,7 +167,7 @@ fn print_comparison(
     output::print(&out);
 }
 
-/// The points of the table with their positions, in ascending order of points.
+/// Lists the points of the table with their positions, in ascending order of points.
 fn point_positions(axis: Axis, parameters: &ControlParameters) -> Vec<(u8, SlideTravel)> {
     let interval = pitch_interval(axis, parameters)
         .unwrap_or(SlideTravel(0.0))
@@ -178,7 +179,8 @@ fn point_positions(axis: Axis, parameters: &ControlParameters) -> Vec<(u8, Slide
         .collect()
 }
 
-/// The points of an axis whose value is not 0: point, far end of its interval, value in µm.
+/// Lists the points of an axis whose value is not 0: number of the point, far end of its
+/// interval, value.
 fn table_rows(axis: Axis, memory: &BatteryMemory) -> Vec<(u8, SlideTravel, AxisDeviation)> {
     let parameters = &memory.parameters;
     let Some(interval) = pitch_interval(axis, parameters) else {

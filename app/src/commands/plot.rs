@@ -14,7 +14,8 @@ use crate::overwrite_guard::{CommandInputs, check_overwrites};
 use crate::picture::{PictureNameError, check_name};
 use crate::{job, loading};
 
-/// Draws a program. The moves before an alarm are drawn as well.
+/// Draws the toolpath of a program into a picture. The moves before an alarm are drawn as
+/// well.
 pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandError> {
     if args.setup.selected_model().is_mill() {
         return mill::plot(args, language);

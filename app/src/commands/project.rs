@@ -74,7 +74,7 @@ pub(super) fn data_directory(data: Option<&PathBuf>) -> Result<PathBuf, DataDirE
     }
 }
 
-/// Reports damaged files of a data directory.
+/// Prints the damage of files of a data directory on standard error.
 fn report_damages(held: &DataDirContent, language: Option<Language>) {
     for complaint in held.complaints() {
         complain!("gsk980td: {}", message_text(complaint, language));
@@ -153,7 +153,8 @@ fn import_project(
     Ok(EXIT_OK)
 }
 
-/// Reports the changes that the rights of the control refuse.
+/// Prints the changes of an import that the control refuses, each with the reason, and their
+/// number.
 pub(super) fn report_denied_changes(taken: &ImportResult, language: Option<Language>) {
     for it in &taken.denied_changes {
         let name = label(it.key, &taken.old_state, language.unwrap_or(Language::En));
@@ -170,7 +171,7 @@ pub(super) fn report_denied_changes(taken: &ImportResult, language: Option<Langu
     complain!("gsk980td: {count}");
 }
 
-/// Reads one side of a comparison: a project or a data directory.
+/// Reads one of the two states that are compared, from a project or a data directory.
 fn read_side(
     path: &Path,
     model: Option<ModelId>,
@@ -215,8 +216,8 @@ fn compare(args: &ProjectDiffArgs, language: Option<Language>) -> Result<u8, Com
     })
 }
 
-/// The state that has the name of a value: the new one, or the old one if the value was
-/// removed.
+/// Selects the state that names the value of a difference: the new state, or the old one if
+/// the value was removed.
 fn named_state<'a>(
     difference: &ProjectDifference,
     old: &'a ProjectState,

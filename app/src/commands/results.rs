@@ -14,7 +14,7 @@ use gsk_runner::report::{self, ProgramReport};
 use super::{CommandError, EXIT_ALARM, EXIT_COLLISION, EXIT_OK, EXIT_USAGE, output};
 use crate::cli::{CheckFormat, Language};
 
-/// Checks one file; true if it is the only one.
+/// Function that checks the file at a path; the flag is true if it is the only file.
 pub(super) type FileCheck<'a> =
     dyn Fn(&Path, bool) -> Result<ProgramReport, CommandError> + Sync + 'a;
 
@@ -58,8 +58,8 @@ pub(super) fn check_files(
         .collect()
 }
 
-/// Prints results and returns the highest exit code. `to_stderr` selects standard error, because
-/// the moves are on standard output.
+/// Prints results and returns the highest exit code. `to_stderr` selects standard error, for
+/// use when the moves are on standard output.
 pub(super) fn print_results(
     results: &[Result<ProgramReport, CommandError>],
     format: CheckFormat,
@@ -108,7 +108,7 @@ pub(super) fn print_results(
     Ok(codes.into_iter().max().unwrap_or(EXIT_OK))
 }
 
-/// The exit code of one result.
+/// The exit code of the result of one file.
 fn exit_code(result: &Result<ProgramReport, CommandError>) -> u8 {
     match result {
         Ok(report) if report.has_collision() => EXIT_COLLISION,
@@ -118,7 +118,7 @@ fn exit_code(result: &Result<ProgramReport, CommandError>) -> u8 {
     }
 }
 
-/// Checks a program and writes each of its moves into a file.
+/// Checks a program and writes each move with `write` into the file at `path`.
 pub(super) fn check_into_file<M>(
     path: &Path,
     write: impl Fn(&mut dyn Write, &M) -> io::Result<()>,

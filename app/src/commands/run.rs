@@ -131,7 +131,8 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
     })
 }
 
-/// Checks the name of the picture, and that no result overwrites an input or another result.
+/// Checks that the picture has a valid name and that no result overwrites an input or another
+/// result.
 fn check_outputs(args: &RunArgs) -> Result<(), CommandError> {
     if let Some(path) = &args.plot {
         check_name(path)?;
@@ -154,8 +155,8 @@ fn check_outputs(args: &RunArgs) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// The setup of control and lathe from options and data directory, and that directory with
-/// the memory that was loaded from it.
+/// Prepares control and lathe from the options and the data directory. Also returns that
+/// directory with the memory loaded from it, if there is one.
 fn prepare_setup(args: &RunArgs) -> Result<(Setup, Option<(DataDir, Restored)>), CommandError> {
     let initial_setup = match args.link {
         Some(_) => Setup::for_operator_script(),
@@ -180,7 +181,7 @@ fn prepare_setup(args: &RunArgs) -> Result<(Setup, Option<(DataDir, Restored)>),
     Ok((setup, memory))
 }
 
-/// The job of the part; `None` if no result needs the part.
+/// Selects the job of the part; `None` if no requested result needs the part.
 fn choose_job(
     args: &RunArgs,
     main: Option<&Path>,
@@ -194,8 +195,8 @@ fn choose_job(
     }
 }
 
-/// Opens a board and waits until it is ready. Returns the exit code if it does not become
-/// ready.
+/// Opens a board and waits until it is ready. The inner `Err` holds the exit code for a board
+/// that does not become ready.
 fn open_board(
     link: BoardConnection,
     simulation: &mut Simulation,
@@ -215,8 +216,8 @@ fn open_board(
     Ok(Ok(live))
 }
 
-/// Writes the moves, the section of the part and the picture of a run of `time_s`. Returns
-/// what could not be written.
+/// Writes the moves, the section of the part and the picture of a run that took `time_s` of
+/// machine time, s. Returns the errors of what could not be written.
 fn write_results(
     args: &RunArgs,
     outputs: &mut RunOutputs,
@@ -246,7 +247,7 @@ fn write_results(
     failures
 }
 
-/// Prints the report, and the advice for an unknown position of the slides.
+/// Prints the report of the run and, if the position of the slides is unknown, advice.
 fn print_result(
     args: &RunArgs,
     report: &ProgramReport,
@@ -266,7 +267,7 @@ fn print_result(
     Ok(())
 }
 
-/// Draws the toolpath and writes the picture.
+/// Draws the toolpath and writes the picture into `target`; `path` gives its format.
 fn write_picture(
     path: &Path,
     drawing: &PathDrawing,
@@ -312,7 +313,7 @@ pub fn picture_title(path: &Path) -> String {
         .into_owned()
 }
 
-/// The results that are written while a program runs.
+/// The result files and progress output of a running program.
 struct RunOutputs {
     moves: Option<Box<dyn Write>>,
     positions: Option<Box<dyn Write>>,
@@ -322,17 +323,18 @@ struct RunOutputs {
     language: Language,
     progress_bar: ProgressBar,
     current_line: u32,
-    /// The pass that was explained last.
+    /// Number of the cycle pass that was explained last; `None` before the first one.
     explained_pass: Option<u64>,
-    /// The part being cut.
+    /// The part that the program cuts; `None` if no result needs it.
     live_part: Option<LivePart>,
     stops_at_collision: bool,
-    /// The first error of writing; the run continues.
+    /// The first error of a result file; the run continues after it.
     first_error: Option<CommandError>,
 }
 
 impl RunOutputs {
-    /// Opens the files of the results. `main` is the program that runs.
+    /// Opens the result files that the options request. `main` is the path of the program that
+    /// runs.
     fn open(
         args: &RunArgs,
         main: Option<&Path>,

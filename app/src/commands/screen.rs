@@ -10,7 +10,7 @@ use super::{CommandError, EXIT_OK, output};
 use crate::cli::ScreenArgs;
 use crate::picture::check_png;
 
-/// Upper limit of the duration of the self-test picture, ms.
+/// Limit of the machine time that the self-test picture may take after power-on, ms.
 const MAX_SELF_TEST_MS: u64 = 10_000;
 
 pub fn screen(args: &ScreenArgs) -> Result<u8, CommandError> {

@@ -14,7 +14,7 @@ use super::{CommandError, EXIT_OK, output};
 use crate::cli::{ParametersArgs, TableArgs};
 use crate::window::pc_name;
 
-/// A table with its heading, as text and as JSON.
+/// A table to print: heading and rows as text, and the rows as JSON.
 struct PrintedTable {
     heading: Vec<&'static str>,
     rows: Vec<Vec<String>>,
@@ -83,7 +83,7 @@ impl PrintedTable {
     }
 }
 
-/// The width of a text in columns of a terminal; a Chinese character has two.
+/// The width of a text in terminal columns; a Chinese character takes two.
 fn text_width(text: &str) -> usize {
     gsk_panel::glyphs::text_columns(text)
 }
@@ -154,7 +154,8 @@ pub fn parameters(args: &ParametersArgs, language: Option<Language>) -> Result<u
     table.print(&args.table)
 }
 
-/// The parameters of the mill. The column ACTS marks those that `check` and `plot` apply.
+/// Lists the parameters of the mill. The column ACTS marks those that `check` and `plot`
+/// apply.
 fn mill_parameters(language: Option<Language>) -> PrintedTable {
     let mut table = PrintedTable::new(&match language {
         Some(Language::Zh) => [
@@ -196,7 +197,7 @@ fn mill_parameters(language: Option<Language>) -> PrintedTable {
     table
 }
 
-/// Names the axes that have a parameter of the mill.
+/// Formats the names of the axes that have a parameter of the mill.
 fn describe_axes(axes: &[u16], language: Option<Language>) -> String {
     let message = match axes {
         [] => return String::new(),
@@ -207,7 +208,7 @@ fn describe_axes(axes: &[u16], language: Option<Language>) -> String {
     message.text(language.unwrap_or(Language::En))
 }
 
-/// The parameters that a lathe model has in addition to those of the GSK980TD.
+/// Lists the parameters that a lathe model has in addition to those of the GSK980TD.
 fn model_parameters(model: ModelId, language: Option<Language>) -> PrintedTable {
     let mut table = PrintedTable::new(&match language {
         Some(Language::Zh) => ["参数号", "单位", "范围", "出厂值", "中文", "ENGLISH"],

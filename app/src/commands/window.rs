@@ -24,7 +24,7 @@ use crate::window::app::{self, WindowStart};
 use crate::window::{WindowSettings, startup_error};
 use crate::{loading, log, platform, retained, transfer};
 
-/// Opens the window and returns after it is closed.
+/// Opens the window and returns the exit code after it is closed.
 pub fn open(
     args: WindowArgs,
     language: Option<Language>,
@@ -114,18 +114,18 @@ pub fn open(
     }
 }
 
-/// Everything needed to start the control again with another model.
+/// What is needed to start the control, also again with another model.
 struct WindowStarter {
     args: WindowArgs,
-    /// The language of `--lang`.
+    /// The language that `--lang` names; `None` without that option.
     language: Option<Language>,
     /// The data directory of the default model.
     path: PathBuf,
 }
 
 impl WindowStarter {
-    /// Starts a control with the memory of its directory, and a window with `settings` or
-    /// the stored settings. `fresh`: the data directory has no window settings yet.
+    /// Starts a control with the memory of its data directory, and a window with `settings` or
+    /// the stored settings. `is_new`: the data directory has no window settings yet.
     fn start_control(
         &self,
         data: DataDir,
@@ -228,8 +228,8 @@ impl WindowStarter {
     }
 }
 
-/// Whether to show the questions of the first start: if an option requests it, or if they
-/// are unanswered (`is_unanswered`) and no option already names a program, lathe, model or port.
+/// Whether to show the questions of the first start: if an option requests it, or if they are
+/// unanswered (`is_unanswered`) and no option already names a program, lathe, model or port.
 const fn needs_first_start(args: &WindowArgs, is_unanswered: bool) -> bool {
     let is_named = args.program.is_some()
         || args.link.is_some()
@@ -252,7 +252,8 @@ pub fn serial_line(args: &SerialArgs) -> Result<Option<SerialLine>, CommandError
     Ok(Some(line))
 }
 
-/// Stores the selected model; an error is reported, and the next start uses the old model.
+/// Stores the model for the next start. If that fails, prints the error; the next start then
+/// uses the old model.
 fn store_model_choice(path: &Path, model: ModelId, language: Option<Language>) {
     if let Err(error) = models::store_selected_model(path, model) {
         let file = path.join(models::MODEL_FILE);
@@ -261,8 +262,8 @@ fn store_model_choice(path: &Path, model: ModelId, language: Option<Language>) {
     }
 }
 
-/// Reports an error in a dialog, too: a program started from a desktop has no standard
-/// error.
+/// Reports an error on standard error and in a dialog, since a program started from a desktop
+/// has no standard error. Returns the exit code.
 fn report_refusal(error: &DataDirError, language: Option<Language>) -> u8 {
     let message = error.message();
     complain!("gsk980td: {}", report::message_text(&message, language));
@@ -270,8 +271,8 @@ fn report_refusal(error: &DataDirError, language: Option<Language>) -> u8 {
     EXIT_USAGE
 }
 
-/// The connection to the board named on the command line or in the machine file; `None`
-/// without one. `data`: folder for the log of the link.
+/// Configures the connection to the board that `port` or the machine file names; `None` if
+/// neither does. `data`: folder for the log of the link.
 pub fn board_connection(
     port: Option<String>,
     setup: &Setup,

@@ -45,8 +45,8 @@ pub fn write_with_access(path: &Path, bytes: &[u8], access: FileAccess) -> io::R
     Ok(())
 }
 
-/// Removes the temporary files of a killed process from a folder. Returns the sorted names
-/// of the files that were being written.
+/// Removes the temporary files that a killed process has left in a folder. Returns the sorted
+/// names of the files that it was writing.
 pub fn remove_temporary_files(folder: &Path) -> Vec<String> {
     let mut names = Vec::new();
     for path in platform::list(folder).unwrap_or_default() {

@@ -32,20 +32,21 @@ use crate::platform::{self, Lock};
 const PROGRAMS: &str = "programs";
 const LOCK: &str = "lock";
 const LADDER: &str = "ladder.il";
-/// The macro variables. Earlier versions imported NaN from project folders.
+/// Name of the file with the macro variables, the only one in which NaN is accepted: earlier
+/// versions imported NaN from project folders.
 const VARIABLES: &str = "variables";
 /// Files with passwords, which only their owner may read.
 const PRIVATE_FILES: [&str; 1] = ["authority.ron"];
 /// Size limit of a file, programs excepted, bytes.
 const MAX_BYTES: u64 = 64 * 1024 * 1024;
 
-/// An open data directory. The value keeps it locked.
+/// An open data directory, which stays locked until this value is dropped.
 #[derive(Debug)]
 pub struct DataDir {
     path: PathBuf,
     _lock: Lock,
     files: MirroredFiles,
-    /// Programs whose last write was interrupted by a power failure.
+    /// Numbers of the programs whose last write was interrupted by a power failure.
     interrupted_programs: Vec<String>,
 }
 
@@ -80,15 +81,17 @@ impl DataDirError {
     }
 }
 
-/// The contents of a file of the directory, and whether they are intact.
+/// The value loaded from a file of the directory, and whether the file was intact.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum LoadedFile<T> {
     Value(T),
-    /// A value from the copy of a damaged or missing file, or without its invalid parts.
+    /// The file is damaged or missing. Holds the value from its copy, or from the file without
+    /// its invalid parts, and the damage.
     Recovered(T, FileDamage),
     /// The file does not exist yet.
     Missing,
-    /// The file and its copy are damaged. Names the reason and the new name of the file.
+    /// The file and its copy are damaged. The payload names the reason and the new name of the
+    /// file.
     Damaged(FileDamage),
 }
 
@@ -100,7 +103,7 @@ pub struct StoredProgram {
     pub encoding: TextEncoding,
 }
 
-/// The default data directory of the platform.
+/// Returns the default data directory of the platform.
 pub fn default_data_path() -> Result<PathBuf, DataDirError> {
     platform::data_folder("gsk980td").ok_or(DataDirError::NoDefault)
 }
@@ -164,7 +167,7 @@ impl DataDir {
         &self.interrupted_programs
     }
 
-    /// The damage of the manifest itself, if any.
+    /// The damage of the manifest itself; `None` if it was intact.
     pub const fn manifest_damage(&self) -> Option<&FileDamage> {
         self.files.manifest_damage()
     }
@@ -173,8 +176,8 @@ impl DataDir {
         &self.path
     }
 
-    /// Reads `NAME.ron`. A number that is not finite makes the file damaged; only the macro
-    /// variables are loaded without it.
+    /// Reads the file `NAME.ron`. A number that is not finite makes the file damaged; only the
+    /// macro variables are loaded without it.
     pub fn load<T: DeserializeOwned>(&self, name: &str) -> LoadedFile<T> {
         let file = ron_file_name(name);
         let mut non_finite = None;
@@ -202,7 +205,7 @@ impl DataDir {
         }
     }
 
-    /// Writes `NAME.ron`.
+    /// Writes a value as the file `NAME.ron`, where NAME is `name`.
     ///
     /// # Errors
     /// The files that cannot be written.
@@ -221,7 +224,7 @@ impl DataDir {
         self.files.commit(changes)
     }
 
-    /// Reads the ladder that replaces the standard one.
+    /// Reads the ladder that replaces the standard ladder.
     pub fn load_ladder(&self) -> LoadedFile<Ladder> {
         self.read(LADDER, MAX_BYTES, |bytes| {
             let text = String::from_utf8(bytes).map_err(say::as_written)?;
@@ -229,7 +232,7 @@ impl DataDir {
         })
     }
 
-    /// Reads all programs; returns them with the complaints about damaged ones.
+    /// Reads all programs; returns the usable ones, and the damage of the others.
     pub fn load_programs(&self) -> (Vec<StoredProgram>, Vec<FileDamage>) {
         let mut programs = Vec::new();
         let mut damages = Vec::new();
@@ -312,7 +315,7 @@ impl DataDir {
     }
 }
 
-/// The first error of a ladder that does not compile.
+/// Formats the first error of a ladder that does not compile, as a reason for damage.
 fn describe_first_error(errors: &CompileErrors) -> Message {
     let first = errors.errors.first();
     first.map_or_else(
@@ -375,7 +378,7 @@ fn program_name(number: u16) -> String {
     format!("{PROGRAMS}/O{number:04}.CNC")
 }
 
-/// The program number in a name such as `O0001.CNC`.
+/// Parses the program number in a file name such as `O0001.CNC`; `None` for other names.
 fn parse_program_number(name: &str) -> Option<u16> {
     let digits = name.strip_prefix('O')?.strip_suffix(".CNC")?;
     let is_number = digits.len() == 4 && digits.bytes().all(|byte| byte.is_ascii_digit());

@@ -39,7 +39,7 @@ impl fmt::Display for TextEncoding {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DecodedText {
     pub text: String,
-    /// The encoding of the file, in which the text is written again.
+    /// The encoding of the file, in which a changed text is written again.
     pub encoding: TextEncoding,
 }
 
@@ -48,13 +48,13 @@ pub struct DecodedText {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum DecodeError {
-    /// A control character that no program text contains.
+    /// A control character that no program text contains is at this position.
     Binary {
         byte: u8,
         line: usize,
         column: usize,
     },
-    /// A byte that is invalid in the encoding.
+    /// A byte that is invalid in the encoding is at this position.
     Undecodable {
         byte: u8,
         /// The encoding that was tried last.
@@ -203,7 +203,7 @@ fn encode_gb18030(text: &str) -> Vec<u8> {
     }
 }
 
-/// Line and column of the next character after a text, from 1.
+/// Line and column, both from 1, of the character that would follow `text`.
 fn position_after(text: &str) -> (usize, usize) {
     let line = text.bytes().filter(|byte| *byte == b'\n').count() + 1;
     let start = text.rfind('\n').map_or(0, |at| at + 1);
@@ -300,8 +300,8 @@ const fn is_binary(byte: u8) -> bool {
     matches!(byte, 0..=8 | 0x0E..=0x10 | 0x15..=0x19 | 0x1B..=0x1F)
 }
 
-/// Whether a text has control characters other than tabs and line ends. Few texts have one;
-/// the check is fast.
+/// Whether a text has control characters other than tabs and line ends. This check is fast;
+/// most texts have none and need no other check.
 fn has_control_characters(text: &[u8]) -> bool {
     let is_control = |byte: u8| byte < b' ' && byte != b'\n' && byte != b'\r' && byte != b'\t';
     (text.iter()).fold(false, |any, byte| any | is_control(*byte))

@@ -6,13 +6,13 @@ use super::program_file::ProgramFileError;
 use super::subprograms::{find_program_ending, read_number_in_head};
 use crate::platform;
 
-/// Endings that other files use as well: such a file counts as a program if it begins with
-/// an O word.
+/// Extensions that other files use as well: a file with one of them counts as a program only
+/// if it begins with an O word.
 const COMMON_ENDINGS: [&str; 2] = ["", "txt"];
 
-/// Expands folders: returns the files as they are and, for each folder, the programs in it
-/// and below it, sorted by path. Hidden files and links to folders are skipped. The second
-/// list names folders that cannot be read or contain no program.
+/// Replaces each folder in `paths` by the programs in it and below it, sorted by path; files
+/// remain as given. Hidden files and links to folders are skipped. The second list has an
+/// error for each folder that cannot be read or contains no program.
 pub fn find_programs(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<ProgramFileError>) {
     let (mut programs, mut errors) = (Vec::new(), Vec::new());
     for path in paths {

@@ -9,17 +9,17 @@ use gsk_runner::lesson::{Lesson, built_in_lessons};
 use super::program_file;
 use crate::platform;
 
-/// Folder in the data directory.
+/// Name of the folder for a teacher's lessons in the data directory.
 pub const FOLDER: &str = "lessons";
-/// Ending of a lesson file.
+/// Extension of a lesson file.
 const ENDING: &str = "ron";
 
-/// The available lessons.
+/// The lessons that the window lists, and the errors of unusable ones.
 #[derive(Debug, Default)]
 pub struct AvailableLessons {
-    /// The built-in lessons, then those of the folder by name.
+    /// The built-in lessons, then those of the data directory, sorted by name.
     pub lessons: Vec<Lesson>,
-    /// The errors in files of the folder.
+    /// One error for each file of the lesson folder that cannot be used.
     pub errors: Vec<Message>,
 }
 
@@ -32,7 +32,7 @@ pub fn read(path: &Path) -> Result<Lesson, Message> {
     Lesson::read(&path.display().to_string(), &file.text).map_err(|error| error.message())
 }
 
-/// All lessons: the built-in ones and those of a data directory.
+/// Loads all lessons: the built-in ones and those of a data directory.
 pub fn load_lessons(data: Option<&Path>) -> AvailableLessons {
     let mut available = AvailableLessons {
         lessons: built_in_lessons(),

@@ -20,7 +20,7 @@ pub struct ContentMark {
 }
 
 impl ContentMark {
-    /// The mark of some contents.
+    /// Computes the mark of the contents `bytes`.
     pub fn from_bytes(bytes: &[u8]) -> Self {
         Self {
             length: bytes.len() as u64,
@@ -40,7 +40,7 @@ pub struct Manifest {
 }
 
 impl Manifest {
-    /// Whether the manifest allows the state of a file.
+    /// Whether the manifest allows a file to be in the state `found`.
     pub fn allows(&self, name: &str, found: FileState) -> bool {
         match self.files.get(name) {
             None => true,
@@ -48,13 +48,13 @@ impl Manifest {
         }
     }
 
-    /// The last known state of a file; `None` if it is unknown.
+    /// The newest recorded state of a file; `None` if it is unknown.
     pub fn state(&self, name: &str) -> Option<FileState> {
         self.files.get(name)?.last().copied()
     }
 
-    /// Prepares a write: allows both the current and the next state. If the current state is
-    /// unknown, any is allowed, because a kill may leave it.
+    /// Prepares a write: from now on both the current state and `next` are allowed. If the
+    /// current state is unknown, any is allowed, because a kill may leave it.
     pub fn begin_write(&mut self, name: &str, next: FileState) {
         let states = self
             .state(name)
@@ -93,7 +93,7 @@ impl Manifest {
         self.files.keys().map(String::as_str)
     }
 
-    /// The manifest as text: the checksum of the rest, then the rest.
+    /// Formats the manifest as text: a checksum line, then the RON that it covers.
     ///
     /// # Errors
     /// The manifest cannot be written as RON.
@@ -104,7 +104,7 @@ impl Manifest {
         Ok(format!("// {sum:08x}\n{body}"))
     }
 
-    /// Parses the text of [`Manifest::to_text`]; `None` if it is damaged.
+    /// Parses the text of [`Manifest::to_text`]; `None` if the text is damaged.
     pub fn from_text(text: &str) -> Option<Self> {
         let (head, body) = text.split_once('\n')?;
         let sum = u32::from_str_radix(head.strip_prefix("// ")?, 16).ok()?;

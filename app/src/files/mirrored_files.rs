@@ -29,24 +29,24 @@ const MAX_MANIFEST_BYTES: u64 = 16 * 1024 * 1024;
 #[derive(Debug)]
 pub struct MirroredFiles {
     folder: PathBuf,
-    /// Rename and write nothing.
+    /// Read without renaming or writing any file.
     read_only: bool,
     manifest: Mutex<Manifest>,
-    /// The damage of the manifest itself.
+    /// The damage of the manifest itself; `None` if it was intact.
     manifest_damage: Option<FileDamage>,
 }
 
-/// The damage of a file.
+/// The damage of a file that was found while reading.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileDamage {
     /// The name of the file, without its folder.
     pub file_name: String,
-    /// The damage, and what is used instead.
+    /// What is damaged, and which contents are used instead.
     pub message: Message,
 }
 
 impl FileDamage {
-    /// The damage of the file at a path.
+    /// Creates the damage of the file at `path`.
     pub fn new(path: &Path, message: Message) -> Self {
         let name = path.file_name().unwrap_or_default();
         Self {
@@ -61,9 +61,9 @@ impl FileDamage {
 pub struct FileChange {
     /// Name of the file in its folder.
     pub name: String,
-    /// `None` deletes the file.
+    /// New contents; `None` deletes the file.
     pub contents: Option<Vec<u8>>,
-    /// Access rights of the file.
+    /// Access rights that the file gets.
     pub readers: FileAccess,
 }
 
@@ -72,7 +72,7 @@ pub struct FileChange {
 pub struct FileReadResult {
     /// The contents of the file or of its copy; `None` if neither is usable.
     pub contents: Option<Vec<u8>>,
-    /// `None` if the file is intact or never existed.
+    /// The damage; `None` if the file is intact or never existed.
     pub damage: Option<FileDamage>,
 }
 
@@ -95,7 +95,7 @@ impl MirroredFiles {
         self.manifest_damage.as_ref()
     }
 
-    /// The file names in the manifest.
+    /// The names of all files in the manifest.
     pub fn names(&self) -> Vec<String> {
         self.manifest().names().map(str::to_owned).collect()
     }
@@ -137,14 +137,15 @@ impl MirroredFiles {
         }
     }
 
-    /// Marks a file with a good checksum as damaged, because its contents cannot be used.
+    /// Marks a file whose checksum is good as damaged, because its contents cannot be used for
+    /// `reason`; returns its damage.
     pub fn mark_damaged(&self, name: &str, reason: Message) -> FileDamage {
         self.manifest().record_state(name, None);
         self.report_damage(&self.folder.join(name), Some(reason), false)
     }
 
-    /// Reports the damage of a file (`reason`; `None`: it is missing) and what is used
-    /// instead.
+    /// Renames a damaged file and returns its damage, with the contents that are used instead:
+    /// the copy or the default. `reason` is `None` if the file is missing.
     fn report_damage(&self, path: &Path, reason: Option<Message>, has_copy: bool) -> FileDamage {
         let replacement = match has_copy {
             true => say::file_copy_used(),
@@ -220,7 +221,8 @@ impl MirroredFiles {
         write(&copy, content, change.readers)
     }
 
-    /// Removes a manifest that cannot be written: a wrong one would reject good files.
+    /// Writes the manifest and its copy. If that fails, removes both, because an outdated
+    /// manifest would reject good files.
     fn write_manifest(&self, manifest: &Manifest) -> Result<(), Message> {
         let (path, copy) = (
             self.folder.join(MANIFEST),

@@ -14,14 +14,15 @@ use gsk_core::model::ModelId;
 use super::atomic;
 use crate::platform;
 
-/// The file with the name of the selected model.
+/// Name of the file in the data directory that holds the selected model.
 pub const MODEL_FILE: &str = "control";
-/// The folder with the memories of the other models.
+/// Name of the folder in the data directory with the memories of the models other than the
+/// GSK980TD.
 pub const MODELS_FOLDER: &str = "models";
-/// Size limit of the file, bytes: longer than any model name.
+/// Size limit of [`MODEL_FILE`], bytes; every model name is shorter.
 const MAX_BYTES: u64 = 64;
 
-/// The selected model of a data directory; the GSK980TD by default.
+/// Reads the selected model of a data directory; the GSK980TD if none is stored.
 pub fn read_selected_model(directory: &Path) -> ModelId {
     let read = platform::read(&directory.join(MODEL_FILE), MAX_BYTES);
     let text = read.map(|bytes| String::from_utf8_lossy(&bytes).trim().to_owned());
@@ -43,7 +44,7 @@ pub fn store_selected_model(directory: &Path, model: ModelId) -> io::Result<()> 
     )
 }
 
-/// The folder with the memory of a model in a data directory.
+/// Returns the folder that holds the memory of a model in the data directory `directory`.
 pub fn memory_folder(directory: &Path, model: ModelId) -> PathBuf {
     match model {
         ModelId::Gsk980td => directory.to_owned(),
@@ -51,7 +52,8 @@ pub fn memory_folder(directory: &Path, model: ModelId) -> PathBuf {
     }
 }
 
-/// The data directory of a model's memory folder: the inverse of [`memory_folder`].
+/// Returns the data directory to which a model's memory folder belongs: the inverse of
+/// [`memory_folder`].
 pub fn data_directory(folder: &Path, model: ModelId) -> PathBuf {
     match model {
         ModelId::Gsk980td => folder.to_owned(),

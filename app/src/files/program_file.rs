@@ -26,7 +26,7 @@ pub struct ProgramFile {
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum ProgramFileError {
-    /// An error of the operating system.
+    /// The operating system reports an error for this file.
     System { path: PathBuf, source: io::Error },
     /// The path is a folder.
     Folder { path: PathBuf },
@@ -39,7 +39,7 @@ pub enum ProgramFileError {
     /// The file is not text.
     NotText {
         path: PathBuf,
-        /// Position and reason.
+        /// Position and reason of the first byte that cannot be decoded.
         source: DecodeError,
     },
 }

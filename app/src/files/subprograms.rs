@@ -21,29 +21,29 @@ use gsk_core::model::{ControlModel, GCode};
 use super::program_file;
 use crate::platform;
 
-/// Endings of files that are searched for an O word.
+/// Extensions of the files that are searched for an O word; empty: no extension.
 const PROGRAM_ENDINGS: [&str; 9] = ["", "cnc", "nc", "txt", "tap", "gcode", "ngc", "min", "prg"];
-/// The most files of a folder that are searched for an O word.
+/// Maximum number of files of a folder that are searched for an O word.
 const MAX_FILES: usize = 2000;
-/// The bytes at the start of a file that are searched for an O word.
+/// Number of bytes at the start of a file that are searched for an O word.
 const HEAD_BYTES: u64 = 4096;
 
-/// A subprogram that was found.
+/// A subprogram that was found in a folder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FoundSubprogram {
     pub number: u16,
     pub path: PathBuf,
     pub text: String,
-    /// Whether a call gives its number; false if only a variable may.
+    /// True if a call names the number of the program; false if only a variable may select it.
     pub called_by_number: bool,
 }
 
 /// The programs that a text calls.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SubprogramCalls {
-    /// Program numbers that the text gives, or that follow from a code.
+    /// Program numbers that the calls name, or that follow from a code such as M, S or T.
     pub numbers: BTreeSet<u16>,
-    /// Whether a variable gives a program number: it may be any.
+    /// True if a variable gives the number of a called program, which may then be any.
     pub by_variable: bool,
 }
 
@@ -133,9 +133,9 @@ pub fn find_calls(text: &str, model: &ControlModel) -> SubprogramCalls {
 /// How the blocks of a model call programs.
 struct CallRules<'a> {
     model: &'a ControlModel,
-    /// The G code that calls by N, if the model has one.
+    /// The G code that calls the program named by N; `None` if the model has no such code.
     call_by_n: Option<u8>,
-    /// M, S and T codes without a machine function can call (006.5).
+    /// Whether M, S and T codes without a machine function call a program (parameter 006.5).
     codes_can_call: bool,
 }
 
@@ -172,8 +172,8 @@ impl CallRules<'_> {
         }
     }
 
-    /// The program of a code that can call one (006.5): an M code without a machine
-    /// function, S and T codes of two digits.
+    /// Number of the program that a code calls if parameter 006.5 permits it: an M code
+    /// without a machine function, or an S or T code of two digits. `None` for other codes.
     fn find_special_program(&self, letter: u8, digits: &str) -> Option<u16> {
         let code = parse_last_four_digits(digits)?;
         let is_two_digits = digits.len() == 2 && code >= 10;
@@ -194,8 +194,8 @@ fn calls_macro(block: &str) -> bool {
     block.contains("G66") || block.contains("G65") && !block.contains("G65H")
 }
 
-/// The lines that contain a letter of a call. Most lines of a long program have none: only
-/// their bytes are scanned.
+/// The lines of `text` that contain a letter of a call. Of the other lines, most of a long
+/// program, only the bytes are scanned.
 fn candidate_lines(text: &str, g_can_call: bool) -> impl Iterator<Item = &str> {
     let mut rest = text;
     core::iter::from_fn(move || {
@@ -229,7 +229,7 @@ fn find_call_candidate(bytes: &[u8], g_can_call: bool) -> Option<usize> {
     Some(from + rest.iter().position(can_call)?)
 }
 
-/// Bytes in one pass of the scan.
+/// Number of bytes that one pass of the scan checks.
 const CHUNK_BYTES: usize = 64;
 
 fn leading_digits(text: &str) -> &str {
@@ -237,7 +237,7 @@ fn leading_digits(text: &str) -> &str {
     &text[..end]
 }
 
-/// The number in the last four digits; `None` without a digit.
+/// The number in the last four of the digits; `None` if there is no digit.
 fn parse_last_four_digits(digits: &str) -> Option<u16> {
     digits[digits.len().saturating_sub(4)..].parse().ok()
 }
@@ -253,8 +253,9 @@ fn strip_line(line: &str) -> String {
     code.collect::<String>().to_ascii_uppercase()
 }
 
-/// The programs in the folder of `main`, by number. A file name has priority over an O word,
-/// and among equals the first path.
+/// Lists the programs in the folder of `main`, except `main`, by number. If several files have
+/// a number, one with the number in its name precedes one with an O word, then the first path
+/// precedes.
 pub fn index_folder(main: &Path) -> BTreeMap<u16, PathBuf> {
     let folder = main
         .parent()
@@ -284,7 +285,7 @@ pub fn index_folder(main: &Path) -> BTreeMap<u16, PathBuf> {
     by_number
 }
 
-/// The program number in a file name, such as 1002 in `O1002.CNC`.
+/// Parses the program number in a file name, such as 1002 in `O1002.CNC`; `None` without one.
 pub fn parse_number_in_name(path: &Path) -> Option<u16> {
     if !has_program_ending(path) {
         return None;
@@ -297,7 +298,8 @@ pub fn parse_number_in_name(path: &Path) -> Option<u16> {
     is_number.then(|| digits.parse().ok())?
 }
 
-/// The program number in the O word or `%P01` at the start of a file.
+/// Reads the program number in the O word or `%P01` at the start of a file; `None` without
+/// one.
 pub fn read_number_in_head(path: &Path) -> Option<u16> {
     if !is_file(path) {
         return None;
@@ -321,7 +323,7 @@ fn has_program_ending(path: &Path) -> bool {
     find_program_ending(path).is_some()
 }
 
-/// The ending of a file in lower case, if it is one of programs.
+/// The extension of a file in lower case; `None` if it is not an extension of programs.
 pub fn find_program_ending(path: &Path) -> Option<&'static str> {
     let ending = path
         .extension()

@@ -1,17 +1,17 @@
 //! Encodes the frames between the program and the process that holds its port: a letter, a
 //! length of two bytes, the content.
 
-/// Longest content, bytes.
+/// Maximum length of the content of a frame, bytes.
 pub const MAX_CONTENT: usize = 4096;
 const HEADER_BYTES: usize = 3;
 
-/// Meaning of a frame.
+/// Meaning and direction of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameKind {
-    /// From the holder: bytes of the board.
+    /// From the holder: bytes received from the board.
     Data,
-    /// To the holder: bytes for the board after the time they were sent at: see
-    /// [`append_dated`].
+    /// To the holder: bytes for the board, after the time at which they were sent (see
+    /// [`append_dated`]).
     Dated,
     /// To the holder: how long the program may be silent, and how old bytes for the board
     /// may be: see [`Lease`].
@@ -43,11 +43,11 @@ const LETTERS: [(FrameKind, u8); 9] = [
     (FrameKind::Gone, b'G'),
 ];
 
-/// A byte stream that contains no frames.
+/// The error for a byte stream that contains no frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InvalidFrame;
 
-/// Appends a frame; cuts content above [`MAX_CONTENT`].
+/// Appends a frame to `out`; cuts content above [`MAX_CONTENT`].
 pub fn append_frame(out: &mut Vec<u8>, kind: FrameKind, content: &[u8]) {
     let content = &content[..content.len().min(MAX_CONTENT)];
     let letter = LETTERS.iter().find(|(one, _)| *one == kind);
@@ -56,9 +56,9 @@ pub fn append_frame(out: &mut Vec<u8>, kind: FrameKind, content: &[u8]) {
     out.extend_from_slice(content);
 }
 
-/// Length of a time, bytes.
+/// Length of the encoded time in a [`FrameKind::Dated`], bytes.
 const TIME_BYTES: usize = 8;
-/// Longest bytes of a [`FrameKind::Dated`].
+/// Maximum number of bytes for the board in one [`FrameKind::Dated`].
 pub const MAX_DATED: usize = MAX_CONTENT - TIME_BYTES;
 
 /// Appends a [`FrameKind::Dated`]: bytes for the board, sent at time `at` of the clock that
@@ -68,13 +68,14 @@ pub fn append_dated(out: &mut Vec<u8>, at: u64, bytes: &[u8]) {
     append_frame(out, FrameKind::Dated, &[&at.to_le_bytes(), bytes].concat());
 }
 
-/// Splits the content of a [`FrameKind::Dated`] into time, ms, and bytes.
+/// Splits the content of a [`FrameKind::Dated`] into its time, ms, and the bytes for the
+/// board; `None` if it is too short.
 pub fn split_dated(content: &[u8]) -> Option<(u64, &[u8])> {
     let (at, bytes) = content.split_first_chunk::<TIME_BYTES>()?;
     Some((u64::from_le_bytes(*at), bytes))
 }
 
-/// How long the holder waits for the program.
+/// How long the holder waits for the program before it stops the board.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Lease {
     /// The holder stops the board when the program was silent for this time, ms; 0: never.
@@ -94,7 +95,7 @@ impl Lease {
         bytes
     }
 
-    /// Decodes the content of a [`FrameKind::Lease`].
+    /// Decodes the content of a [`FrameKind::Lease`]; `None` if its length is wrong.
     pub fn from_bytes(content: &[u8]) -> Option<Self> {
         let (silent, stale) = content.split_first_chunk::<4>()?;
         Some(Self {
@@ -109,12 +110,12 @@ impl Lease {
 pub struct GuardFrameReader(Vec<u8>);
 
 impl GuardFrameReader {
-    /// Appends received bytes.
+    /// Appends bytes that were received from the other process.
     pub fn push_bytes(&mut self, bytes: &[u8]) {
         self.0.extend_from_slice(bytes);
     }
 
-    /// Takes the next complete frame; `None`: its bytes have not all arrived.
+    /// Takes the next complete frame; `None` if its bytes have not all arrived.
     ///
     /// # Errors
     /// The bytes are no frame.

@@ -32,26 +32,27 @@ const ANSWER_TIME: Duration = Duration::from_millis(200);
 /// Time between two checks whether the program renews its lease.
 const LEASE_CHECK_INTERVAL: Duration = Duration::from_millis(50);
 
-/// Why the holder moves no more bytes.
+/// Why the holder stopped passing bytes to the port.
 enum RelayEnd {
     /// The program has closed the port.
     Closed,
-    /// The program is gone, for any reason.
+    /// The program is gone without closing the port.
     Lost,
     /// The program runs, but has not renewed its lease, or its bytes came too late.
     Silent,
 }
 
-/// The board's answer to the stop bytes; `None`: the bytes go to the program.
+/// Collects the board's answer to the stop bytes; `None`: bytes of the board go to the
+/// program.
 type StopAnswer = Arc<Mutex<Option<Vec<u8>>>>;
 
-/// Standard input is not connected to a program that needs a holder.
+/// The error for a standard input that is not connected to a program that needs a holder.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub struct NoProgram(io::Error);
 
 impl NoProgram {
-    /// Returns the message for the operator.
+    /// Returns the message for the operator: why `hold-port` cannot start.
     pub fn message(&self) -> Message {
         gsk_messages::say::port_no_holder_wanted(&self.0)
     }
@@ -119,7 +120,8 @@ fn lock_answer(answers: &StopAnswer) -> MutexGuard<'_, Option<Vec<u8>>> {
     answers.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Starts the thread that passes the board's bytes to the program.
+/// Starts the thread that passes the board's bytes to the program, or to `answers` while the
+/// holder stops the board.
 fn start_board_reader(
     mut port: Port,
     mut partner: ProgramConnection,
@@ -150,7 +152,8 @@ fn start_board_reader(
         .map(drop)
 }
 
-/// Passes the program's bytes to the port until the program is gone.
+/// Passes the program's bytes to the port until the program is gone or silent; keeps the stop
+/// bytes that it sets in `stop`. Returns why it ended.
 fn relay_program_bytes(
     partner: &mut ProgramConnection,
     port: &mut Port,
@@ -206,8 +209,8 @@ fn relay_program_bytes(
     }
 }
 
-/// Writes all bytes. When the port takes none, calls `give_up` with the time since it last
-/// took some; true ends the write.
+/// Writes all bytes. While the port accepts none, calls `give_up` with the time since it last
+/// accepted some; `give_up` returns true to end the write.
 fn write_all(
     port: &mut Port,
     mut bytes: &[u8],

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use gsk_core::cnc::Cnc;
 use gsk_panel::alarm_log::{AlarmLog, AlarmRecord};
 
-/// The alarm log, and the copy for the window.
+/// The alarms raised since the control was opened, and the copy of them for the window.
 #[derive(Debug, Default)]
 pub(super) struct AlarmHistory {
     record: AlarmLog,
@@ -13,7 +13,7 @@ pub(super) struct AlarmHistory {
 }
 
 impl AlarmHistory {
-    /// Updates the log; called once a tick.
+    /// Adds the alarms that were raised or cleared in this tick.
     pub(super) fn update(&mut self, cnc: &Cnc) {
         if self.record.update(cnc) {
             self.published = Arc::new(self.record.newest_first().cloned().collect());

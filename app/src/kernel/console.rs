@@ -43,11 +43,10 @@ use crate::platform;
 /// A command of the window to the kernel.
 #[derive(Clone, Debug)]
 pub enum Command {
-    /// A key of the panel goes down or comes up.
+    /// Press or release a key of the panel.
     Key {
-        /// The key.
         key: Key,
-        /// True: down; false: up.
+        /// True if the key goes down, false if it comes up.
         down: bool,
     },
     /// Press a key and release it.
@@ -61,22 +60,22 @@ pub enum Command {
     /// Open a program and press 自动 and cycle start. With a pulse board the program is
     /// opened only.
     OpenAndStart(Box<OpenedProgram>),
-    /// Receive a file through the serial port.
+    /// Pass a file to the control through its serial port.
     Receive(Box<SerialFile>),
     /// The partner could not take the file that the control has sent.
     TransferFailed,
-    /// Range of the opened program's cuts, for the graphic page.
+    /// Fit the graphic page to the range of the opened program's cuts.
     FitGraphic {
-        /// Least point, mm, X as a radius.
+        /// Corner with the least coordinates, mm, X as a radius.
         least: Point,
-        /// Greatest point, mm, X as a radius.
+        /// Corner with the greatest coordinates, mm, X as a radius.
         greatest: Point,
     },
-    /// Take samples for the scope; `None` stops it.
+    /// Start to take samples for the scope; `None` stops the sampling.
     Probe(Option<Probe>),
-    /// Publish machine and PLC with the snapshots, or stop it.
+    /// Whether to publish the state of machine and PLC with the snapshots.
     Monitor(bool),
-    /// Set a fault of the lathe, or clear it.
+    /// Set (true) or clear (false) a fault of the lathe.
     Fault(LatheFault, bool),
     /// Send a request to the control; a refusal becomes a notice.
     Request(Box<ControlRequest>),
@@ -95,15 +94,15 @@ pub enum Command {
     FreeLathe,
     /// Run programs at this speed, unless a board moves real slides.
     Speed(RunSpeed),
-    /// A command for lessons.
+    /// Start, control or end a lesson.
     Lesson(LessonAction),
-    /// A command for the pulse board.
+    /// Reconnect, set up or check the pulse board.
     Link(LinkAction),
-    /// Publish the LCD in the other language, too, or stop it.
+    /// Whether to publish the LCD in the other language, too.
     Translate(bool),
-    /// Publish the motion for the sound of the machine, or stop it.
+    /// Whether to publish the motion for the sound of the machine.
     PublishMotion(bool),
-    /// Publish the state of the pulse board, or stop it.
+    /// Whether to publish the state of the pulse board.
     WatchLink(bool),
     /// Store a text as a program of the memory; the channel receives its number or why it
     /// is not stored.
@@ -112,23 +111,23 @@ pub enum Command {
     SendSetup(Sender<Box<Setup>>),
     /// Send once the content of the control and the operation level in force.
     SendState(Sender<Box<(ProjectState, OperationLevel)>>),
-    /// Set the job of the part in the simulated lathe, on fresh stock; `None`: there is no
-    /// job.
+    /// Set the job of the part in the simulated lathe, on fresh stock; `None` removes the
+    /// part.
     Job(Option<Box<SelectedJob>>),
-    /// Clamp new stock.
+    /// Clamp uncut stock.
     FreshStock,
     /// Whether the simulated lathe stops at a collision.
     CrashStops(bool),
-    /// Publish the part with the snapshots, or stop it. The part is cut in either case.
+    /// Whether to publish the part with the snapshots. The part is cut in either case.
     ShowPart(bool),
-    /// The window is alive: held keys stay down.
+    /// Proves that the window is alive: held keys stay down.
     Alive,
     /// Release every key.
     ReleaseAll,
     Quit,
 }
 
-/// A command for the pulse board.
+/// What the window requests of the pulse board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LinkAction {
     /// Close the port and open it again.
@@ -139,10 +138,10 @@ pub enum LinkAction {
     Check,
 }
 
-/// What to do with an opened program if the memory has another program of its number.
+/// What to do with an opened program if another program in the memory has its number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StorePolicy {
-    /// Query the operator.
+    /// Query the operator and do not open the program yet.
     #[default]
     AskOperator,
     /// Replace the stored program.
@@ -154,13 +153,12 @@ pub enum StorePolicy {
 /// A program read from a file, ready to be opened.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OpenedProgram {
-    /// Name to show.
+    /// Name that the window shows.
     pub name: String,
     /// Path of the file; `None` for a sample.
     pub path: Option<PathBuf>,
-    /// What to do if its number is taken.
+    /// What to do if another program has its number.
     pub store_policy: StorePolicy,
-    /// The program.
     pub program: Program,
     /// Subprograms from the folder of the file.
     pub subprograms: Vec<Program>,
@@ -171,8 +169,8 @@ pub struct OpenedProgram {
 pub enum ProgramPlacement {
     /// In the memory, under this number.
     Stored(u16),
-    /// Outside the memory: it can be run and read, but not edited, and it is lost at
-    /// power-off.
+    /// Outside the memory, for this reason: the program can be run and read, but not edited,
+    /// and it is lost at power-off.
     OnlyRun(NotStored),
 }
 
@@ -181,96 +179,98 @@ pub enum ProgramPlacement {
 pub enum NotStored {
     /// Neither the program nor its file name has a number.
     NoNumber,
-    /// Another program has its number and is kept.
+    /// Another program has this number and is kept.
     NumberTaken(u16),
-    /// The program switch, a program lock or the operation level forbids it.
+    /// The program switch, a program lock or the operation level forbids it, as the payload
+    /// says.
     Refused(WriteRefusal),
     /// The memory refuses it with this alarm.
     Alarm(Alarm),
 }
 
-/// What the kernel reports to the window besides snapshots; the window loses none.
+/// What the kernel reports to the window besides snapshots; no notice is lost.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Notice {
-    /// A program was opened.
+    /// A program was opened: its name, file and storage.
     Opened {
-        /// Its name.
+        /// Name of the program.
         name: String,
         /// Its file, if it has one.
         path: Option<PathBuf>,
         /// Where the kernel has put it.
         placement: ProgramPlacement,
     },
-    /// The program was not opened: the memory has another program of its number.
+    /// The program was not opened because another program in the memory has this number.
     NumberTaken(Box<OpenedProgram>, u16),
-    /// The control has sent a file: what and where it is.
+    /// A file that the control has sent was written; the payload names its location.
     Sent(String),
     /// A message to the operator.
     Message(Message),
-    /// The tool has collided.
+    /// The tool has collided, as the message describes.
     Collided(Message),
     /// New stock is clamped: earlier collisions do not count any more.
     FreshStock,
     /// The control has refused a request with this alarm.
     Refused(Alarm),
-    /// The preview of an opened program is finished: its file name and the findings.
+    /// The preview of an opened program is finished; holds its file name and the findings.
     Previewed(String, Box<ProgramSummary>),
-    /// A key does nothing, and why; `None`: a key acts again.
+    /// Why a key does nothing; `None` once a key acts again.
     KeyRefusal(Option<Message>),
 }
 
 /// The state of the panel at one moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PanelSnapshot {
-    /// The LCD.
+    /// Contents of the LCD.
     pub screen: Screen,
-    /// The LCD in the other language, while the window has requested it.
+    /// The LCD in the other language; `None` unless the window has requested it.
     pub translated: Option<Box<Screen>>,
     /// The page on the LCD.
     pub page: PageId,
-    /// Direction of the axis keys.
+    /// Which axis keys act in the reverse direction.
     pub keys_reversed: KeysReversed,
-    /// The control model.
     pub model: ModelId,
-    /// Brightness of the LCD.
+    /// Brightness of the LCD, 0 (darkest) to 15.
     pub brightness: u8,
-    /// Lamps: the Y memory.
+    /// The Y memory of the PLC, which holds the lamps.
     pub y_memory: [u8; 20],
     /// Keys that are down, including the latched emergency stop.
     pub pressed: Vec<Key>,
     /// Position of the handwheel, detents.
     pub wheel: i32,
-    /// Machine time over wall time at the speed of a real lathe, %; 100 unless the
+    /// Machine time divided by wall time at the speed of a real lathe, %; 100 unless the
     /// computer is too slow.
     pub speed_percent: u32,
-    /// The selected speed of programs.
+    /// The speed that the operator has selected for programs.
     pub speed: RunSpeed,
-    /// Machine time over wall time while a speed other than a real lathe's is in force.
+    /// Machine time divided by wall time; `None` unless a speed other than a real lathe's is
+    /// in force.
     pub speed_ratio: Option<SpeedRatio>,
-    /// Forced bits, forced inputs and faults.
+    /// Number of forced bits, forced inputs and faults.
     pub forced: ForcedState,
     /// The newest active alarm, or the first message of the ladder.
     pub alarm: Option<Alarm>,
-    /// The slides of a pulse board need a reference return.
+    /// Whether the slides of a pulse board need a reference return.
     pub position_unknown: bool,
-    /// State of the pulse board that moves real slides; `None`: the lathe is simulated.
+    /// State of the pulse board that moves real slides; `None` if the lathe is simulated.
     pub board: Option<LinkState>,
     /// Whether a program runs or is held.
     pub run_state: RunState,
-    /// What the running program waits for, once that takes longer than usual.
+    /// What the running program waits for; `None` unless that takes longer than usual.
     pub program_wait: Option<ProgramWait>,
     /// The distance from the last start of the selected program, if its G50 would take another
     /// start point.
     pub start_distance: Option<StartDistance>,
     /// A slide or the spindle moves.
     pub is_moving: bool,
-    /// The selected program.
+    /// The selected program; `None` if none is selected.
     pub program: Option<ProgramId>,
-    /// The lesson under way: the snapshot then shows its practice machine.
+    /// The lesson under way, whose practice machine the snapshot shows; `None` outside
+    /// lessons.
     pub lesson: Option<LessonState>,
     /// The alarms raised since the control was opened, the newest first.
     pub alarm_records: Arc<Vec<AlarmRecord>>,
-    /// Slides and spindle, while the window plays the sound of the machine.
+    /// Motion of slides and spindle; `None` unless the window plays the sound of the machine.
     pub motion: Option<MachineMotion>,
 }
 
@@ -288,18 +288,18 @@ pub struct MachineMotion {
 /// chuck on the left and its tool post in front.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct KeysReversed {
-    /// The upper key is X+ (175.0).
+    /// True if the upper axis key is X+ (parameter 175.0).
     pub x: bool,
-    /// The left key is Z+ (175.1).
+    /// True if the left axis key is Z+ (parameter 175.1).
     pub z: bool,
 }
 
-/// Machine time over wall time, rounded so that snapshots do not change needlessly.
+/// Machine time divided by wall time, rounded so that snapshots do not change needlessly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpeedRatio(pub f64);
 
-/// What views have forced on control and lathe; it remains until it is taken back, also
-/// when the view is closed.
+/// Numbers of what views have forced on control and lathe; it remains forced until it is
+/// released, also when the view is closed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ForcedState {
     /// Number of forced bits of the PLC.
@@ -310,24 +310,24 @@ pub struct ForcedState {
     pub faults: usize,
 }
 
-/// The window's end of the channels.
+/// The window's ends of the channels to the kernel.
 #[derive(Clone, Debug)]
 pub struct Console {
-    /// Commands to the kernel.
+    /// Sends commands to the kernel.
     pub commands: Sender<Command>,
-    /// The newest snapshot.
+    /// Queue with the newest snapshot.
     pub snapshots: Arc<ArrayQueue<PanelSnapshot>>,
-    /// The newest state of machine and PLC, while the window has requested it.
+    /// Queue with the newest state of machine and PLC, while the window has requested it.
     pub machine: Arc<ArrayQueue<MachineView>>,
-    /// The newest state of the pulse board, while the window has requested it.
+    /// Queue with the newest state of the pulse board, while the window has requested it.
     pub link: Arc<ArrayQueue<LinkView>>,
-    /// The newest state of the part, while there is a job.
+    /// Queue with the newest state of the part, while there is a job.
     pub part: Arc<ArrayQueue<PartView>>,
-    /// Notices from the kernel.
+    /// Receives the notices of the kernel.
     pub notices: Receiver<Notice>,
-    /// For helper threads: their notices come out of `notices`.
+    /// Sender for helper threads, whose notices come out of `notices`, too.
     pub notice_sender: Sender<Notice>,
-    /// Proof that held keys are still held.
+    /// Holds the proof that held keys are still held.
     pub input_watch: InputWatch,
 }
 

@@ -23,52 +23,54 @@ use crate::host_clock::HostClock;
 use crate::port_io::{PortIo, TrafficLine};
 use crate::ports;
 
-/// Lines of traffic kept for the link page.
+/// Number of lines of traffic kept for the link page.
 const MAX_TRAFFIC_LINES: usize = 200;
-/// Round trips for median and worst.
+/// Number of round trips from which median and maximum are computed.
 const MAX_ROUND_TRIPS: usize = 100;
 /// Time between two updates of the link page.
 const VIEW_INTERVAL: Duration = Duration::from_millis(100);
-/// A computer that has not read the port for this time is busy.
+/// A computer that has not read the port for this time counts as busy.
 const BUSY_ABSENCE: Duration = Duration::from_millis(20);
-/// The longest recent absence from the port covers one to two of these intervals.
+/// Interval over which the longest absence from the port is collected; the recent absence
+/// covers the current and the previous one.
 const ABSENCE_INTERVAL: Duration = Duration::from_secs(5);
-/// Lines of the log kept for the link page.
+/// Number of position checks kept for the link page.
 const MAX_LOG_LINES: usize = 20;
 
-/// Extension of the files with the dictionaries of boards; limits of their count, size and
-/// name.
+/// Extension of the files with the dictionaries of boards. The constants after it limit their
+/// number, size and name.
 const DICTIONARY_EXTENSION: &str = "dictionary";
 const MAX_BOARDS: usize = 16;
 const MAX_FILE_BYTES: u64 = 1 << 17;
 const MAX_NAME_CHARS: usize = 80;
 
-/// Configuration of a board, and the files about it.
+/// Configuration of a board, and the paths of the files about it.
 #[derive(Clone, Debug)]
 pub struct BoardConnection {
     /// The section `link` of the machine file.
     pub config: LinkConfig,
-    /// File for the log of position checks; `None`: no log.
+    /// Log file of position checks; `None`: no log.
     pub log_path: Option<PathBuf>,
-    /// Folder for the dictionaries of boards, so that a known board connects faster;
-    /// `None`: keep none.
+    /// Folder in which the dictionaries of boards are kept, so that a known board connects
+    /// faster; `None`: keep none.
     pub dictionary_folder: Option<PathBuf>,
-    /// The program of the process that holds the port: [`crate::platform::own_executable`].
+    /// The executable file of the guard process, which holds the port:
+    /// [`crate::platform::own_executable`].
     pub holder_program: PathBuf,
 }
 
-/// How long the computer did not read the port, because it was busy.
+/// Measures how long the computer did not read the port, because it was busy.
 #[derive(Clone, Copy, Debug, Default)]
 struct PortAbsence {
     last_read: Duration,
-    /// The longest absence of the current interval, and of the one before it.
+    /// The longest absence of the current interval, then that of the one before it.
     recent: [Duration; 2],
     interval_end: Duration,
     longest: Duration,
 }
 
 impl PortAbsence {
-    /// Records a read of the port.
+    /// Records that the port was read at `now`.
     fn record_read(&mut self, now: Duration) {
         let away = now.saturating_sub(self.last_read);
         self.last_read = now;
@@ -80,24 +82,24 @@ impl PortAbsence {
         self.longest = self.longest.max(away);
     }
 
-    /// Returns the longest recent absence, and the longest of all.
+    /// Returns the longest absence of the last two intervals, and the longest of all.
     fn longest(&self) -> (Duration, Duration) {
         (self.recent[0].max(self.recent[1]), self.longest)
     }
 }
 
-/// A board that moves the control's slides.
+/// The connection to a board that moves the control's slides.
 pub(super) struct Drive {
     connection: BoardConnection,
     linked: LinkedControl,
     /// `None` if the port could not be opened or has failed.
     port_io: Option<PortIo>,
     clock: HostClock,
-    /// The answers of the board to the holder that stops it after the first holder is
-    /// gone.
+    /// Receives the answers of the board while a second holder stops it, after the first
+    /// holder is gone; `None` otherwise.
     stop_answer: Option<Receiver<Vec<u8>>>,
     view_requested: bool,
-    /// When the view of the link page is due.
+    /// Time at which the next view of the link page is due.
     next_view: Duration,
     snapshots: VecDeque<(MotionStamp, PanelSnapshot)>,
     traffic_lines: VecDeque<TrafficLine>,
@@ -106,7 +108,7 @@ pub(super) struct Drive {
     report_count: u64,
     differences: Vec<SettingDifference>,
     position_checks: VecDeque<PositionCheck>,
-    /// Messages for the operator.
+    /// Messages for the operator that the kernel has not taken yet.
     messages: Vec<Message>,
 }
 
@@ -120,7 +122,7 @@ impl core::fmt::Debug for Drive {
 }
 
 impl Drive {
-    /// Opens the port; a port that cannot be opened raises an alarm of the control.
+    /// Opens the port of the board. If that fails, the control raises an alarm.
     pub fn open(connection: BoardConnection, simulation: &mut Simulation) -> Self {
         tracing::info!(port = connection.config.port, "port of the board");
         let mut linked = LinkedControl::open(connection.config.clone(), simulation, Duration::ZERO);
@@ -234,7 +236,7 @@ impl Drive {
         }
     }
 
-    /// Whether the computer is too busy to read the port in time.
+    /// Whether the computer was too busy recently to read the port in time.
     pub fn is_busy(&self) -> bool {
         self.absence.longest().0 > BUSY_ABSENCE
     }
@@ -252,17 +254,18 @@ impl Drive {
         self.linked.can_tick()
     }
 
-    /// Prepares the simulation for a tick.
+    /// Passes the inputs that the board reads to the simulation before a tick.
     pub fn before_tick(&mut self, simulation: &mut Simulation) {
         self.linked.before_tick(simulation);
     }
 
-    /// Collects what a tick has commanded.
+    /// Passes the motion and outputs that a tick has commanded to the board's link.
     pub fn after_tick(&mut self, simulation: &mut Simulation) {
         self.linked.after_tick(simulation);
     }
 
-    /// Writes the bytes that wait, and the log.
+    /// Writes the bytes that wait for the board, and the log of position checks. `program` is
+    /// the name of the opened program for the log; `None` without one.
     pub fn write_board(&mut self, program: Option<&str>) {
         let written = match &mut self.port_io {
             Some(carrier) => {
@@ -328,7 +331,8 @@ impl Drive {
         }
     }
 
-    /// Keeps a dictionary; without a folder the program reads it from the board each time.
+    /// Stores a dictionary of a board under `name`; without a folder it is read from the board
+    /// each time.
     fn keep_dictionary(&self, name: &str, packed: &[u8]) {
         let Some(folder) = &self.connection.dictionary_folder else {
             return;
@@ -381,7 +385,7 @@ impl Drive {
         due.map(|(_, snapshot)| snapshot)
     }
 
-    /// Writes the settings that differ to the board.
+    /// Writes to the board those settings that differ from the configuration.
     pub fn write_settings(&mut self) {
         self.differences.clear();
         self.linked.write_settings();
@@ -392,22 +396,22 @@ impl Drive {
         self.linked.check_count();
     }
 
-    /// Starts or stops the views for the link page.
+    /// Starts or stops making the views for the link page.
     pub const fn request_view(&mut self, on: bool) {
         self.view_requested = on;
     }
 
-    /// Whether the port is open; its reads then pace the kernel.
+    /// Whether the port is open; reading it then sets the pace of the kernel.
     pub const fn has_port(&self) -> bool {
         self.port_io.is_some()
     }
 
-    /// Whether RESET has requested to reopen the lost board.
+    /// Whether RESET was pressed to open the port of the lost board again.
     pub const fn needs_reopen(&self) -> bool {
         self.linked.needs_reopening()
     }
 
-    /// Returns the view for the link page, if it is watched and due.
+    /// Returns the view for the link page; `None` unless the page is open and the view is due.
     pub fn due_view(&mut self) -> Option<LinkView> {
         let now = self.clock.now();
         if !self.view_requested || now < self.next_view {
@@ -453,7 +457,7 @@ impl Drive {
     }
 }
 
-/// Returns the file name of a path without its folder.
+/// Returns the last component of a path.
 fn file_name(path: &str) -> String {
     let name = Path::new(path).file_name();
     name.map_or_else(

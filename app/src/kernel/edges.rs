@@ -9,28 +9,28 @@ use std::collections::{BTreeMap, VecDeque};
 use gsk_panel::keys::{Key, KeyRole};
 use gsk_panel::panel::KeyEvent;
 
-/// Shortest time a contact stays closed, ticks: the ladder sees a click between two
-/// frames.
+/// Shortest time a key contact stays closed, ticks: the ladder detects even a click between
+/// two frames.
 const MIN_PRESS_TICKS: u64 = 50;
-/// Shortest time a contact stays open before the next press of the same key, ticks: three
+/// Shortest time a key contact stays open before the next press of the same key, ticks: three
 /// samples of the input filter and two slots of the ladder.
 const MIN_REST_TICKS: u64 = 28;
 /// How long a key pressed by a screen reader stays down, ticks.
 const TAP_TICKS: u64 = 100;
 
-/// A change of a key.
+/// A change of a key by the operator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum KeyEdge {
     Down(Key),
     Up(Key),
-    /// Pressed and released.
+    /// The key is pressed and released.
     Tap(Key),
-    /// A typed character that has no key on the panel.
+    /// A character without a key on the panel is typed.
     Type(char),
 }
 
 impl KeyEdge {
-    /// Returns the key that goes down.
+    /// Returns the key that this change presses; `None` for a release or a typed character.
     const fn pressed_key(self) -> Option<Key> {
         match self {
             Self::Down(key) | Self::Tap(key) => Some(key),
@@ -39,15 +39,16 @@ impl KeyEdge {
     }
 }
 
-/// When a key is released.
+/// When the panel sees the release of a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ReleaseTiming {
-    /// With the next tick after its press: fingers that roll from key to key stay below
+    /// In the tick after the press: fingers that roll from key to key stay below parameter
     /// No.119, the number of keys accepted at a time.
     NextTick,
-    /// With its edge.
+    /// When the operator releases the key, in the order of the queue.
     WithEdge,
-    /// With its edge, after the shortest press; it waits for no other key.
+    /// When the operator releases the key, but at the earliest after `MIN_PRESS_TICKS`; the
+    /// release does not wait for other keys.
     Contact,
 }
 
@@ -62,7 +63,7 @@ const fn release_timing(key: Key) -> ReleaseTiming {
     }
 }
 
-/// Whether a key ends a motion: it takes all earlier presses with it at once.
+/// Whether a key ends a motion. Its press carries out all earlier waiting changes at once.
 const fn ends_motion(key: Key) -> bool {
     matches!(key, Key::Reset | Key::FeedHold | Key::SpindleStop)
 }
@@ -85,15 +86,15 @@ pub(super) const fn starts_motion(key: Key) -> bool {
     )
 }
 
-/// Edges that wait, and keys that are down.
+/// Key changes that wait for their tick, and the keys that are down.
 #[derive(Debug, Default)]
 pub(super) struct KeyEdgeQueue {
     pending: VecDeque<KeyEdge>,
-    /// Keys that are down, with the tick of their press.
+    /// Keys that are down, with the tick at which they were pressed.
     down: BTreeMap<Key, u64>,
-    /// Ticks at which keys come up.
+    /// Planned releases: tick and key.
     releases: Vec<(u64, Key)>,
-    /// Contacts that stay open until a tick.
+    /// Tick until which the contact of a key stays open.
     open_until: BTreeMap<Key, u64>,
 }
 
@@ -120,7 +121,7 @@ impl KeyEdgeQueue {
         !self.down.is_empty()
     }
 
-    /// Drops all edges and releases all keys.
+    /// Drops all waiting changes and forgets all keys that are down.
     pub fn clear(&mut self) {
         self.pending.clear();
         self.down.clear();
@@ -128,7 +129,7 @@ impl KeyEdgeQueue {
         self.open_until.clear();
     }
 
-    /// Returns the events for the panel at a tick.
+    /// Removes and returns the events that the panel gets at `tick`.
     pub fn take_due(&mut self, tick: u64) -> Vec<KeyEvent> {
         let mut events = Vec::new();
         if self.releases.is_empty() && self.pending.is_empty() {
@@ -151,7 +152,7 @@ impl KeyEdgeQueue {
         events
     }
 
-    /// Whether an edge is due at a tick.
+    /// Whether a waiting change may be carried out at `tick`.
     fn is_due(&self, edge: KeyEdge, tick: u64) -> bool {
         let rested = |key| self.open_until.get(&key).is_none_or(|until| *until <= tick);
         match edge {
@@ -221,7 +222,8 @@ impl KeyEdgeQueue {
 mod tests {
     use super::*;
 
-    /// Collects the panel's events with their ticks until the queue is empty.
+    /// Collects the panel's events with their ticks, from tick `from` until the queue is
+    /// empty.
     fn play(edges: &mut KeyEdgeQueue, from: u64) -> Vec<(u64, KeyEvent)> {
         let mut timed_events = Vec::new();
         for tick in from..from + 2000 {

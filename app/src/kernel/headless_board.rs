@@ -17,29 +17,29 @@ use crate::board::READY_TIMEOUT;
 use crate::output;
 use crate::termination::{SignalError, TerminationFlag};
 
-/// Time between two checks of a link without a port.
+/// Time between two ticks of the link while its port is closed.
 const NO_PORT_INTERVAL: Duration = Duration::from_millis(4);
-/// Longest time the control makes ticks before it reads the port again.
+/// Longest time for which the control makes ticks before it reads the port again.
 const MAX_TICK_TIME: Duration = Duration::from_millis(3);
-/// Longest time from the last command to the end of all motion, ticks.
+/// Longest time to wait after the last command until all motion has ended, ticks.
 const MAX_STOP_TICKS: u32 = 2000;
 
-/// Why a board is not ready for work.
+/// Why a board is not ready for motion.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum NotReady {
-    /// The operator has requested the end of the program.
+    /// A termination signal has arrived.
     EndRequested,
-    /// The board raises an alarm.
+    /// The board raises this alarm.
     Refused(Message),
-    /// The settings of the board differ from the configuration.
+    /// The settings of the board differ from the configuration; the alarm lists them.
     Settings(Box<Alarm>),
-    /// The board has not answered in time.
+    /// The board has not become ready in time.
     Silent,
 }
 
 impl NotReady {
-    /// Returns the message for the operator.
+    /// Returns the message for the operator: why the board is not ready.
     pub fn message(&self) -> Message {
         match self {
             Self::EndRequested => say::link_ended_unknown(),
@@ -50,11 +50,12 @@ impl NotReady {
     }
 }
 
-/// The board of a control without a window. Dropping it without [`HeadlessBoard::close`] stops the
-/// board at once.
+/// The board of a control without a window. Dropping it without [`HeadlessBoard::close`] stops
+/// the board at once.
 #[derive(Debug)]
 pub struct HeadlessBoard {
-    /// `None` after a termination signal: the board has been stopped.
+    /// The connection to the board; `None` after a termination signal, because the board has
+    /// been stopped.
     drive: Option<Drive>,
     ending: TerminationFlag,
     last_read: Instant,
@@ -83,7 +84,7 @@ impl HeadlessBoard {
         self.drive.is_none()
     }
 
-    /// Ticks until the board is ready; `tick` makes one tick of the control.
+    /// Makes ticks until the board is ready; `tick` makes one tick of the control.
     ///
     /// # Errors
     /// The board does not answer in time, raises an alarm or has other settings; or the

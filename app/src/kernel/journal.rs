@@ -7,12 +7,12 @@ use gsk_link::LinkState;
 use tracing::{info, warn};
 use web_time::{Duration, Instant};
 
-/// Least delay of the kernel thread to log.
+/// Shortest delay of the kernel thread that is logged.
 const MIN_LOGGED_DELAY: Duration = Duration::from_millis(100);
-/// Least time between two logged delays.
+/// Shortest time between two logged delays.
 const REPEAT_INTERVAL: Duration = Duration::from_secs(10);
 
-/// The state at the last check.
+/// Alarms and link state at the last check, for the log of changes.
 #[derive(Debug, Default)]
 pub(super) struct ChangeLog {
     alarms: Vec<Alarm>,
@@ -21,7 +21,7 @@ pub(super) struct ChangeLog {
 }
 
 impl ChangeLog {
-    /// Logs what has changed since the last check.
+    /// Logs the alarms and the link state that have changed since the last check.
     pub(super) fn log_changes(&mut self, cnc: &Cnc, link: Option<LinkState>) {
         self.log_alarm_changes(cnc.alarms());
         self.log_link_changes(link, cnc.alarms().first());
@@ -68,7 +68,8 @@ impl ChangeLog {
         }
     }
 
-    /// Logs a turn of the kernel thread that was due at `due` and comes late.
+    /// Logs the delay of a turn of the kernel thread that was due at `due` and begins at
+    /// `now`, if it is long.
     pub(super) fn log_delay(&mut self, now: Instant, due: Instant) {
         let late = now.saturating_duration_since(due);
         let recently_logged = self

@@ -4,25 +4,27 @@ use gsk_core::cnc::Cnc;
 use gsk_messages::Message;
 use gsk_panel::refusal::{CHECK_DELAY_TICKS, KeyPress};
 
-/// A change of the report on refused keys.
+/// What to report to the window about keys that do nothing.
 pub(super) enum RefusalReport {
-    /// The key does nothing, and why.
+    /// The key does nothing, for this reason.
     Refused(Message),
     /// A key acts: the earlier refusal is obsolete.
     KeyActs,
 }
 
-/// Key presses that wait for their check.
+/// Presses of machine keys that are checked some ticks later for an effect.
 #[derive(Debug, Default)]
 pub(super) struct KeyRefusals {
-    /// Machine keys, with the tick of their check.
+    /// Machine keys, each with the tick at which it is checked.
     pending: Vec<(u64, KeyPress)>,
-    /// A refusal is on display.
+    /// Whether the window shows a refusal.
     is_refusal_shown: bool,
 }
 
 impl KeyRefusals {
-    /// Records a key press at a tick; `refused`: page, mode or a switch forbids it.
+    /// Records a key press at a tick. `press` is the check that follows, if the key has one;
+    /// `refused` is the reason if page, mode or a switch forbids the key. Returns what to
+    /// report.
     pub(super) fn record_press(
         &mut self,
         press: Option<KeyPress>,
@@ -40,7 +42,8 @@ impl KeyRefusals {
         }
     }
 
-    /// Checks the machine keys that are due.
+    /// Checks the machine keys that are due at `tick`; returns the refusal of the last one
+    /// that does nothing.
     pub(super) fn check_due(&mut self, tick: u64, cnc: &Cnc) -> Option<RefusalReport> {
         if self.pending.is_empty() {
             return None;

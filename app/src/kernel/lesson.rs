@@ -18,14 +18,14 @@ use super::program_start::StartWatch;
 use super::{Kernel, Notice};
 use crate::job::SelectedJob;
 
-/// A command for lessons.
+/// What the window requests of a lesson.
 #[derive(Clone, Debug)]
 pub enum LessonAction {
     /// Start this lesson at its beginning.
     Begin(Arc<Lesson>),
     /// Demonstrate this lesson from its beginning to its end.
     Demonstrate(Arc<Lesson>),
-    /// Press the keys of the current step for the learner.
+    /// Press the keys of the current step on behalf of the learner.
     ShowMe,
     /// Return the practice machine to the beginning of the previous step.
     Back,
@@ -35,15 +35,15 @@ pub enum LessonAction {
     Leave,
 }
 
-/// The lesson under way, for the window.
+/// The state of the lesson under way, for the window.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LessonState {
     pub name: String,
-    /// Progress of the lesson.
+    /// Current step of the lesson, and what to show besides the step.
     pub view: PracticeView,
 }
 
-/// A practice machine, and the learner's own state that it replaces.
+/// A practice machine in use, and the learner's own state that it replaces.
 #[derive(Debug)]
 pub(super) struct PracticeSession {
     practice: Practice,
@@ -54,7 +54,7 @@ pub(super) struct PracticeSession {
 }
 
 impl PracticeSession {
-    /// Runs one tick of the practice machine.
+    /// Runs one tick of the practice on `emulator`, the practice machine.
     pub(super) fn tick(&mut self, emulator: &mut Emulator) {
         self.practice.tick(emulator);
     }
@@ -67,12 +67,13 @@ impl PracticeSession {
         }
     }
 
-    /// Returns the learner's own machine.
+    /// Returns the learner's own machine, which the practice machine replaces.
     pub(super) fn own(&mut self) -> &mut Emulator {
         &mut self.own
     }
 
-    /// Returns the learner's own part: a job set during the lesson applies after it.
+    /// Returns the learner's own part. A job that is set during the lesson goes to it, and
+    /// applies after the lesson.
     pub(super) const fn own_part(&mut self) -> &mut KernelPart {
         &mut self.own_part
     }
@@ -106,7 +107,7 @@ impl Kernel {
         }
     }
 
-    /// The learner presses a key: this ends a demonstration.
+    /// Ends a running demonstration, because the learner has pressed a key.
     pub(super) fn interrupt_demonstration(&mut self) {
         if let Some(lesson) = &mut self.lesson {
             lesson.practice.interrupt(&mut self.emulator);
@@ -124,8 +125,8 @@ impl Kernel {
         self.start_practice(Practice::begin(lesson), job);
     }
 
-    /// Starts a demonstration, unless the learner is in a lesson: its progress would be
-    /// lost.
+    /// Starts a demonstration. If the learner is in a lesson, refuses with a notice, because
+    /// the progress would be lost.
     fn demonstrate_lesson(&mut self, lesson: Arc<Lesson>) {
         let under_way = self.lesson.as_ref().map(PracticeSession::state);
         if under_way.is_some_and(|it| find_demonstration(&it.name).is_none()) {
@@ -146,7 +147,8 @@ impl Kernel {
         !matches!(run, RunState::Reset | RunState::Stop)
     }
 
-    /// Replaces the learner's own machine with a practice machine.
+    /// Replaces the learner's own machine with a practice machine, or notifies the window why
+    /// it did not begin.
     fn start_practice(&mut self, begun: Result<(Practice, Emulator), Message>, job: Option<Job>) {
         let (practice, machine) = match begun {
             Ok(begun) => begun,
@@ -173,7 +175,8 @@ impl Kernel {
         self.start_watch = StartWatch::default();
     }
 
-    /// Restores the learner's own machine unchanged.
+    /// Ends the lesson and restores the learner's own machine unchanged; does nothing outside
+    /// lessons.
     pub(super) fn leave_lesson(&mut self) {
         self.release_keys();
         if let Some(lesson) = self.lesson.take() {

@@ -7,12 +7,12 @@ use super::drive::Drive;
 use super::{BoardConnection, Kernel, LinkAction, Notice, PanelSnapshot, SNAPSHOT_TICKS};
 use crate::pace::TickPacer;
 
-/// Time between two checks of a link without a port.
+/// Time between two ticks of the link while its port is closed.
 const NO_PORT_INTERVAL: Duration = Duration::from_millis(4);
-/// Longest time the kernel makes ticks before it reads the port again: on a slow computer
-/// a whole lookahead of ticks would take too long.
+/// Longest time for which the kernel makes ticks before it reads the port again: on a slow
+/// computer a whole lookahead of ticks would take too long.
 const MAX_TICK_TIME: Duration = Duration::from_millis(3);
-/// Ticks between two snapshots on a busy computer.
+/// Ticks of 1 ms between two snapshots on a busy computer.
 const BUSY_SNAPSHOT_TICKS: u64 = 4 * SNAPSHOT_TICKS;
 
 impl Kernel {
@@ -32,7 +32,7 @@ impl Kernel {
         Some(drive.close(&mut self.emulator.simulation))
     }
 
-    /// Returns when the thread has work again; `None`: at once, because a board needs
+    /// Returns when the kernel thread has work again; `None` if at once, because a board needs
     /// constant reading.
     pub(super) fn wake_time(&self, now: Instant, pace: &TickPacer) -> Option<Instant> {
         match &self.drive {
@@ -46,14 +46,14 @@ impl Kernel {
         self.drive.is_some()
     }
 
-    /// Returns the state of the link, if there is one.
+    /// Returns the state of the link; `None` if no board is connected.
     pub(super) fn link_state(&self) -> Option<LinkState> {
         self.drive.as_ref().map(Drive::state)
     }
 
-    /// Takes the window's commands, reads the board, runs the ticks that it permits and
-    /// publishes snapshots of what the board has made. Waits 2 ms at most. Returns whether
-    /// there is something new to show.
+    /// Carries out the window's commands, reads the board, runs the ticks that it permits and
+    /// publishes snapshots whose motion the board has made. Waits 2 ms at most. Returns true
+    /// if there is something new to show.
     pub fn run_linked(&mut self) -> bool {
         self.execute_commands();
         let Some(mut drive) = self.drive.take() else {

@@ -10,47 +10,47 @@ use gsk_core::plc::{Ladder, Plc};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::pages::CoordinateFormat;
 
-/// Machine and PLC at one moment. The kernel makes it only while a view shows it.
+/// State of machine and PLC at one moment, made only while a view shows it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MachineView {
     pub lathe: SimulatedLathe,
-    /// Inputs of the machine: contacts and sensors.
+    /// Inputs of the machine, each by contact or sensor.
     pub inputs: MachineInputs,
     pub plc: Plc,
-    /// The scan of the PLC is halted for stepping.
+    /// Whether the scan of the PLC is halted for single steps.
     pub halted: bool,
-    /// The ladder that runs from the next power-on, if it differs from the current one.
+    /// The ladder that runs from the next power-on; `None` if it is the current one.
     pub next_ladder: Option<Arc<Ladder>>,
-    /// Why the control would refuse a ladder now; `None`: it would take one.
+    /// Why the control would refuse a new ladder now; `None` if it would accept one.
     pub ladder_refused: Option<WriteRefusal>,
     pub parameters: ControlParameters,
     pub pitch: PitchTable,
-    /// Why the control would refuse parameters now; `None`: it would take them.
+    /// Why the control would refuse parameters now; `None` if it would accept them.
     pub parameters_refused: Option<WriteRefusal>,
     pub offsets: OffsetTable,
     pub variables: VariableTable,
-    /// Active alarms and messages, the newest first.
+    /// Texts of the active alarms and messages, the newest first.
     pub alarms: Vec<String>,
 }
 
-/// The tool offsets at one moment.
+/// The tool offsets at one moment, and how they may be written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OffsetTable {
     pub rows: Offsets,
-    /// Display format of lengths.
+    /// Format in which lengths are displayed.
     pub display: CoordinateFormat,
-    /// Why the control would refuse tool offsets now; `None`: it would take them.
+    /// Why the control would refuse tool offsets now; `None` if it would accept them.
     pub refused: Option<WriteRefusal>,
 }
 
-/// The macro variables at one moment.
+/// The macro variables at one moment, and how they may be written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VariableTable {
-    /// Number of the variable and its value; `None`: null (empty).
+    /// Number and value of each variable; the value is `None` if it is null (empty).
     pub rows: Vec<(u16, Option<f64>)>,
-    /// Variables take values with a fraction.
+    /// Whether variables accept values with a fraction.
     pub real: bool,
-    /// Why the control would refuse variables now; `None`: it would take them.
+    /// Why the control would refuse variables now; `None` if it would accept them.
     pub refused: Option<WriteRefusal>,
 }
 
@@ -72,7 +72,7 @@ impl VariableTable {
 }
 
 impl MachineView {
-    /// Returns the current state of an emulator.
+    /// Reads the current state of an emulator.
     pub fn from_emulator(emulator: &Emulator) -> Self {
         let simulation = &emulator.simulation;
         let cnc = &simulation.cnc;

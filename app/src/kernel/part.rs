@@ -20,13 +20,13 @@ use crate::job::SelectedJob;
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartView {
     pub job: Arc<Job>,
-    /// Name of the file that the job comes from; `None`: it is guessed.
+    /// Name of the job file; `None` if the job was guessed.
     pub job_name: Option<Arc<str>>,
-    /// Half section of what is left of the stock.
+    /// Half section of what remains of the stock.
     pub section: Arc<Region>,
-    /// Tool in the working position, 0 = none.
+    /// Number of the tool in the working position, 0 = none.
     pub tool: u8,
-    /// Position of its tip, part coordinates, mm.
+    /// Position of the tool tip, part coordinates, mm.
     pub tip: Point,
     /// Slide position at which the tip is at the zero of the part, machine coordinates,
     /// mm: `part = program + zero of the frame + offset − this`.
@@ -35,54 +35,54 @@ pub struct PartView {
     /// Speed of the spindle, r/min; negative in reverse.
     pub spindle_rpm: f64,
     pub coolant: bool,
-    /// The power chuck holds the stock.
+    /// Whether the power chuck holds the stock.
     pub clamped: bool,
-    /// The power chuck has held the stock and has released it. A chuck that never held
-    /// anything counts as clamped by hand.
+    /// Whether the power chuck has held the stock and has released it. A chuck that never held
+    /// stock counts as clamped by hand.
     pub chuck_open: bool,
-    /// The quill of the tailstock is extended.
+    /// Whether the quill of the tailstock is extended.
     pub tailstock_forward: bool,
     pub door_open: bool,
-    /// Collisions so far.
+    /// Collisions since the stock was clamped.
     pub findings: Vec<CollisionFinding>,
-    /// The block under execution; `None` while no program runs.
+    /// The block under execution; `None` if no program runs.
     pub block: Option<SourcePosition>,
 }
 
-/// The faults that a crash causes.
+/// The faults that a collision sets.
 const CRASH_FAULTS: [LatheFault; 3] = [
     LatheFault::DriveX,
     LatheFault::DriveZ,
     LatheFault::SpindleBlocked,
 ];
 
-/// Ends the faults of a crash. Faults of another kind stay.
+/// Clears the faults that a collision has set. Faults of another kind remain.
 pub(super) fn end_crash_faults(simulation: &mut Simulation) {
     for fault in CRASH_FAULTS {
         simulation.lathe.set_fault(fault, false);
     }
 }
 
-/// The kernel's side of the part.
+/// The part in the simulated lathe with its job, and what the window has been shown of it.
 #[derive(Debug)]
 pub(super) struct KernelPart {
     live: Option<LivePart>,
     job: Arc<Job>,
     job_name: Option<Arc<str>>,
     crash_stops: bool,
-    /// A view shows the part.
+    /// Whether a view shows the part.
     visible: bool,
-    /// The power chuck has held the stock once.
+    /// Whether the power chuck has held the stock at least once.
     has_gripped: bool,
     section: Arc<Region>,
-    /// The version of the part in `section`.
+    /// Version of the part from which `section` was made; `None` before the first one.
     shown_version: Option<u64>,
     last: Option<PartView>,
     views: Arc<ArrayQueue<PartView>>,
 }
 
 impl KernelPart {
-    /// Creates a side without a part.
+    /// Creates a lathe without a part; `views` takes the states for the window.
     pub(super) fn new(views: Arc<ArrayQueue<PartView>>) -> Self {
         Self {
             live: None,
@@ -98,12 +98,12 @@ impl KernelPart {
         }
     }
 
-    /// Creates another side without a part for the same window.
+    /// Creates a state without a part for the same window, with the same switches.
     pub(super) fn empty_for_same_window(&self) -> Self {
         Self::new(Arc::clone(&self.views)).with_switches_of(self)
     }
 
-    /// Takes the switches of another side: they belong to the window.
+    /// Copies the switches of the window, stop at a collision and visible, from `other`.
     pub(super) fn with_switches_of(mut self, other: &Self) -> Self {
         self.crash_stops = other.crash_stops;
         self.visible = other.visible;
@@ -111,12 +111,12 @@ impl KernelPart {
         self
     }
 
-    /// Publishes the part again although nothing has changed.
+    /// Makes the next call of [`Self::publish`] publish even an unchanged part.
     pub(super) fn force_publish(&mut self) {
         self.last = None;
     }
 
-    /// Sets another job, on fresh stock; `None`: the program cuts nothing.
+    /// Sets another job, on fresh stock; `None` removes the part, and programs cut nothing.
     pub(super) fn set_job(&mut self, chosen: Option<SelectedJob>) {
         self.shown_version = None;
         self.last = None;
@@ -140,15 +140,16 @@ impl KernelPart {
         self.crash_stops = stops;
     }
 
-    /// Whether a view shows the part. Only then is its section published.
+    /// Sets whether a view shows the part. Its section is published only then.
     pub(super) fn set_visible(&mut self, visible: bool) {
         self.visible = visible;
         self.force_publish();
     }
 
-    /// Cuts the part after a tick. Returns the first collision in it, and whether it stops the
-    /// lathe. A collision stalls the spindle of a simulated lathe and trips the drive that ran
-    /// into the part. A real lathe is not stopped: its part may differ from this one.
+    /// Cuts the part after a tick. Returns the first collision of the tick, if any, and
+    /// whether it stops the lathe: then it has blocked the spindle and tripped the drive of
+    /// the axis with more distance to go. A real lathe is not stopped, because its part may
+    /// differ from this one.
     pub(super) fn after_tick(
         &mut self,
         simulation: &mut Simulation,
@@ -168,7 +169,8 @@ impl KernelPart {
         Some((finding, stops))
     }
 
-    /// Publishes the part if a view shows it and it has changed since the last time.
+    /// Publishes the part if a view shows it and it has changed since the last time; returns
+    /// true if so.
     pub(super) fn publish(&mut self, simulation: &Simulation) -> bool {
         let Some(live) = self.live.as_ref().filter(|_| self.visible) else {
             return false;

@@ -7,8 +7,8 @@ use gsk_core::cnc::Cnc;
 use gsk_core::setup::Setup;
 use gsk_panel::emulator::Emulator;
 
-/// Returns the setup for a preview of this control: its memory, its ladder and its lathe,
-/// with the current positions of slides and work zero. Large parts are shared, not copied.
+/// Returns a setup for previews with the memory, ladder and lathe of `emulator` and the
+/// current positions of slides and work zero. Large parts of it are shared, not copied.
 pub fn make_preview_setup(emulator: &Emulator) -> Setup {
     let simulation = &emulator.simulation;
     let cnc: &Cnc = &simulation.cnc;

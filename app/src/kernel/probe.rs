@@ -7,12 +7,12 @@ use gsk_core::plc::address::BitAddress;
 use gsk_core::units::{PerAxis, Point};
 use gsk_panel::emulator::Emulator;
 
-/// Capacity of the sample queue: one minute.
+/// Capacity of the sample queue: one minute of one sample per tick.
 pub const MAX_SAMPLES: usize = 60_000;
-/// Number of PLC bits in a sample.
+/// Maximum number of PLC bits in a sample.
 pub const MAX_BITS: usize = 32;
 
-/// The machine at the end of one tick.
+/// A sample of the scope: the machine at the end of one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ScopeSample {
     pub tick: u64,
@@ -28,25 +28,25 @@ pub struct ScopeSample {
     pub spindle_rpm: Option<f64>,
     /// Commanded spindle speed, r/min; 0 while the spindle is off, negative in reverse.
     pub commanded_spindle_rpm: f64,
-    /// The watched bits, the first in bit 0.
+    /// The watched PLC bits; the first one is in bit 0.
     pub bits: u32,
 }
 
-/// Settings of the sampling. The queue drops its oldest sample when it is full.
+/// Settings of the sampling for the scope. The queue drops its oldest sample when it is full.
 #[derive(Clone, Debug)]
 pub struct Probe {
-    /// The queue that takes the samples.
+    /// The queue into which the kernel puts the samples.
     pub queue: Arc<ArrayQueue<ScopeSample>>,
-    /// The watched PLC bits, in the order of [`ScopeSample::bits`].
+    /// The watched PLC bits, in the order of [`ScopeSample::bits`]; `None`: not used.
     pub bits: Vec<Option<BitAddress>>,
 }
 
-/// A probe at work.
+/// A running sampling for the scope.
 #[derive(Clone, Debug)]
 pub(super) struct ActiveProbe {
     probe: Probe,
-    /// Machine coordinate of the lathe's own zero; it changes when an axis makes its
-    /// reference return.
+    /// Machine coordinate of the lathe's own zero; it changes when an axis makes its reference
+    /// return. `None` before the first sample.
     origin: Option<(PerAxis<bool>, Point)>,
 }
 
@@ -58,7 +58,7 @@ impl ActiveProbe {
         }
     }
 
-    /// Sets other bits, or another queue.
+    /// Replaces the watched bits and the queue by those of `probe`.
     pub fn replace_probe(&mut self, probe: Probe) {
         self.probe = probe;
     }

@@ -9,16 +9,16 @@ use tracing::info;
 
 use super::{Kernel, NotStored, Notice, OpenedProgram, ProgramPlacement, StorePolicy};
 
-/// The program opened last.
+/// The program that was opened last from a file.
 #[derive(Clone, Debug)]
 pub(super) struct LastOpened {
     pub name: String,
-    /// Its text as stored.
+    /// The text of the program as it was stored; `None` if it was not stored.
     stored: Option<Program>,
 }
 
 impl Kernel {
-    /// Opens a program; returns whether it is selected now.
+    /// Opens a program; returns true if the program is selected now.
     pub(super) fn open(&mut self, opened: OpenedProgram) -> bool {
         let run_state = self.emulator.simulation.cnc.run_state();
         if matches!(run_state, RunState::Run | RunState::Hold) {
@@ -66,8 +66,8 @@ impl Kernel {
         true
     }
 
-    /// Whether the memory has a program of this number that is neither this file's text
-    /// nor the text of this file when it was opened last.
+    /// Whether the program of this number in the memory is neither `program` nor the text that
+    /// the same file had when it was opened last.
     fn is_other_program(&self, number: u16, program: &Program, name: &str) -> bool {
         let programs = self.emulator.simulation.cnc.programs();
         let Some(existing) = programs.get(ProgramId::Stored(number)) else {
@@ -79,7 +79,8 @@ impl Kernel {
             && before.is_none_or(|before| before.text() != existing.text())
     }
 
-    /// Selects a program; stores it first unless the memory has the same text.
+    /// Selects a program by its number, which it returns; stores the program first unless the
+    /// memory has the same text.
     pub(super) fn store(&mut self, program: &Program) -> Result<u16, NotStored> {
         let number = program.number().ok_or(NotStored::NoNumber)?;
         let cnc = &mut self.emulator.simulation.cnc;
@@ -95,7 +96,7 @@ impl Kernel {
         Ok(number)
     }
 
-    /// Stores a subprogram unless the memory has one of its number.
+    /// Stores a subprogram unless the memory has a program of its number.
     fn store_subprogram(&mut self, program: &Program) {
         let cnc = &mut self.emulator.simulation.cnc;
         let known = program
@@ -111,8 +112,7 @@ impl Kernel {
     }
 }
 
-/// Returns the program with its number; a program without one takes the number in its file
-/// name.
+/// Returns the program with its number: that of its O word, else the one in its file name.
 fn with_number(opened: &OpenedProgram) -> Program {
     let program = &opened.program;
     match (

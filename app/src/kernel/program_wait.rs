@@ -6,19 +6,19 @@ use gsk_core::simulation::Simulation;
 use gsk_messages::Message;
 use gsk_runner::machining::live_part::running_block;
 
-/// Usual duration of a wait for tool post or spindle, ticks; shorter waits are not
+/// Usual duration of a wait for tool post or spindle, ticks of 1 ms; shorter waits are not
 /// reported.
 const USUAL_WAIT_TICKS: u64 = 3000;
 
-/// What a program waits for, and in which block.
+/// The condition a program waits for, and the block that waits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProgramWait {
-    /// The condition it waits for.
+    /// Describes the condition that the program waits for.
     pub condition: Message,
     pub block: Option<SourcePosition>,
 }
 
-/// The current wait, and the tick it began at.
+/// The current wait of the program, and the tick at which it began.
 #[derive(Debug, Default)]
 pub(super) struct WaitWatch {
     current: Option<ProgramWait>,
@@ -26,7 +26,7 @@ pub(super) struct WaitWatch {
 }
 
 impl WaitWatch {
-    /// Updates the current wait.
+    /// Stores what the program waits for at `tick`.
     pub(super) fn update(&mut self, tick: u64, simulation: &Simulation) {
         let now = simulation.cnc.wait_reason().map(|what| ProgramWait {
             condition: what,
@@ -38,7 +38,8 @@ impl WaitWatch {
         }
     }
 
-    /// Returns the wait if it is longer than usual, or at once if the program is held.
+    /// Returns the wait if it is longer than usual, or at once if the program is held; else
+    /// `None`.
     pub(super) fn report(&self, tick: u64, run: RunState) -> Option<ProgramWait> {
         let is_long =
             run == RunState::Hold || tick.saturating_sub(self.since_tick) >= USUAL_WAIT_TICKS;

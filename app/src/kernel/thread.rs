@@ -17,27 +17,27 @@ use crate::{log, output, transfer};
 
 /// Time between two checks whether memory needs to be saved.
 const KEEPER_INTERVAL: Duration = Duration::from_millis(100);
-/// Time the window has to close when the program ends.
+/// Time that the window has to close when the program ends.
 const WINDOW_CLOSE_TIMEOUT: Duration = Duration::from_secs(3);
 
 /// Time between two snapshots: the duration of [`SNAPSHOT_TICKS`] on a real lathe.
 const SNAPSHOT_INTERVAL: Duration = Duration::from_millis(SNAPSHOT_TICKS);
-/// A program that got no processor time for this duration was asleep.
+/// A process that got no processor time for this duration was asleep, or the computer was.
 const MIN_SLEEP: Duration = Duration::from_secs(2);
-/// Ticks between two checks of keys and clock.
+/// Ticks that the thread makes between two checks of keys and clock.
 const TICKS_PER_CHECK: u64 = 40;
-/// Longest time the thread makes ticks without other work.
+/// Longest time for which the thread makes ticks without other work.
 const MAX_TICK_TIME: Duration = Duration::from_millis(10);
 
-/// What the kernel thread needs from its environment.
+/// What the kernel thread needs from the rest of the program.
 pub struct KernelEnvironment {
-    /// Called when there is a new snapshot or notice; it must not wait for the window.
+    /// Wakes the window for a new snapshot or notice; it must not wait for the window.
     pub wake: Box<dyn Fn() + Send>,
-    /// Saves the memory; `None` without a data directory.
+    /// Saves the memory; `None` if there is no data directory.
     pub keeper: Option<Keeper>,
-    /// The folder for files that the control sends, if there is one.
+    /// The folder for files that the control sends; `None` keeps none.
     pub partner_folder: Option<PathBuf>,
-    /// Requests the end of the program.
+    /// Set by a termination signal to end the program.
     pub termination: TerminationFlag,
 }
 
@@ -95,22 +95,22 @@ pub fn start(
     })
 }
 
-/// The kernel with its clock.
+/// The kernel with its clock and the state of the kernel thread.
 struct KernelLoop {
     kernel: Kernel,
     outside: KernelEnvironment,
     console: Console,
     pace: TickPacer,
     journal: ChangeLog,
-    /// When the next snapshot is due.
+    /// Time at which the next snapshot is due.
     next_snapshot: Instant,
-    /// A moment just before the window's last command, and the number of commands by then.
+    /// A time just before the window's last command, and the number of commands by then.
     last_command: (Duration, u64),
-    /// Time at which the keys that are down were first seen held.
+    /// Time at which a key was first seen down; `None` while no key is down.
     held_since: Option<Duration>,
-    /// When the loop last checked the clock.
+    /// Time at which the loop last checked the clock.
     last_check: Instant,
-    /// When the keeper last checked the memory.
+    /// Time at which the keeper last checked the memory for changes.
     last_keeper_check: Instant,
 }
 
@@ -133,8 +133,8 @@ impl KernelLoop {
         }
     }
 
-    /// Makes the ticks that are due and waits for the next ones, or for a command; returns
-    /// `false` at the end.
+    /// Runs the ticks that are due, then waits for the next ones or for a command; returns
+    /// `false` when the program ends.
     fn take_turn(&mut self) -> bool {
         if self.kernel.quit_requested || self.outside.termination.is_requested() {
             return false;
@@ -157,8 +157,8 @@ impl KernelLoop {
         keep_running
     }
 
-    /// Releases held keys if the window has been silent for too long, or if nothing proves
-    /// that they are still held: no motion depends on a release that may never come.
+    /// Releases held keys if the window has been silent for too long, or if there is no proof
+    /// that they are still held: no motion may depend on a release that never comes.
     fn release_unproven_keys(&mut self, now: Duration) {
         let kernel = &mut self.kernel;
         if !kernel.key_edges.has_key_down() {
@@ -180,8 +180,8 @@ impl KernelLoop {
         }
     }
 
-    /// Reports that the machine was not running while the computer slept or the page was
-    /// frozen.
+    /// Notifies the operator that the machine was stopped while the computer slept or the page
+    /// was frozen.
     fn report_sleep(&mut self, now: Instant) {
         let away = now.duration_since(self.last_check);
         self.last_check = now;
@@ -215,7 +215,7 @@ impl KernelLoop {
             .log_changes(&kernel.emulator.simulation.cnc, link);
     }
 
-    /// Publishes a snapshot when one is due; with a board the snapshots come with its
+    /// Publishes a snapshot when one is due; with a board, snapshots are published with its
     /// ticks.
     fn publish_snapshot(&mut self, now: Instant) {
         let Self { kernel, pace, .. } = self;
@@ -235,7 +235,7 @@ impl KernelLoop {
         }
     }
 
-    /// Passes the files that the control has sent to its partner.
+    /// Writes the files that the control has sent into the partner folder, in the background.
     fn pass_sent_files(&mut self) {
         let Some(folder) = &self.outside.partner_folder else {
             return;
@@ -249,7 +249,7 @@ impl KernelLoop {
         }
     }
 
-    /// Saves changes of the memory.
+    /// Saves changes of the memory, at most once per `KEEPER_INTERVAL`.
     fn save_changes(&mut self, now: Instant) {
         if let Some(keeper) = &mut self.outside.keeper
             && now.duration_since(self.last_keeper_check) > KEEPER_INTERVAL
@@ -264,8 +264,8 @@ impl KernelLoop {
         }
     }
 
-    /// Waits for a command, or for the next ticks; returns `false` once every sender is
-    /// gone.
+    /// Waits for a command, or until the next ticks are due; returns `false` once every sender
+    /// of commands is gone.
     fn wait_for_command(&mut self, now: Instant) -> bool {
         let kernel = &mut self.kernel;
         let received = match kernel.wake_time(now, &self.pace) {
@@ -287,7 +287,7 @@ impl KernelLoop {
         }
     }
 
-    /// Releases all keys, disconnects the board and saves.
+    /// Releases all keys, disconnects the board and saves the memory.
     fn end(self) {
         let Self {
             mut kernel,
@@ -311,8 +311,8 @@ impl KernelLoop {
     }
 }
 
-/// Runs the ticks that are due until time is up or the speed in force changes; returns the
-/// number of ticks. Keys take effect every few ticks.
+/// Runs the `due` ticks until the time `until`, or until the speed in force is no longer
+/// `speed`; returns the number of ticks. Keys are checked every `TICKS_PER_CHECK` ticks.
 fn run_ticks(kernel: &mut Kernel, due: u64, speed: RunSpeed, until: Instant) -> u64 {
     let mut ran = 0;
     loop {
@@ -325,8 +325,8 @@ fn run_ticks(kernel: &mut Kernel, due: u64, speed: RunSpeed, until: Instant) -> 
     }
 }
 
-/// Waits until the window closes after the board has stopped and all is saved; ends the
-/// program without the window if it does not.
+/// Waits at most `WINDOW_CLOSE_TIMEOUT` until the window closes, after the board has stopped
+/// and all is saved. If the window stays open, ends the process.
 fn wait_for_window(kernel: &Kernel) {
     let last = Instant::now() + WINDOW_CLOSE_TIMEOUT;
     while let Ok(command) = platform::receive(&kernel.commands, Some(last)) {
@@ -338,7 +338,7 @@ fn wait_for_window(kernel: &Kernel) {
     std::process::exit(TERMINATED_EXIT_CODE.into());
 }
 
-/// Reports to the operator what happened to files that the control has sent.
+/// Notifies the window where the files that the control has sent were written, or why not.
 fn report_transfer(console: &Console, written: Result<String, Message>) {
     match written {
         // A window that is gone needs no message.
@@ -351,7 +351,8 @@ fn report_transfer(console: &Console, written: Result<String, Message>) {
     }
 }
 
-/// Rounds to two digits, so that snapshots do not change needlessly.
+/// Rounds a ratio to steps of at most a twentieth of its power of ten, so that snapshots do
+/// not change needlessly.
 fn round_ratio(ratio: f64) -> SpeedRatio {
     let step = match ratio {
         ..1.0 => 0.05,
@@ -362,7 +363,8 @@ fn round_ratio(ratio: f64) -> SpeedRatio {
     SpeedRatio((ratio / step).round() * step)
 }
 
-/// Rounds down to steps of 5 % below 95 %, so that snapshots do not change needlessly.
+/// Converts a ratio to percent, rounded down to steps of 5 % so that snapshots do not change
+/// needlessly; 100 above a ratio of 0.95.
 fn speed_percent(ratio: f64) -> u32 {
     if ratio > 0.95 {
         100

@@ -25,7 +25,7 @@ pub enum PcError {
 }
 
 impl PcError {
-    /// Returns the message for the operator.
+    /// Returns the message for the operator: why the transfer command has failed.
     pub fn message(&self) -> Message {
         match self {
             Self::Port(error) => error.message(),
@@ -35,7 +35,7 @@ impl PcError {
         }
     }
 
-    /// Whether the connection or the port is lost.
+    /// Whether the connection with the control or the port is lost.
     pub const fn ends_connection(&self) -> bool {
         matches!(
             self,
@@ -48,53 +48,54 @@ impl PcError {
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum FilesError {
-    /// There is no connection with the control, or it was lost.
+    /// There is no connection with the control, or the connection was lost.
     Lost(#[from] ConnectionLoss),
-    /// The open port has failed.
+    /// The port failed after it had been opened.
     Gone(io::Error),
-    /// The operator has cancelled it.
+    /// The operator has cancelled the transfer.
     Cancelled,
-    /// The control refuses it.
+    /// The control refuses the command.
     Refused {
-        /// The file at the control.
+        /// Name of the file at the control.
         name: FileName,
-        /// The reason.
+        /// Why the control refuses the command.
         fault: TransferFault,
     },
-    /// The received bytes are no text.
+    /// The received bytes are not a text.
     Noise,
-    /// A text ended before its last character.
+    /// A received text ended before its end mark.
     Broken,
     /// No byte arrived within this time, s.
     NothingReceived(u64),
-    /// The other end stopped the line for this time, s.
+    /// The other end has held the line (DC3) for this time, s.
     LineStopped(u64),
     /// Some of several files failed; each has been reported.
     SomeFailed,
-    /// A file that has no name at the control.
+    /// The file has no name at the control: neither its name nor its text gives one.
     NoName(PathBuf),
-    /// A name that the control does not permit.
+    /// The control does not permit this file name.
     Name(#[from] FileNameError),
-    /// Two files of the same name.
+    /// Two files would have the same name at the control.
     DuplicateName {
         /// The name at the control.
         name: FileName,
-        /// The first file.
+        /// Path of the first file on the PC.
         first: PathBuf,
-        /// The second file.
+        /// Path of the second file on the PC.
         second: PathBuf,
     },
-    /// The file already exists.
+    /// A file of this path already exists on the PC.
     Exists(PathBuf),
-    /// The name is taken and there is no terminal to query the operator.
+    /// The name is taken at the control, and there is no terminal at which to query the
+    /// operator.
     NoTerminal(FileName),
-    /// No program number is free.
+    /// No program number is free to replace this name.
     NoFreeName(FileName),
-    /// The folder has no files for the control.
+    /// This folder has no files for the control.
     Empty(PathBuf),
     /// A program contains a character outside ASCII.
     NotText {
-        /// The file.
+        /// Path of the program on the PC.
         file: PathBuf,
         /// The character and its position.
         error: InvalidCharacter,
@@ -102,7 +103,7 @@ pub enum FilesError {
 }
 
 impl FilesError {
-    /// Whether the cause is the line or the control, not the command and its files.
+    /// Whether the line or the control is the cause, and not the command and its files.
     pub const fn is_line_error(&self) -> bool {
         matches!(
             self,
@@ -118,7 +119,7 @@ impl FilesError {
         )
     }
 
-    /// Returns the message for the operator.
+    /// Returns the message for the operator: why the file transfer has failed.
     pub fn message(&self) -> Message {
         let path = |path: &Path| path.display().to_string();
         match self {

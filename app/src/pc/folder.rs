@@ -13,9 +13,9 @@ use crate::output::WriteError;
 /// A file of the PC and its name at the control.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PcFile {
-    /// Path on the PC.
+    /// Path of the file on the PC.
     pub path: PathBuf,
-    /// Name at the control.
+    /// Name of the file at the control.
     pub name: FileName,
 }
 
@@ -41,8 +41,8 @@ pub fn parse_file_word(word: &str) -> Result<PcFile, FilesError> {
     }
 }
 
-/// Returns the name at the control: the file's name, or one made from the program number
-/// in the file's name or first block; `None` without both.
+/// Returns the name of a file at the control: the name of the file itself, or one made from
+/// the program number in its name or first block; `None` if neither gives one.
 pub fn control_name(path: &Path) -> Option<FileName> {
     let own = path.file_name().and_then(|name| name.to_str());
     let own = own.filter(|name| FileId::of(name).is_some());
@@ -55,7 +55,7 @@ pub fn control_name(path: &Path) -> Option<FileName> {
         .or_else(number)
 }
 
-/// Refuses two files of the same name.
+/// Refuses files of which two have the same name at the control.
 ///
 /// # Errors
 /// Names both.
@@ -72,7 +72,7 @@ pub fn refuse_duplicates(files: &[PcFile]) -> Result<(), FilesError> {
     Ok(())
 }
 
-/// Lists the files of a folder that the control can take: programs first, parameters last,
+/// Lists the files of a folder that the control can store: programs first, parameters last,
 /// since they may change the rate of the line.
 ///
 /// # Errors
@@ -105,7 +105,7 @@ pub fn list_control_files(folder: &Path) -> Result<Vec<PcFile>, PcError> {
     Ok(files)
 }
 
-/// Reads a file.
+/// Reads the contents of a file on the PC.
 ///
 /// # Errors
 /// Names the file and the error of the system.
@@ -143,7 +143,7 @@ pub fn make_folder(folder: &Path) -> Result<(), PcError> {
     made.map_err(|error| WriteError::new(folder, error).into())
 }
 
-/// Writes a file completely or not at all.
+/// Writes a file on the PC completely or not at all.
 ///
 /// # Errors
 /// Names the file and the error of the system.

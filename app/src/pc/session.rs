@@ -11,22 +11,23 @@ use web_time::{Duration, Instant};
 use super::{FilesError, PcError};
 use crate::ports::Port;
 
-/// How long to retry a port that another program has just closed.
+/// How long to retry opening a port that another program has just closed.
 const OPEN_RETRY_TIME: Duration = Duration::from_millis(500);
-/// Longest time for the last replies to leave.
+/// Longest time to wait until the last replies have left.
 const DRAIN_TIMEOUT: Duration = Duration::from_millis(300);
-/// Longest time for the reply to a goodbye.
+/// Longest time to wait for the reply to a disconnection.
 const BYE_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// Observes the transfer of files.
+/// Is notified of the progress of file transfers, and can cancel them.
 pub trait TransferObserver: Send {
-    /// A file begins; `_size` is its length, bytes, or 0 if unknown.
+    /// The transfer of a file begins; `_size` is its length, bytes, or 0 if unknown.
     fn on_begin(&mut self, _name: &FileName, _size: usize) {}
 
-    /// Progress of the file, and the number of frames retransmitted so far (重试次数).
+    /// Part of the current file was transferred; `_retries` is the number of frames
+    /// retransmitted so far (重试次数).
     fn on_progress(&mut self, _progress: TransferProgress, _retries: u64) {}
 
-    /// The file has ended, successfully or not.
+    /// The transfer of the current file has ended, successfully or not.
     fn on_end(&mut self) {}
 
     /// Whether the caller has cancelled the transfer.
@@ -38,9 +39,9 @@ pub trait TransferObserver: Send {
 /// Totals of the transfers through the port.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TransferTotals {
-    /// Number of files.
+    /// Number of transferred files.
     pub file_count: usize,
-    /// Their content, bytes.
+    /// Total length of the transferred files, bytes.
     pub byte_count: usize,
     /// Time during which files were transferred.
     pub busy_time: Duration,
@@ -56,7 +57,7 @@ impl TransferTotals {
         self.byte_count as f64 / self.busy_time.as_secs_f64().max(0.001)
     }
 
-    /// Returns the used share of the line at ten bits a byte; 1 is all of it.
+    /// Returns the used share of the line's rate, at ten bits a byte, 0 to 1.
     pub fn line_share(&self) -> f64 {
         self.rate() * 10.0 / f64::from(self.baud.max(1))
     }
@@ -75,7 +76,7 @@ impl TransferTotals {
     }
 }
 
-/// The PC side of the protocol at its port.
+/// The PC's end of the transfer protocol at an open port.
 pub struct TransferSession {
     port: Port,
     side: PcSide,
@@ -110,8 +111,8 @@ impl TransferSession {
         self.run_command(PcCommand::Connect).map(drop)
     }
 
-    /// Moves bytes in both directions; returns the outcome of the command, if there is
-    /// one.
+    /// Moves bytes in both directions once; returns the outcome of the running command, or
+    /// `None` while it has none.
     fn pump(&mut self) -> Result<Option<TransferOutcome>, PcError> {
         let received = self.port.read().map_err(FilesError::Gone)?;
         let now = self.begun.elapsed();
@@ -129,7 +130,8 @@ impl TransferSession {
         Ok(outcome)
     }
 
-    /// Starts a command and waits for its outcome.
+    /// Starts a command and waits for its outcome. Drops files that the control sends
+    /// meanwhile.
     fn run_command(&mut self, order: PcCommand) -> Result<TransferOutcome, PcError> {
         self.side.start(order);
         let mut cancelled = false;
@@ -149,7 +151,8 @@ impl TransferSession {
         }
     }
 
-    /// Runs a command for a file; a refusal is an error.
+    /// Runs a command for a file and returns its outcome; a refusal of the control becomes an
+    /// error.
     fn run_file_command(
         &mut self,
         name: &FileName,
@@ -211,7 +214,7 @@ impl TransferSession {
         })
     }
 
-    /// Deletes or renames a file.
+    /// Runs a command that deletes or renames the file `name`.
     ///
     /// # Errors
     /// The control refuses it or does not answer, or the port has gone.
@@ -219,7 +222,7 @@ impl TransferSession {
         self.run_file_command(name, order).map(drop)
     }
 
-    /// Moves bytes while no command runs; returns a file that the control has sent
+    /// Moves bytes while no command runs; returns a file if the control has sent one
     /// unrequested.
     ///
     /// # Errors
@@ -257,7 +260,7 @@ impl TransferSession {
         }
     }
 
-    /// Moves bytes until the last replies have left.
+    /// Moves bytes until the last replies have left, at most `DRAIN_TIMEOUT`.
     fn drain(&mut self) -> Result<(), PcError> {
         let begun = Instant::now();
         while !self.side.is_drained() && begun.elapsed() < DRAIN_TIMEOUT {

@@ -22,7 +22,7 @@ pub struct SendListItem {
 }
 
 impl SendListItem {
-    /// Returns the partition; the first one if the index is out of range.
+    /// Returns the partition of the item; the first one if the stored index is out of range.
     pub fn partition(&self) -> Partition {
         Partition::ALL
             .get(self.partition)
@@ -30,7 +30,8 @@ impl SendListItem {
             .unwrap_or_default()
     }
 
-    /// Returns a line of a saved list: path, name and partition, separated by tabs.
+    /// Formats the item as a line of a saved list: path, name and partition, separated by
+    /// tabs.
     pub fn to_line(&self) -> String {
         let (path, name) = (self.path.display(), &self.name);
         format!("{path}\t{name}\t{}\n", self.partition().name())
@@ -56,11 +57,11 @@ impl SendListItem {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct TransferSettings {
-    /// The port (端口选择); empty before the first one.
+    /// The name of the port (端口选择); empty before the first one was selected.
     pub port: String,
-    /// Its rate, bits a second (波特率).
+    /// Rate of the port, bits a second (波特率).
     pub baud: u32,
-    /// The send list.
+    /// The send list (发送文件).
     pub list: Vec<SendListItem>,
 }
 
@@ -74,14 +75,14 @@ impl Default for TransferSettings {
     }
 }
 
-/// The part of the window's settings that the command line reads.
+/// Those of the window's settings that the command line reads.
 #[derive(Default, Deserialize)]
 #[serde(default)]
 struct WindowTransferSettings {
     transfer: TransferSettings,
 }
 
-/// Reads the transfer settings that the window has saved last; `None` without a port. A
+/// Reads the transfer settings that the window has saved last; `None` if they name no port. A
 /// running window has not saved the changes of its last second yet.
 pub fn load_window_settings() -> Option<TransferSettings> {
     let path = data_dir::default_data_path().ok()?;

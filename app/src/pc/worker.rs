@@ -21,26 +21,26 @@ use crate::{platform, ports};
 /// A file of the PC to send to the control.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ToSend {
-    /// Path on the PC.
+    /// Path of the file on the PC.
     pub path: PathBuf,
-    /// Location at the control.
+    /// Partition and name at the control.
     pub location: RemotePath,
-    /// Replace a file of the same name without a question.
+    /// Whether to replace a file of the same name without a question.
     pub overwrite: bool,
 }
 
-/// A command for the thread.
+/// A command for the worker thread.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PcWorkerCommand {
     /// List the ports of the computer.
     FindPorts,
     /// Read the lengths of files on the PC.
     Measure(Vec<PathBuf>),
-    /// Open a port (打开串口).
+    /// Open a serial port (打开串口); closes the port that is open.
     Open {
         /// Name of the port.
         port: String,
-        /// Rate, bits a second.
+        /// Rate of the port, bits per second.
         baud: u32,
     },
     /// Close the port (关闭串口), connected or not.
@@ -51,7 +51,7 @@ pub enum PcWorkerCommand {
     Disconnect,
     /// List the files of the control (获取CNC目录).
     List,
-    /// Send files (开始传送).
+    /// Send these files to the control (开始传送).
     Send(Vec<ToSend>),
     /// Send the files of a folder, parameters last; each replaces a file of the same name.
     Restore(PathBuf),
@@ -62,53 +62,53 @@ pub enum PcWorkerCommand {
         /// The folder on the PC.
         into: PathBuf,
     },
-    /// Receive all files of the partition USER into a folder.
+    /// Receive all files of the partition USER into this folder.
     BackUp(PathBuf),
     /// Delete files at the control (删除文件).
     Delete(Vec<RemotePath>),
     /// Rename a file at the control (文件重命名).
     Rename {
-        /// The file.
+        /// The file at the control.
         from: RemotePath,
-        /// Its new name.
+        /// New name of the file.
         to: FileName,
     },
-    /// Write a file that the control has sent unrequested.
+    /// Write a file that the control has sent unrequested to the PC.
     StorePushed {
-        /// Path on the PC.
+        /// Path to write to on the PC.
         path: PathBuf,
-        /// The file.
+        /// Name and content of the file.
         file: TransferFile,
     },
-    /// The answer to a question of the current job.
+    /// Answer the question of the current job.
     Answer(NameConflictAnswer),
 }
 
-/// State of the connection.
+/// State of the connection with the control.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ConnectionStage {
-    /// No port is open.
+    /// The port is closed.
     #[default]
     Closed,
     /// The port is open, the control has not answered yet.
     Open,
-    /// The control has answered.
+    /// The port is open and the control has answered.
     Connected,
 }
 
-/// A question of a job: a file name is taken.
+/// The question of a job about a file name that is taken.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NameConflict {
-    /// At the control (manual V-3.3).
+    /// The name is taken at the control (manual V-3.3).
     AtControl {
-        /// The file.
+        /// The existing file at the control.
         location: RemotePath,
         /// A free name for the existing file; `None` for data, which have one name only.
         free_name: Option<FileName>,
-        /// Files in the partition.
+        /// The files in its partition.
         entries: Vec<DirectoryEntry>,
     },
-    /// On the PC, at this path.
+    /// The name is taken on the PC, by the file at this path.
     OnDisk(PathBuf),
 }
 
@@ -124,71 +124,71 @@ pub enum NameConflictChoice {
     Skip,
 }
 
-/// The answer to a question.
+/// The operator's answer to a [`NameConflict`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NameConflictAnswer {
     /// What to do with the file.
     pub choice: NameConflictChoice,
-    /// Apply the choice to all other files of this job.
+    /// Whether the choice applies to all other files of this job.
     pub for_all: bool,
 }
 
 /// What a job does with its files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileJobKind {
-    /// Send them to the control.
+    /// Sends files to the control.
     Send,
-    /// Receive them from the control.
+    /// Receives files from the control.
     Receive,
-    /// Delete them at the control.
+    /// Deletes files at the control.
     Delete,
 }
 
-/// Result for one file of a job.
+/// What happened to one file of a job.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FileResult {
     /// The file has been sent, received or deleted.
     Done,
-    /// The operator has skipped it.
+    /// The operator has skipped the file.
     Skipped,
-    /// It was refused: which file, and why.
+    /// The file was refused; the message names it and the reason.
     Refused(Message),
 }
 
-/// An event for the window.
+/// An event of the worker thread for the window.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PcWorkerEvent {
     /// The ports of the computer, each by the name that opens it.
     Ports(Vec<String>),
     /// Lengths of files on the PC, bytes; `None`: the file does not exist.
     Lengths(Vec<(PathBuf, Option<u64>)>),
-    /// The state of the connection has changed.
+    /// The connection has changed to this state.
     Stage(ConnectionStage),
-    /// A command other than a job has failed.
+    /// A command other than a job has failed for this reason.
     Failed(Message),
-    /// A command other than a job has succeeded.
+    /// A command other than a job has succeeded, as the message reports.
     Succeeded(Message),
-    /// Files in the partitions of the control.
+    /// The files in each partition of the control.
     Listed(Vec<(Partition, Vec<DirectoryEntry>)>),
-    /// A job begins with these files.
+    /// A job begins; its files have these names.
     JobBegun(FileJobKind, Vec<String>),
-    /// A file of the job begins, by its index.
+    /// The file of the job with this index begins.
     FileBegun(usize),
-    /// Progress of the current file, and the number of retransmitted frames.
+    /// Progress of the current file, and the number of frames retransmitted so far.
     Progress(TransferProgress, u64),
-    /// A file of the job has ended, by its index.
+    /// The file of the job with this index has ended.
     FileEnded(usize, FileResult),
-    /// Transfer totals so far.
+    /// Totals of the transfers since the port was opened.
     Totals(TransferTotals),
-    /// A file name is taken: the job waits for the answer.
+    /// A file name is taken: the job waits for [`PcWorkerCommand::Answer`].
     Conflict(NameConflict),
-    /// The job is finished; the reason, if it has not reached its end.
+    /// The job has ended; the message is the reason if it did not process all files.
     JobFinished(Option<Message>),
     /// The control has sent a file unrequested (manual V-3.4).
     Pushed(TransferFile),
 }
 
-/// Handle of the thread; dropping it ends the thread.
+/// Handle of the worker thread; dropping it ends the thread.
 #[derive(Debug)]
 pub struct PcWorker {
     commands: Sender<PcWorkerCommand>,
@@ -197,7 +197,7 @@ pub struct PcWorker {
 }
 
 impl PcWorker {
-    /// Starts the thread. It calls `wake` after each event.
+    /// Starts the worker thread, which calls `wake` after each event.
     ///
     /// # Errors
     /// The system starts no thread.
@@ -235,13 +235,13 @@ impl PcWorker {
         self.cancel.store(true, Ordering::Relaxed);
     }
 
-    /// Returns the next event, if there is one.
+    /// Returns the next event; `None` if there is none now.
     pub fn next_event(&self) -> Option<PcWorkerEvent> {
         self.events.try_recv().ok()
     }
 }
 
-/// Reports events to the window.
+/// Sends events to the window and wakes it.
 #[derive(Clone)]
 struct EventSender {
     events: Sender<PcWorkerEvent>,
@@ -256,7 +256,7 @@ impl EventSender {
     }
 }
 
-/// Reports the progress of files to the window.
+/// Sends the progress of files to the window.
 struct ProgressReporter {
     events: EventSender,
     cancel: Arc<AtomicBool>,
@@ -276,7 +276,7 @@ impl TransferObserver for ProgressReporter {
     }
 }
 
-/// The state of the thread.
+/// The state of the worker thread.
 struct PcWorkerThread {
     commands: Receiver<PcWorkerCommand>,
     events: EventSender,
@@ -286,8 +286,8 @@ struct PcWorkerThread {
 }
 
 impl PcWorkerThread {
-    /// Carries out a command, or moves bytes while there is none; returns whether to
-    /// continue.
+    /// Carries out the next command, or moves bytes if there is none; returns false when the
+    /// thread must end.
     fn take_turn(&mut self) -> bool {
         if self.session.is_none() {
             return match platform::receive(&self.commands, None) {
@@ -309,8 +309,8 @@ impl PcWorkerThread {
         true
     }
 
-    /// Handles an idle line: the control may send unrequested, and a cable may be
-    /// unplugged.
+    /// Moves bytes while no command runs: the control may send a file unrequested, and a cable
+    /// may be unplugged.
     fn poll_idle_line(&mut self) {
         let Some(talk) = &mut self.session else {
             return;
@@ -332,7 +332,8 @@ impl PcWorkerThread {
         }
     }
 
-    /// Reports an error; without a port or an answer the connection is lost.
+    /// Sends the error to the window. If the error is about the port or a missing answer, the
+    /// connection counts as lost.
     fn report_failure(&mut self, error: &PcError) {
         self.lower_stage(error);
         self.events.send(PcWorkerEvent::Failed(error.message()));
@@ -403,7 +404,8 @@ impl PcWorkerThread {
         }
     }
 
-    /// Runs work at the open port and reports its error.
+    /// Runs `work` at the open port. Sends its error to the window and then returns `None`, as
+    /// without a port.
     fn with_port<T>(
         &mut self,
         work: impl FnOnce(&mut TransferSession) -> Result<T, PcError>,
@@ -452,7 +454,7 @@ impl PcWorkerThread {
     }
 }
 
-/// Returns the ports of the computer.
+/// Lists the names of the serial ports of the computer.
 fn port_names() -> Vec<String> {
     // Without a list from the system the user types the port.
     let found = ports::list_ports().unwrap_or_default();

@@ -49,7 +49,7 @@ pub use web::*;
 #[cfg(windows)]
 pub use windows::*;
 
-/// A file name that the system takes for a device.
+/// The error for a file name that the system would open as a device.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", say::file_name_device(.0))]
 pub struct DeviceName(pub String);
@@ -63,18 +63,18 @@ pub fn refuse_device(path: &Path) -> io::Result<()> {
     Err(io::Error::other(DeviceName(name.into_owned())))
 }
 
-/// What exists at a path.
+/// Type and length of what exists at a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PathFacts {
-    /// A plain file.
+    /// Whether a plain file exists at the path.
     pub is_file: bool,
-    /// A folder.
+    /// Whether a folder exists at the path.
     pub is_folder: bool,
     /// Size of a file, bytes.
     pub length: u64,
 }
 
-/// A dialog that chooses a file or folder.
+/// A dialog in which the user chooses a file or folder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FileDialog {
     /// Choose a file to read.
@@ -90,9 +90,9 @@ pub enum FileDialog {
     Folder,
     /// Choose a name for a file to write.
     Save {
-        /// Suggested name.
+        /// Suggested name of the file.
         name: String,
-        /// Extension, without the dot.
+        /// Extension of the file, without the dot.
         ending: &'static str,
     },
 }

@@ -15,8 +15,8 @@ use crate::platform::{self, Serial};
 
 /// How long a read waits for its first byte, and a write for space.
 const IO_TIMEOUT: Duration = Duration::from_millis(2);
-/// Address for a virtual board on a system without pseudo terminals; the system chooses
-/// the port number.
+/// Address of a virtual board on a system without pseudo terminals. With port 0 the system
+/// chooses the port number.
 const LOOPBACK_ADDRESS: &str = "127.0.0.1:0";
 /// Time between two attempts to open a port that is in use.
 const RETRY_INTERVAL: Duration = Duration::from_millis(20);
@@ -27,60 +27,60 @@ const RETRY_INTERVAL: Duration = Duration::from_millis(20);
 pub enum PortError {
     /// The user has no permission for the port.
     Forbidden {
-        /// The port.
+        /// Name of the port.
         path: String,
-        /// Error of the system.
+        /// Error of the operating system.
         error: serialport::Error,
     },
     /// No port has this name.
     NotFound {
-        /// The port.
+        /// Name of the port.
         path: String,
-        /// Error of the system.
+        /// Error of the operating system.
         error: serialport::Error,
     },
     /// The port has no device, or another program uses it.
     NoDevice {
-        /// The port.
+        /// Name of the port.
         path: String,
-        /// Error of the system.
+        /// Error of the operating system.
         error: serialport::Error,
     },
-    /// Another reason.
+    /// The system refuses the port for another reason.
     Refused {
-        /// The port.
+        /// Name of the port.
         path: String,
-        /// Error of the system.
+        /// Error of the operating system.
         error: serialport::Error,
     },
     /// No program listens at this network address.
     Unreachable {
-        /// The port.
+        /// Name of the port.
         path: String,
-        /// Error of the system.
+        /// Error of the operating system.
         error: io::Error,
     },
-    /// The program cannot listen at this network address.
+    /// The program cannot listen at a network address.
     NotOffered {
-        /// The address.
+        /// Network address, `HOST:PORT`.
         address: String,
-        /// Error of the system.
+        /// Error of the operating system.
         error: io::Error,
     },
-    /// An open port cannot be used twice.
+    /// The system gives no second handle of an open port.
     Clone(serialport::Error),
     /// The system opens no pseudo terminal.
     NoTerminal(serialport::Error),
-    /// The other end has no name, so no program could open it.
+    /// The other end of the pseudo terminal has no name, so no program could open it.
     NoName,
-    /// A pseudo terminal refuses its settings.
+    /// The pseudo terminal refuses its settings.
     Terminal(serialport::Error),
     /// The system does not list its ports.
     Unknown(serialport::Error),
 }
 
 impl PortError {
-    /// Returns the message for the operator.
+    /// Returns the message for the operator: which port cannot be used, why, and what to do.
     pub fn message(&self) -> Message {
         match self {
             Self::Forbidden { path, error } => {
@@ -116,7 +116,7 @@ impl PortError {
     }
 }
 
-/// An open port; closed when dropped.
+/// An open port, a serial device or a network connection; closed when dropped.
 pub struct Port(PortDevice);
 
 enum PortDevice {
@@ -125,8 +125,8 @@ enum PortDevice {
 }
 
 impl Port {
-    /// Opens a device exclusively, or connects with `tcp:HOST:PORT`. Retries a device that
-    /// is in use for this time.
+    /// Opens a serial device exclusively, or connects with `tcp:HOST:PORT`. Retries a device
+    /// that is in use for the time `timeout`.
     ///
     /// # Errors
     /// The port cannot be opened: names the port and what to do.
@@ -159,7 +159,8 @@ impl Port {
         }
     }
 
-    /// Returns the same port for a reader that waits this time for the first byte.
+    /// Returns another handle of the same port, for a reader that waits `wait` for the first
+    /// byte.
     ///
     /// # Errors
     /// The system refuses.
@@ -177,8 +178,8 @@ impl Port {
         again.map(Self).map_err(PortError::Clone)
     }
 
-    /// Opens a device with software flow control: XOFF stops its partner while the program
-    /// does not read.
+    /// Opens a serial device with software flow control: XOFF stops the sender while the
+    /// program does not read.
     ///
     /// # Errors
     /// The port cannot be opened: names the port and what to do.
@@ -191,8 +192,8 @@ impl Port {
             .map_err(|error| PortError::from_open_error(path, error))
     }
 
-    /// Reads the bytes that have arrived; waits 2 ms for the first one, or the time of
-    /// [`Port::clone_for_reading`], and returns none after it.
+    /// Returns the bytes that have arrived; waits 2 ms for the first one, or the time of
+    /// [`Port::clone_for_reading`], and returns an empty vector without one.
     ///
     /// # Errors
     /// The port is gone.
@@ -206,7 +207,7 @@ impl Port {
         }
     }
 
-    /// Writes as many bytes as the port takes now; returns their number.
+    /// Writes as many bytes as the port accepts now; returns their number.
     ///
     /// # Errors
     /// The port is gone.
@@ -237,24 +238,23 @@ impl PortDevice {
     }
 }
 
-/// Our end of a port that offers a virtual board to another program.
+/// The end of a port that the program offers to another one as a virtual board.
 pub enum OfferedPort {
-    /// A pseudo terminal. Its other end is kept open here, because the program that opens
-    /// it may close it again.
+    /// A pseudo terminal. Its other end is kept open, too, because the program that uses it
+    /// may close and open it again.
     Terminal {
-        /// Our end.
+        /// The end that this program reads and writes.
         near: Port,
-        /// The other end.
+        /// The end that the other program opens.
         far: Serial,
     },
-    /// A network address.
+    /// A network address at which the program listens.
     Tcp(tcp::TcpOffer),
 }
 
 impl OfferedPort {
-    /// Listens at this network address, or opens a pseudo terminal without one; on a
-    /// system without pseudo terminals, listens at an address that only this computer
-    /// reaches.
+    /// Listens at a network address; without one opens a pseudo terminal. On a system without
+    /// pseudo terminals, listens at an address that only this computer reaches.
     ///
     /// # Errors
     /// The system refuses.
@@ -280,7 +280,7 @@ impl OfferedPort {
         }
     }
 
-    /// Returns the name that opens the other end.
+    /// Returns the name under which another program opens the other end.
     ///
     /// # Errors
     /// The system does not report it.
@@ -292,8 +292,8 @@ impl OfferedPort {
         .ok_or(PortError::NoName)
     }
 
-    /// Reads the bytes of the other end; waits 2 ms for the first one and returns none
-    /// after it.
+    /// Returns the bytes of the other end that have arrived; waits 2 ms for the first one and
+    /// returns an empty vector without one.
     ///
     /// # Errors
     /// The other end can never come back.
@@ -304,8 +304,8 @@ impl OfferedPort {
         }
     }
 
-    /// Writes as many bytes to the other end as it takes now. Without a connection they
-    /// are lost, as on a wire.
+    /// Writes as many bytes to the other end as it accepts now; returns their number. Without
+    /// a connection all bytes are lost, as on a wire.
     ///
     /// # Errors
     /// The other end can never come back.
@@ -319,7 +319,7 @@ impl OfferedPort {
         }
     }
 
-    /// Writes all bytes to the other end.
+    /// Writes all bytes to the other end and waits until it has accepted them.
     ///
     /// # Errors
     /// The other end can never come back.
@@ -336,7 +336,7 @@ impl OfferedPort {
     }
 }
 
-/// Whether an error only means that the port is busy.
+/// Whether an error only means that the port is busy, so that the caller may retry.
 fn is_transient(error: &io::Error) -> bool {
     matches!(
         error.kind(),
@@ -344,7 +344,7 @@ fn is_transient(error: &io::Error) -> bool {
     )
 }
 
-/// Returns the error of a closed connection.
+/// Creates the error for a closed connection.
 pub fn closed_error() -> io::Error {
     io::Error::new(io::ErrorKind::BrokenPipe, say::port_closed().to_string())
 }
@@ -368,12 +368,12 @@ pub fn failure_message(error: &io::Error) -> Message {
     }
 }
 
-/// A port of this computer.
+/// A serial port of this computer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PortInfo {
     /// Path of the device.
     pub path: String,
-    /// Its persistent name; `None` where the system has none.
+    /// The persistent path of the port; `None` where the system has none.
     pub by_id: Option<PathBuf>,
 }
 

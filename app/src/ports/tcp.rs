@@ -9,15 +9,15 @@ use web_time::{Duration, Instant};
 
 use super::{IO_TIMEOUT, closed_error, is_transient};
 
-/// Prefix of such a port's name: `tcp:HOST:PORT`.
+/// Prefix of the name of a network port: `tcp:HOST:PORT`.
 pub const PREFIX: &str = "tcp:";
 
-/// Longest time for a computer to answer.
+/// Longest time for a computer to answer a connection request.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
 /// Time between two checks for arrived bytes.
 const POLL_INTERVAL: Duration = Duration::from_millis(1);
 
-/// A connection to the program at the other end.
+/// A network connection to the program at the other end.
 pub struct TcpConnection {
     stream: TcpStream,
     wait: Duration,
@@ -48,7 +48,8 @@ impl TcpConnection {
         })
     }
 
-    /// Returns the same connection for a reader that waits this time for the first byte.
+    /// Returns another handle of the same connection, for a reader that waits `wait` for the
+    /// first byte.
     ///
     /// # Errors
     /// The system refuses.
@@ -84,8 +85,8 @@ impl Write for TcpConnection {
     }
 }
 
-/// A listener that offers a virtual board to one partner at a time, and to the next one
-/// when it is gone.
+/// A listener that offers a virtual board to one partner at a time, and to the next one when
+/// that partner is gone.
 pub struct TcpOffer {
     listener: TcpListener,
     partner: Option<TcpConnection>,
@@ -105,7 +106,7 @@ impl TcpOffer {
         })
     }
 
-    /// Returns the name of the port for the program that opens it.
+    /// Returns the name of the port, `tcp:HOST:PORT`, under which another program opens it.
     ///
     /// # Errors
     /// The system does not report it.
@@ -113,8 +114,8 @@ impl TcpOffer {
         Ok(format!("{PREFIX}{}", self.listener.local_addr()?))
     }
 
-    /// Reads the bytes of the partner; waits 2 ms for the first one. Returns none after
-    /// it, and without a partner.
+    /// Returns the bytes of the partner that have arrived; waits 2 ms for the first one.
+    /// Returns an empty vector without one, or without a partner.
     ///
     /// # Errors
     /// The system accepts no connection.
@@ -134,7 +135,7 @@ impl TcpOffer {
         }
     }
 
-    /// Writes bytes to the partner; without one they are lost, as on a wire.
+    /// Writes bytes to the partner; without a partner they are lost, as on a wire.
     pub fn write(&mut self, mut bytes: &[u8]) {
         while let Some(partner) = &mut self.partner
             && !bytes.is_empty()

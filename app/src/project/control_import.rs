@@ -15,10 +15,10 @@ use crate::files::data_dir::DataDir;
 use crate::files::models;
 use crate::retained::project::{DataDirContent, read_content};
 
-/// Whose rights limit an import.
+/// The operation level whose rights limit an import.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ImportRights<'a> {
-    /// The operation level of the control after power-on.
+    /// The operation level that the control has after power-on.
     AtPowerOn,
     /// The level of this password, for one import.
     Password(&'a str),
@@ -42,7 +42,7 @@ impl ImportRights<'_> {
     }
 }
 
-/// A request to import a project.
+/// Which project to import, into which control, and how.
 #[derive(Clone, Copy, Debug)]
 pub struct ImportRequest<'a> {
     /// The folder of the project.
@@ -51,32 +51,33 @@ pub struct ImportRequest<'a> {
     /// The model that the project must have; `None` allows any.
     pub model: Option<ModelId>,
     pub rights: ImportRights<'a>,
-    /// Compare only, write nothing.
+    /// Whether to compare only and write nothing.
     pub dry_run: bool,
 }
 
-/// The result of an import.
+/// What an import has changed or would change.
 #[derive(Clone, Debug)]
 pub struct ImportResult {
     /// The differences between the control and the project.
     pub differences: Vec<ProjectDifference>,
-    /// The changes that the rights of the control refuse. If there is one, nothing is
-    /// written.
+    /// The changes that the rights of the control refuse. If there is one, the import writes
+    /// nothing.
     pub denied_changes: Vec<DeniedChange>,
-    /// The memory before the import.
+    /// The state of the control before the import.
     pub old_state: ProjectState,
-    /// The memory with all differences applied.
+    /// The state of the control with all differences applied.
     pub new_state: ProjectState,
-    /// The folder of the model in the data directory.
+    /// The folder in the data directory that holds the memory of the model.
     pub model_folder: PathBuf,
-    /// The project with the old memory; `None` if nothing was written.
+    /// The folder of the project with the old memory; `None` if nothing was written.
     pub backup_folder: Option<PathBuf>,
-    /// Damaged files of the data directory.
+    /// Messages for damaged files of the data directory.
     pub complaints: Vec<Message>,
 }
 
 impl ImportResult {
-    /// Reports how many changes were written, or that none was.
+    /// Returns the message for the operator: how many changes were written, or that there were
+    /// none.
     pub fn message(&self) -> Message {
         match &self.backup_folder {
             Some(backup) => {
@@ -118,18 +119,18 @@ pub fn import_project(
     opened.apply_differences(differences, request.dry_run)
 }
 
-/// A switched-off control as the target of an import.
+/// The switched-off control that an import writes to.
 #[derive(Clone, Copy, Debug)]
 pub struct ImportTarget<'a> {
     pub data_dir: &'a Path,
     /// The model whose memory is written; `None` selects the model of the directory.
     pub model: Option<ModelId>,
     pub rights: ImportRights<'a>,
-    /// Compare only, write nothing.
+    /// Whether to compare only and write nothing.
     pub dry_run: bool,
 }
 
-/// The opened memory of a switched-off control.
+/// The memory of a switched-off control, opened for an import.
 #[derive(Debug)]
 pub struct OpenedMemory {
     data: DataDir,
@@ -165,12 +166,12 @@ pub fn open_control_memory(target: &ImportTarget<'_>) -> Result<OpenedMemory, Pr
 }
 
 impl OpenedMemory {
-    /// The memory of the control.
+    /// The battery-backed memory of the control.
     pub const fn memory(&self) -> &BatteryMemory {
         &self.stored.memory
     }
 
-    /// The memory of the control in the form of a project.
+    /// The content of the control in the form of a project.
     pub const fn state(&self) -> &ProjectState {
         &self.stored.state
     }

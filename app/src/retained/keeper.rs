@@ -13,14 +13,14 @@ use crate::files::data_dir::DataDir;
 use crate::output;
 use crate::platform::{self, TaskHandle};
 
-/// Number of checks between two saves of what changes constantly in a run: counters and
-/// position.
+/// Number of checks between two saves of the counters and the position, which change
+/// constantly in a run.
 const COUNTER_CHECKS: u32 = 100;
 
 /// Number of checks between two saves of a text that is being typed.
 pub(super) const TEXT_CHECKS: u32 = 5;
 
-/// A snapshot to write, and a channel for a caller that waits for it.
+/// A snapshot to write, and a channel that signals its end to a caller that waits.
 type WriteJob = (RetainedSnapshot, Option<Sender<()>>);
 
 /// Saves changes of the memory in a separate thread: a slow disk never holds up the
@@ -34,7 +34,8 @@ pub struct Keeper {
 }
 
 impl Keeper {
-    /// Starts to save the memory of a control in a directory.
+    /// Starts to save the memory of `emulator` in the data directory. `restored` was loaded
+    /// from it.
     ///
     /// # Errors
     /// The system starts no thread.
@@ -109,7 +110,7 @@ impl Keeper {
         }
     }
 
-    /// Saves everything and waits until it is on the disk.
+    /// Saves the memory and waits until it is on the disk.
     pub fn save_and_wait(&mut self, emulator: &Emulator) {
         let (done, written) = bounded(1);
         let now = RetainedSnapshot::from_emulator(emulator);
@@ -122,12 +123,12 @@ impl Keeper {
         }
     }
 
-    /// Returns the messages for failed saves since the last call.
+    /// Returns the messages about failed saves since the last call.
     pub fn complaints(&self) -> Vec<Message> {
         self.complaints.try_iter().collect()
     }
 
-    /// Saves everything, waits until it is on the disk and ends the thread.
+    /// Saves the memory, waits until it is on the disk and ends the thread.
     pub fn finish(mut self, emulator: &Emulator) {
         if let Some(to_disk) = self.to_disk.take() {
             let _ = to_disk.send((RetainedSnapshot::from_emulator(emulator), None));

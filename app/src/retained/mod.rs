@@ -31,14 +31,15 @@ use crate::files::decode::TextEncoding;
 use crate::files::mirrored_files::FileDamage;
 use crate::message_format;
 
-/// Position of the slides, and the coordinates on the display.
+/// The position of the slides at the last save, and the coordinates on the display.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SavedPosition {
     /// Machine coordinates (X as a radius), mm.
     pub machine: Point,
-    /// Absolute coordinates, mm.
+    /// Absolute coordinates on the display, mm.
     pub absolute: Point,
-    /// The slides of the simulated lathe, mm from its reference point (X as a radius).
+    /// Position of the simulated lathe's slides from its reference point, mm (X as a radius);
+    /// `None` in files that lack it.
     #[serde(default)]
     pub slides: Option<Point>,
     /// Axes whose machine zero was set by hand (zero return of method A).
@@ -46,34 +47,34 @@ pub struct SavedPosition {
     pub zero_kept: PerAxis<bool>,
 }
 
-/// Messages for the files that could not be saved.
+/// The error for files that could not be saved, one message per file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub struct NotSaved(pub Vec<Message>);
 
 impl NotSaved {
-    /// Returns the message for the operator, one file a line.
+    /// Returns the message for the operator with one line per file that could not be saved.
     pub fn message(&self) -> Message {
         message_format::join_lines(self.0.iter().cloned())
     }
 }
 
-/// Content of a data directory besides the setup.
+/// What was loaded from a data directory, besides the setup.
 #[derive(Debug)]
 pub struct Restored {
     /// The encodings of the programs, so that they are written back unchanged.
     encodings: BTreeMap<u16, TextEncoding>,
-    /// Messages for damaged files.
+    /// Messages for damaged files of the data directory.
     pub complaints: Vec<Message>,
-    /// Last position of the slides.
+    /// Last saved position of the slides; `None` if none was saved.
     pub position: Option<SavedPosition>,
-    /// Saved state of the panel.
+    /// Saved state of the panel; `None` if none was saved.
     pub panel: Option<PanelRetained>,
 }
 
 impl Restored {
-    /// Puts the slides to their last position: for sessions that continue with the
-    /// machine.
+    /// Moves the slides of `setup` to their last position, for sessions that continue with the
+    /// same machine.
     pub fn place_slides(&self, setup: &mut Setup) {
         if let Some(position) = self.position {
             setup.start = Some(position.machine);
@@ -83,7 +84,7 @@ impl Restored {
         }
     }
 
-    /// Restores the saved state of the panel.
+    /// Restores the saved state of the panel, if there is one.
     pub fn restore_panel(&self, emulator: &mut Emulator) {
         if let Some(panel) = &self.panel {
             emulator.panel.restore(panel);
@@ -167,7 +168,7 @@ fn assign_loaded<T>(loaded: LoadedFile<T>, target: &mut T, complaints: &mut Vec<
     }
 }
 
-/// Returns the loaded value, if there is one; adds damage to the complaints.
+/// Returns the loaded value; `None` if there is none. Adds damage to `complaints`.
 fn loaded_value<T>(loaded: LoadedFile<T>, complaints: &mut Vec<FileDamage>) -> Option<T> {
     match loaded {
         LoadedFile::Value(value) => Some(value),

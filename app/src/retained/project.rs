@@ -15,12 +15,12 @@ use super::{NotSaved, Restored, load};
 use crate::files::data_dir::DataDir;
 use crate::files::decode::TextEncoding;
 
-/// Content of a data directory.
+/// The content of a data directory.
 #[derive(Debug)]
 pub struct DataDirContent {
-    /// The content as a project.
+    /// The content in the form of a project.
     pub state: ProjectState,
-    /// Everything the battery keeps, with operation level and passwords.
+    /// The battery-backed memory, with operation level and passwords.
     pub memory: BatteryMemory,
     restored: Restored,
 }
@@ -42,7 +42,7 @@ pub fn state_of_emulator(emulator: &Emulator) -> ProjectState {
 }
 
 impl DataDirContent {
-    /// Returns the messages for damaged files.
+    /// Returns the messages for damaged files of the directory.
     pub fn complaints(&self) -> &[Message] {
         &self.restored.complaints
     }
@@ -52,8 +52,8 @@ impl DataDirContent {
         &self.restored.encodings
     }
 
-    /// Writes another state into the directory. Operation level, passwords and the
-    /// position of the slides remain.
+    /// Writes the state `now` into the directory. Operation level, passwords and the position
+    /// of the slides remain.
     ///
     /// # Errors
     /// The files that could not be written; all others are written.

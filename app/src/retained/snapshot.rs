@@ -16,7 +16,7 @@ use super::{SavedPosition, assign_loaded};
 use crate::files::data_dir::{DataDir, to_ron_change};
 use crate::files::mirrored_files::{FileChange, FileDamage};
 
-/// Everything that survives power-off.
+/// All data that survive power-off, at one moment.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct RetainedSnapshot {
     /// Content of the control's battery-backed memory.
@@ -58,7 +58,7 @@ impl RetainedSnapshot {
         }
     }
 
-    /// Returns the number of the selected program, if it is stored.
+    /// Returns the number of the selected program; `None` if it is not stored in the memory.
     pub(super) fn selected(&self) -> Option<u16> {
         match self.memory.programs.selected() {
             Some(ProgramId::Stored(number)) => Some(number),
@@ -67,12 +67,12 @@ impl RetainedSnapshot {
     }
 }
 
-/// A part of the memory that has its own file.
+/// A part of the memory that is stored in a separate file.
 pub(super) trait MemoryPart {
-    /// Reads the file; adds damage to the complaints.
+    /// Reads the part from the file `NAME.ron`; adds damage to `complaints`.
     fn load(&mut self, data: &DataDir, name: &str, complaints: &mut Vec<FileDamage>);
 
-    /// Returns the content of the file.
+    /// Returns the change that writes the part into the file `NAME.ron`.
     ///
     /// # Errors
     /// The value cannot be serialized.

@@ -12,13 +12,14 @@ use crate::files::data_dir::{DataDir, to_ladder_change, to_program_change, to_ro
 use crate::files::decode::TextEncoding;
 use crate::files::mirrored_files::FileChange;
 
-/// Writes the files that differ from the disk.
+/// Writes those files of the memory that differ from the disk.
 pub(super) struct MemoryWriter {
     data: Arc<DataDir>,
     encodings: BTreeMap<u16, TextEncoding>,
-    /// Programs read from the disk or written there: only these can be deleted.
+    /// Numbers of the programs that were read from the disk or written there; only these can
+    /// be deleted.
     programs: BTreeSet<u16>,
-    /// The ladder of the last power-on: only another one is written.
+    /// The ladder of the last power-on; a ladder is written only if it is another one.
     ladder: Arc<Ladder>,
 }
 
@@ -32,12 +33,12 @@ impl MemoryWriter {
         }
     }
 
-    /// Sets the encodings of programs from elsewhere.
+    /// Sets the encodings of programs that were loaded from a project.
     pub(super) fn set_encodings(&mut self, encodings: &BTreeMap<u16, TextEncoding>) {
         self.encodings.clone_from(encodings);
     }
 
-    /// Writes all changed files; returns messages for those that could not be written.
+    /// Writes all changed files; returns one message for each file that could not be written.
     pub(super) fn write(&mut self, now: &RetainedSnapshot) -> Vec<Message> {
         let mut changes = Vec::new();
         let mut failures = Vec::new();
@@ -73,7 +74,8 @@ impl MemoryWriter {
         failures
     }
 
-    /// Returns the changed value files. Without a window its own files stay unchanged.
+    /// Returns the changes of all files with values; those of position and panel only if `now`
+    /// contains them.
     fn value_changes(now: &RetainedSnapshot) -> Vec<Result<FileChange, Message>> {
         let mut memory = now.memory.clone();
         let mut values: Vec<_> = parts(&mut memory)

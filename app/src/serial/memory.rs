@@ -11,10 +11,11 @@ use gsk_transfer::{
 
 use crate::files::decode;
 
-/// The memory as the partition USER; the other two partitions are empty and read-only.
+/// The memory of the control as the partition USER of the transfer protocol; the other two
+/// partitions are empty and read-only.
 pub(super) struct SerialFileStore<'a> {
     emulator: &'a mut Emulator,
-    /// The full reason why the last file was refused.
+    /// The full reason why the last file was refused; `None` if none was.
     refusal_reason: Option<Message>,
 }
 
@@ -36,7 +37,7 @@ impl<'a> SerialFileStore<'a> {
     }
 }
 
-/// Returns the fault code for the wire.
+/// Converts a refusal to the fault code of the transfer protocol.
 fn to_fault(refusal: &FileRefusal) -> TransferFault {
     match refusal {
         FileRefusal::Refused(refusal) => match refusal {
@@ -52,7 +53,7 @@ fn to_fault(refusal: &FileRefusal) -> TransferFault {
     }
 }
 
-/// Returns the file to read; the other partitions have none.
+/// Returns the id of the file to read; the partitions other than USER have none.
 fn file_to_read(place: &RemotePath) -> Result<FileId, TransferFault> {
     match place.partition {
         Partition::User => FileId::of(place.name.as_str()).ok_or(TransferFault::NotFound),
@@ -60,7 +61,7 @@ fn file_to_read(place: &RemotePath) -> Result<FileId, TransferFault> {
     }
 }
 
-/// Returns the file to write.
+/// Returns the id of the file to write, or the fault if the name or partition permits none.
 fn file_to_write(place: &RemotePath) -> Result<FileId, TransferFault> {
     match place.partition {
         Partition::User => FileId::of(place.name.as_str()).ok_or(TransferFault::BadName),

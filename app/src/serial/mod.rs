@@ -20,17 +20,17 @@ use wire::{SerialPortEvent, SerialPortHandle};
 /// Longest time the port keeps its rate after a change of parameter 044, until the last
 /// bytes have left: the reply to the file that changed it still has the old rate.
 const RATE_CHANGE_TIMEOUT: Duration = Duration::from_secs(3);
-/// Time for bytes that have left the program to leave the computer.
+/// Time that bytes sent by the program need to leave the computer.
 const SEND_DELAY: Duration = Duration::from_millis(60);
 
-/// The other end of the line.
+/// What the control's serial port is connected to.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SerialEnd {
-    /// A port of the computer, or `tcp:HOST:PORT`.
+    /// A port of the computer, or the network port `tcp:HOST:PORT`.
     Port(String),
     /// A new pseudo terminal; a message reports its name.
     Terminal,
-    /// The program that connects with this address, `HOST:PORT`.
+    /// The program that connects with this network address, `HOST:PORT`.
     Listening(String),
 }
 
@@ -45,28 +45,29 @@ impl SerialEnd {
     }
 }
 
-/// The control's serial port at its line.
+/// The control's serial port, with the thread that moves its bytes.
 #[derive(Debug)]
 pub struct SerialLine {
     wire: SerialPortHandle,
-    /// None while the control or its port is off.
+    /// The state of the port; `None` while the control or its port is off.
     port: Option<OpenControlPort>,
     framing: Framing,
     line_end: TextLineEnd,
-    /// Name of the port while it is open.
+    /// Name of the port; `None` while it is not open.
     name: Option<String>,
     begun: Instant,
 }
 
-/// The port of a control that is on.
+/// The state of the serial port of a control that is on.
 #[derive(Debug)]
 struct OpenControlPort {
     side: ControlPort,
     baud: u32,
     shown_status: PortStatus,
-    /// Start of a difference between the rate and parameter 044.
+    /// Time since which the rate of the port differs from parameter 044; `None` if it does
+    /// not.
     outdated_since: Option<Instant>,
-    /// When bytes were last sent.
+    /// Time at which bytes were last sent.
     last_sent: PortTime,
 }
 
@@ -139,7 +140,8 @@ impl SerialLine {
         messages
     }
 
-    /// Follows parameters 044 and 002.5 and the power of the control.
+    /// Applies the rate of parameter 044 to the port, and opens or closes it with the control
+    /// and with bit parameter 002.5.
     fn follow_rate(
         &mut self,
         rate: Option<u32>,
@@ -180,7 +182,8 @@ impl SerialLine {
         messages.extend(self.opened_message());
     }
 
-    /// Returns the message that the port is open at the control's rate.
+    /// Returns the message that the port is open at the control's rate; `None` if it is not
+    /// open.
     fn opened_message(&self) -> Option<Message> {
         let (name, port) = (self.name.as_ref()?, self.port.as_ref()?);
         Some(match port.side.framing() {
@@ -223,8 +226,9 @@ impl SerialLine {
     }
 }
 
-/// Makes a transfer of a file that the control sends. Data replace data; a program never
-/// replaces another one (alarm 073 at a control, a question at a PC).
+/// Makes a transfer of a file that the control sends; `None` if its name is invalid. Data
+/// replace existing data; a program never replaces another one (alarm 073 at a control, a
+/// question at a PC).
 fn to_transfer_file(file: SerialFile) -> Option<TransferFile> {
     // The control's own file names are valid.
     let name = FileName::new(&file.name).ok()?;
@@ -238,7 +242,8 @@ fn to_transfer_file(file: SerialFile) -> Option<TransferFile> {
     })
 }
 
-/// Returns the state to show on the LCD.
+/// Returns the state of the transfer that the LCD shows after an event; `None` leaves it
+/// unchanged.
 const fn shown_state(event: &ControlEvent) -> Option<Communication> {
     match event {
         // A query whether a file exists starts no transfer; for a text alarm 073 reports
@@ -255,7 +260,8 @@ const fn shown_state(event: &ControlEvent) -> Option<Communication> {
     }
 }
 
-/// Returns the message for an event; `why`: a longer reason than the wire carries.
+/// Returns the message for the operator about an event; `None` if there is none. `why` is a
+/// longer reason than the wire carries.
 fn event_message(event: ControlEvent, why: &mut Option<Message>) -> Option<Message> {
     Some(match event {
         ControlEvent::Received(name) => say::serial_received(name),

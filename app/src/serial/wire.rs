@@ -11,32 +11,32 @@ use web_time::Duration;
 use super::SerialEnd;
 use crate::ports::{self, OfferedPort, Port, PortError};
 
-/// Capacity of the queues, chunks in each direction.
+/// Capacity of the queues between kernel and port, chunks in each direction.
 const QUEUE_CAPACITY: usize = 64;
 /// Time between two attempts to open a port.
 const RETRY_INTERVAL: Duration = Duration::from_secs(1);
-/// Time between two checks whether the program still runs.
+/// Time between two checks whether the program still runs, while the port is not open.
 const CHECK_INTERVAL: Duration = Duration::from_millis(20);
-/// How long to retry a port that is opened again at another rate.
+/// How long to retry opening a port that was closed to change its rate.
 const OPEN_RETRY_TIME: Duration = Duration::from_millis(500);
 
-/// An event of the port.
+/// An event of the port for the kernel.
 pub(super) enum SerialPortEvent {
     /// The port is open under this name.
     Opened(String),
-    /// The port cannot be opened or has failed; the thread tries again.
+    /// The port cannot be opened or has failed for this reason; the thread tries again.
     Gone(Message),
     Bytes(Vec<u8>),
 }
 
-/// A command for the port.
+/// A command for the thread of the port.
 enum SerialPortCommand {
     Bytes(Vec<u8>),
-    /// Rate from now on, bits a second.
+    /// Use this rate from now on, bits a second.
     Rate(u32),
 }
 
-/// The kernel's end.
+/// The kernel's handle of the port and its thread.
 #[derive(Debug)]
 pub(super) struct SerialPortHandle {
     to_port: Sender<SerialPortCommand>,
@@ -44,7 +44,7 @@ pub(super) struct SerialPortHandle {
 }
 
 impl SerialPortHandle {
-    /// Starts the thread; it opens the port once the rate is set.
+    /// Starts the thread, which opens the port once the rate is set.
     pub(super) fn open(end: SerialEnd) -> io::Result<Self> {
         let (to_port, commands) = bounded(QUEUE_CAPACITY);
         let (events, from_port) = bounded(QUEUE_CAPACITY);
@@ -68,7 +68,7 @@ impl SerialPortHandle {
         let _ = self.to_port.send(SerialPortCommand::Rate(baud));
     }
 
-    /// Queues bytes; returns how many are taken now.
+    /// Queues bytes to be sent; returns how many the queue accepts now.
     pub(super) fn send(&self, bytes: &[u8]) -> usize {
         match self
             .to_port
@@ -79,13 +79,13 @@ impl SerialPortHandle {
         }
     }
 
-    /// Returns the next event, if there is one.
+    /// Returns the next event; `None` if there is none now.
     pub(super) fn next_event(&self) -> Option<SerialPortEvent> {
         self.from_port.try_recv().ok()
     }
 }
 
-/// An open end of the line.
+/// The opened port or offered address at the end of the line.
 enum OpenEnd {
     Port(Port),
     Offer(OfferedPort),
@@ -107,21 +107,21 @@ impl OpenEnd {
     }
 }
 
-/// The state of the thread.
+/// The state of the thread that moves the bytes of the port.
 struct SerialPortThread {
     end: SerialEnd,
     commands: Receiver<SerialPortCommand>,
     events: Sender<SerialPortEvent>,
     baud: Option<u32>,
-    /// Bytes that the port has not taken yet.
+    /// Bytes that the port has not accepted yet.
     unsent: Vec<u8>,
-    /// The last reported reason why the port is not open.
+    /// The reason why the port is not open, as last reported.
     last_error: Option<Message>,
 }
 
 impl SerialPortThread {
-    /// Opens the port and moves bytes until it is gone, or has another rate; `None`: the
-    /// program has ended.
+    /// Opens the port and moves bytes until the port is gone or gets another rate; `None` if
+    /// the program has ended.
     fn run(&mut self) -> Option<()> {
         self.unsent.clear();
         let mut line = loop {
@@ -184,7 +184,8 @@ impl SerialPortThread {
         }
     }
 
-    /// Takes commands as long as the port keeps up; `None`: the program has ended.
+    /// Carries out commands until the queue is empty or the port has bytes left to write;
+    /// `None` if the program has ended.
     fn receive_commands(&mut self) -> Option<()> {
         while self.unsent.is_empty() {
             match self.commands.try_recv() {
@@ -197,8 +198,8 @@ impl SerialPortThread {
         Some(())
     }
 
-    /// Waits while the port is not open; bytes for it are lost, as with an unplugged
-    /// cable. `None`: the program has ended.
+    /// Waits for the time `time` while the port is not open; bytes to send are lost, as with
+    /// an unplugged cable. `None` if the program has ended.
     fn wait(&mut self, time: Duration) -> Option<()> {
         let mut waited = Duration::ZERO;
         while waited < time {

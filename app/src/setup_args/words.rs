@@ -6,57 +6,57 @@ use gsk_core::model::ModelId;
 use gsk_core::units::parse_finite;
 use gsk_messages::{Message, say};
 
-/// Why a value of an option cannot be read.
+/// Why a value of an option is invalid. A text payload is the value as typed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum OptionValueError {
-    /// Not a number.
+    /// The value is not a number.
     NotANumber(String),
-    /// Outside the range of lengths, 9999.999.
+    /// The length is outside the range of lengths, ±9999.999.
     OutOfRange(String),
-    /// Wrong form; holds the expected one.
+    /// The value does not have this form.
     WrongForm(&'static str),
-    /// Wrong form; holds the expected one and an example.
+    /// The value does not have this form; the second text is an example of the form.
     WrongFormExample(&'static str, &'static str),
-    /// Neither `on` nor `off`.
+    /// The value is neither `on` nor `off`.
     NotOnOff,
-    /// A distance below 0.1 mm.
+    /// The distance is below 0.1 mm.
     DistanceTooShort(String),
-    /// A feed below 1 mm/min.
+    /// The feed is below 1 mm/min.
     FeedTooLow(String),
-    /// A spindle speed below 0.
+    /// The spindle speed is below 0.
     NegativeSpeed,
-    /// Neither `0` nor `1`.
+    /// The value of a bit is neither `0` nor `1`.
     NotZeroOrOne(String),
-    /// Not a parameter number.
+    /// The value is not a parameter number.
     InvalidParameterNumber(String),
-    /// Not a whole number.
+    /// The value is not a whole number.
     NotAWholeNumber(String),
-    /// Not a bit number 0 to 7.
+    /// The bit number is not 0 to 7.
     InvalidBitNumber,
-    /// Not an offset number.
+    /// The value is not an offset number.
     InvalidOffsetNumber(String),
-    /// More than four values of an offset.
+    /// The offset has more than four values.
     TooManyOffsetValues,
-    /// Not a nose type 0 to 9.
+    /// The nose type is not 0 to 9.
     InvalidNoseType,
-    /// Not a unit of time.
+    /// The unit of a time is unknown.
     UnknownTimeUnit(String),
-    /// Not a number before the unit of time.
+    /// There is no number before the unit of a time.
     InvalidTime(String),
-    /// A time below 1 ms or above 10^12 ms.
+    /// The time is below 1 ms or above 10^12 ms.
     TimeOutOfRange(String),
-    /// Not a log level.
+    /// The value is not a log level.
     UnknownLogLevel(String),
-    /// Not a partition of the control's memory.
+    /// The value is not a partition of the control's memory.
     UnknownPartition,
-    /// Not an axis of a mill.
+    /// The value is not an axis of a mill.
     UnknownAxis,
-    /// Not eight binary digits.
+    /// The value does not have eight binary digits.
     NotEightBits,
-    /// Not a diagnosis number with its eight bits.
+    /// The value is not a diagnosis number with its eight bits.
     InvalidKeyBits,
-    /// Not two whole numbers with this character between them.
+    /// The value does not consist of two whole numbers with this character between them.
     NotTwoNumbers(char),
 }
 
@@ -91,43 +91,43 @@ impl OptionValueError {
     }
 }
 
-/// Value of `--param`.
+/// The value of `--param`: a parameter or a bit, and what it is set to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParameterOption {
-    /// A whole parameter, `N=V`.
+    /// A whole parameter and its value, `N=V`.
     Value { number: u16, value: i32 },
-    /// One bit of a parameter, `N.B=0|1`.
+    /// A bit of a parameter and its state, `N.B=0|1`.
     Bit {
         number: u16,
-        /// Bit 0 to 7.
+        /// Number of the bit, 0 to 7.
         bit: u8,
         state: bool,
     },
 }
 
-/// Value of `--offset`.
+/// The value of `--offset`: a row of the tool offset table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OffsetOption {
     pub number: u8,
-    /// X in mm, a diameter or a radius as on the offset page.
+    /// X offset, mm, a diameter or a radius as on the offset page.
     pub x: f64,
-    /// Z, mm.
+    /// Z offset, mm.
     pub z: f64,
     /// Nose radius, mm.
     pub nose_radius_mm: f64,
-    /// Nose type 0–9.
+    /// Nose type, 0 to 9.
     pub nose_type: u8,
 }
 
 /// Value of `--input` and `--set`: a PLC address and the state of its bit.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InputBit {
-    /// Such as `X0.4`, in capitals.
+    /// Address such as `X0.4`, in capitals.
     pub address: String,
     pub state: bool,
 }
 
-/// Parses any finite number.
+/// Parses any finite number, of any unit.
 pub fn parse_number(word: &str) -> Result<f64, OptionValueError> {
     parse_finite(word.trim()).ok_or_else(|| OptionValueError::NotANumber(word.to_owned()))
 }
@@ -140,12 +140,12 @@ fn parse_length(word: &str) -> Result<f64, OptionValueError> {
     Ok(value)
 }
 
-/// Parser of a model whose programs can be executed: all lathes.
+/// Creates the parser of a model whose programs can be executed: all lathes.
 pub fn lathe_model_parser() -> impl TypedValueParser<Value = ModelId> {
     model_parser_for(|id| !id.is_mill())
 }
 
-/// Parser of a model, mills included.
+/// Creates the parser of a model, mills included.
 pub fn model_parser() -> impl TypedValueParser<Value = ModelId> {
     model_parser_for(|_| true)
 }
@@ -157,7 +157,7 @@ fn model_parser_for(is_accepted: fn(&ModelId) -> bool) -> impl TypedValueParser<
         .map(|word| ModelId::from_command_word(&word).unwrap_or_default())
 }
 
-/// Parses the value of `--clock`.
+/// Parses the date and time of `--clock`, such as `1993-03-28T15:34:56`.
 pub(super) fn parse_moment(word: &str) -> Result<DayTime, OptionValueError> {
     DayTime::from_text(word).ok_or(OptionValueError::WrongForm("YYYY-MM-DDThh:mm:ss"))
 }
@@ -169,7 +169,7 @@ pub(super) fn parse_model_parameter(word: &str) -> Result<(u16, i32), OptionValu
     }
 }
 
-/// Parses `X,Z`, both at most 9999.999.
+/// Parses `X,Z`; both are at most 9999.999 in size.
 pub fn parse_xz(word: &str) -> Result<(f64, f64), OptionValueError> {
     let (x, z) = word
         .split_once(',')
@@ -204,7 +204,7 @@ pub(super) fn parse_spindle_speed(word: &str) -> Result<f64, OptionValueError> {
     }
 }
 
-/// Parses `on` and `off`.
+/// Parses `on` (true) and `off` (false).
 pub fn parse_switch(word: &str) -> Result<bool, OptionValueError> {
     match word.trim() {
         "on" => Ok(true),
@@ -286,7 +286,7 @@ pub(super) fn parse_offset(word: &str) -> Result<OffsetOption, OptionValueError>
     })
 }
 
-/// Parses `X0.4=1`.
+/// Parses an input and its state, such as `X0.4=1`.
 pub fn parse_input_bit(word: &str) -> Result<InputBit, OptionValueError> {
     let (address, value) = word
         .split_once('=')

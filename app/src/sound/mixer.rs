@@ -3,33 +3,34 @@
 
 use gsk_panel::keys::Key;
 
-/// Sample rate, Hz.
+/// Sample rate of the sound, Hz.
 pub const RATE: u32 = 22_050;
-/// Bytes of the Y memory that switch the lathe: Y0 to Y3; the bytes above are lamps.
+/// Number of bytes of the Y memory that switch the lathe: Y0 to Y3; the bytes above are lamps.
 pub const OUTPUTS: usize = 4;
 
-/// A slide is at rest when no state arrived for this time, s.
+/// A slide counts as at rest when no state has arrived for this time, s.
 const REST_AFTER_S: f32 = 0.15;
-/// Speed limit of the pitch of a slide, mm/s.
+/// Slide speed above which the pitch of its tone does not rise, mm/s.
 const MAX_SLIDE_MM_PER_S: f32 = 300.0;
-/// Share of its remaining difference by which a tone changes with each sample.
+/// Share of its remaining difference by which a tone changes at each sample.
 const GLIDE: f32 = 1.0 / 1500.0;
-/// Number of tones of an alarm, and the length of one with its pause, s.
+/// Number of tones of an alarm. The constant after it is the length of one tone with its
+/// pause, s.
 const BEEPS: u32 = 3;
 const BEEP_S: f32 = 0.3;
 
-/// The state of the machine that makes its sound.
+/// The state of the machine from which its sound is made.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SoundState {
-    /// Keys that are down.
+    /// Keys of the panel that are down.
     pub keys: Vec<Key>,
-    /// Y0 to Y3: relays and valves.
+    /// Y0 to Y3, the relays and valves.
     pub outputs: [u8; OUTPUTS],
     /// Absolute speed of the spindle, r/min.
     pub spindle_rpm: f32,
-    /// Position of the slides, X as a radius and Z, mm.
+    /// Position of the slides, mm: [0] X as a radius, [1] Z.
     pub slides: [f32; 2],
-    /// Number of the active alarm.
+    /// Number of the active alarm; `None` without one.
     pub alarm: Option<u16>,
 }
 
@@ -46,29 +47,29 @@ struct Tone {
 /// A sound that fades out.
 #[derive(Clone, Debug, PartialEq)]
 struct Strike {
-    /// Pitch, Hz.
+    /// Pitch of the sound, Hz.
     pitch: f32,
-    /// Share of noise in it, 0 to 1.
+    /// Share of noise in the sound, 0 to 1.
     noise: f32,
     level: f32,
-    /// Factor of the level with each sample.
+    /// Factor by which the level changes at each sample.
     decay: f32,
     phase: f32,
 }
 
-/// The state of the sound.
+/// Mixes the sound of the machine, sample by sample.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mixer {
-    /// The last state; `None` before the first one.
+    /// The last state of the machine; `None` before the first one.
     last_state: Option<SoundState>,
     spindle: Tone,
     slides: [Tone; 2],
     strikes: Vec<Strike>,
-    /// Samples since the last state.
+    /// Number of samples since the last state.
     samples_since_state: u32,
-    /// Remaining samples of the alarm tones.
+    /// Number of remaining samples of the alarm tones.
     beeps: u32,
-    /// State of the noise generator.
+    /// State of the random number generator for noise.
     noise: u32,
 }
 
@@ -82,7 +83,8 @@ impl Tone {
         wave * self.level
     }
 
-    /// Sets the target; at level 0 the tone keeps its pitch while it fades out.
+    /// Sets the pitch, Hz, and level, to which the tone glides; at level 0 it keeps its pitch
+    /// while it fades out.
     const fn set_target(&mut self, pitch: f32, level: f32) {
         self.to_level = level;
         if level > 0.0 {
@@ -92,7 +94,8 @@ impl Tone {
 }
 
 impl Mixer {
-    /// Takes a state of the machine.
+    /// Compares the new state of the machine with the last one, and starts and changes tones
+    /// accordingly.
     pub fn update(&mut self, state: &SoundState) {
         let spindle = state.spindle_rpm.abs().min(10_000.0);
         // Six pulses of the motor a turn; louder with speed.
@@ -155,7 +158,7 @@ impl Mixer {
         }
     }
 
-    /// Computes the next samples at a volume, %.
+    /// Computes the next samples at `volume`, %.
     pub fn fill(&mut self, samples: &mut [i16], volume: u8) {
         let volume = f32::from(volume.min(100)) / 100.0;
         for sample in samples {
@@ -202,7 +205,8 @@ impl Mixer {
     }
 }
 
-/// Nearly a sine, made of parabolas: the same bits on every system.
+/// Returns nearly a sine of `phase`, composed of parabolas to give the same bits on every
+/// system.
 fn wave(phase: f32) -> f32 {
     let x = 2.0 * phase - 1.0;
     4.0 * x * (1.0 - x.abs())
@@ -213,7 +217,8 @@ mod tests {
     use super::*;
     use gsk_panel::keys::KEYS;
 
-    /// Returns the loudness of the next samples, and their upward zero crossings a second.
+    /// Returns the loudness of the samples of the next `seconds`, and their upward zero
+    /// crossings per second.
     fn listen(mixer: &mut Mixer, seconds: f32) -> (f64, f64) {
         let mut samples = vec![0; (seconds * RATE as f32) as usize];
         mixer.fill(&mut samples, 100);

@@ -6,7 +6,7 @@ use gsk_core::command::{ProgramId, SourcePosition};
 
 use gsk_messages::{Language, say};
 
-/// The alarm in one line: number, text, block, reason.
+/// Formats an alarm as one line: number, text, block, reason.
 pub fn one_line(alarm: &Alarm, language: Language) -> String {
     let mut line = match language {
         Language::Zh => alarm.line_text(),
@@ -21,7 +21,7 @@ pub fn one_line(alarm: &Alarm, language: Language) -> String {
     line
 }
 
-/// The alarm in one line, followed by lines with its cause and its remedy.
+/// Formats an alarm as one line, followed by lines with its cause and its remedy.
 pub fn with_remedy(alarm: &Alarm, language: Language) -> String {
     let mut lines = vec![one_line(alarm, language)];
     let Some(row) = alarm.row() else {
@@ -49,7 +49,7 @@ fn block_text(alarm: &Alarm, language: Language) -> Option<String> {
     alarm.source.as_ref().map(|it| source_text(it, language))
 }
 
-/// The text of a block: program, sequence number, line.
+/// Formats the position of a block: program, sequence number, line.
 pub fn source_text(source: &SourcePosition, language: Language) -> String {
     let program = match source.program {
         ProgramId::Stored(number) => format!("O{number:04} "),

@@ -25,31 +25,32 @@ use crate::{output, platform, transfer};
 /// Size of the window before the size of the monitor is known, points: the LCD at two pixels
 /// per dot.
 const INITIAL_SIZE: [f32; 2] = [1280.0, 806.0];
-/// Share of the monitor's width and height that the window takes at the first start.
+/// Share of the monitor's width and height that the window takes at the first start, 0–1.
 const INITIAL_SHARE: f32 = 0.92;
-/// Settings are written when they have not changed for this time: dragging a splitter does not
-/// write a hundred times.
+/// Settings are written when they have not changed for this time, so that a dragged splitter
+/// does not cause many writes.
 const SAVE_DELAY: Duration = Duration::from_secs(1);
 
 /// What the window needs to start.
 pub struct WindowStart {
-    /// The kernel, not yet running.
+    /// The kernel, which does not run yet.
     pub kernel: Kernel,
-    /// Its console.
+    /// The window's end of the channels to the kernel.
     pub console: Console,
-    /// The settings of the first frame.
+    /// The settings with which the window opens.
     pub settings: WindowSettings,
-    /// The settings in the data directory; `None` when there are none yet.
+    /// The settings in the data directory; `None` if it has none yet.
     pub stored_settings: Option<WindowSettings>,
     pub data: DataDir,
-    /// The memory of the control that was read from the data directory, and its errors.
+    /// The memory of the control that was read from the data directory, and errors in its
+    /// files.
     pub restored: Restored,
-    /// A program file to open.
+    /// A program file to open at the start; `None`: open none.
     pub program: Option<PathBuf>,
-    /// Start time of the program when frame figures are requested, else `None`.
+    /// Start time of the program; `None` unless frame figures are requested.
     pub figures_since: Option<Instant>,
     pub model: ModelId,
-    /// Starts another control model; `None` when the model cannot be changed.
+    /// Starts another control model; `None` if the model cannot be changed.
     pub start_model: Option<ModelStarter>,
     /// Whether the window shows the questions of the first start.
     pub shows_first_start: bool,
@@ -58,7 +59,7 @@ pub struct WindowStart {
 /// Prepares the start of another control model with these settings, in the same window.
 pub type ModelStarter = Box<dyn Fn(ModelId, &WindowSettings) -> Result<WindowStart, Message>>;
 
-/// Opens the window and returns when it is closed.
+/// Opens the window and returns when the operator has closed it.
 pub fn run(start: WindowStart) -> Result<(), Message> {
     let viewport = egui::ViewportBuilder::default()
         .with_title(TITLE)
@@ -87,7 +88,7 @@ struct App {
     kernel: KernelThread,
     ending: TerminationFlag,
     display: DisplayServer,
-    /// `None` while the control is off.
+    /// The open data directory; `None` while the control is off or without a directory.
     data: Option<Arc<DataDir>>,
     model: ModelId,
     saved_settings: Option<WindowSettings>,
@@ -185,8 +186,8 @@ impl App {
         })
     }
 
-    /// Turns the control off and another model on, with the memory of that model. The same
-    /// model is turned on again with its other lathe.
+    /// Turns the control off and another model on, with the memory of that model. If the model
+    /// is already on, turns it on again with the lathe that was chosen.
     fn change_model(&mut self, model: ModelId, context: &egui::Context) {
         if model == self.model {
             let message = say::first_lathe_is_on();
@@ -213,8 +214,8 @@ impl App {
         }
     }
 
-    /// Turns the control off, takes over the chosen project files, and turns the control on
-    /// again.
+    /// Turns the control off, writes the chosen values of a project into its memory, and turns
+    /// the control on again.
     fn take_over_project(&mut self, chosen: &ProjectSelection, context: &egui::Context) {
         let model = self.model;
         self.restart_control(context, |directory| {
@@ -233,8 +234,9 @@ impl App {
         });
     }
 
-    /// Turns the control off, calls `while_off` with exclusive access to the data directory, and
-    /// turns the control on again. Shows the message that `while_off` returns.
+    /// Turns the control off, calls `while_off` with the path of the data directory, which it
+    /// may then lock, and turns the control on again. Shows the message that `while_off`
+    /// returns.
     fn restart_control(
         &mut self,
         context: &egui::Context,
@@ -294,7 +296,8 @@ impl App {
         context.send_viewport_cmd(ViewportCommand::OuterPosition(corner));
     }
 
-    /// Updates the window title. It shows when the keys move a real machine.
+    /// Updates the window title with the current board state: it warns when the keys move a
+    /// real machine.
     fn update_title(&mut self, context: &egui::Context) {
         let title = self.window.title();
         if title != self.title {

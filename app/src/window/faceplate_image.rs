@@ -15,29 +15,29 @@ use super::panel_placement::PlacedArea;
 use super::theme;
 use crate::platform;
 
-/// The image matches the physical pixels: no filtering.
+/// Texture filtering of the images: none, because their pixels match the physical ones.
 const PIXEL_EXACT: TextureOptions = TextureOptions::NEAREST;
 
-/// The image of an area and the look of its parts.
+/// The image of an area of the panel, and how its keys and lamps look in the image.
 struct AreaImage {
     texture: TextureHandle,
     /// Physical pixels per panel unit.
     scale: f32,
-    /// The parts, each with its look in the image.
+    /// The keys and lamps of the area, each with the number of its look in the image.
     looks: Vec<(PanelPart, u32)>,
 }
 
-/// Receives the image that a thread renders, with its scale.
+/// Receives an image that a thread renders, and its scale, physical pixels per panel unit.
 type RenderedImage = Receiver<(ColorImage, f32)>;
 
-/// An area with its image. The image is rendered again when the size changes.
+/// An area of the panel with its image, which is rendered again when its size changes.
 struct AreaSlot {
     area: PanelArea,
     job: Option<RenderedImage>,
     picture: Option<AreaImage>,
 }
 
-/// The images of the panel.
+/// The images of all areas of the panel that are visible.
 #[derive(Default)]
 pub struct FaceplateImage {
     is_enabled: bool,
@@ -45,12 +45,12 @@ pub struct FaceplateImage {
 }
 
 impl FaceplateImage {
-    /// Enables the rendering of images. Without it the panel is a plain rectangle.
+    /// Enables the rendering of images. Without images the panel is a plain rectangle.
     pub const fn enable(&mut self) {
         self.is_enabled = true;
     }
 
-    /// Draws the panel without the content of the LCD.
+    /// Draws the panel except for the content of the LCD.
     pub fn paint(&mut self, painter: &Painter, placed: &[PlacedArea], state: &FaceState<'_>) {
         self.slots
             .retain(|piece| placed.iter().any(|view| view.area == piece.area));
@@ -142,7 +142,7 @@ impl AreaSlot {
 }
 
 impl AreaImage {
-    /// Repaints the parts whose look has changed.
+    /// Repaints those keys and lamps whose look has changed.
     fn repaint_changed_parts(&mut self, area: PanelArea, state: &FaceState<'_>) {
         for (part, shown_look) in &mut self.looks {
             let look = faceplate::part_state(part, state);
@@ -159,7 +159,7 @@ impl AreaImage {
     }
 }
 
-/// Size of the image of an area at a scale, pixels.
+/// Size of the image of an area at `scale` (pixels per panel unit), pixels.
 fn image_size(area: PanelArea, scale: f32) -> [u32; 2] {
     [area.rect.w, area.rect.h].map(|units| (units * scale).round().max(1.0) as u32)
 }

@@ -14,28 +14,29 @@ use crossbeam::channel::Sender;
 pub use file_browser::FileBrowser;
 use gsk_messages::{Language, Message, say};
 
-/// What the operator chooses.
+/// What the operator chooses in a file dialog.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FileChoice {
-    /// An existing file with one of these extensions; the string names the file type.
+    /// An existing file with one of these extensions; the string is the name of the file type.
     Open(String, Vec<&'static str>),
     /// An existing folder.
     Folder,
-    /// A file to write: the proposed name and the extension.
+    /// A file to write, with the proposed name and the extension.
     Save(String, &'static str),
 }
 
-/// Called in a thread with the chosen file. A returned message appears on the message line.
+/// Function that a thread calls with the chosen file; the window shows the message that it
+/// returns.
 type OnChosen = Box<dyn FnOnce(PathBuf) -> Option<Message> + Send>;
 
-/// A choice for the dialog of this program.
+/// A file choice that waits for the file dialog of this program.
 struct ChoiceRequest {
     choice: FileChoice,
     on_chosen: OnChosen,
     notices: Sender<Notice>,
 }
 
-/// The choices that wait for the dialog of this program.
+/// The choices that wait for the file dialog of this program, on a desktop without one.
 #[derive(Clone, Default)]
 struct PendingChoices(Arc<Mutex<Vec<ChoiceRequest>>>);
 
@@ -55,7 +56,8 @@ impl PendingChoices {
     }
 }
 
-/// Lets the operator choose a file and calls `on_chosen` with it in a thread. Messages go to `say`.
+/// Lets the operator choose a file and calls `on_chosen` with it in a thread. Messages are
+/// sent to `notices`.
 pub fn choose_file(
     context: &Context,
     language: Language,
@@ -87,7 +89,7 @@ pub fn choose_file(
     });
 }
 
-/// The settings of the desktop's dialog.
+/// Converts a choice to the settings of the desktop's dialog.
 fn desktop_dialog(choice: &FileChoice, language: Language) -> FileDialog {
     match choice.clone() {
         FileChoice::Open(kind, endings) => FileDialog::Open {
@@ -100,7 +102,7 @@ fn desktop_dialog(choice: &FileChoice, language: Language) -> FileDialog {
     }
 }
 
-/// Runs `job` in a thread and sends its message to `say`.
+/// Runs `job` in a thread and sends the message that it returns to `notices`.
 pub fn run_in_thread(
     context: &Context,
     notices: &Sender<Notice>,

@@ -19,19 +19,19 @@ use gsk_messages::{Language, Message, say};
 
 /// Height of an answer, points: large enough for a finger.
 const ANSWER_HEIGHT: f32 = 44.0;
-/// Least width of an answer, points.
+/// Minimum width of an answer button, points.
 const MIN_ANSWER_WIDTH: f32 = 150.0;
-/// Greatest width of the column of questions, points.
+/// Maximum width of the column of questions, points.
 const MAX_COLUMN_WIDTH: f32 = 720.0;
 
-/// The purpose for which the operator uses the program.
+/// The purpose for which the operator uses the program, which selects the layout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
     /// Learning to operate and program the control.
     Learning,
     /// Checking programs before they are cut.
     Checking,
-    /// Running a lathe with a pulse board.
+    /// Running a real lathe with a pulse board.
     OwnLathe,
 }
 
@@ -41,11 +41,11 @@ struct PurposeRow {
     /// Description of the screen that opens.
     description: fn() -> Message,
     layout: WindowLayout,
-    /// A view that is docked in addition to those of the layout.
+    /// A view that is docked in addition to those of the layout; `None`: no other view.
     view: Option<ViewId>,
 }
 
-/// The purposes in the order of the answers.
+/// The purposes in the order of their answer buttons.
 static PURPOSES: [PurposeRow; 3] = [
     PurposeRow {
         purpose: Purpose::Learning,
@@ -71,7 +71,7 @@ static PURPOSES: [PurposeRow; 3] = [
 ];
 
 impl Purpose {
-    /// Opens the layout and the view for this purpose.
+    /// Chooses the layout of this purpose and docks its view.
     pub fn apply(self, layouts: &mut Layouts) {
         let Some(row) = PURPOSES.iter().find(|row| row.purpose == self) else {
             return;
@@ -87,28 +87,28 @@ impl Purpose {
     }
 }
 
-/// The answers to the questions.
+/// The operator's answers to the questions of the first start.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FirstStartAnswers {
     pub purpose: Purpose,
     pub model: ModelId,
-    /// The machine file; `None`: the simulated lathe as delivered.
+    /// Path of the machine file; `None` selects the simulated lathe as delivered.
     pub machine_file: Option<PathBuf>,
 }
 
 /// How the operator has left the questions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FirstStartEnd {
-    /// All questions are answered.
+    /// The operator has answered all questions.
     Answered(FirstStartAnswers),
-    /// Without answers; the questions do not appear again.
+    /// The operator has skipped the questions; they do not appear again.
     Skipped,
 }
 
-/// A machine file that was chosen in a file dialog, or its error.
+/// The machine file chosen in a file dialog, or why it cannot be used; `None` before a choice.
 type ChosenMachine = Arc<Mutex<Option<Result<PathBuf, Message>>>>;
 
-/// The page of the questions while it is open.
+/// The page with the questions of the first start, while it is open.
 #[derive(Debug)]
 pub struct FirstStart {
     purpose: Option<Purpose>,
@@ -116,14 +116,16 @@ pub struct FirstStart {
     machine_file: Option<PathBuf>,
     file_error: Option<Message>,
     chosen_file: ChosenMachine,
-    /// Whether the page asks for the control and the lathe. A page in a browser has no files.
+    /// Whether the page queries control and lathe. A page in a browser has no files and no
+    /// such question.
     has_lathe_question: bool,
-    /// Whether the first answer has received the keyboard focus.
+    /// Whether the first answer button has received the keyboard focus.
     has_set_focus: bool,
 }
 
 impl FirstStart {
-    /// Creates the page. `changeable`: another control model can be turned on.
+    /// Creates the page with the current model and machine file as answers. `changeable`:
+    /// another control model can be turned on.
     pub fn new(model: ModelId, machine_file: Option<PathBuf>, changeable: bool) -> Self {
         Self {
             purpose: None,
@@ -136,8 +138,8 @@ impl FirstStart {
         }
     }
 
-    /// Draws the page. The language changes as soon as it is answered. Returns how the page
-    /// was left, if it was.
+    /// Draws the page. A chosen language applies at once. Returns how the operator left the
+    /// page, or `None` while it is open.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -243,7 +245,7 @@ impl FirstStart {
         end
     }
 
-    /// Draws the question about the lathe of the control.
+    /// Draws the question about control model and machine file.
     fn show_lathe_question(&mut self, ui: &mut Ui, language: Language, console: &Console) {
         ui.horizontal_wrapped(|ui| {
             let simulated = say::first_simulated().text(language);
@@ -320,7 +322,7 @@ fn show_heading(ui: &mut Ui, text: &str) {
     ui.heading(text);
 }
 
-/// Draws an answer as a button that is large enough for a finger.
+/// Draws an answer as a button that is large enough for a finger. Returns its response.
 fn answer_option(ui: &mut Ui, is_chosen: bool, name: &str, width: f32) -> egui::Response {
     let text = RichText::new(name).size(theme::LARGE_SIZE);
     ui.add(
@@ -338,7 +340,7 @@ impl Window {
     }
 
     /// Draws the questions of the first start and applies the answers. Returns whether they
-    /// are visible: never while a board moves real slides.
+    /// are visible, which they never are while a board moves real slides.
     pub(super) fn show_first_start(&mut self, ui: &mut Ui) -> bool {
         if self.board().is_some() {
             return false;

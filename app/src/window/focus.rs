@@ -9,8 +9,8 @@ pub use list::{FocusList, ROW_SENSE, check_row, link_row, selectable_row};
 /// Margin around a widget that is scrolled into view, points.
 const SCROLL_MARGIN: f32 = 4.0;
 
-/// Scrolls to the widget that has just gained the focus. Call it after the content of a scroll
-/// area has been drawn.
+/// Scrolls to the widget that has just gained the focus. The caller calls this function after
+/// it has drawn the content of a scroll area.
 pub fn scroll_to_focus(ui: &Ui) {
     let focused = ui.memory(Memory::focused);
     let response = focused.and_then(|id| ui.read_response(id));
@@ -25,8 +25,9 @@ pub fn scroll_to_focus(ui: &Ui) {
     }
 }
 
-/// Moves the focus past the resize edge of a panel. The edge is for the mouse: with the focus
-/// it would do nothing and be invisible. Call it before the panel is drawn.
+/// Moves the focus past the resize edge of the panel named `panel`. The edge is for the mouse:
+/// with the focus it would do nothing and be invisible. The caller calls this before it draws
+/// the panel.
 pub fn skip_resize_edge(ui: &Ui, panel: &str) {
     let edge = ui.scope_id().with(panel).with("__resize");
     if ui.memory(|memory| memory.has_focus(edge)) {
@@ -38,8 +39,8 @@ pub fn skip_resize_edge(ui: &Ui, panel: &str) {
     }
 }
 
-/// Reserves the cursor keys for this widget while it has the focus. Call it in each frame in
-/// which it has. The widget removes the keys without modifiers from the events.
+/// Reserves the cursor keys for the widget `id` while it has the focus. The caller calls this
+/// in each frame in which it has, and then removes the keys without modifiers from the events.
 pub fn reserve_cursor_keys(ui: &Ui, id: Id) {
     lock_focus(ui.ctx(), id, true);
     ui.data_mut(|data| data.insert_temp(reserving_widget_id(), id));
@@ -49,7 +50,7 @@ pub fn reserve_cursor_keys(ui: &Ui, id: Id) {
     }
 }
 
-/// Removes pressed keys without modifiers from the events if `take` returns true for them.
+/// Removes those pressed keys without modifiers from the events for which `take` returns true.
 pub fn take_keys(ui: &Ui, mut take: impl FnMut(Key) -> bool) {
     ui.input_mut(|input| {
         input.events.retain(|event| match event {
@@ -71,9 +72,9 @@ pub fn are_cursor_keys_reserved(context: &Context) -> bool {
     focused.is_some() && focused == reserving_id
 }
 
-/// Leaves the cursor keys to the panel while a button has the focus: one key does one thing
-/// (WINDOW-23). In an open menu they move between the entries. Call it after everything has
-/// been drawn.
+/// Leaves the cursor keys to the panel while a button has the focus, so that one key does one
+/// thing (WINDOW-23). In an open menu they move between the entries. The caller calls this
+/// after it has drawn everything.
 pub fn release_cursor_keys(context: &Context) {
     if let Some(focused) = context.memory(Memory::focused)
         && !context.text_edit_focused()
@@ -83,8 +84,8 @@ pub fn release_cursor_keys(context: &Context) {
     }
 }
 
-/// Sets whether egui moves the focus with the cursor keys (`is_locked` false) or leaves them to the
-/// widget (true).
+/// Sets whether egui moves the focus with the cursor keys (`is_locked` false) or leaves them
+/// to the widget (true).
 fn lock_focus(context: &Context, id: Id, is_locked: bool) {
     let filter = EventFilter {
         horizontal_arrows: is_locked,

@@ -9,12 +9,12 @@ use egui::text::{LayoutJob, TextFormat};
 use egui::{Color32, ColorImage, FontData, FontDefinitions, FontFamily, FontId, vec2};
 use gsk_panel::fonts::{CHINESE, LATIN, MONO};
 
-/// Height of a glyph, dots.
+/// Height of a glyph in the font, dots.
 const GLYPH_HEIGHT_DOTS: f32 = 16.0;
-/// Rows above the base line.
+/// Number of rows of a glyph above the base line, dots.
 const ASCENT_DOTS: f32 = 14.0;
 
-/// Installs the fonts in a context. Repeated calls are allowed.
+/// Installs the fonts of the window in a context. Repeated calls are allowed.
 pub fn install(context: &egui::Context) {
     let mut fonts = FontDefinitions::empty();
     for (name, file) in [("latin", LATIN), ("mono", MONO), ("chinese", CHINESE)] {
@@ -32,8 +32,8 @@ pub fn install(context: &egui::Context) {
     context.add_glyph_rasterizer(GlyphRasterizer::new("gsk980td::unifont", rasterize));
 }
 
-/// The size at which a glyph is drawn, physical pixels. Near a whole multiple of its dots it
-/// is that multiple, so that strokes stay sharp.
+/// The size at which a glyph of `size_px` is drawn, physical pixels. Near a whole multiple of
+/// its dots it is that multiple, so that strokes stay sharp.
 fn snap_size(size_px: f32) -> f32 {
     let nearest = (size_px / GLYPH_HEIGHT_DOTS).round() * GLYPH_HEIGHT_DOTS;
     if nearest > 0.0 && (nearest - size_px).abs() <= nearest * 0.08 {
@@ -130,7 +130,7 @@ pub fn layout_text(text: &str, font_id: FontId, color: Color32) -> LayoutJob {
     job
 }
 
-/// Sets up a context for the window: fonts, theme, style. Tests use it, too.
+/// Sets up fonts, theme and style of a context for the window, also in tests.
 pub fn set_up(context: &egui::Context) {
     install(context);
     theme::install(context);

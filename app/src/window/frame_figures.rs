@@ -20,7 +20,7 @@ pub struct FrameFigures {
 }
 
 impl FrameFigures {
-    /// Counts from `program_start`, the start time of the program.
+    /// Creates figures that count from `program_start`, the start time of the program.
     pub const fn new(program_start: Instant) -> Self {
         Self {
             program_start,
@@ -31,8 +31,8 @@ impl FrameFigures {
         }
     }
 
-    /// Records the count of pieces of the tool path in this frame. The first piece prints its
-    /// time since the start.
+    /// Records the number of segments of the tool path in this frame. At the first segments,
+    /// prints the time since the start.
     pub fn record_pieces(&mut self, pieces: usize) {
         if pieces > 0 && !self.has_seen_path {
             self.has_seen_path = true;
@@ -41,7 +41,8 @@ impl FrameFigures {
         }
     }
 
-    /// Records a frame. `busy`: time spent on the previous frame, s.
+    /// Records a frame. `frame_time_s` is the time spent on the previous frame, s. Prints the
+    /// averages every `REPORT_INTERVAL`.
     pub fn record_frame(&mut self, frame_time_s: Option<f32>) {
         let now = Instant::now();
         let Some(since) = self.period_start else {

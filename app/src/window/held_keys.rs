@@ -12,22 +12,22 @@ use gsk_panel::keys::Key;
 
 use crate::input_watch::Holders;
 
-/// What holds a panel key down.
+/// An input that holds a panel key down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum KeyHolder {
     Pointer,
-    /// The latch of a right click, while the key it waited for is down.
+    /// The latch of a right click: it holds its key while the key that it waited for is down.
     Latch,
-    /// A finger, by the ids of device and touch.
+    /// A finger, identified by the ids of device and touch.
     Finger(u64, u64),
     Keyboard(egui::Key),
 }
 
-/// A panel key went down or came up.
+/// The change of a panel key that went down or came up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PanelKeyChange<K> {
     pub key: K,
-    /// Whether it is down now.
+    /// True if the key went down, false if it came up.
     pub is_down: bool,
 }
 
@@ -36,13 +36,13 @@ pub struct PanelKeyChange<K> {
 enum KeyLatch<K> {
     #[default]
     Free,
-    /// This key waits for the next one.
+    /// This latched key waits for the next key.
     Waiting(K),
-    /// The latched key is down while this key is.
+    /// The latched key is down while this other key is down.
     DownWith(K),
 }
 
-/// Assigns each holder the key that it holds down.
+/// Assigns each holder the key that it holds down, and keeps the latched key.
 #[derive(Clone, Debug)]
 pub struct HeldKeys<K> {
     by_holder: BTreeMap<KeyHolder, K>,
@@ -59,8 +59,8 @@ impl<K> Default for HeldKeys<K> {
 }
 
 impl HeldKeys<Key> {
-    /// Sets the key that `holder` presses. Emergency stop and feed hold go down alone: a
-    /// latched key is dropped.
+    /// Sets the key that `holder` presses and returns the changes. Emergency stop and feed
+    /// hold go down alone: a latched key is dropped.
     pub fn press(&mut self, holder: KeyHolder, key: Key) -> Vec<PanelKeyChange<Key>> {
         if matches!(key, Key::EmergencyStop | Key::FeedHold) {
             self.drop_waiting_latch();
@@ -120,7 +120,8 @@ impl<K: Copy + PartialEq> HeldKeys<K> {
         changes
     }
 
-    /// Presses the latched key before `with`, the key that it waited for.
+    /// Presses the latched key together with `with`, the key that it waited for, and returns
+    /// the changes, the latched key first.
     fn press_latched(&mut self, with: K) -> Vec<PanelKeyChange<K>> {
         let KeyLatch::Waiting(kept) = self.latch else {
             return Vec::new();
@@ -139,7 +140,8 @@ impl<K: Copy + PartialEq> HeldKeys<K> {
         self.set(KeyHolder::Latch, None)
     }
 
-    /// Latches a key for the next one. The latched key itself, or `None`, releases the latch.
+    /// Latches a key until the next key is pressed, and returns the changes. `None`, or the
+    /// key that is latched already, releases the latch.
     pub fn latch_key(&mut self, key: Option<K>) -> Vec<PanelKeyChange<K>> {
         let before = self.latched_key();
         let changes = self.release_latched();
@@ -156,7 +158,7 @@ impl<K: Copy + PartialEq> HeldKeys<K> {
         }
     }
 
-    /// The latched key, waiting or down with the next one.
+    /// The latched key, whether it waits or is down with the next key; `None` without one.
     pub fn latched_key(&self) -> Option<K> {
         match self.latch {
             KeyLatch::Free => None,
@@ -165,7 +167,8 @@ impl<K: Copy + PartialEq> HeldKeys<K> {
         }
     }
 
-    /// Releases all keys, for example when the window has lost the focus or was hidden.
+    /// Releases all keys and returns the changes, for example when the window has lost the
+    /// focus or was hidden.
     pub fn release_all(&mut self) -> Vec<PanelKeyChange<K>> {
         self.drop_waiting_latch();
         let holders: Vec<KeyHolder> = self.by_holder.keys().copied().collect();
@@ -190,7 +193,7 @@ impl<K: Copy + PartialEq> HeldKeys<K> {
         self.by_holder.values().copied()
     }
 
-    /// The key that `holder` holds down.
+    /// The key that `holder` holds down; `None` if it holds none.
     pub fn key_of(&self, holder: KeyHolder) -> Option<K> {
         self.by_holder.get(&holder).copied()
     }

@@ -19,36 +19,36 @@ use crate::kernel::{LessonAction, PanelSnapshot};
 
 /// Size of the window, points.
 const WINDOW_SIZE: [f32; 2] = [440.0, 420.0];
-/// Width and height that the frame and the title add, points.
+/// Width and height that frame and title add to the content, points.
 const FRAME_SIZE: egui::Vec2 = egui::vec2(20.0, 48.0);
-/// Greatest count of topics in a search result.
+/// Maximum number of topics in a search result.
 const MAX_LISTED: usize = 60;
 
 /// A request from the help window.
 #[derive(Clone, Debug)]
 pub enum HelpRequest {
-    /// A command for the demonstration on the practice machine.
+    /// Carry out a command of the demonstration on the practice machine.
     Lesson(LessonAction),
     /// Show the program view at the block that raised this alarm.
     Block(Box<AlarmRecord>),
 }
 
-/// The help window.
+/// The state of the help window.
 #[derive(Debug, Default)]
 pub struct HelpWindow {
     is_open: bool,
     query: String,
-    /// The last query with its model, and the topics found. The search reads all texts: too
-    /// slow for every frame.
+    /// The last query with its control model, and the topics found. The search reads all texts
+    /// and would be too slow for every frame.
     search_result: ((ModelId, String), Vec<&'static Topic>),
-    /// The topics that were read; the last one is shown.
+    /// The topics that the operator has read; the last one is shown.
     history: Vec<&'static Topic>,
     /// Whether a press on the panel shows its topic instead of pressing the key.
     explains_presses: bool,
 }
 
 impl HelpWindow {
-    /// Opens the window at a topic, or with `None` at the last one. Closes it when it already
+    /// Opens the window at a topic; `None` opens the last one. Closes the window if it already
     /// shows that topic.
     pub fn toggle(&mut self, topic: Option<&'static Topic>) {
         let current = self.history.last().copied();
@@ -64,12 +64,12 @@ impl HelpWindow {
         }
     }
 
-    /// Whether a press on the panel shows its topic instead of pressing the key.
+    /// Whether a press on the panel shows the topic of the key instead of pressing it.
     pub const fn is_explaining(&self) -> bool {
         self.is_open && self.explains_presses
     }
 
-    /// Shows the topic of a part that was pressed while presses are explained.
+    /// Shows the topic of a panel part that was pressed while presses are explained.
     pub fn show_pressed(&mut self, topic: &'static Topic) {
         self.query.clear();
         self.push_topic(topic);
@@ -81,7 +81,7 @@ impl HelpWindow {
         }
     }
 
-    /// Draws the window, if it is open, and returns the operator's request.
+    /// Draws the window, if it is open, and returns the operator's request, if any.
     pub fn show(
         &mut self,
         context: &Context,
@@ -197,7 +197,7 @@ impl HelpWindow {
     }
 }
 
-/// Draws topics by their headings. Returns the one that was clicked.
+/// Draws topics by their headings. Returns the topic that was clicked, if any.
 fn show_topic_list(
     ui: &mut Ui,
     topics: &[&'static Topic],
@@ -233,7 +233,8 @@ fn related_topics(subject: Subject<'_>) -> Vec<&'static Topic> {
     }
 }
 
-/// Draws a topic with its demonstrations and, for an alarm, its occurrences.
+/// Draws a topic with its demonstrations and, for an alarm, its occurrences. Returns the
+/// operator's request, if any.
 fn show_topic(
     ui: &mut Ui,
     topic: &Topic,

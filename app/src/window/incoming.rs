@@ -96,8 +96,8 @@ impl Window {
             .take_if(|message| deselected.is_some_and(|program| message.is_about(program)));
     }
 
-    /// Opens files that were dropped on the window, and shows a hint while files hover over
-    /// it.
+    /// Opens files that were dropped on the window, and shows a hint while files are dragged
+    /// over it.
     pub(super) fn take_dropped_files(&mut self, ui: &Ui) {
         let (dropped, hovering) = ui.input(|input| {
             let dropped = input.raw.dropped_files.clone();

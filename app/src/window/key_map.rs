@@ -10,12 +10,13 @@ use super::theme;
 use super::view::{VIEWS, key_name};
 use gsk_messages::{Language, say};
 
-/// Preferred and least size of the map, and the size that frame and title add, points.
+/// Preferred size of the key map, points. The constants after it are its minimum size, and the
+/// size that frame and title add.
 const MAP_SIZE: Vec2 = Vec2::new(980.0, 620.0);
 const MIN_SIZE: Vec2 = Vec2::new(240.0, 120.0);
 const FRAME_SIZE: Vec2 = Vec2::new(20.0, 48.0);
 
-/// Draws the map. Returns false when the operator closes it.
+/// Draws the window with the key map. Returns false when the operator closes it.
 pub fn show(context: &Context, language: Language, placed: &[PlacedArea]) -> bool {
     let mut open = true;
     // The map covers no key that stops the machine.
@@ -68,8 +69,8 @@ pub fn show(context: &Context, language: Language, placed: &[PlacedArea]) -> boo
     open
 }
 
-/// The rows of the map. Letters, digits and signs press the key with their legend: one line
-/// describes them all.
+/// The rows of the key map. Letters, digits and signs press the key with their legend; one
+/// line describes them all, so they have no rows.
 fn listed_keys() -> impl Iterator<Item = &'static KeyRow> {
     KEYS.iter()
         .filter(|row| !matches!(row.role, KeyRole::Character(..)) && !row.pc.is_empty())
@@ -97,7 +98,7 @@ fn show_table(ui: &mut egui::Ui, rows: &[&KeyRow], language: Language) {
         });
 }
 
-/// The name of a PC key as keyboards print it.
+/// The name of a PC key as keyboards print it; `name` is that of the key table.
 pub fn pc_name(name: &str) -> String {
     name.replace("ArrowUp", "↑")
         .replace("ArrowDown", "↓")

@@ -6,23 +6,23 @@ use gsk_panel::keys::Key;
 use super::focus;
 use super::held_keys::KeyHolder;
 
-/// The action of a PC key.
+/// The action of a PC key on the panel or the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PcAction {
-    /// Press a panel key.
+    /// Press this panel key, held by this holder.
     Press(KeyHolder, Key),
     /// Release the key that the holder presses.
     Release(KeyHolder),
-    /// Enter a character for which the panel has no key.
+    /// Enter this character, for which the panel has no key.
     Type(char),
-    /// Turn the handwheel by this count of graduations, clockwise positive.
+    /// Turn the handwheel by this number of graduations, clockwise positive.
     Turn(i32),
-    /// Open the help.
+    /// Open the help window.
     Help,
 }
 
-/// The action of a keyboard event. Repeats of a held key have none: the control repeats keys
-/// itself.
+/// The action of a keyboard event; `None` if it has none. Repeats of a held key have none,
+/// because the control repeats keys itself.
 pub fn action_of(event: &Event) -> Option<PcAction> {
     if let Event::Text(text) = event {
         return type_action(text);
@@ -55,8 +55,9 @@ pub fn action_of(event: &Event) -> Option<PcAction> {
     panel_key(*key, *modifiers).map(|panel| PcAction::Press(holder, panel))
 }
 
-/// Filters the events for the panel while a button or a menu of the window has the focus:
-/// Enter and Space press that button and no panel key. Any other character removes the focus.
+/// Returns those events that are meant for the panel while a button or a menu of the window
+/// has the focus: Enter and Space press that button and no panel key. Any other character
+/// removes the focus.
 pub fn filter_for_focus(context: &Context, mut events: Vec<Event>) -> Vec<Event> {
     let Some(focused) = context.memory(egui::Memory::focused) else {
         return events;
@@ -74,8 +75,9 @@ pub fn filter_for_focus(context: &Context, mut events: Vec<Event>) -> Vec<Event>
     events
 }
 
-/// Removes the cursor keys from the events while a list or a splitter uses them (WINDOW-27):
-/// they jog no axis. Returns whether the operator pressed an axis key; this removes the focus.
+/// Removes the cursor keys from the events while a list or a splitter uses them (WINDOW-27),
+/// so that they jog no axis. An axis key removes the focus from the list; returns whether the
+/// operator pressed one.
 pub fn remove_axis_keys_in_list(context: &Context, events: &mut Vec<Event>) -> bool {
     let focused = context.memory(egui::Memory::focused);
     let Some(focused) = focused.filter(|_| focus::are_cursor_keys_reserved(context)) else {
@@ -90,8 +92,9 @@ pub fn remove_axis_keys_in_list(context: &Context, events: &mut Vec<Event>) -> b
     pressed_axis_key
 }
 
-/// Filters the events for the panel where a menu was open. The Escape that closes the menu is
-/// also RESET only if `is_running` (WINDOW-26). The cursor keys move in the menu.
+/// Returns those events that are meant for the panel in a frame in which a menu was open. The
+/// Escape that closes the menu is also RESET only if `is_running` (WINDOW-26). The cursor keys
+/// move in the menu.
 pub fn filter_for_menu(mut events: Vec<Event>, is_running: bool) -> Vec<Event> {
     let in_menu = |event: &Event| match event {
         Event::Key {
@@ -121,7 +124,7 @@ pub fn is_stop_or_release(event: &Event) -> bool {
     }
 }
 
-/// Whether an event presses the widget with the focus.
+/// Whether an event presses the widget that has the focus.
 fn is_widget_press(event: &Event) -> bool {
     match event {
         Event::Key {
@@ -132,7 +135,8 @@ fn is_widget_press(event: &Event) -> bool {
     }
 }
 
-/// Graduations of the keys that turn the handwheel: `]` clockwise, `[` back; ten with Shift.
+/// Graduations by which a key turns the handwheel: `]` clockwise, `[` back; ten with Shift.
+/// `None` for other keys.
 fn handwheel_graduations(key: PcKey, modifiers: Modifiers) -> Option<i32> {
     let graduations = if modifiers.shift { 10 } else { 1 };
     match key {
@@ -143,7 +147,8 @@ fn handwheel_graduations(key: PcKey, modifiers: Modifiers) -> Option<i32> {
     }
 }
 
-/// The action of a character without a panel key: `D`, `Q`, `#`, … The others arrive as keys.
+/// The action of a typed character that has no panel key: `D`, `Q`, `#`, … `None` for the
+/// others, which arrive as keys.
 fn type_action(text: &str) -> Option<PcAction> {
     let mut characters = text.chars();
     let character = characters.next()?.to_ascii_uppercase();
@@ -153,7 +158,7 @@ fn type_action(text: &str) -> Option<PcAction> {
     (printable && !has_key).then_some(PcAction::Type(character))
 }
 
-/// The panel key of a PC key with its modifiers.
+/// The panel key that a PC key with its modifiers presses; `None` if it presses none.
 fn panel_key(key: PcKey, modifiers: Modifiers) -> Option<Key> {
     let name = plain_name(key);
     let mut combined = String::new();
@@ -181,7 +186,7 @@ fn panel_key(key: PcKey, modifiers: Modifiers) -> Option<Key> {
     })
 }
 
-/// The name of a PC key in the key table: the character that it types, else egui's name.
+/// The name of a PC key in the key table: the character that the key types, else egui's name.
 fn plain_name(key: PcKey) -> &'static str {
     match key {
         PcKey::Minus => "-",
@@ -256,7 +261,7 @@ mod tests {
         assert_eq!(action_of(&Event::Text("]".to_owned())), None);
     }
 
-    /// Every PC key of the table exists in egui, with its modifiers.
+    /// Checks that egui has every PC key of the table, with its modifiers.
     #[test]
     fn every_key_of_the_table_can_be_pressed() {
         for row in KEYS.iter().filter(|row| !row.pc.is_empty()) {
@@ -319,7 +324,7 @@ mod tests {
         }
     }
 
-    /// No key of a view or a layout is a stop key.
+    /// Checks that no view or layout has a stop key as its key.
     #[test]
     fn views_and_layouts_use_no_stop_key() {
         use crate::window::layout::LAYOUTS;

@@ -6,22 +6,22 @@ use gsk_panel::screen::{HEIGHT, Screen, WIDTH};
 
 use super::theme;
 
-/// A whole zoom is used if the image then fills at least this share of its rectangle.
+/// Minimum share of the width or height that a whole zoom must fill to be used.
 const MIN_FILL: f32 = 0.88;
 
-/// Position and resolution of the LCD image.
+/// Position and resolution of the image of the LCD.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LcdPlacement {
-    /// The image on whole pixels, points.
+    /// Rectangle of the image, on whole pixels, points.
     pub rect: Rect,
-    /// Texture pixels per dot. Where no whole zoom fits, the image is larger than needed and
-    /// the graphics card reduces it.
+    /// Texture pixels per dot. If no whole zoom fits, the texture is larger than the image,
+    /// and the graphics card reduces it.
     pub pixels_per_dot: u32,
-    /// Whether each dot is a square of whole pixels.
+    /// Whether each dot is a square of whole physical pixels.
     pub is_crisp: bool,
 }
 
-/// Fits the image into the rectangle `room`, points.
+/// Fits the image of the LCD into `bounds`, points.
 pub fn fit(bounds: Rect, pixels_per_point: f32) -> LcdPlacement {
     let zoom = (bounds.width() * pixels_per_point / WIDTH as f32)
         .min(bounds.height() * pixels_per_point / HEIGHT as f32)
@@ -52,7 +52,7 @@ pub fn fit(bounds: Rect, pixels_per_point: f32) -> LcdPlacement {
     }
 }
 
-/// The texture of the LCD. It is made again only when the screen has changed.
+/// The texture of the LCD, which is made again only when the screen has changed.
 #[derive(Default)]
 pub struct Lcd {
     texture: Option<TextureHandle>,
@@ -61,7 +61,7 @@ pub struct Lcd {
 }
 
 impl Lcd {
-    /// The rectangle in which the LCD was drawn last; `None` if it is not visible.
+    /// The rectangle in which the LCD was drawn last; `None` if the LCD is not visible.
     pub const fn bounds(&self) -> Option<Rect> {
         self.bounds
     }
@@ -71,8 +71,7 @@ impl Lcd {
         self.bounds = None;
     }
 
-    /// Draws a screen in the rectangle `room`. `brightness` is the level of the control's
-    /// setting.
+    /// Draws a screen in `bounds`. `brightness` is that of the control, 0 to 15.
     pub fn paint(
         &mut self,
         painter: &egui::Painter,
@@ -118,8 +117,8 @@ impl Lcd {
     }
 }
 
-/// Converts the screen to an image with squares of `dots` texture pixels. Each pixel is
-/// written once, because every change of the LCD makes a new image.
+/// Converts the screen to an image with a square of `pixels_per_dot` texture pixels per dot.
+/// Each pixel is written once, because every change of the LCD makes a new image.
 fn to_image(screen: &Screen, level: u8, pixels_per_dot: usize) -> ColorImage {
     let palette = raster::palette(level);
     let [dark, lit] = [palette.background, palette.text]

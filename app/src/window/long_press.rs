@@ -2,12 +2,12 @@
 
 use egui::{Event, Pos2, TouchPhase};
 
-/// Time for which the finger must stay, s.
+/// Time for which a finger must stay on the screen, s.
 const HOLD_TIME_S: f64 = 0.8;
-/// Greatest movement during this time, points.
+/// Maximum movement of the finger during this time, points.
 const MAX_MOVEMENT: f32 = 12.0;
 
-/// The only finger on the screen.
+/// The position and time of the only finger on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Finger {
     id: (u64, u64),
@@ -15,11 +15,11 @@ struct Finger {
     since_s: f64,
 }
 
-/// Detects a long press.
+/// Detects that a single finger stays on the screen without moving.
 #[derive(Clone, Debug, Default)]
 pub struct LongPress {
     finger: Option<Finger>,
-    /// Count of fingers that are down. Two at once are a combination of keys.
+    /// Number of fingers that are down. Two at once are a combination of keys.
     fingers_down: usize,
 }
 
@@ -64,13 +64,13 @@ impl LongPress {
         long_pressed.map(|finger| finger.position)
     }
 
-    /// Whether a finger is down that may become a long press: the window must draw frames
-    /// until then.
+    /// Whether a finger is down that may become a long press, so that the window must draw
+    /// frames.
     pub const fn is_waiting(&self) -> bool {
         self.finger.is_some()
     }
 
-    /// Drops all fingers: the window has lost the focus.
+    /// Forgets all fingers, because the window has lost the focus.
     pub fn reset(&mut self) {
         *self = Self::default();
     }

@@ -10,7 +10,8 @@ use super::{Window, alarm_text, focus, key_label, top_bar};
 use crate::kernel::{Command, StartDistance};
 
 impl Window {
-    /// Draws the message line. At its end a slow computer is indicated: it hides no message.
+    /// Draws the line at the bottom of the window with what is most important now: a latched
+    /// key, a crash, an alarm, a message or a hint.
     pub(super) fn show_message_line(&self, ui: &mut Ui) {
         let speed = self.snapshot.as_ref().map(|it| it.speed_percent);
         let Some(speed) = speed.filter(|speed| *speed < 100) else {

@@ -79,7 +79,7 @@ const TOP_BAR_HEIGHT: f32 = 28.0;
 /// Height of the message line at the bottom, points.
 const MESSAGE_LINE_HEIGHT: f32 = 22.0;
 
-/// The state of the main window, from one frame to the next.
+/// The state of the main window between two frames.
 pub struct Window {
     console: Console,
     snapshot: Option<PanelSnapshot>,
@@ -91,7 +91,7 @@ pub struct Window {
     opener: ProgramOpener,
     is_key_map_open: bool,
     help: HelpWindow,
-    /// Where each area of the panel was drawn in the last frame.
+    /// The areas of the panel with the positions of the last frame.
     placed_areas: Vec<panel_placement::PlacedArea>,
     pointer_position: Option<Pos2>,
     questions: Questions,
@@ -102,19 +102,19 @@ pub struct Window {
     models: Models,
     first_start: Option<FirstStart>,
     long_press: LongPress,
-    /// Directions of the axis keys that the machine reverses, for their tool tips.
+    /// Which axis keys act in the reverse direction, for their tool tips.
     reversed_keys: KeysReversed,
-    /// Whether the kernel already sends the LCD in the other language, too.
+    /// Whether the kernel is requested to send the LCD in the other language, too.
     is_translation_requested: bool,
     sounds: MachineSound,
 }
 
-/// The control model in use and the request for another one.
+/// The control model in use and the operator's request for another one.
 #[derive(Clone, Copy, Debug, Default)]
 struct Models {
     current: ModelId,
     requested: Option<ModelId>,
-    /// Whether the operator can choose another model.
+    /// Whether the operator may choose another model.
     is_changeable: bool,
 }
 
@@ -156,8 +156,8 @@ impl Window {
         }
     }
 
-    /// Sets the name of the control model in use. `is_changeable` allows the operator to request
-    /// another one.
+    /// Sets the control model in use. `is_changeable` allows the operator to request another
+    /// one.
     pub const fn set_model(&mut self, current: ModelId, is_changeable: bool) {
         self.models = Models {
             current,
@@ -166,7 +166,7 @@ impl Window {
         };
     }
 
-    /// Takes the control model that the operator requested since the last call.
+    /// Takes the control model that the operator has requested since the last call, if any.
     pub const fn take_requested_model(&mut self) -> Option<ModelId> {
         self.models.requested.take()
     }
@@ -186,8 +186,8 @@ impl Window {
         }
     }
 
-    /// Takes the project files that the operator chose to take over. The caller turns the
-    /// control off to do so.
+    /// Takes the values of a project that the operator chose to take over, if any. The caller
+    /// turns the control off to write them.
     pub const fn take_project_selection(&mut self) -> Option<ProjectSelection> {
         self.views.project().take_selection()
     }
@@ -197,7 +197,7 @@ impl Window {
         self.faceplate.enable();
     }
 
-    /// What is stored for the next start.
+    /// The settings that are stored for the next start.
     pub const fn settings(&self) -> &WindowSettings {
         &self.settings
     }
@@ -216,15 +216,15 @@ impl Window {
         self.message = Some(StatusMessage::Text(message.into()));
     }
 
-    /// Sets the lessons of a teacher, which are listed with those of the program, and the
-    /// errors of the lessons that cannot be used.
+    /// Sets the lessons that the window lists, those of a teacher included, and the errors in
+    /// lesson files.
     pub fn set_lessons(&mut self, lessons: AvailableLessons) {
         let view = self.views.lessons();
         view.set_lessons(lessons.lessons, lessons.errors);
     }
 
-    /// Opens a program file, or a project by its `project.gpr`. The result appears on the
-    /// message line.
+    /// Opens a program file, or a project by its `project.gpr`. The message line shows the
+    /// result.
     pub fn open(&mut self, context: &egui::Context, path: PathBuf) {
         let is_project = path
             .file_name()
@@ -254,17 +254,17 @@ impl Window {
         real_machine_bar::window_title(self.models.current.name(), self.board())
     }
 
-    /// State of the board that moves real slides; `None` without a board.
+    /// State of the board that moves real slides; `None` if no board is connected.
     fn board(&self) -> Option<LinkState> {
         self.snapshot.as_ref().and_then(|picture| picture.board)
     }
 
-    /// The latest state of the control that the window shows; `None` before the first one.
+    /// The latest snapshot of the control; `None` before the first one.
     pub const fn snapshot(&self) -> Option<&PanelSnapshot> {
         self.snapshot.as_ref()
     }
 
-    /// Releases all held keys: the window is hidden or has lost the focus.
+    /// Releases all held keys, because the window is hidden or has lost the focus.
     pub fn release_keys(&mut self) {
         self.pointing.reset();
         self.long_press.reset();
@@ -387,7 +387,7 @@ impl Window {
         }
     }
 
-    /// Reports that the window is alive while keys are held.
+    /// Reports to the kernel that the window is alive while keys are held.
     fn renew_held_keys(&self, context: &egui::Context) {
         self.console
             .input_watch
@@ -400,12 +400,12 @@ impl Window {
         }
     }
 
-    /// Count of the pieces of the tool path in the machine view.
+    /// Number of segments of the tool path in the machine view.
     pub fn count_path_pieces(&mut self) -> usize {
         self.views.lathe().segment_count()
     }
 
-    /// Whether RESET may have something to stop; true while the state is unknown.
+    /// Whether RESET may have something to stop; true before the first snapshot.
     fn is_running_or_unknown(&self) -> bool {
         self.snapshot.as_ref().is_none_or(|it| {
             let board = matches!(it.board, Some(LinkState::Moving | LinkState::Homing));
@@ -413,8 +413,8 @@ impl Window {
         })
     }
 
-    /// Handles the PC keyboard. While a text field has the focus, only the stop keys reach the
-    /// panel. `menu`: a menu was open when the keys arrived.
+    /// Handles the keys of the PC keyboard. While a text field has the focus, only the stop
+    /// keys reach the panel. `menu`: a menu was open when the keys arrived.
     fn handle_keyboard(&mut self, ui: &Ui, menu: bool) {
         let events: Vec<Event> = ui.input(|input| input.events.clone());
         if ui.ctx().text_edit_focused() || self.first_start.is_some() {
@@ -442,14 +442,14 @@ impl Window {
         self.handle_keys(&events);
     }
 
-    /// Shows that an axis key moved the cursor of a list and no axis.
+    /// Shows a message that an axis key has moved the cursor of a list, and no axis.
     fn explain_axis_key_in_list(&mut self) {
         self.message = Some(StatusMessage::KeyRefused(
             gsk_messages::say::window_axis_key_in_list(),
         ));
     }
 
-    /// Opens the program view at the block that raised an alarm.
+    /// Opens the program view at the block in which an alarm was raised.
     fn show_block(&mut self, occurrence: AlarmRecord) {
         let Some(source) = occurrence.alarm.source else {
             return;
@@ -459,7 +459,7 @@ impl Window {
         self.show_view(ViewId::Program);
     }
 
-    /// The help topic of the current alarm.
+    /// The help topic about the current alarm; `None` without an alarm.
     fn alarm_topic(&self) -> Option<&'static Topic> {
         let alarm = self.snapshot.as_ref()?.alarm.as_ref()?;
         topic(Subject::Alarm(alarm.row()?.number))
@@ -502,7 +502,7 @@ impl Window {
     }
 }
 
-/// The key with its printed legend in brackets: `[超程解除]`.
+/// Formats the printed legend of a key in brackets: `[超程解除]`.
 fn key_label(key: Key) -> String {
     let printed = key.row().legend.iter();
     let chinese = printed.filter(|line| !line.is_ascii()).copied();

@@ -8,7 +8,7 @@ use super::layout::{self, PaneTabs, WindowPane};
 use super::views::header;
 use super::{Window, focus, panel_placement, theme};
 
-/// Least size of a tab, points.
+/// Minimum size of a tab, points.
 const MIN_TAB_SIZE: egui::Vec2 = egui::vec2(64.0, 34.0);
 
 impl Window {

@@ -5,25 +5,25 @@ use egui::{Pos2, Rect, Vec2, pos2, vec2};
 use gsk_panel::faceplate::{self, PanelArea, PanelPart, SIZE};
 use gsk_panel::keys::Key;
 
-/// Least side of a key for fingers, points: 9 mm at 96 points per inch.
+/// Minimum side of a key for fingers, points: 9 mm at 96 points per inch.
 pub const FINGER_KEY_SIZE: f32 = 9.0 / 25.4 * 96.0;
-/// The keys that stop the machine, from the right.
+/// The keys that stop the machine, in their order from the right.
 pub const STOP_KEYS: [Key; 3] = [Key::EmergencyStop, Key::FeedHold, Key::Reset];
-/// Gap between them, points.
+/// Gap between two stop keys, points.
 const STOP_KEY_GAP: f32 = 8.0;
-/// The panel is split when this makes the keys larger by at least this factor.
+/// Factor by which splitting the panel must enlarge its keys to be used.
 const MIN_GAIN: f32 = 1.15;
-/// Height over width from which the available area counts as upright.
+/// Height divided by width from which the available area counts as upright.
 const UPRIGHT_RATIO: f32 = 1.25;
-/// Greatest share of the width for the keys beside the LCD.
+/// Maximum share of the width for the keys beside the LCD, 0–1.
 const MAX_SIDE_SHARE: f32 = 0.52;
 
 /// Position and scale of one area of the panel in the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlacedArea {
-    /// The part of the panel.
+    /// The area of the panel that is placed.
     pub area: PanelArea,
-    /// Where the upper left corner of the whole panel would be, points.
+    /// Position of the upper left corner of the whole panel at this scale, points.
     pub origin: Pos2,
     /// Points per panel unit.
     pub scale: f32,
@@ -32,7 +32,7 @@ pub struct PlacedArea {
 }
 
 impl PlacedArea {
-    /// Fits an area into `room`: as large as possible, centred, on whole pixels.
+    /// Places an area in `bounds`: as large as possible, centred, on whole pixels.
     fn fit(area: PanelArea, bounds: Rect, pixels_per_point: f32) -> Self {
         let faceplate::Rect { x, y, w, h } = area.rect;
         let scale = (bounds.width() / w).min(bounds.height() / h).max(0.01);
@@ -73,7 +73,7 @@ impl PlacedArea {
     }
 }
 
-/// Least side of a key when the panel is placed in `room`, points.
+/// Smallest side of a key when the panel is placed in `bounds`, points.
 pub fn min_key_size(bounds: Rect) -> f32 {
     let areas = place_panel(bounds, 1.0);
     let sides = finger_keys().filter_map(|part| {
@@ -83,14 +83,15 @@ pub fn min_key_size(bounds: Rect) -> f32 {
     sides.fold(f32::INFINITY, f32::min)
 }
 
-/// Width of the whole panel whose keys are at least `key` points large.
+/// Width of the whole panel at which its keys are at least `min_key_size` points large,
+/// points.
 pub fn width_for_key_size(min_key_size: f32) -> f32 {
     let sides = finger_keys().map(|part| part.rect.w.min(part.rect.h));
     min_key_size / sides.fold(f32::INFINITY, f32::min) * SIZE.0
 }
 
-/// The keys that must be large enough for fingers. The overtravel release is as small as on
-/// the machine: it must be pressed on purpose.
+/// The keys that must be large enough for fingers. The overtravel release is not among them:
+/// it is as small as on the machine, because it must be pressed on purpose.
 fn finger_keys() -> impl Iterator<Item = &'static PanelPart> {
     let keys = faceplate::parts()
         .iter()
@@ -116,7 +117,8 @@ pub fn place_stop_keys(bar: Rect, pixels_per_point: f32) -> Vec<PlacedArea> {
     placed
 }
 
-/// Places the panel in `room`: as a whole, or split into its areas.
+/// Places the panel in `bounds`: as a whole, or split into its areas if that makes the keys
+/// larger.
 pub fn place_panel(bounds: Rect, pixels_per_point: f32) -> Vec<PlacedArea> {
     let whole = PlacedArea::fit(PanelArea::WHOLE, bounds, pixels_per_point);
     let (key_scale, section_bounds) = split_sections(bounds);
@@ -129,10 +131,10 @@ pub fn place_panel(bounds: Rect, pixels_per_point: f32) -> Vec<PlacedArea> {
         .collect()
 }
 
-/// Rectangles of the areas in an upright `room`, and points per unit of their keys. The LCD
-/// and the name plate are beside the keys that run and stop the machine; below are the edit
-/// keyboard and then the keys for modes and directions. All keys are as large as the space
-/// allows, for fingers.
+/// Points per panel unit of the keys, and the rectangles of the areas, in upright `bounds`.
+/// The LCD and the name plate are beside the keys that run and stop the machine; below are the
+/// edit keyboard and then the keys for modes and directions. All keys are as large as the
+/// space allows, for fingers.
 fn split_sections(bounds: Rect) -> (f32, [Rect; 6]) {
     let [screen, name, edit, modes, run, additional] =
         PanelArea::SECTIONS.map(|area| vec2(area.rect.w, area.rect.h));
@@ -182,12 +184,12 @@ pub fn to_panel(views: &[PlacedArea], position: Pos2) -> Option<(f32, f32)> {
     })
 }
 
-/// The placed area that contains a part of the panel.
+/// The placed area that contains a part of the panel; `None` if that area is not placed.
 pub fn area_of_part<'a>(views: &'a [PlacedArea], part: &PanelPart) -> Option<&'a PlacedArea> {
     views.iter().find(|view| view.area.contains(part))
 }
 
-/// Points per panel unit of the whole panel in an area of this size.
+/// Points per panel unit if the whole panel is placed in an area of this size, points.
 pub fn scale_of_whole(room: Vec2) -> f32 {
     (room.x / SIZE.0).min(room.y / SIZE.1)
 }
@@ -212,8 +214,8 @@ mod tests {
         }
     }
 
-    /// A 10.1-inch tablet held upright: 800 × 1280 pixels, 149 per inch. The bars of the
-    /// window take 50.
+    /// A 10.1-inch tablet held upright has 800 × 1280 pixels, 149 per inch; the bars of the
+    /// window take 50 pixels.
     #[test]
     fn keys_are_as_large_as_a_finger_on_a_tablet() {
         let room = Rect::from_min_size(pos2(0.0, 28.0), vec2(800.0, 1230.0));

@@ -14,31 +14,31 @@ const POINTS_PER_DETENT: f32 = 24.0;
 /// Detents per turn of the handwheel.
 const DETENTS_PER_TURN: f32 = 100.0;
 
-/// The result of the events of one frame.
+/// What the mouse and touch events of one frame did to the panel.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointerResult {
     /// Keys that went down or came up, in order.
     pub changes: Vec<PanelKeyChange<Key>>,
     /// Turn of the handwheel, detents, clockwise positive.
     pub detents: i32,
-    /// A key that was right-clicked and cannot be latched.
+    /// A key that was right-clicked but cannot be latched; `None` without one.
     pub not_latched: Option<Key>,
 }
 
-/// The state of mouse and fingers between frames.
+/// The state of mouse and fingers on the panel between two frames.
 #[derive(Clone, Debug, Default)]
 pub struct PanelPointer {
     fingers: BTreeSet<(u64, u64)>,
-    /// Angle of the pointer that drags the handwheel, rad.
+    /// Angle of the pointer that drags the handwheel, rad; `None` without a drag.
     drag_angle: Option<f32>,
-    /// Turn of less than one detent that is left over, detents.
+    /// Remaining turn of the handwheel that is less than one detent, detents.
     detent_fraction: f32,
     mouse_position: Option<Pos2>,
 }
 
 impl PanelPointer {
-    /// Handles the events of one frame. `is_panel` reports whether a position belongs to the panel
-    /// and is not covered.
+    /// Handles the events of one frame and returns what they did. `is_panel` reports whether a
+    /// position belongs to the panel and is not covered.
     pub fn handle_events(
         &mut self,
         events: &[Event],
@@ -114,7 +114,7 @@ impl PanelPointer {
         result
     }
 
-    /// Drops the fingers and the drag of the handwheel.
+    /// Forgets the fingers and the drag of the handwheel.
     pub fn reset(&mut self) {
         self.fingers.clear();
         self.drag_angle = None;
@@ -194,7 +194,8 @@ impl PanelPointer {
     }
 }
 
-/// Latches a key for the next one, for a right click: one mouse can press two keys.
+/// Latches a key for a right click until the next key is pressed, so that one mouse can press
+/// two keys.
 fn latch(key: Option<Key>, held: &mut HeldKeys<Key>, result: &mut PointerResult) {
     let latched = key.filter(|key| can_be_latched(*key));
     if latched != key {
@@ -203,7 +204,7 @@ fn latch(key: Option<Key>, held: &mut HeldKeys<Key>, result: &mut PointerResult)
     result.changes.extend(held.latch_key(latched));
 }
 
-/// Sets the key that a holder presses; `None` releases it.
+/// Sets the key that a holder presses, and returns the changes; `None` releases its key.
 fn set_key(
     holder: KeyHolder,
     key: Option<Key>,
@@ -215,8 +216,8 @@ fn set_key(
     }
 }
 
-/// Releases the key of a holder that has left it. The key under the new position is not
-/// pressed.
+/// Releases the key of a holder whose position `at` is outside the key. The key under the new
+/// position is not pressed.
 fn release_if_left(
     holder: KeyHolder,
     at: Pos2,
@@ -246,7 +247,8 @@ fn wheel_angle(at: Pos2, placed: &[PlacedArea]) -> Option<f32> {
     angle_around_wheel(at, placed)
 }
 
-/// The same angle for any position, also outside the wheel.
+/// The angle of a position around the centre of the handwheel, rad, also outside the wheel;
+/// `None` if the wheel is not visible.
 fn angle_around_wheel(at: Pos2, placed: &[PlacedArea]) -> Option<f32> {
     let wheel = faceplate::parts()
         .iter()

@@ -12,7 +12,7 @@ use super::panel_placement::{self, PlacedArea};
 use super::{Command, StatusMessage, Window, screen_reader, theme, tips};
 use gsk_messages::{Language, say};
 
-/// Draws a ring around a key.
+/// Draws a coloured ring around a key.
 fn draw_ring(painter: &Painter, placed: PlacedArea, part: &PanelPart, colour: Color32) {
     let rect = placed.to_window(part.rect);
     let width = (4.0 * placed.scale).max(2.0);
@@ -28,7 +28,8 @@ fn draw_ring(painter: &Painter, placed: PlacedArea, part: &PanelPart, colour: Co
     }
 }
 
-/// The position at which a mouse button or a finger goes down.
+/// The position at which a mouse button or a finger goes down in an event; `None` for other
+/// events.
 fn pressed_at(event: &Event) -> Option<Pos2> {
     match event {
         Event::PointerButton {
@@ -43,7 +44,8 @@ fn pressed_at(event: &Event) -> Option<Pos2> {
     }
 }
 
-/// Whether a key only ever stops the machine. It also works while help explains pressed keys.
+/// Whether a key only ever stops the machine. Such a key also works while help explains
+/// pressed keys.
 const fn is_stop_key(key: Key) -> bool {
     matches!(key, Key::EmergencyStop | Key::Reset | Key::FeedHold)
 }
@@ -139,8 +141,8 @@ impl Window {
         self.snapshot = snapshot;
     }
 
-    /// Gives a part its accessible name and tool tip. Returns the key if a screen reader has
-    /// pressed it.
+    /// Adds the accessible name and the tool tip of a part. Returns its key if a screen reader
+    /// has pressed it.
     fn add_part_widget(
         &self,
         ui: &Ui,
@@ -227,7 +229,8 @@ impl Window {
         }
     }
 
-    /// The help topic about a position in the window: a key, a lamp, a cell of the LCD.
+    /// The help topic about what is at a position in the window: a key, a lamp or a cell of
+    /// the LCD. `None` if there is none.
     pub(super) fn topic_at_position(&self, position: Pos2) -> Option<&'static Topic> {
         if let Some((row, column)) = self.lcd_cell(Some(position)) {
             let snapshot = self.snapshot.as_ref()?;
@@ -242,7 +245,7 @@ impl Window {
         }
     }
 
-    /// Row and column of the LCD at a position in the window.
+    /// Row and column of the LCD, from 0, at a position in the window; `None` outside the LCD.
     fn lcd_cell(&self, position: Option<Pos2>) -> Option<(usize, usize)> {
         let (x, y) = panel_placement::to_panel(&self.placed_areas, position?)?;
         let lcd = faceplate::lcd();
@@ -252,7 +255,8 @@ impl Window {
         lcd.contains(x, y).then_some((row, column))
     }
 
-    /// Requests the LCD in the other language, too, while the pointer is on it.
+    /// Sets whether the kernel sends the LCD in the other language, too, for the pointer on
+    /// it.
     fn request_translation(&mut self, is_requested: bool) {
         if self.is_translation_requested != is_requested {
             self.is_translation_requested = is_requested;
@@ -260,8 +264,8 @@ impl Window {
         }
     }
 
-    /// Opens help for a long press on the panel, or shows the tip of the LCD on the message
-    /// line.
+    /// Opens help for a long press on a key or lamp. For one on the LCD shows its tip on the
+    /// message line.
     fn handle_long_press(&mut self, ui: &Ui, events: &[Event], is_panel: &dyn Fn(Pos2) -> bool) {
         let now = ui.input(|input| input.time);
         let long_pressed = self.long_press.handle_events(events, now);

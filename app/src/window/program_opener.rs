@@ -23,15 +23,15 @@ use crate::work_limit::WorkLimit;
 use crate::{loading, transfer};
 use gsk_messages::{Language, Message, say};
 
-/// Opens programs and previews them.
+/// Opens programs in the control and previews them for the message line.
 #[derive(Clone, Debug)]
 pub struct ProgramOpener {
     console: Console,
-    /// Number of the program that was opened last. The preview of an earlier one ends.
+    /// Number of the program that was opened last; the preview of an earlier one ends.
     newest_number: Arc<AtomicU64>,
 }
 
-/// Work limit of a preview.
+/// Limit of the work of a preview.
 const PREVIEW_BUDGET: WorkBudget = WorkBudget::interactive(50_000_000);
 
 /// Interval between two progress messages of a preview.
@@ -72,7 +72,7 @@ impl ProgramOpener {
         });
     }
 
-    /// Opens a sample program, and starts it if the request says so.
+    /// Opens a sample program, and starts it if `request.starts` is set.
     pub fn open_sample(&self, request: SampleRequest, context: &egui::Context) {
         let opener = self.clone();
         files::run_in_thread(context, &self.console.notice_sender, move || {
@@ -85,7 +85,7 @@ impl ProgramOpener {
         });
     }
 
-    /// Sends a program to the control and previews it.
+    /// Sends a program to the control with `command` and previews it.
     fn hand_over(&self, opened: OpenedProgram, command: fn(Box<OpenedProgram>) -> Command) {
         let previewed = opened.clone();
         // The queue has a slot for a program: the kernel empties it continuously.
@@ -167,8 +167,8 @@ impl ProgramOpener {
     }
 }
 
-/// The setup with the opened program selected, and with the subprograms of its folder that the
-/// memory does not have.
+/// Adds the opened program to the setup and selects it; also adds those subprograms of its
+/// folder that the memory does not have.
 fn select_opened(mut setup: Setup, opened: &OpenedProgram) -> Setup {
     let programs = &mut setup.memory.programs;
     for program in &opened.subprograms {
@@ -183,8 +183,8 @@ fn select_opened(mut setup: Setup, opened: &OpenedProgram) -> Setup {
     setup
 }
 
-/// Reads a program file and the subprograms in its folder. Also returns the notices about
-/// them.
+/// Reads a program file and the subprograms in its folder. Returns them with the notices for
+/// the operator.
 pub fn read_program(
     path: &Path,
     model: &ControlModel,

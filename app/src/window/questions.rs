@@ -8,18 +8,19 @@ use super::stop_key_clearance;
 use crate::kernel::{Command, Console, OpenedProgram, PanelSnapshot, StorePolicy};
 use gsk_messages::{Language, Message, say};
 
-/// Progress of a request to close the window.
+/// The state of a request to close the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum CloseRequest {
     #[default]
     None,
-    /// The close was requested while a program runs or work is unsaved.
+    /// The window was to be closed while a program runs or work is unsaved; the operator must
+    /// confirm.
     Pending,
-    /// The window closes without a question.
+    /// The window closes without a further question.
     Confirmed,
 }
 
-/// The operator's work that is not saved.
+/// The kinds of the operator's work that may not be saved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unsaved {
     Text,
@@ -28,7 +29,7 @@ pub enum Unsaved {
 }
 
 impl Unsaved {
-    /// The question, and the consequence of closing.
+    /// The question before this work is lost, and the consequence of closing.
     fn question(self) -> [Message; 2] {
         match self {
             Self::Text => [say::question_text_unsaved(), say::question_text_is_lost()],
@@ -41,11 +42,11 @@ impl Unsaved {
 /// Preferred size of a question, points.
 const QUESTION_SIZE: egui::Vec2 = egui::vec2(520.0, 180.0);
 
-/// The open questions.
+/// The open questions of the main window.
 #[derive(Debug, Default)]
 pub struct Questions {
     closing: CloseRequest,
-    /// A program file to open, and its program number, which the memory already has.
+    /// A program to open, and its program number, which another program in the memory has.
     number_conflict: Option<(Box<OpenedProgram>, u16)>,
 }
 
@@ -55,7 +56,8 @@ impl Questions {
         self.closing = CloseRequest::Confirmed;
     }
 
-    /// Asks what to do with an opened program whose `number` the memory already has.
+    /// Opens the question what to do with an opened program whose `number` another program in
+    /// the memory has.
     pub fn ask_about_number(&mut self, opened: Box<OpenedProgram>, number: u16) {
         self.number_conflict = Some((opened, number));
     }
@@ -138,8 +140,8 @@ impl Questions {
     }
 }
 
-/// What closing the window would end or lose: the question, the consequence, and the answer
-/// that confirms. `None`: nothing.
+/// The question, the consequence and the confirming answer for what closing the window would
+/// end or lose. `None` if it loses nothing.
 fn close_question(
     snapshot: Option<&PanelSnapshot>,
     unsaved: Option<Unsaved>,
@@ -162,7 +164,8 @@ fn close_question(
     Some([title, consequence, say::question_stop_and_close()])
 }
 
-/// Draws a question and returns the index of the clicked answer.
+/// Draws a question and returns the index of the clicked answer, from 0; `None` while it is
+/// open.
 pub fn show_question(
     context: &Context,
     id: &str,

@@ -8,7 +8,7 @@ use gsk_messages::{Language, Message, say};
 
 use super::theme;
 
-/// The warning in both languages, whatever the language of the window.
+/// The warning that the keys move a real machine, in both languages.
 fn warning_text() -> String {
     let texts = [Language::En, Language::Zh].map(|it| say::window_real_motion().text(it));
     texts.join(" / ")
@@ -34,8 +34,8 @@ pub fn state_name(state: LinkState) -> Message {
 /// Height of the bar, points.
 const BAR_HEIGHT: f32 = 30.0;
 
-/// Draws the bar at the top of a window, if a board moves the slides. `id_suffix` makes its widget
-/// id unique.
+/// Draws the warning bar at the top of a window, if a board moves the slides. `id_suffix`
+/// makes its widget id unique.
 pub fn show(ui: &mut Ui, id_suffix: &str, board: Option<LinkState>, language: Language) {
     let Some(state) = board else { return };
     let ground = match state {
@@ -60,7 +60,7 @@ pub fn show(ui: &mut Ui, id_suffix: &str, board: Option<LinkState>, language: La
     });
 }
 
-/// The window title, with the warning in front if a board moves the slides.
+/// Formats the title of a window, with the warning before it if a board moves the slides.
 pub fn window_title(title: &str, board: Option<LinkState>) -> String {
     match board {
         Some(_) => format!("{} - {title}", warning_text()),

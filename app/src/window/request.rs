@@ -5,7 +5,7 @@ use crate::kernel::{Command, MachineMotion, PanelSnapshot};
 use crate::sound::{OUTPUTS, SoundState};
 
 impl Window {
-    /// Applies the sound setting, and reports why sound is not possible.
+    /// Applies the sound setting, and shows a message if sound is not possible.
     pub(super) fn update_sound(&mut self) {
         let was_on = self.sounds.is_on();
         if let Some(problem) = self.sounds.set_volume(self.settings.sound) {

@@ -10,23 +10,23 @@ use gsk_messages::{Language, Message, say};
 
 #[derive(Debug)]
 pub struct ProgramSample {
-    /// Name of its file.
+    /// Name of the program's file.
     pub name: &'static str,
-    /// Description of what it demonstrates.
+    /// Describes what the sample demonstrates.
     description: fn() -> Message,
     text: &'static str,
-    /// Text of its job file (stock and tools), if it has one.
+    /// Text of its job file (stock and tools); `None` if it has none.
     job: Option<&'static str>,
     /// Texts of the subprograms that it calls.
     subprograms: &'static [&'static str],
 }
 
-/// A sample that was chosen.
+/// A sample that the operator has chosen.
 #[derive(Clone, Copy, Debug)]
 pub struct SampleRequest {
-    /// The sample.
+    /// The chosen sample.
     pub sample: &'static ProgramSample,
-    /// The lathe cuts it at once.
+    /// Whether the lathe cuts it at once.
     pub starts: bool,
 }
 
@@ -81,7 +81,7 @@ pub static SAMPLES: [ProgramSample; 7] = [
     ),
 ];
 
-/// The samples that run to their end.
+/// The samples that run to their end without an alarm.
 pub fn good_samples() -> impl Iterator<Item = &'static ProgramSample> {
     SAMPLES
         .iter()
@@ -89,12 +89,12 @@ pub fn good_samples() -> impl Iterator<Item = &'static ProgramSample> {
 }
 
 impl ProgramSample {
-    /// What the sample demonstrates, for the menu.
+    /// Returns what the sample demonstrates, for the menu.
     pub fn description_text(&self, language: Language) -> String {
         (self.description)().text(language)
     }
 
-    /// The sample as a program to open in the control.
+    /// Converts the sample to a program that can be opened in the control.
     pub fn to_opened(&self) -> OpenedProgram {
         let called = self.subprograms.iter().map(|text| Program::new(*text));
         let mut parts = program::split_programs(self.text).into_iter();
@@ -109,7 +109,7 @@ impl ProgramSample {
     }
 }
 
-/// The job of a sample, which is found by the text of its program; `None` for other programs.
+/// Finds the job of the sample that has the same text as `program`; `None` for other programs.
 pub fn job_of(program: &Program) -> Option<SelectedJob> {
     let is_same_text =
         |sample: &&ProgramSample| sample.to_opened().program.text() == program.text();

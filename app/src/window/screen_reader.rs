@@ -11,7 +11,7 @@ use gsk_panel::screen::{ROWS, Screen};
 
 use super::theme;
 
-/// Adds the 15 rows of the LCD as runs of text.
+/// Adds the 15 rows of the LCD as texts for screen readers.
 pub fn add_lcd_rows(ui: &Ui, lcd: &Response, bounds: Rect, screen: &Screen) {
     if !ui.ctx().has_accesskit_node(lcd.id) {
         return;
@@ -26,7 +26,7 @@ pub fn add_lcd_rows(ui: &Ui, lcd: &Response, bounds: Rect, screen: &Screen) {
     update_accesskit_for_text_widget(ui.ctx(), lcd.id, None, transform, &text);
 }
 
-/// Adds the state of a part in words: `on`, `off`, `kept for the next key`.
+/// Adds the state of a part in words for screen readers: `on`, `off`, `kept for the next key`.
 pub fn add_state(ui: &Ui, part: &Response, description: &str) {
     ui.ctx()
         .accesskit_node_builder(part.id, |node| node.set_description(description));

@@ -10,7 +10,7 @@ use super::views::project::ProjectSettings;
 use crate::pc::TransferSettings;
 use gsk_messages::Language;
 
-/// Greatest count of recent programs.
+/// Maximum number of recent programs.
 const MAX_RECENT: usize = 10;
 
 /// The stored settings of the window.
@@ -23,25 +23,26 @@ pub struct WindowSettings {
     pub recent: Vec<PathBuf>,
     /// Layouts, and positions of windows.
     pub layouts: Layouts,
-    /// Whether the light theme is used, else the dark one.
+    /// True for the light theme, false for the dark one.
     pub light: bool,
-    /// Whether the machine view shows the part as a solid, else as a half section.
+    /// True if the machine view shows the part as a solid, false for a half section.
     pub solid: bool,
     /// Names of the finished lessons.
     pub lessons: BTreeSet<String>,
     /// Port, baud rate and files of the transfer view.
     pub transfer: TransferSettings,
-    /// The last projects.
+    /// The open project and the recent ones.
     pub projects: ProjectSettings,
     /// Whether the questions of the first start are still unanswered.
     pub first_start: bool,
-    /// The lathe that was chosen at the first start; `None`: the simulated lathe as delivered.
+    /// The machine file that was chosen at the first start; `None`: the simulated lathe as
+    /// delivered.
     pub machine: Option<PathBuf>,
-    /// Zoom of the whole window, per cent; `None`: chosen by the monitor.
+    /// Zoom of the whole window, per cent; `None`: chosen by the size of the monitor.
     pub zoom: Option<u16>,
-    /// Whether the keys of the panel are at least as large as a finger.
+    /// Whether the keys of the panel must be at least as large as a finger.
     pub fingers: bool,
-    /// Volume of the machine's sound, per cent; `None`: no sound.
+    /// Volume of the machine's sound, per cent; `None`: the sound is off.
     pub sound: Option<u8>,
 }
 
@@ -66,7 +67,7 @@ impl Default for WindowSettings {
 }
 
 impl WindowSettings {
-    /// Adds a program at the front of the recent ones.
+    /// Adds a program at the front of the recent programs; removes the oldest above the limit.
     pub fn add_recent(&mut self, path: &Path) {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         self.recent.retain(|known| *known != path);

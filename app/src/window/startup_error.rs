@@ -10,8 +10,8 @@ use gsk_messages::{Language, Message, say};
 /// Size of the dialog, points.
 const DIALOG_SIZE: [f32; 2] = [560.0, 230.0];
 
-/// Shows a message until it is closed: in one language, or in both when none was chosen.
-/// Without a display nothing is shown.
+/// Shows a message until the operator closes it: in `language`, or in both languages if that
+/// is `None`. Without a display nothing is shown.
 pub fn show(message: &Message, language: Option<Language>) {
     let texts = translate(message, language);
     let viewport = egui::ViewportBuilder::default()
@@ -41,7 +41,7 @@ fn translate(message: &Message, language: Option<Language>) -> Vec<String> {
     sentences
 }
 
-/// The message in English and Chinese.
+/// Formats the message in English and Chinese.
 fn in_both_languages(message: &Message) -> String {
     let texts = [Language::En, Language::Zh].map(|language| message.text(language));
     texts.join(" / ")

@@ -14,35 +14,35 @@ use super::{alarm_text, key_label};
 use crate::kernel::{NotStored, ProgramPlacement};
 use gsk_messages::{Language, say};
 
-/// A message of the message line.
+/// A message that the message line shows.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StatusMessage {
-    /// A finished sentence of another module.
+    /// A finished message of another module.
     Text(gsk_messages::Message),
-    /// The tool has collided; cleared by a new stock.
+    /// The tool has collided, as the message describes; cleared by new stock.
     Collided(gsk_messages::Message),
-    /// Why a key had no effect; cleared by the next key that acts.
+    /// A key had no effect for this reason; cleared by the next key that acts.
     KeyRefused(gsk_messages::Message),
-    /// The control refused a command with this alarm.
+    /// The control has refused a command with this alarm.
     Refused(Alarm),
-    /// What the control has sent over the serial port.
+    /// The control has sent files over the serial port; the text names them and their folder.
     Sent(String),
-    /// A program was opened: its file name and where it is stored.
+    /// A program was opened; holds its file name and where it is stored.
     Opened(String, ProgramPlacement),
-    /// A program was previewed: its file name, where it is stored if that is known, and the
-    /// result.
+    /// A program was previewed; holds its file name, where it is stored (`None` if unknown),
+    /// and the result.
     Previewed(String, Option<ProgramPlacement>, Box<ProgramSummary>),
     /// The operator drags a file over the window.
     DropHere,
-    /// A right click does not latch this key.
+    /// A right click cannot latch this key.
     KeyNotLatched(Key),
     /// The kernel has ended unexpectedly.
     KernelEnded,
 }
 
 impl StatusMessage {
-    /// The message for an opened program. The result of a preview of the same file in `previous`
-    /// is kept.
+    /// Creates the message for an opened program. If `previous` is a preview of the same file,
+    /// its result is kept.
     pub fn for_opened(previous: Option<Self>, file: String, storage: ProgramPlacement) -> Self {
         match previous {
             Some(Self::Previewed(looked_at, _, look)) if looked_at == file => {
@@ -52,7 +52,8 @@ impl StatusMessage {
         }
     }
 
-    /// The message for a previewed program. The storage of the same file in `previous` is kept.
+    /// Creates the message for a previewed program. If `previous` names the storage of the
+    /// same file, it is kept.
     pub fn for_preview(previous: Option<Self>, file: String, look: Box<ProgramSummary>) -> Self {
         match previous {
             Some(Self::Opened(opened, place)) if opened == file => {
@@ -62,8 +63,8 @@ impl StatusMessage {
         }
     }
 
-    /// Replaces the machine time by that of a newer preview of the program, s. Parameters,
-    /// offsets or the start position have changed since it was opened.
+    /// Replaces the machine time of a preview of `opened_file` by `time_s` of a newer one, s,
+    /// because parameters, offsets or the start position have changed since.
     pub fn update_time(&mut self, opened_file: &Path, time_s: f64) {
         if let Self::Previewed(file, _, look) = self
             && opened_file
@@ -76,7 +77,7 @@ impl StatusMessage {
         }
     }
 
-    /// Whether this is the preview of `program`, as it is stored in the memory.
+    /// Whether this message is the preview of `program`, as it is stored in the memory.
     pub fn is_about(&self, program: ProgramId) -> bool {
         match (self, program) {
             (Self::Previewed(_, Some(ProgramPlacement::OnlyRun(_)), _), _) => false,
@@ -98,7 +99,7 @@ impl StatusMessage {
         }
     }
 
-    /// The text of the message line.
+    /// Formats the message for the message line.
     pub fn text(&self, language: Language) -> String {
         match self {
             Self::Text(message) | Self::Collided(message) | Self::KeyRefused(message) => {
@@ -125,7 +126,7 @@ impl StatusMessage {
     }
 }
 
-/// The reason why a program is not stored in the memory.
+/// Returns the reason why a program is not stored in the memory.
 pub fn not_stored_reason(reason: &NotStored, language: Language) -> gsk_messages::Message {
     match reason {
         NotStored::NoNumber => say::window_file_has_no_number(),

@@ -9,7 +9,7 @@ use super::panel_placement::{self, PlacedArea, STOP_KEYS};
 /// Margin around each key, points.
 const KEY_MARGIN: f32 = 4.0;
 
-/// Rectangles of the keys that stop the machine, with their margin.
+/// The rectangles of those placed keys that stop the machine, with their margin, points.
 pub fn stop_key_rects(placed: &[PlacedArea]) -> Vec<Rect> {
     let parts = STOP_KEYS.iter().filter_map(|key| faceplate::part_of(*key));
     let places = parts
@@ -17,13 +17,15 @@ pub fn stop_key_rects(placed: &[PlacedArea]) -> Vec<Rect> {
     places.map(|place| place.expand(KEY_MARGIN)).collect()
 }
 
-/// Stores the rectangles of the keys that stop the machine, for windows that views draw.
+/// Stores the rectangles of the keys that stop the machine in the context, for windows that
+/// views draw.
 pub fn store_stop_keys(context: &Context, placed: &[PlacedArea]) {
     let stops = stop_key_rects(placed);
     context.data_mut(|data| data.insert_temp(stop_keys_id(), stops));
 }
 
-/// The stored rectangles of these keys in the main window, from the last frame.
+/// The stored rectangles of the keys that stop the machine in the main window, from the last
+/// frame.
 pub fn stored_stop_keys(context: &Context) -> Vec<Rect> {
     let stops = context.data(|data| data.get_temp(stop_keys_id()));
     stops.unwrap_or_default()
@@ -33,7 +35,8 @@ fn stop_keys_id() -> Id {
     Id::unique("stops")
 }
 
-/// The rectangle without these keys that shows most of a dialog of `size`.
+/// The rectangle of the window, clear of the keys that stop the machine, that shows most of a
+/// dialog of `size`.
 pub fn free_rect(context: &Context, size: Vec2) -> Rect {
     let mut screen = context.content_rect();
     screen.min.y += super::TOP_BAR_HEIGHT;
@@ -42,14 +45,14 @@ pub fn free_rect(context: &Context, size: Vec2) -> Rect {
     })
 }
 
-/// Rates `room` for a window of `size` that may cover everything else: the visible area of the
-/// window; among equals the larger rectangle.
+/// Rates `candidate` for a window of `size` that may cover everything else: by the visible
+/// area of the window; among equals the larger rectangle wins.
 pub fn visible_area(candidate: Rect, size: Vec2) -> f32 {
     let visible = size.min(candidate.size());
     visible.x * visible.y + candidate.area() / 1000.0
 }
 
-/// The rectangle inside `screen` with the greatest `worth` that intersects none of `obstacles`.
+/// The rectangle inside `screen` with the highest `rate` that intersects none of `obstacles`.
 pub fn best_rect(screen: Rect, obstacles: &[Rect], rate: impl Fn(Rect) -> f32) -> Rect {
     let edges = |low: f32, high: f32, edges_of: &dyn Fn(&Rect) -> [f32; 2]| {
         let inside = obstacles.iter().flat_map(edges_of);
@@ -82,8 +85,8 @@ pub fn best_rect(screen: Rect, obstacles: &[Rect], rate: impl Fn(Rect) -> f32) -
     best
 }
 
-/// Rates `room` for a window of `size`: the visible area of the window, less the area of the
-/// panel that it covers.
+/// Rates `candidate` for a window of `size`: by the visible area of the window, less the area
+/// of the panel that it covers.
 pub fn rate_beside_panel(candidate: Rect, size: Vec2, placed: &[PlacedArea]) -> f32 {
     let window = size.min(candidate.size());
     let corner = pos2(candidate.right() - window.x, candidate.top());

@@ -13,43 +13,43 @@ use egui::{
 
 // Text.
 
-/// Most of the text.
+/// Colour of most texts.
 pub const TEXT: Color32 = Color32::from_gray(225);
 /// Text of the message in the top bar.
 pub const MESSAGE_TEXT: Color32 = Color32::from_gray(220);
 /// Text of rows in lists and tables.
 pub const ROW_TEXT: Color32 = Color32::from_gray(215);
-/// Emphasized text: the step of a lesson, an icon under the pointer.
+/// Emphasized text, such as the step of a lesson or an icon under the pointer.
 pub const BRIGHT_TEXT: Color32 = Color32::WHITE;
-/// Titles of views, times, received lines.
+/// Text of view titles, times and received lines.
 pub const SECONDARY_TEXT: Color32 = Color32::from_gray(200);
-/// Unobtrusive text: states over the picture, keys of views, matching positions.
+/// Unobtrusive text: states over the picture, keys of views, positions that match.
 pub const QUIET_TEXT: Color32 = Color32::from_gray(190);
-/// Notes, names of files, idle icons.
+/// Text of notes and file names, and idle icons.
 pub const NOTE_TEXT: Color32 = Color32::from_gray(170);
-/// The state of the machine view without a warning.
+/// Text of the state of the machine view without a warning.
 pub const STATE_TEXT: Color32 = Color32::from_gray(160);
-/// Weak text of egui, and explanations. It is opaque: a half-transparent colour would be paler
-/// on a light ground.
+/// Weak text of egui, and explanations. The colour is opaque, because a half-transparent one
+/// would be paler on a light ground.
 pub const WEAK_TEXT: Color32 = Color32::from_gray(150);
-/// The hint in the top bar while there is no message.
+/// Text of the hint in the top bar while there is no message.
 pub const HINT_TEXT: Color32 = Color32::from_gray(140);
 /// Text on lamps, signs and flags in bright colours.
 pub const TEXT_ON_BRIGHT: Color32 = Color32::BLACK;
 
 // Grounds.
 
-/// No fill.
+/// Fill of shapes that are not filled.
 pub const NO_FILL: Color32 = Color32::TRANSPARENT;
-/// The window.
+/// Ground of the window.
 pub const WINDOW_GROUND: Color32 = Color32::from_gray(22);
-/// The drawing of a view: lathe, ladder, scope.
+/// Ground of the drawing of a view: lathe, ladder, scope.
 pub const DRAWING_GROUND: Color32 = Color32::from_gray(18);
-/// Lists and forms of a view.
+/// Ground of lists and forms of a view.
 pub const SIDE_GROUND: Color32 = Color32::from_gray(28);
-/// Bars of the window and of its views.
+/// Ground of the bars of the window and of its views.
 pub const BAR_GROUND: Color32 = Color32::from_gray(34);
-/// The bar of tabs, and the header of a view.
+/// Ground of the tab bar, and of the header of a view.
 pub const HEADER_GROUND: Color32 = Color32::from_gray(40);
 
 /// Shade on a row under the pointer.
@@ -57,54 +57,55 @@ pub fn row_hover() -> Color32 {
     Color32::from_white_alpha(10)
 }
 
-/// A splitter between two panes.
+/// A splitter between two panes that is not in use.
 pub const SPLITTER: Color32 = Color32::from_gray(44);
 /// A splitter that has the pointer or the focus.
 pub const SPLITTER_ACTIVE: Color32 = Color32::from_rgb(88, 140, 196);
-/// Tint of an image that keeps its colours.
+/// Tint of an image that is drawn in its own colours.
 pub const NO_TINT: Color32 = Color32::WHITE;
 
 // Buttons that select one of several values.
 
-/// The selected value.
+/// Ground of the selected value of a choice.
 pub const CHOICE_SELECTED_GROUND: Color32 = Color32::from_gray(58);
 pub const CHOICE_SELECTED_TEXT: Color32 = Color32::from_gray(210);
-/// Another value.
+/// Ground of the other values of a choice.
 pub const CHOICE_GROUND: Color32 = Color32::from_gray(42);
 
 // Success, warning, danger.
 
-/// Done, valid, connected.
+/// Marks what is done, valid or connected.
 pub const SUCCESS: Color32 = Color32::from_rgb(110, 230, 120);
-/// A job that is saved and valid.
+/// Text of a job that is saved and valid.
 pub const JOB_VALID: Color32 = Color32::from_rgb(110, 220, 120);
-/// A connection that moves the machine, and the lines it sends.
+/// A connection that moves the machine, and the lines that are sent to it.
 pub const BUSY: Color32 = Color32::from_rgb(120, 190, 255);
-/// Uncertain, waiting, on trial; the signs of the top bar.
+/// Marks what is uncertain, waiting or on trial, and the signs of the top bar.
 pub const WARNING: Color32 = Color32::from_rgb(255, 196, 90);
-/// A bit that is forced.
+/// Marks a bit that is forced.
 pub const FORCED: Color32 = WARNING;
-/// Changes that are not saved or written yet, and the reason why the control refuses them.
+/// Text of changes that are not saved or written yet, and of the reason why the control
+/// refuses them.
 pub const UNSAVED_TEXT: Color32 = Color32::from_rgb(255, 214, 110);
-/// A value that differs from the delivered one.
+/// Marks a value that differs from the delivered one.
 pub const DIFFERS: Color32 = Color32::from_rgb(120, 190, 255);
-/// Alarms, faults, failed transfers.
+/// Text of alarms, faults and failed transfers.
 pub const ALARM_TEXT: Color32 = Color32::from_rgb(255, 120, 96);
-/// Errors of an entry.
+/// Text of an error in what was typed.
 pub const ERROR_TEXT: Color32 = Color32::from_rgb(255, 150, 110);
-/// Errors of an address that is entered in the scope.
+/// Text of an error in an address that was typed in the scope.
 pub const SCOPE_ERROR_TEXT: Color32 = Color32::from_rgb(255, 150, 120);
-/// Errors of a job.
+/// Text of an error in a job.
 pub const JOB_ERROR: Color32 = Color32::from_rgb(255, 100, 90);
-/// A collision, and the end of a path by an alarm.
+/// Marks a collision, and the end of a path by an alarm.
 pub const COLLISION: Color32 = Color32::from_rgb(255, 70, 60);
 
 // The bar that warns of a real machine.
 
 pub const MACHINE_BAR_TEXT: Color32 = Color32::WHITE;
-/// The board can move the slides.
+/// Ground of the warning bar while the board can move the slides.
 pub const MACHINE_CONNECTED_GROUND: Color32 = Color32::from_rgb(208, 30, 24);
-/// The board is off or lost.
+/// Ground of the warning bar while the board is off or lost.
 pub const MACHINE_DISCONNECTED_GROUND: Color32 = Color32::from_rgb(150, 84, 20);
 
 // Rings around keys of the panel, and lamps of the bench.
@@ -119,9 +120,9 @@ pub const LAMP_OFF_TEXT: Color32 = Color32::from_gray(170);
 
 // Lessons.
 
-/// The current step of a lesson, and a demonstration.
+/// Marks the current step of a lesson, and a demonstration.
 pub const LESSON_STEP: Color32 = Color32::from_rgb(90, 200, 255);
-/// The mark of a step that is not done.
+/// Mark of a lesson step that is not done.
 pub const LESSON_OPEN: Color32 = Color32::from_gray(90);
 pub const LESSON_HINT_TEXT: Color32 = Color32::from_rgb(255, 214, 130);
 
@@ -129,23 +130,23 @@ pub const LESSON_HINT_TEXT: Color32 = Color32::from_rgb(255, 214, 130);
 
 pub const CODE_GROUND: Color32 = Color32::from_gray(22);
 pub const CODE_ALARM_GROUND: Color32 = Color32::from_rgb(70, 28, 26);
-/// Words that raise an alarm, and characters that belong to no word.
+/// Text of words that raise an alarm, and of characters that belong to no word.
 pub const CODE_ALARM_TEXT: Color32 = Color32::from_rgb(255, 110, 96);
 pub const LINE_NUMBER_GROUND: Color32 = Color32::from_gray(30);
 pub const LINE_NUMBER_TEXT: Color32 = Color32::from_gray(110);
-/// Block and program numbers.
+/// Text of block and program numbers.
 pub const CODE_NAME: Color32 = Color32::from_gray(140);
-/// G words.
+/// Text of G words.
 pub const CODE_G: Color32 = Color32::from_rgb(110, 180, 255);
-/// M words.
+/// Text of M words.
 pub const CODE_FUNCTION: Color32 = Color32::from_rgb(255, 170, 90);
-/// S, F and T words.
+/// Text of S, F and T words.
 pub const CODE_SETTING: Color32 = Color32::from_rgb(225, 150, 230);
 pub const CODE_AXIS: Color32 = Color32::from_rgb(240, 240, 240);
 pub const CODE_OTHER: Color32 = Color32::from_rgb(230, 215, 140);
 pub const CODE_STATEMENT: Color32 = Color32::from_rgb(150, 215, 225);
 pub const CODE_COMMENT: Color32 = Color32::from_rgb(120, 190, 130);
-/// End of block, block skip, program mark.
+/// Text of end of block, block skip and program mark.
 pub const CODE_MARK: Color32 = Color32::from_gray(110);
 
 // Paths of the tool.
@@ -153,23 +154,23 @@ pub const CODE_MARK: Color32 = Color32::from_gray(110);
 pub const RAPID_PATH: Color32 = Color32::from_rgb(255, 150, 60);
 pub const FEED_PATH: Color32 = Color32::from_rgb(90, 180, 255);
 pub const THREAD_PATH: Color32 = Color32::from_rgb(80, 225, 120);
-/// The running block.
+/// Path of the running block.
 pub const RUNNING_PATH: Color32 = Color32::from_rgb(255, 255, 140);
-/// The selected block.
+/// Path of the selected block.
 pub const SELECTED_PATH: Color32 = Color32::from_rgb(255, 110, 220);
-/// The selected pass of a cycle.
+/// Path of the selected pass of a cycle.
 pub const PASS_PATH: Color32 = Color32::from_rgb(255, 245, 170);
-/// The block that raises an alarm.
+/// Path of the block that raises an alarm.
 pub const FAULT_PATH: Color32 = Color32::from_rgb(255, 60, 50);
-/// Dwells, and times without a known move.
+/// Dwells in the time bar, and times without a known move.
 pub const DWELL: Color32 = Color32::from_gray(64);
 pub const DWELL_TEXT: Color32 = Color32::from_gray(150);
 /// Shade on the elapsed part of the time bar.
 pub const TIME_DONE_SHADE: Color32 = Color32::from_black_alpha(110);
-/// The current time in the time bar.
+/// Line at the current time in the time bar.
 pub const TIME_CURSOR: Color32 = Color32::WHITE;
 
-/// The colour of a column of the time bar, from that of its path.
+/// Colour of a column of the time bar whose moves have the colour `path` in the picture.
 pub fn time_column(path: Color32) -> Color32 {
     path.gamma_multiply(0.75)
 }
@@ -177,14 +178,14 @@ pub fn time_column(path: Color32) -> Color32 {
 // Drawing of the part.
 
 pub const GRID_LINE: Color32 = Color32::from_gray(34);
-/// Figures at the lines of the grid.
+/// Numbers at the lines of the grid.
 pub const GRID_TEXT: Color32 = Color32::from_gray(150);
 pub const SPINDLE_AXIS: Color32 = Color32::from_rgb(176, 120, 120);
 /// Ground of text over the picture.
 pub const PICTURE_LABEL_GROUND: Color32 = Color32::from_rgba_premultiplied(12, 12, 12, 170);
-/// The cut face of the half section.
+/// Fill of the cut face of the half section.
 pub const SECTION: Color32 = Color32::from_rgb(118, 116, 112);
-/// The outside of the part, below the axis.
+/// Fill of the outside of the part, below the axis.
 pub const PART_OUTSIDE: Color32 = Color32::from_rgb(74, 74, 76);
 pub const PART_EDGE: Color32 = Color32::from_rgb(196, 196, 192);
 pub const CHUCK: Color32 = Color32::from_rgb(44, 50, 60);
@@ -200,9 +201,9 @@ pub const COOLANT: Color32 = Color32::from_rgba_premultiplied(40, 84, 120, 130);
 
 // Measurement of the part.
 
-/// The measured feature under the pointer.
+/// The measured feature of the part under the pointer.
 pub const MEASURED_FEATURE: Color32 = Color32::from_rgb(255, 240, 120);
-/// A measurement that stays in the picture.
+/// A measured feature that the user has kept in the picture.
 pub const KEPT_MEASUREMENT: Color32 = Color32::from_rgb(255, 150, 220);
 pub const CALIPER: Color32 = Color32::from_rgb(190, 220, 255);
 pub const CALIPER_LABEL_GROUND: Color32 = Color32::from_rgba_premultiplied(10, 12, 16, 220);
@@ -210,21 +211,21 @@ pub const WITHIN_TOLERANCE: Color32 = Color32::from_rgb(90, 215, 110);
 pub const MATERIAL_LEFT: Color32 = Color32::from_rgb(80, 150, 255);
 pub const CUT_TOO_DEEP: Color32 = Color32::from_rgb(255, 70, 60);
 pub const PROGRAMMED_PATH: Color32 = Color32::WHITE;
-/// The path of the centre of the tool nose.
+/// Path of the centre of the tool nose.
 pub const NOSE_CENTER_PATH: Color32 = Color32::from_rgb(200, 130, 255);
 
-/// The colour of a path under the microscope, below the compared surface.
+/// Colour of a path under the microscope: fainter than `path`, below the compared surface.
 pub fn microscope_path(path: Color32) -> Color32 {
     path.gamma_multiply(0.6)
 }
 
 // Ladder.
 
-/// Power flows.
+/// Parts of a rung through which power flows.
 pub const LADDER_LIVE: Color32 = Color32::from_rgb(96, 226, 118);
-/// No power flows.
+/// Parts of a rung through which no power flows.
 pub const LADDER_DEAD: Color32 = Color32::from_gray(112);
-/// Power rails, and symbols without power.
+/// Power rails, and symbols of elements without power.
 pub const LADDER_RAIL: Color32 = Color32::from_gray(150);
 pub const LADDER_COMMENT: Color32 = Color32::from_gray(146);
 pub const LADDER_TITLE: Color32 = Color32::from_rgb(150, 190, 230);
@@ -254,19 +255,19 @@ pub fn ladder_hover() -> Color32 {
 pub const SCOPE_GRID: Color32 = Color32::from_gray(46);
 pub const SCOPE_ZERO_LINE: Color32 = Color32::from_gray(74);
 pub const SCOPE_FRAME: Color32 = Color32::from_gray(84);
-/// Figures at the scales of scope and curves.
+/// Numbers at the scales of scope and curves.
 pub const SCALE_TEXT: Color32 = Color32::from_gray(160);
 pub const SCOPE_LANE_TEXT: Color32 = Color32::from_gray(205);
 pub const SCOPE_LANE_GROUND: Color32 = Color32::from_black_alpha(150);
-/// Actual and commanded values of X.
+/// Trace of the actual values of X. The constant after it is for the commanded ones.
 pub const SCOPE_X: Color32 = Color32::from_rgb(92, 190, 255);
 pub const SCOPE_X_COMMAND: Color32 = Color32::from_rgb(64, 118, 158);
-/// Actual and commanded values of Z.
+/// Trace of the actual values of Z. The constant after it is for the commanded ones.
 pub const SCOPE_Z: Color32 = Color32::from_rgb(255, 176, 72);
 pub const SCOPE_Z_COMMAND: Color32 = Color32::from_rgb(164, 118, 58);
-/// Values along the path.
+/// Trace of values along the path.
 pub const SCOPE_PATH: Color32 = Color32::from_rgb(140, 222, 120);
-/// Actual and commanded values of the spindle.
+/// Trace of the actual values of the spindle. The constant after it is for the commanded ones.
 pub const SCOPE_SPINDLE: Color32 = Color32::from_rgb(238, 130, 208);
 pub const SCOPE_SPINDLE_COMMAND: Color32 = Color32::from_rgb(150, 88, 132);
 pub const SCOPE_BIT: Color32 = Color32::from_rgb(150, 214, 190);
@@ -274,38 +275,39 @@ pub const SCOPE_CURSORS: [Color32; 2] = [
     Color32::from_rgb(255, 226, 90),
     Color32::from_rgb(120, 226, 226),
 ];
-/// Curves of pitch errors.
+/// Grid lines of the curves of pitch errors.
 pub const CURVE_GRID: Color32 = Color32::from_gray(52);
 pub const CURVE_CURRENT: Color32 = Color32::from_gray(150);
 pub const CURVE_MEASURED: Color32 = Color32::from_rgb(255, 180, 90);
 pub const CURVE_PROPOSED: Color32 = Color32::from_rgb(90, 200, 255);
 
-/// Fill of a bit while it is 1.
+/// Fill of the lane of a bit while the bit is 1.
 pub fn scope_bit_ground() -> Color32 {
     SCOPE_BIT.gamma_multiply(0.25)
 }
 
 // Sizes of text, points.
 
-/// 0 or 1 in a lamp.
+/// Text size of 0 or 1 in a lamp, points.
 pub const LAMP_SIZE: f32 = 10.0;
-/// Figures at the grid of the picture and at curves.
+/// Text size of numbers at the grid of the picture and at curves, points.
 pub const SCALE_SIZE: f32 = 11.0;
-/// Names of the bits in the scope.
+/// Text size of the names of bits in the scope, points.
 pub const BIT_NAME_SIZE: f32 = 11.5;
-/// Comments in drawings, figures of the scope.
+/// Text size of comments in drawings and of figures of the scope, points.
 pub const ANNOTATION_SIZE: f32 = 12.0;
-/// Addresses and values in drawings, line numbers.
+/// Text size of addresses and values in drawings and of line numbers, points.
 pub const LABEL_SIZE: f32 = 13.0;
-/// Titles of rungs.
+/// Text size of the titles of rungs, points.
 pub const TITLE_SIZE: f32 = 14.0;
-/// Part programs, and sentences that are read at a distance.
+/// Text size of part programs, and of sentences that are read at a distance, points.
 pub const READING_SIZE: f32 = 15.0;
-/// The step of a lesson, large buttons, readings of the caliper, the state of a real machine.
+/// Text size of the step of a lesson, large buttons, readings of the caliper and the state of
+/// a real machine, points.
 pub const LARGE_SIZE: f32 = 16.0;
-/// The end of a lesson.
+/// Text size of the end of a lesson, points.
 pub const LESSON_END_SIZE: f32 = 17.0;
-/// The warning of a real machine.
+/// Text size of the warning of a real machine, points.
 pub const MACHINE_WARNING_SIZE: f32 = 19.0;
 // Sizes of the text styles of egui.
 
@@ -354,12 +356,12 @@ impl Plugin for ThemePlugin {
     }
 }
 
-/// Registers the plugin that recolours frames. The theme is dark at first.
+/// Registers the plugin that recolours frames for the light theme. The theme is dark at first.
 pub fn install(context: &Context) {
     context.add_plugin(ThemePlugin::default());
 }
 
-/// Sets the theme of everything that the context draws.
+/// Sets the light or the dark theme for everything that the context draws.
 pub fn set_light(context: &Context, light: bool) {
     context.with_plugin(|plugin: &mut ThemePlugin| plugin.light = light);
 }
@@ -379,7 +381,8 @@ pub fn fill_unthemed(painter: &Painter, bounds: Rect, color: Color32) {
     painter.image(white_texture(painter.ctx()), bounds, whole, color);
 }
 
-/// A texture of one white pixel. Shapes with this texture keep their colours in both themes.
+/// Returns a texture of one white pixel. Shapes with this texture keep their colours in both
+/// themes.
 pub fn white_texture(context: &Context) -> TextureId {
     let id = Id::unique("white");
     let cached: Option<TextureHandle> = context.data(|data| data.get_temp(id));
@@ -392,7 +395,7 @@ pub fn white_texture(context: &Context) -> TextureId {
     texture.id()
 }
 
-/// Gives a shape its light colours, unless it is an image.
+/// Gives a shape the colours of the light theme, unless it is an image.
 fn lighten(shape: &mut Shape) {
     match shape {
         Shape::Vec(shapes) => shapes.iter_mut().for_each(lighten),
@@ -402,10 +405,11 @@ fn lighten(shape: &mut Shape) {
     }
 }
 
-/// The light counterpart of a colour.
+/// Converts a colour of the dark theme to that of the light theme.
 fn to_light(color: Color32) -> Color32 {
     thread_local! {
-        /// The last conversion: neighbouring vertices usually have the same colour.
+        /// The last colour that was converted, and its result: neighbouring vertices usually
+        /// have the same colour.
         static LAST_CONVERSION: Cell<(Color32, Color32)> =
             const { Cell::new((Color32::TRANSPARENT, Color32::TRANSPARENT)) };
     }
@@ -424,8 +428,9 @@ fn to_light(color: Color32) -> Color32 {
     light
 }
 
-/// Maps the lightness in Oklab and keeps the hue. Equal steps in Oklab look equally large:
-/// colours that differ in the dark theme differ in the light one.
+/// Converts an sRGB colour to the light theme: maps the lightness in Oklab and keeps the hue.
+/// Equal steps in Oklab look equally large, so that colours that differ in the dark theme
+/// differ in the light one.
 fn to_light_rgb(color: [u8; 3]) -> [u8; 3] {
     let [lightness, a, b] = linear_to_oklab(color.map(gamma_to_linear));
     let [constant, first, second, third] = LIGHTNESS_POLYNOMIAL;
@@ -480,10 +485,10 @@ mod tests {
 
     use super::*;
 
-    /// Least contrast of a text to its ground in the dark theme.
+    /// Minimum contrast of a text to its ground in the dark theme.
     const MIN_CONTRAST: f32 = 3.0;
-    /// Code that names a colour or a size if a literal follows: a digit, or for the first one the
-    /// name of a colour of egui.
+    /// Source text before a colour constant. The list after it has functions that set a text
+    /// size if a digit follows.
     const COLOR_TYPE: &str = "Color32::";
     const SIZE_FUNCTIONS: [&str; 4] = [
         "FontId::proportional(",
@@ -511,13 +516,14 @@ mod tests {
         }
     }
 
-    /// Whether a literal follows at the beginning of a text.
+    /// Whether `code` begins with a digit, spaces skipped.
     fn begins_with_digit(code: &str) -> bool {
         code.trim_start()
             .starts_with(|letter: char| letter.is_ascii_digit())
     }
 
-    /// Whether `Color32::` precedes a colour literal: `WHITE`, `from_gray(150)`.
+    /// Whether `code`, the source after `Color32::`, begins with a colour literal: `WHITE`,
+    /// `from_gray(150)`.
     fn begins_with_color(code: &str) -> bool {
         let name_length = code
             .find(|letter: char| !letter.is_alphanumeric() && letter != '_')
@@ -528,7 +534,8 @@ mod tests {
             || name.starts_with("from_") && arguments.is_some_and(begins_with_digit)
     }
 
-    /// The literals of colours and text sizes in a source, each from its beginning.
+    /// The lines of a source that contain literals of colours and text sizes, each from its
+    /// literal on.
     fn find_style_literals(source: &str) -> Vec<&str> {
         let colors = source.match_indices(COLOR_TYPE);
         let colors = colors.filter(|(at, name)| begins_with_color(&source[at + name.len()..]));

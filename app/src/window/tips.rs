@@ -23,7 +23,7 @@ pub fn axis_direction(key: Key, reversed: KeysReversed) -> Option<Message> {
     Some(if is_positive { plus() } else { minus() })
 }
 
-/// Both names of a part of the panel, the one in `language` first.
+/// Joins both names of a part of the panel, the one in `language` first.
 fn both_names(language: Language, zh: &str, en: &str) -> String {
     match language {
         Language::Zh => format!("{zh}   {en}"),
@@ -53,15 +53,16 @@ pub fn show_lamp_tip(ui: &mut Ui, language: Language, lamp: &StripLamp, lit: boo
     ui.label(format!("{names}   {}", state.text(language)));
 }
 
-/// The text of a row without the frame and extra spaces; empty if there is only a frame.
+/// The text of a row of the LCD without the frame and extra spaces; empty if there is only a
+/// frame.
 fn row_text(screen: &Screen, row: usize) -> String {
     let text = screen.row(row);
     let text = text.trim_matches(|it: char| it.is_whitespace() || it == '_' || it == '|');
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// The tip of a cell of the LCD: the row in the other language, and the heading of the help
-/// topic about the cell. Empty where the row has no text.
+/// The lines of the tip of a cell of the LCD: the row in the other language, and the heading
+/// of the help topic about the cell. Empty if the row has no text.
 pub fn lcd_tip(
     snapshot: &PanelSnapshot,
     row: usize,

@@ -26,29 +26,29 @@ use gsk_messages::{Language, Message, say};
 
 /// Widget name of the group at the right end of the bar.
 const RIGHT_GROUP: &str = "bar right";
-/// Below this width the program menus become one menu, points.
+/// Width of the bar below which the program menus become one menu, points.
 const NARROW_WIDTH: f32 = 620.0;
 
-/// A request from the top bar.
+/// What the operator requests in the top bar.
 #[derive(Clone, Debug)]
 pub enum TopBarRequest {
     /// Choose a program file and open it.
     ChooseProgram,
-    /// Open this program file or project.
+    /// Open this file as a program or project.
     Open(PathBuf),
     /// Open a sample program.
     Sample(&'static ProgramSample),
     /// Carry out a command of the project view.
     Project(ProjectViewCommand),
-    /// Use a layout.
+    /// Choose this layout.
     Layout(WindowLayout),
     /// Switch between the light and the dark theme.
     ToggleLight,
-    /// Set the volume of the machine's sound, per cent; `None`: off.
+    /// Set the volume of the machine's sound, per cent; `None` switches the sound off.
     Sound(Option<u8>),
     /// Switch between keys as large as a finger and keys of any size.
     ToggleFingers,
-    /// Set the zoom, per cent; `None`: chosen by the monitor.
+    /// Set the zoom, per cent; `None` lets the size of the monitor choose it.
     Zoom(Option<u16>),
     /// Open or close a view.
     ToggleView(ViewId),
@@ -68,7 +68,7 @@ pub enum TopBarRequest {
     FirstStart,
     /// Show or hide the key map.
     ToggleKeyMap,
-    /// Open the help.
+    /// Open the help window.
     Help,
     /// Switch to the other language.
     SwitchLanguage,
@@ -90,18 +90,18 @@ impl TopBarRequest {
     }
 }
 
-/// The control models to choose from.
+/// The control models that the operator can choose.
 #[derive(Clone, Debug)]
 pub struct ModelChoice {
     /// The model that is on.
     pub current: ModelId,
-    /// Whether another model can be chosen at all.
+    /// Whether the menu offers another model at all.
     pub is_offered: bool,
-    /// Why another model cannot be turned on now; `None`: it can.
+    /// Why another model cannot be turned on now; `None` if it can.
     pub refusal: Option<Message>,
 }
 
-/// Draws the bar and returns the operator's request.
+/// Draws the top bar and returns the operator's request, if any.
 pub fn show(
     ui: &mut Ui,
     settings: &WindowSettings,
@@ -175,7 +175,8 @@ pub fn show(
     request
 }
 
-/// Draws the menu of program speeds. With a board the speed is fixed.
+/// Draws the menu of program speeds and returns the request to set one, if any. With a board
+/// the speed is fixed.
 fn show_speeds(ui: &mut Ui, language: Language, snapshot: &PanelSnapshot) -> Option<TopBarRequest> {
     let name = |speed: RunSpeed| match speed {
         RunSpeed::Percent(percent) => format!("{}x", f64::from(percent) / 100.0),
@@ -216,7 +217,8 @@ fn show_speeds(ui: &mut Ui, language: Language, snapshot: &PanelSnapshot) -> Opt
     request
 }
 
-/// Draws the sign that the practice machine replaces the learner's machine, with its menu.
+/// Draws the sign that the practice machine replaces the learner's machine. Returns the
+/// request from its menu, if any.
 fn show_practice_sign(ui: &mut Ui, language: Language, is_open: bool) -> Option<TopBarRequest> {
     let mut request = None;
     let text = RichText::new(say::window_lesson_menu().text(language)).color(theme::TEXT_ON_BRIGHT);
@@ -242,7 +244,7 @@ fn show_practice_sign(ui: &mut Ui, language: Language, is_open: bool) -> Option<
 }
 
 /// Draws the sign that bits or inputs are forced or faults are set, even while their view is
-/// closed. Its menu opens the view or clears them.
+/// closed. Its menu opens the view or clears them; returns that request, if any.
 fn show_imposed_sign(
     ui: &mut Ui,
     language: Language,
@@ -290,7 +292,7 @@ fn show_imposed_sign(
     request
 }
 
-/// Draws the text of the message line: a message, else a hint.
+/// Draws a message in the message line, or the hint if there is none.
 pub fn show_message(ui: &mut Ui, message: Option<&str>, warning: bool, hint: &str) {
     ui.horizontal_centered(|ui| {
         let (text, colour) = match message {
@@ -327,7 +329,7 @@ pub fn show_crash(ui: &mut Ui, text: &str, language: Language) -> bool {
 }
 
 /// Draws the current alarm on the message line. Its tool tip with cause and remedy is drawn
-/// over the LCD: it covers no key of the panel.
+/// over the LCD, so that it covers no key of the panel.
 pub fn show_alarm(ui: &mut Ui, alarm: &Alarm, language: Language, lcd: Option<Rect>) {
     ui.horizontal_centered(|ui| {
         let text = RichText::new(alarm_text::one_line(alarm, language)).color(theme::ALARM_TEXT);

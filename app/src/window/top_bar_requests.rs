@@ -11,7 +11,8 @@ use crate::kernel::{Command, LessonAction};
 use crate::platform;
 
 impl Window {
-    /// The control models to choose from, and why they cannot be chosen now.
+    /// Returns the control models that the operator can choose, and why they cannot be chosen
+    /// now.
     pub(super) fn model_choice(&self) -> top_bar::ModelChoice {
         let run = self.snapshot.as_ref().map(|picture| picture.run_state);
         let refusal = if self.board().is_some() {

@@ -20,7 +20,7 @@ pub enum ViewId {
     Transfer,
     Commission,
     Data,
-    /// Everything that a control stores, as a folder of text files.
+    /// Everything that a control stores, edited and compared as a folder of text files.
     Project,
 }
 
@@ -51,14 +51,14 @@ impl ViewId {
 pub struct ViewRow {
     pub view: ViewId,
     pub name: fn() -> Message,
-    /// The key that opens and closes the view, pressed with Shift; `None`: menu only.
+    /// The key that opens and closes the view together with Shift; `None`: only the menu does.
     pub key: Option<Key>,
-    /// Whether the view is docked when it opens for the first time. Otherwise it opens in a
+    /// True if the view is docked when it opens for the first time, false if it opens in a
     /// separate window.
     pub opens_docked: bool,
-    /// Initial size of its separate window, points.
+    /// Initial size of the view's separate window, points.
     pub size: [f32; 2],
-    /// Least size of its separate window, points.
+    /// Minimum size of the view's separate window, points.
     pub min_size: [f32; 2],
 }
 
@@ -154,7 +154,7 @@ pub static VIEWS: [ViewRow; 11] = [
     },
 ];
 
-/// The view whose key is pressed in `events`, if any.
+/// The view whose key is pressed in `events`; `None` if there is none.
 pub fn view_of_pressed_key(events: &[Event]) -> Option<ViewId> {
     let mut rows = VIEWS.iter().filter(|row| row.view.is_available());
     let row = rows.find(|row| {
@@ -175,7 +175,7 @@ pub fn is_pressed_with_shift(events: &[Event], wanted: Key) -> bool {
     })
 }
 
-/// The text of a view's or a layout's key: `Shift+F6`.
+/// Formats the key of a view or a layout: `Shift+F6`.
 pub fn key_name(key: Key) -> String {
     format!("Shift+{}", key.name())
 }

@@ -4,20 +4,20 @@ use egui::{Context, Event, Id, Key, Vec2};
 
 use super::WindowSettings;
 
-/// The choices of the menu, per cent.
+/// The zooms that the menu offers, per cent.
 pub const ZOOM_CHOICES: [u16; 8] = [75, 100, 125, 150, 175, 200, 250, 300];
-/// Pixels of the shorter side of a monitor at which the zoom is 100 per cent.
+/// Length of the shorter side of a monitor at which the zoom is 100 per cent, pixels.
 const REFERENCE_SIDE: f32 = 1080.0;
 
-/// Zoom for a monitor with `pixels` whose system reports no scale, per cent: a multiple of 50,
-/// at least 100. `native`: physical pixels per point that the system reports.
+/// Zoom for a monitor with this number of pixels whose system reports no scale, per cent: a
+/// multiple of 50, at least 100. `native`: physical pixels per point that the system reports.
 pub fn zoom_for_monitor(pixels: Vec2, native: f32) -> u16 {
     let ratio = pixels.min_elem() / REFERENCE_SIDE / native.max(0.1);
     let halves = (ratio * 2.0).floor().clamp(2.0, 6.0);
     (halves * 50.0) as u16
 }
 
-/// The monitor on which the window opened.
+/// The monitor on which the window opened: size and scale.
 #[derive(Clone, Copy, Debug)]
 struct Monitor {
     pixels: Vec2,
@@ -26,7 +26,7 @@ struct Monitor {
 }
 
 impl Monitor {
-    /// The monitor of the context, as soon as the system reports it.
+    /// Returns the monitor of the context; `None` until the system reports it.
     fn of_context(context: &Context) -> Option<Self> {
         let id = Id::unique("monitor");
         let cached = context.data(|data| data.get_temp(id));
@@ -49,8 +49,8 @@ impl Monitor {
     }
 }
 
-/// Applies the zoom of the settings, or of the monitor, from the next frame on. Returns the
-/// size of the monitor in points of this zoom, once it is in effect.
+/// Applies the zoom of the settings, or that for the monitor, from the next frame on. Returns
+/// the size of the monitor in points of this zoom; `None` until it is in effect.
 pub fn apply(context: &Context, settings: &WindowSettings) -> Option<Vec2> {
     let monitor = Monitor::of_context(context);
     let monitor_zoom = monitor.map_or(100, |it| zoom_for_monitor(it.pixels, it.pixels_per_point));
@@ -62,8 +62,8 @@ pub fn apply(context: &Context, settings: &WindowSettings) -> Option<Vec2> {
     Some(monitor?.pixels / context.pixels_per_point())
 }
 
-/// Handles the zoom keys: Ctrl with plus or minus selects the next choice, Ctrl+0 leaves the
-/// zoom to the monitor.
+/// Handles the zoom keys: Ctrl with plus or minus selects the next choice, Ctrl+0 lets the
+/// monitor determine the zoom.
 pub fn handle_keys(context: &Context, events: &[Event], settings: &mut WindowSettings) {
     let current = (context.zoom_factor() * 100.0).round() as u16;
     for event in events {

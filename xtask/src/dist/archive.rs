@@ -13,22 +13,22 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 use super::with_path;
 use crate::error::TaskError;
 
-/// A file in an archive: its name there and its path on disk.
+/// A file to archive: its name in the archive and its path on disk.
 pub type ArchiveEntry = (String, PathBuf);
 
-/// A file of an archive for Linux, held in memory.
+/// A file of an archive for Linux, with its contents in memory.
 #[derive(Debug)]
 pub struct Item {
-    /// Its path in the archive, without a slash before it.
+    /// Path of the file in the archive, without a slash before it.
     pub name: String,
     /// Its contents.
     pub bytes: Vec<u8>,
-    /// Whether it can be executed.
+    /// Whether the file is executable.
     pub program: bool,
 }
 
 impl Item {
-    /// A file that cannot be executed.
+    /// Makes an item that is not executable.
     pub fn text(name: impl Into<String>, bytes: impl Into<Vec<u8>>) -> Self {
         Self {
             name: name.into(),
@@ -129,12 +129,12 @@ pub fn entries(root: &Path, path: &str) -> Result<Vec<ArchiveEntry>, TaskError> 
     Ok(files.collect::<Result<Vec<_>, _>>()?.concat())
 }
 
-/// Compression effort of a .zip.
+/// How much effort a .zip spends on compression.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effort {
-    /// One or two seconds.
+    /// Compresses in one or two seconds.
     Quick,
-    /// Zopfli: about 5 % smaller, at half a megabyte per second.
+    /// Compresses with Zopfli: about 5 % smaller, at half a megabyte per second.
     Small,
 }
 

@@ -13,12 +13,13 @@ use crate::error::TaskError;
 
 const MAINTAINER: &str = "The gsk980td contributors <maintainers@gsk980td.invalid>";
 const DOC: &str = "usr/share/doc/gsk980td";
-/// Sizes of the icon files, pixels; the window's own picture has 256.
+/// Sizes of the installed icons, pixels, besides the window's own icon of 256.
 const ICONS: [u32; 6] = [16, 24, 32, 48, 64, 128];
-/// What the window needs besides the libraries it loads: an OpenGL driver and key names.
+/// Packages that the window needs besides the libraries it loads: an OpenGL driver and key
+/// names.
 const WINDOW: [&str; 2] = ["libgl1-mesa-dri", "xkb-data"];
 
-/// Makes the `.deb` in the folder and returns its path.
+/// Makes the `.deb` in `folder` and returns its path.
 ///
 /// # Errors
 /// A file cannot be read or written, or `md5sum` fails.
@@ -50,7 +51,7 @@ pub fn make(
     Ok(path)
 }
 
-/// Every file that the package installs.
+/// Lists every file that the package installs.
 fn installed_files(
     root: &Path,
     parts: &PackageContents,
@@ -111,7 +112,7 @@ fn installed_files(
     Ok(items)
 }
 
-/// Text of the file `control`.
+/// Formats the file `control` of the package.
 fn control_file(parts: &PackageContents, items: &[Item]) -> String {
     let size: usize = items
         .iter()
@@ -143,7 +144,7 @@ fn control_file(parts: &PackageContents, items: &[Item]) -> String {
     )
 }
 
-/// Text of the file `md5sums`, made by `md5sum` from the installed tree.
+/// Returns the text of the file `md5sums`, which `md5sum` makes from the installed tree.
 fn md5sums(root: &Path, items: &[Item]) -> Result<String, TaskError> {
     let stage = empty_folder(target(root).join("dist-deb"))?;
     let mut names: Vec<_> = items.iter().map(|item| item.name.as_str()).collect();
@@ -165,7 +166,7 @@ fn md5sums(root: &Path, items: &[Item]) -> Result<String, TaskError> {
     Ok(sums)
 }
 
-/// A section of the changelog in Debian's format.
+/// Formats a section of the changelog in Debian's format.
 fn debian_changelog(version: &Section) -> String {
     let mut out = format!("gsk980td ({VERSION}) unstable; urgency=medium\n");
     for line in version.text.lines().filter(|line| !line.trim().is_empty()) {
@@ -180,7 +181,8 @@ fn debian_changelog(version: &Section) -> String {
     out + &format!("\n -- {MAINTAINER}  {}\n", version.to_rfc_5322())
 }
 
-/// Words in lines of at most 78 characters, the further ones indented by four.
+/// Wraps `words` after `begin` into lines of at most 78 characters; all lines but the first
+/// are indented by four.
 fn wrapped(begin: &str, words: &str) -> String {
     let mut out = String::new();
     let mut line = begin.to_owned();
@@ -199,7 +201,7 @@ fn wrapped(begin: &str, words: &str) -> String {
     out
 }
 
-/// The file `copyright`, with the text of the MIT licence.
+/// Formats the file `copyright` with the text of the MIT licence.
 fn copyright(licence: &str) -> String {
     let indented = |text: &str| {
         let lines = text.trim().lines().map(|line| match line.trim_end() {

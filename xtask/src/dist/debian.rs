@@ -7,11 +7,11 @@ use std::process::Command;
 use super::stdout_of;
 use crate::error::TaskError;
 
-/// Finds Debian's tool chain first, whatever comes before it in the caller's `PATH`.
+/// `PATH` for the build, which finds Debian's tool chain before any other.
 pub const PATH: &str = "/usr/bin:/bin";
 pub const CARGO: &str = "/usr/bin/cargo";
 pub const RUSTC: &str = "/usr/bin/rustc";
-/// The lock file of the standard library's sources, below the sysroot.
+/// Path of the lock file of the standard library's sources, relative to the sysroot.
 const LIBRARY: &str = "lib/rustlib/src/rust/library/Cargo.lock";
 
 /// Checks that Debian's tool chain and more tools are installed.
@@ -39,7 +39,7 @@ pub fn require_tools(
     library.map(drop).ok_or_else(|| missing(LIBRARY))
 }
 
-/// The sysroot of a compiler; `None` if it does not answer.
+/// Returns the sysroot of a compiler; `None` if the compiler cannot be run.
 pub fn sysroot(compiler: &str) -> Option<PathBuf> {
     let sysroot = stdout_of(Command::new(compiler).args(["--print", "sysroot"])).ok()?;
     Some(PathBuf::from(sysroot.trim()))

@@ -11,7 +11,7 @@ use super::{BUNDLED, VERSION, deb, dist_folder, notes, remap_flags, stdout_of, t
 use crate::error::TaskError;
 use crate::run;
 
-/// Shells, with the paths of their completion scripts in the archive and in the system.
+/// Shells: name, path of the completion script in the archive, and in the system.
 const SHELLS: [(&str, &str, &str); 3] = [
     (
         "bash",
@@ -30,13 +30,13 @@ const SHELLS: [(&str, &str, &str); 3] = [
     ),
 ];
 
-/// The contents of both packages.
+/// The contents that the portable archive and the .deb have in common.
 pub struct PackageContents {
-    /// The program.
+    /// The executable file of the program.
     pub program: Vec<u8>,
-    /// Processor and packages that the program requires.
+    /// Processor and packages that the program needs.
     pub needs: Requirements,
-    /// Manual pages with their file names.
+    /// Manual pages: file name and contents.
     pub pages: Vec<(String, Vec<u8>)>,
     /// Completion scripts: name in the portable archive, path in the system, text.
     pub shells: Vec<(&'static str, &'static str, String)>,
@@ -81,7 +81,7 @@ pub fn make(root: &Path) -> Result<(), TaskError> {
     Ok(())
 }
 
-/// Builds the program and returns its path.
+/// Builds the program for release and returns its path.
 fn build(root: &Path) -> Result<PathBuf, TaskError> {
     let compiler = stdout_of(Command::new("rustc").arg("-vV"))?;
     let host = compiler
@@ -107,7 +107,7 @@ fn build(root: &Path) -> Result<PathBuf, TaskError> {
     Ok(target.join(host).join("release/gsk980td"))
 }
 
-/// Manual pages, which the program writes.
+/// Lets the program write its manual pages and returns their names and contents.
 fn pages(root: &Path, program: &Path) -> Result<Vec<(String, Vec<u8>)>, TaskError> {
     let folder = empty_folder(target(root).join("dist-man"))?;
     stdout_of(Command::new(program).args(["man", "--folder"]).arg(&folder))?;
@@ -119,7 +119,7 @@ fn pages(root: &Path, program: &Path) -> Result<Vec<(String, Vec<u8>)>, TaskErro
     Ok(pages)
 }
 
-/// Completion scripts, which the program prints.
+/// Lets the program print its completion scripts and returns them with their paths.
 fn shells(program: &Path) -> Result<Vec<(&'static str, &'static str, String)>, TaskError> {
     let scripts = SHELLS.iter().map(|&(shell, portable, installed)| {
         let script = stdout_of(Command::new(program).args(["completions", shell]))?;

@@ -19,7 +19,7 @@ use crate::error::TaskError;
 /// The version of the program.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Texts and samples in every package: files and folders of the repository.
+/// Files and folders of the repository with texts and samples for every package.
 const BUNDLED: [&str; 8] = [
     "CHANGELOG.md",
     "LICENSE-APACHE",
@@ -39,7 +39,7 @@ pub fn target(root: &Path) -> PathBuf {
     env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from)
 }
 
-/// Makes `target/dist`, the folder of all release files.
+/// Creates `target/dist`, the folder of all release files, and returns its path.
 fn dist_folder(root: &Path) -> Result<PathBuf, TaskError> {
     let folder = target(root).join("dist");
     match fs::create_dir_all(&folder) {
@@ -51,7 +51,7 @@ fn dist_folder(root: &Path) -> Result<PathBuf, TaskError> {
     }
 }
 
-/// Adds the path to the error of a file operation.
+/// Adds `path` to the error of a file operation.
 fn with_path<T>(path: &Path, result: std::io::Result<T>) -> Result<T, TaskError> {
     result.map_err(|error| TaskError::Write {
         path: path.to_owned(),
@@ -59,7 +59,7 @@ fn with_path<T>(path: &Path, result: std::io::Result<T>) -> Result<T, TaskError>
     })
 }
 
-/// Compiler flags that keep the paths of this computer out of the program.
+/// Returns compiler flags that keep the paths of this computer out of the program.
 fn remap_flags(root: &Path) -> String {
     let home = env::var_os("CARGO_HOME").map(PathBuf::from);
     let home = home.or_else(|| env::home_dir().map(|home| home.join(".cargo")));
@@ -69,10 +69,11 @@ fn remap_flags(root: &Path) -> String {
     flags.join(FLAG_SEPARATOR)
 }
 
-/// Builds one kind of release file.
+/// A function that builds one kind of release file.
 type Make = fn(&Path) -> Result<(), TaskError>;
 
-/// Every kind by name: the release notes first, because they fail fastest.
+/// All kinds of release files by name. The release notes come first, because they fail
+/// fastest.
 const ALL: [(&str, Make); 4] = [
     ("notes", notes::make),
     ("linux", linux::make),
@@ -80,8 +81,8 @@ const ALL: [(&str, Make); 4] = [
     ("web", web::make),
 ];
 
-/// Builds everything whose tools are installed, prints what is left out, and writes the
-/// checksums of all files in the folder into `SHA256SUMS`.
+/// Builds everything whose tools are installed, prints what is skipped, and writes the
+/// checksums of all files in `target/dist` into `SHA256SUMS`.
 ///
 /// # Errors
 /// A build fails for another reason than a missing tool.
@@ -106,8 +107,8 @@ pub fn all(root: &Path) -> Result<(), TaskError> {
     Ok(())
 }
 
-/// Writes `SHA256SUMS` of the files in a folder, in the order of their names. The checksum
-/// files of single archives are left out.
+/// Writes the file `SHA256SUMS` of a folder, in the order of the file names, and leaves out
+/// the checksum files of single archives.
 fn write_all_checksums(folder: &Path) -> Result<(), TaskError> {
     let mut names = Vec::new();
     for entry in with_path(folder, fs::read_dir(folder))? {
@@ -121,7 +122,8 @@ fn write_all_checksums(folder: &Path) -> Result<(), TaskError> {
     write_checksums(folder, "SHA256SUMS", &names).map(drop)
 }
 
-/// Writes the checksums of files into a file beside them, and returns its text.
+/// Writes the checksums of `files` into the file `name` in the same folder, and returns its
+/// text.
 fn write_checksums(folder: &Path, name: &str, files: &[String]) -> Result<String, TaskError> {
     let mut command = Command::new("sha256sum");
     let text = stdout_of(command.arg("--").args(files).current_dir(folder))?;

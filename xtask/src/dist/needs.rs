@@ -6,7 +6,7 @@ use object::elf::{EM_AARCH64, EM_X86_64, FileHeader64};
 use object::read::elf::{Dyn, FileHeader};
 use object::{Endianness, elf};
 
-/// Debian packages of the libraries that the program may link, with the prefix of symbol
+/// Libraries that the program may link: name, Debian package, and the prefix of those symbol
 /// versions that are also versions of the package.
 const LINKED: [(&str, &str, &str); 5] = [
     ("libc.so.6", "libc6", "GLIBC_"),
@@ -16,7 +16,7 @@ const LINKED: [(&str, &str, &str); 5] = [
     ("ld-linux-aarch64.so.1", "libc6", "GLIBC_"),
 ];
 
-/// Debian packages of the libraries that the window loads at run time. Commands work
+/// Libraries that the window loads at run time, with their Debian packages. Commands work
 /// without them.
 const LOADED: [(&str, &str); 10] = [
     ("libEGL.so.1", "libegl1"),
@@ -31,18 +31,18 @@ const LOADED: [(&str, &str); 10] = [
     ("libxkbcommon-x11.so.0", "libxkbcommon-x11-0"),
 ];
 
-/// The requirements of a program.
+/// What an executable program needs from the system.
 #[derive(Debug, Default)]
 pub struct Requirements {
-    /// The processor's names in Rust and in Debian.
+    /// The name of the processor in Rust and in Debian.
     pub processor: (&'static str, &'static str),
     /// Packages that the program needs to start, each with its lowest version.
     pub depends: Vec<String>,
-    /// Packages of the libraries that the window loads.
+    /// Packages of the libraries that the window loads at run time.
     pub loads: Vec<String>,
 }
 
-/// Reads the requirements of a program.
+/// Reads the requirements of a program from its executable file, whose bytes are `program`.
 ///
 /// # Errors
 /// The file is not a Linux program, its processor is unknown, or it links a library whose
@@ -93,7 +93,7 @@ fn processor(program: &[u8]) -> object::Result<Option<(&'static str, &'static st
     })
 }
 
-/// The libraries that a program links, and the symbol versions that it requires.
+/// Lists the libraries that a program links, and the symbol versions that it requires.
 fn linked(program: &[u8]) -> object::Result<(BTreeSet<String>, BTreeSet<String>)> {
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     let header = FileHeader64::<Endianness>::parse(program)?;
@@ -120,7 +120,8 @@ fn linked(program: &[u8]) -> object::Result<(BTreeSet<String>, BTreeSet<String>)
     Ok((libraries, versions))
 }
 
-/// The newest version with the prefix `word`, without the prefix.
+/// Finds the newest of the versions that begin with `word` and returns it without that prefix;
+/// `None` if there is none.
 fn newest(versions: &BTreeSet<String>, word: &str) -> Option<String> {
     let numbers = |version: &&str| {
         let parts = version.split('.').map(|part| part.parse().ok());

@@ -7,12 +7,12 @@ use std::path::Path;
 use super::{VERSION, dist_folder, with_path};
 use crate::error::TaskError;
 
-/// The changelog's section of a version.
+/// A version's section in the changelog.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Section<'a> {
-    /// Year, month, day.
+    /// Date of the version: year, month, day.
     pub date: (i64, i64, i64),
-    /// The text below its heading.
+    /// The text of the section without its heading.
     pub text: &'a str,
 }
 
@@ -30,7 +30,7 @@ pub fn make(root: &Path) -> Result<(), TaskError> {
     Ok(())
 }
 
-/// Reads CHANGELOG.md.
+/// Reads the text of CHANGELOG.md.
 pub fn read(root: &Path) -> Result<String, TaskError> {
     let path = root.join("CHANGELOG.md");
     with_path(&path, fs::read_to_string(&path))
@@ -66,7 +66,7 @@ pub fn section<'a>(changelog: &'a str, version: &str) -> Result<Section<'a>, Tas
 }
 
 impl Section<'_> {
-    /// Days from 1970-01-01 to the version's date.
+    /// Number of days from 1970-01-01 to the version's date.
     fn days(&self) -> i64 {
         let (year, month, day) = self.date;
         // Years begin in March here, so that the leap day is the last day of a year.

@@ -14,11 +14,11 @@ use crate::run;
 
 const TRIPLE: &str = "wasm32-unknown-unknown";
 const SYSTEM: &str = "browsers";
-/// The linker of the usual tool chain, below its sysroot.
+/// Path of the linker in the usual tool chain, relative to its sysroot.
 const LINKER: &str = "lib/rustlib/x86_64-unknown-linux-gnu/bin/rust-lld";
 const CURE: &str = "on Debian: apt-get install rustc-web cargo-web rust-web-src";
 const LINKER_CURE: &str = "it is part of the Rust tool chain that rustup installs";
-/// Files of the page besides the program: name and source.
+/// Files of the page besides the program: name in the page and path in the repository.
 const PAGE_FILES: [(&str, &str); 2] = [
     ("index.html", "web/index.html"),
     ("gsk980td.png", "assets/icon/gsk980td.png"),
@@ -59,7 +59,7 @@ pub fn make(root: &Path) -> Result<(), TaskError> {
     pack(root, &page)
 }
 
-/// Builds the program, and the test session that hashes every tick.
+/// Builds the program for browsers, and the test session that hashes every tick.
 fn build(root: &Path, linker: &Path) -> Result<(), TaskError> {
     let target = target(root);
     let (target, linker) = (target.to_string_lossy(), linker.to_string_lossy());
@@ -90,7 +90,8 @@ fn build(root: &Path, linker: &Path) -> Result<(), TaskError> {
     run(CARGO, &arguments, &environment)
 }
 
-/// Runs `wasm-bindgen` on a program, so that a page can load it.
+/// Runs `wasm-bindgen` on `program` and writes the files that a page loads, as `name`, into
+/// the folder `into`.
 fn run_bindgen(
     root: &Path,
     bindgen: &Path,
@@ -115,8 +116,8 @@ fn run_bindgen(
     run(&bindgen.to_string_lossy(), &arguments, &[])
 }
 
-/// Path of `wasm-bindgen` in the version of Cargo.lock; installs it below `target` if it is
-/// missing.
+/// Returns the path of `wasm-bindgen` in the version of Cargo.lock; installs it below `target`
+/// if it is missing.
 fn bindgen_path(root: &Path) -> Result<PathBuf, TaskError> {
     let version = locked_version(root, "wasm-bindgen")?;
     let home = target(root).join("wasm-bindgen");
@@ -138,7 +139,7 @@ fn bindgen_path(root: &Path) -> Result<PathBuf, TaskError> {
     Ok(program)
 }
 
-/// The version of a package in `Cargo.lock`.
+/// Returns the version of a package in `Cargo.lock`.
 fn locked_version(root: &Path, package: &str) -> Result<String, TaskError> {
     let path = root.join("Cargo.lock");
     let text = with_path(&path, fs::read_to_string(&path))?;
@@ -154,7 +155,7 @@ fn locked_version(root: &Path, package: &str) -> Result<String, TaskError> {
     })
 }
 
-/// Writes the archive and its checksum, and prints the size of the page.
+/// Writes the archive of the page and its checksum, and prints the size of the page.
 fn pack(root: &Path, page: &Path) -> Result<(), TaskError> {
     let name = format!("gsk980td-{VERSION}-web");
     let mut files: Vec<ArchiveEntry> = Vec::new();

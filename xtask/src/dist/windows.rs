@@ -29,7 +29,8 @@ pub fn make(root: &Path) -> Result<(), TaskError> {
     pack(root, &folder, &program)
 }
 
-/// Compiles icon, manifest and version into an object that is linked into the program.
+/// Compiles icon, manifest and version into an object file for the linker and returns its
+/// path.
 fn resources(root: &Path) -> Result<PathBuf, TaskError> {
     let numbers = VERSION.replace('.', ",");
     let text = format!(
@@ -56,7 +57,7 @@ fn resources(root: &Path) -> Result<PathBuf, TaskError> {
     Ok(object)
 }
 
-/// Builds the program and returns its path.
+/// Builds the program for release, links `resources` into it and returns its path.
 fn build(root: &Path, resources: &Path) -> Result<PathBuf, TaskError> {
     let target = target(root);
     let resources = format!("link-arg={}", resources.display());
@@ -90,7 +91,7 @@ fn build(root: &Path, resources: &Path) -> Result<PathBuf, TaskError> {
     Ok(target.join(TRIPLE).join("release/gsk980td.exe"))
 }
 
-/// Writes the archive and its checksum.
+/// Writes the archive of the program and its checksum.
 fn pack(root: &Path, folder: &Path, program: &Path) -> Result<(), TaskError> {
     let name = format!("gsk980td-{VERSION}-windows-x86_64");
     let mut files: Vec<ArchiveEntry> = vec![("gsk980td.exe".to_owned(), program.to_owned())];

@@ -12,14 +12,14 @@ use super::super::{EXIT_ALARM, EXIT_OK, output};
 use crate::board::BoardSession;
 use crate::platform;
 
-/// Duration of the measurement of an idle board.
+/// Time for which the idle board is measured.
 const IDLE_DURATION: Duration = Duration::from_secs(3);
-/// Number of feed holds that are measured.
+/// Number of feed holds made in the test move.
 const HOLD_COUNT: u32 = 10;
-/// Duration of acceleration and of braking, ms.
+/// Time to accelerate to the top speed, or to brake from it, ms.
 const RAMP_MS: f64 = 100.0;
 
-/// Median and maximum of some times, ms; `None` if there are none.
+/// Median and maximum of `times`, ms; `None` if the slice is empty.
 fn median_and_max(times: &mut [Duration]) -> Option<(f64, f64)> {
     times.sort_unstable();
     let worst = times.last()?;
@@ -27,7 +27,8 @@ fn median_and_max(times: &mut [Duration]) -> Option<(f64, f64)> {
     Some((ms(&times[times.len() / 2]), ms(worst)))
 }
 
-/// Prints the round-trip times of an idle board. Returns the events of the meantime.
+/// Measures an idle board for `IDLE_DURATION` and prints its round-trip times. Returns the
+/// events of that time.
 pub fn measure_idle(board: &mut BoardSession) -> Vec<LinkEvent> {
     let mut events = Vec::new();
     let end = board.now() + IDLE_DURATION;
@@ -51,7 +52,7 @@ pub fn measure_idle(board: &mut BoardSession) -> Vec<LinkEvent> {
     events
 }
 
-/// The switches that must be free before a move, with their names.
+/// The inputs that must not be operated before a move, each with the function that names it.
 const SWITCHES: [(Input, fn() -> Message); 4] = [
     (Input::LimitX, say::link_test_limit_x),
     (Input::LimitZ, say::link_test_limit_z),
@@ -59,7 +60,7 @@ const SWITCHES: [(Input, fn() -> Message); 4] = [
     (Input::DriveAlarm, say::link_page_drive_alarm),
 ];
 
-/// The names of the operated switches.
+/// The names of those `SWITCHES` that are operated.
 pub fn operated_switches(board: &BoardSession) -> Vec<Message> {
     let name_if_operated = |(input, name): (Input, fn() -> Message)| {
         (board.link.input(input) == Some(true)).then(name)
@@ -67,7 +68,8 @@ pub fn operated_switches(board: &BoardSession) -> Vec<Message> {
     SWITCHES.into_iter().filter_map(name_if_operated).collect()
 }
 
-/// A test move of Z: positions in pulses, speeds in pulses per tick.
+/// A test move of Z in progress: positions in pulses from its start, speeds in pulses per tick
+/// of 1 ms.
 struct TestMove<'a> {
     board: &'a mut BoardSession,
     events: Vec<LinkEvent>,
@@ -75,14 +77,15 @@ struct TestMove<'a> {
     z_pulses: f64,
     pulses_per_tick: f64,
     sent_pulses: i64,
-    /// End of each tick and the total distance at it, pulses.
+    /// End time of each tick, and the total distance travelled by then, pulses.
     distances: Vec<(RunTime, u64)>,
     refused: Option<MotionRefused>,
 }
 
 impl TestMove<'_> {
-    /// Moves one tick and changes the speed towards `target`. Returns false if the
-    /// connection is lost or the motion is refused.
+    /// Moves Z for one tick of 1 ms; its speed approaches `target` with the acceleration that
+    /// reaches `top_speed` in `RAMP_MS` (both in pulses per tick). Returns false if the
+    /// connection is lost or the board refuses the motion.
     fn move_tick(&mut self, target: f64, top_speed: f64) -> bool {
         let step = top_speed / RAMP_MS;
         self.pulses_per_tick += (target - self.pulses_per_tick).clamp(-step, step);
@@ -90,7 +93,8 @@ impl TestMove<'_> {
         self.send_sample()
     }
 
-    /// Sends the end position of a tick as soon as the lookahead has space.
+    /// Sends the end position of the next tick as soon as the lookahead has space. Returns
+    /// false if the connection is lost or the board refuses the motion.
     fn send_sample(&mut self) -> bool {
         self.end_time += Duration::from_millis(1);
         let before = self.sent_pulses;
@@ -126,22 +130,24 @@ impl TestMove<'_> {
         pushed.is_ok()
     }
 
-    /// Total distance that the board has certainly executed, pulses.
+    /// Total distance that the board has certainly executed so far, pulses.
     fn executed_distance(&self) -> u64 {
         let executed = self.board.link.executed();
         let made = self.distances.partition_point(|(end, _)| *end <= executed);
         made.checked_sub(1).map_or(0, |last| self.distances[last].1)
     }
 
-    /// Distance of one more tick towards the top speed and of braking after it: the slide
-    /// must not pass its target.
+    /// Distance that Z needs if it makes one more tick towards `top_speed` (pulses per tick)
+    /// and then brakes, pulses.
     fn braking_distance(&self, top_speed: f64) -> f64 {
         let step = top_speed / RAMP_MS;
         let speed = (self.pulses_per_tick.abs() + step).min(top_speed);
         speed + speed * speed / (2.0 * step)
     }
 
-    /// Brakes and waits until the board has executed all motion.
+    /// Brakes from the current speed and waits until the board has executed all motion.
+    /// Returns false if the connection is lost, the board refuses the motion, or it is not
+    /// ready after 5 s. `top_speed` in pulses per tick.
     fn stop(&mut self, top_speed: f64) -> bool {
         while self.pulses_per_tick != 0.0 {
             if !self.move_tick(0.0, top_speed) {
@@ -158,9 +164,9 @@ impl TestMove<'_> {
         self.board.link.state() == LinkState::Ready
     }
 
-    /// Moves to pulse `leg` and back and stops at equal distances, as an operator does with
-    /// feed hold. Adds the duration of each stop to `holds`. Returns false if the connection
-    /// is lost or the motion is refused.
+    /// Moves Z to pulse `leg` and back and stops at equal distances, as an operator does with
+    /// feed hold; appends the duration of each stop to `holds`. `top_speed` in pulses per
+    /// tick. Returns false if the connection is lost or the board refuses the motion.
     fn move_with_holds(&mut self, leg: f64, top_speed: f64, holds: &mut Vec<Duration>) -> bool {
         for target in [leg, 0.0] {
             let from = self.z_pulses;
@@ -186,7 +192,9 @@ impl TestMove<'_> {
         true
     }
 
-    /// Moves to pulse 0 exactly, from standstill to standstill.
+    /// Moves Z to pulse 0 exactly, from standstill to standstill, at most at `top_speed`
+    /// (pulses per tick). Returns false if the connection is lost or the board refuses the
+    /// motion.
     fn return_to_start(&mut self, top_speed: f64) -> bool {
         let from = self.z_pulses;
         // Half a cosine wave: its maximum speed is pi/2 times the mean.
@@ -213,8 +221,8 @@ fn processor_time(board: &BoardSession) -> Option<f64> {
     Some(own + holder.unwrap_or(0.0))
 }
 
-/// Moves Z by a distance and back with feed holds, prints the measurements and compares the
-/// pulse counts of link and board. `feed` in mm/min.
+/// Moves Z by `distance_mm` and back with feed holds, prints the measurements and compares the
+/// pulse counts of link and board. Returns the exit code.
 pub fn measure_motion(
     board: &mut BoardSession,
     distance_mm: f64,

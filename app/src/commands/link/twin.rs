@@ -13,7 +13,7 @@ use super::super::{EXIT_OK, output};
 use crate::cli::{LinkTwinArgs, TwinBoard};
 use crate::ports::OfferedPort;
 
-/// Number of bytes in advance for which losses are scheduled.
+/// Number of bytes from the current one on for which losses are scheduled.
 const DAMAGE_AHEAD_BYTES: u64 = 4096;
 
 /// Pulses per turn of the encoder of the grblHAL twin.
@@ -32,7 +32,7 @@ const SWITCHES: [(&str, usize, i64, i64, Option<i64>); 6] = [
     ("PC7", 1, 0, 31, Some(1600)),
 ];
 
-/// The spindle of the Klipper twin.
+/// The simulated spindle of the Klipper twin.
 const SPINDLE: SpindleWiring<'_> = SpindleWiring {
     index_pin: "PC3",
     forward_pin: "PB4",
@@ -42,13 +42,13 @@ const SPINDLE: SpindleWiring<'_> = SpindleWiring {
     time_constant_s: 0.2,
 };
 
-/// A simulated board.
+/// A simulated board with one of the firmwares.
 enum SimulatedBoard {
     Grbl(Box<GrblTwin>),
     Klipper(Box<KlipperTwin>),
 }
 
-/// The state of the board that is printed when it changes.
+/// The state of the simulated board; a line is printed whenever it changes.
 #[derive(PartialEq)]
 struct TwinStatus {
     state: Message,
@@ -101,7 +101,8 @@ impl SimulatedBoard {
         }
     }
 
-    /// Passes bytes to the board and advances it to a time, ns. Returns its answers.
+    /// Passes bytes to the board and advances its time to `until_ns`. Returns the bytes that
+    /// it answers.
     fn advance_to(&mut self, bytes: &[u8], until_ns: u64) -> Vec<u8> {
         match self {
             Self::Grbl(board) => {
@@ -140,7 +141,7 @@ impl SimulatedBoard {
     }
 }
 
-/// The machine file for a simulated board.
+/// The text of the machine file with the wiring of a simulated board.
 const fn machine_file(firmware: TwinBoard) -> &'static str {
     match firmware {
         TwinBoard::Grbl | TwinBoard::Grblhal | TwinBoard::Fluidnc => {
@@ -150,7 +151,8 @@ const fn machine_file(firmware: TwinBoard) -> &'static str {
     }
 }
 
-/// Simulates a board until the time of `--seconds` is over.
+/// Simulates a board until Ctrl-C or until the time of `--seconds` is over. Returns the exit
+/// code.
 pub fn run_twin(args: &LinkTwinArgs) -> Result<u8, CommandError> {
     if args.print_machine {
         output::print(machine_file(args.firmware));

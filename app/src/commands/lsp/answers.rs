@@ -30,22 +30,23 @@ use super::documents::OpenDocument;
 use super::folder;
 use super::server_state::ServerState;
 
-/// The result of a request, with a notice for the user.
+/// The result of a request as JSON and a notice for the user, or the refusal.
 type RequestAnswer = Result<(Value, Option<Message>), RequestRefusal>;
 
 /// Why a request is refused.
 enum RequestRefusal {
-    /// The parameters do not fit the method.
+    /// The parameters do not fit the method; holds the reason.
     Params(String),
     NotOpen,
     /// The operation would change the meaning of the program, or does not apply at the
-    /// position.
+    /// position; holds the reason for the user.
     Failed(Message),
-    /// The server does not know the method.
+    /// The server does not support this method.
     Method(String),
 }
 
-/// The open document that a request names, if any.
+/// The open document that a request names; `None` if it names none or the document is not
+/// open.
 pub fn document_of<'a>(
     desk: &'a mut ServerState,
     request: &Request,
@@ -54,7 +55,7 @@ pub fn document_of<'a>(
     desk.documents.get_mut(uri)
 }
 
-/// Answers a request. The message, if any, is shown to the user.
+/// Answers a request. The message, if any, is to be shown to the user.
 pub fn answer(desk: &mut ServerState, request: Request) -> (Response, Option<Message>) {
     let id = request.id.clone();
     match dispatch_request(desk, request) {
@@ -172,7 +173,7 @@ fn document_position<'a>(
     Ok((document, position))
 }
 
-/// The programs in the folder of a document, by number.
+/// Lists the programs in the folder of the document `uri`, by program number.
 fn index_folder(
     desk: &mut ServerState,
     uri: &Uri,
@@ -187,7 +188,7 @@ fn index_folder(
     })
 }
 
-/// Markdown, or plain text for an editor that cannot show it.
+/// Wraps a text as Markdown, or as plain text if the editor cannot show Markdown.
 fn to_markup(value: String, markdown: bool) -> MarkupContent {
     match markdown {
         true => MarkupContent {
@@ -284,7 +285,8 @@ fn on_definition(desk: &mut ServerState, params: &TextDocumentPositionParams) ->
     to_answer(&found)
 }
 
-/// The URI of a file; that of the editor if the file is open.
+/// The URI of a file: the one that the editor uses if the file is open. `None` if the path has
+/// none.
 fn find_uri(desk: &ServerState, path: &std::path::Path) -> Option<Uri> {
     let mut open = desk.documents.values();
     let open = open.find(|document| document.path.as_deref() == Some(path));
@@ -453,7 +455,7 @@ fn on_rename(desk: &ServerState, params: &TextDocumentPositionParams, name: &str
     to_answer(&WorkspaceEdit::new(changes))
 }
 
-/// The code lenses of a document; none before its first analysis.
+/// The code lenses of a document; empty before its first analysis.
 pub fn code_lenses(
     document: &OpenDocument,
     encoding: ColumnEncoding,

@@ -24,32 +24,32 @@ use crate::work_limit::WorkLimit;
 /// Work budget of one analysis.
 const BUDGET: WorkBudget = WorkBudget::interactive(20_000_000);
 
-/// A text to be analysed.
+/// A program text to be analysed by the checker thread.
 pub struct AnalysisJob {
     pub uri: Uri,
-    /// Version of the document.
+    /// Version of the document, as numbered by the editor.
     pub version: i32,
-    /// `None` if the document was never saved.
+    /// Path of the file; `None` if the document was never saved.
     pub path: Option<PathBuf>,
     pub text: Arc<TextDocument>,
-    /// Called programs of other files.
+    /// The programs of other files that the text calls.
     pub called_programs: Arc<Vec<FoundSubprogram>>,
-    /// False cancels the job.
+    /// Set to false by the server to cancel the job.
     pub is_wanted: Arc<AtomicBool>,
 }
 
-/// The result of a job.
+/// The result of an [`AnalysisJob`].
 pub struct AnalysisResult {
     pub uri: Uri,
-    /// Version of the document that was analysed.
+    /// Version of the document that was analysed, as numbered by the editor.
     pub version: i32,
     pub structure: Arc<Structure>,
-    /// The findings; if the program cannot be loaded, the reason is the only one.
+    /// What the check found; if the program cannot be loaded, the reason is the only finding.
     pub analysis: Arc<Analysis>,
 }
 
-/// Starts the thread. It takes jobs from the sender, returns results through the receiver,
-/// and ends when the sender is dropped.
+/// Starts the checker thread: it takes jobs from the sender, returns results through the
+/// receiver, and ends when the sender is dropped.
 pub fn start_checker(
     control: CheckedControl,
     language: Language,
@@ -127,7 +127,7 @@ fn short_name(path: &Path) -> String {
     name.to_string_lossy().into_owned()
 }
 
-/// The analysis of a program that cannot be loaded.
+/// Creates the analysis of a program that cannot be loaded: `message` is its only finding.
 fn load_error_analysis(message: &Message, language: Language) -> Analysis {
     Analysis {
         findings: vec![ProgramFinding {

@@ -7,7 +7,7 @@ use std::str::FromStr;
 use gsk_language::{Position, TextChange, TextDocument, TextRange};
 use lsp_types::{PositionEncodingKind, Range, TextEdit, Uri};
 
-/// The unit of columns.
+/// The unit in which the protocol counts columns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ColumnEncoding {
     /// Bytes of UTF-8.
@@ -18,13 +18,14 @@ pub enum ColumnEncoding {
 }
 
 impl ColumnEncoding {
-    /// The fastest encoding that the editor offers: UTF-8 if it does, else UTF-16.
+    /// Selects the fastest encoding that the editor offers: UTF-8 if it is offered, else
+    /// UTF-16.
     pub fn select(offered: Option<&[PositionEncodingKind]>) -> Self {
         let bytes = offered.is_some_and(|it| it.contains(&PositionEncodingKind::UTF8));
         if bytes { Self::Utf8 } else { Self::Utf16 }
     }
 
-    /// The name of the encoding in the protocol.
+    /// Converts the encoding to its name in the protocol.
     pub const fn to_protocol(self) -> PositionEncodingKind {
         match self {
             Self::Utf8 => PositionEncodingKind::UTF8,
@@ -32,7 +33,7 @@ impl ColumnEncoding {
         }
     }
 
-    /// Converts a byte offset in a line to a column.
+    /// Converts a byte offset in `line` to a column, both from 0.
     fn to_column(self, line: &str, byte: usize) -> u32 {
         let byte = line.floor_char_boundary(byte.min(line.len()));
         let before = line.get(..byte).unwrap_or(line);
@@ -43,8 +44,8 @@ impl ColumnEncoding {
         u32::try_from(column).unwrap_or(u32::MAX)
     }
 
-    /// Converts a column of a line to a byte offset; the end of the line if the column is
-    /// beyond it.
+    /// Converts a column of `line` (from 0) to a byte offset; the end of the line if the
+    /// column is beyond it.
     fn to_byte(self, line: &str, column: u32) -> usize {
         let column = column as usize;
         match self {
@@ -89,7 +90,7 @@ impl ColumnEncoding {
     }
 }
 
-/// The path of a `file:` URI; `None` for a text that was never saved.
+/// The path of a `file:` URI; `None` for any other URI, such as that of an unsaved text.
 pub fn uri_to_path(uri: &Uri) -> Option<PathBuf> {
     let rest = uri.as_str().strip_prefix("file://")?;
     let path = rest.strip_prefix("localhost").unwrap_or(rest);

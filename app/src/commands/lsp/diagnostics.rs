@@ -12,7 +12,7 @@ use lsp_types::{
 use super::convert::{ColumnEncoding, path_to_uri};
 use super::documents::OpenDocument;
 
-/// The source name that the editor shows.
+/// The name that the editor shows as the source of a diagnostic.
 const SOURCE: &str = "gsk980td";
 
 pub fn diagnostics(
@@ -63,7 +63,8 @@ fn diagnostic(
     }
 }
 
-/// The range of a finding, at least one character wide to be visible.
+/// Converts the range of a finding to one of the protocol; an empty range is widened to one
+/// character, so that it is visible.
 fn to_visible_range(
     encoding: ColumnEncoding,
     text: &TextDocument,
@@ -76,7 +77,7 @@ fn to_visible_range(
     range
 }
 
-/// Whether a program is part of the text.
+/// Whether the text contains the program with this number.
 fn is_part_of_text(structure: &Structure, number: u16) -> bool {
     structure
         .parts
@@ -84,8 +85,8 @@ fn is_part_of_text(structure: &Structure, number: u16) -> bool {
         .any(|part| part.number == Some(number))
 }
 
-/// The first word of the text that calls a program. If only another program calls it, the
-/// first call of the text.
+/// The range of the first word that calls program `number`. If only another program calls it,
+/// the range of the first call in the text.
 fn find_call(structure: &Structure, number: u16) -> Option<TextRange> {
     let calls = || {
         let references = structure.references.iter();
@@ -97,13 +98,14 @@ fn find_call(structure: &Structure, number: u16) -> Option<TextRange> {
         .map(|reference| reference.word.clone())
 }
 
-/// The first line that the control reads.
+/// The range of the first line that the control executes.
 fn first_block_line(text: &TextDocument, structure: &Structure) -> TextRange {
     let line = structure.block_lines.0;
     TextRange::new(line, &(0..text.line(line).len()))
 }
 
-/// The position of a finding in another file.
+/// The position of a finding in another file: the program `number` that the document calls.
+/// `None` if the document does not call it or the finding has no position.
 fn related_position(
     document: &OpenDocument,
     number: u16,

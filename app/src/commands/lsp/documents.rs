@@ -11,22 +11,22 @@ use lsp_types::{TextDocumentContentChangeEvent, Uri};
 use super::convert::ColumnEncoding;
 use crate::files::subprograms::FoundSubprogram;
 
-/// An open document.
+/// A document that is open in the editor.
 pub struct OpenDocument {
     pub uri: Uri,
-    /// `None` if the document was never saved.
+    /// Path of the file; `None` if the document was never saved.
     pub path: Option<PathBuf>,
     /// The version number that the editor assigned.
     pub version: i32,
     pub text: Arc<TextDocument>,
     structure: OnceLock<Arc<Structure>>,
-    /// Called programs of other files.
+    /// The programs of other files that the text calls.
     pub called_programs: Arc<Vec<FoundSubprogram>>,
     /// The analysis of the current text; `None` until the checker has finished.
     pub analysis: Option<Arc<Analysis>>,
-    /// False cancels the running analysis.
+    /// Set to false to cancel the running analysis.
     is_analysis_wanted: Arc<AtomicBool>,
-    /// Code lens requests that wait for the analysis.
+    /// Ids of the code lens requests that wait for the analysis.
     pub waiting_requests: Vec<RequestId>,
 }
 
@@ -45,7 +45,7 @@ impl OpenDocument {
         }
     }
 
-    /// The structure of the text, parsed on first use.
+    /// Returns the structure of the text, which is parsed on first use.
     pub fn structure(&self) -> &Arc<Structure> {
         let read = || Arc::new(Structure::read(&self.text));
         self.structure.get_or_init(read)
@@ -58,7 +58,7 @@ impl OpenDocument {
         self.analysis = Some(analysis);
     }
 
-    /// Applies changes in their order.
+    /// Applies changes of the text in their order and stores the version number of the result.
     pub fn apply_changes(
         &mut self,
         version: i32,
@@ -84,7 +84,8 @@ impl OpenDocument {
         }
     }
 
-    /// Starts a new analysis and cancels the running one. Returns its cancel flag.
+    /// Cancels the running analysis and returns the flag of a new one; false in it cancels
+    /// that one.
     pub fn begin_analysis(&mut self) -> Arc<AtomicBool> {
         self.cancel_analysis();
         self.analysis = None;
@@ -97,8 +98,8 @@ impl OpenDocument {
         self.is_analysis_wanted.store(false, Ordering::Relaxed);
     }
 
-    /// The sequence numbers that M99 P in programs of other files returns to, in the order
-    /// of those programs.
+    /// The sequence numbers (N) to which M99 P in programs of other files returns, in the
+    /// order of those programs.
     pub fn external_return_targets(&self) -> Vec<u16> {
         let texts = self
             .called_programs

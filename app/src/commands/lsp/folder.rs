@@ -25,7 +25,8 @@ impl FolderIndexes {
         self.by_main.clear();
     }
 
-    /// The programs in the folder of a document, by number.
+    /// Lists the programs in the folder of the document `path`, by program number; `open` are
+    /// the documents in the editor.
     pub fn index_for<'a>(
         &mut self,
         path: &Path,
@@ -42,7 +43,8 @@ impl FolderIndexes {
     }
 }
 
-/// Number and path of an open document in the same folder.
+/// Program number and path of an open document if it is in the same folder as `path` and has a
+/// number.
 fn numbered_beside(path: &Path, document: &OpenDocument) -> Option<(u16, PathBuf)> {
     let other = document.path.as_deref()?;
     if other == path || other.parent() != path.parent() {
@@ -53,7 +55,8 @@ fn numbered_beside(path: &Path, document: &OpenDocument) -> Option<(u16, PathBuf
     Some((number, other.to_owned()))
 }
 
-/// The text of a program: from the editor if it is open, else from the disk.
+/// Reads the text of a program: from the editor if it is open, else from the disk; `None` if
+/// it cannot be read.
 pub fn read_text<'a>(
     path: &Path,
     mut open: impl Iterator<Item = &'a OpenDocument>,
@@ -65,7 +68,8 @@ pub fn read_text<'a>(
     }
 }
 
-/// The called programs in the folder of a text, and those that they call in turn.
+/// Finds the programs that a text calls in `index`, and those that these call in turn; `read`
+/// returns the text of a file.
 pub fn find_called_programs(
     text: &TextDocument,
     index: &BTreeMap<u16, PathBuf>,

@@ -4,16 +4,16 @@ use std::io::{self, BufRead, ErrorKind, Read as _};
 
 use lsp_server::Message;
 
-/// The longest message, bytes: a program of the greatest size with every character escaped
-/// is shorter.
+/// Length limit of a message, bytes. The largest program with every character escaped is
+/// shorter.
 const MAX_MESSAGE_BYTES: u64 = 512 * 1024 * 1024;
-/// The longest line of a header, bytes.
+/// Length limit of a header line, bytes.
 const MAX_HEADER_LINE_BYTES: u64 = 4096;
-/// Characters of a message that an error quotes.
+/// Number of characters of a malformed message that an error quotes.
 const QUOTED_CHARS: usize = 200;
 
-/// The next message; `None` at the end of the stream. The memory for it grows with the bytes
-/// that come, not with the length that its header promises.
+/// Reads the next message; `None` at the end of the stream. Memory is allocated as bytes
+/// arrive, not by the length in the header.
 ///
 /// # Errors
 /// A malformed header or message, one that is too long or broken off, and what the stream
@@ -40,7 +40,8 @@ pub fn read_message(input: &mut impl BufRead) -> io::Result<Option<Message>> {
     Ok(Some(message))
 }
 
-/// The length of the message after a header; `None` at the end of the stream.
+/// Reads a header and returns the length of the message after it, bytes; `None` at the end of
+/// the stream.
 fn read_header(input: &mut impl BufRead) -> io::Result<Option<u64>> {
     let mut length = None;
     loop {

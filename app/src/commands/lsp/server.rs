@@ -35,7 +35,7 @@ use super::server_state::{EditorCapabilities, ServerState};
 use super::{diagnostics, settings};
 use crate::cli::is_chinese;
 
-/// Why the server ended.
+/// How the editor ended the server.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ServerEnd {
     /// The editor sent `shutdown` and `exit`.
@@ -47,10 +47,10 @@ pub enum ServerEnd {
 /// Why the connection failed.
 #[derive(Debug, thiserror::Error)]
 pub enum ServeError {
-    /// A message violates the protocol.
+    /// The editor sent a message that violates the protocol.
     #[error(transparent)]
     Protocol(#[from] ProtocolError),
-    /// The editor does not read the answers.
+    /// The editor does not read the answers of the server.
     #[error("{}", say::lsp_not_read())]
     NotRead,
 }
@@ -65,7 +65,7 @@ impl<T> From<SendError<T>> for ServeError {
 struct Server<'a> {
     connection: &'a Connection,
     desk: ServerState,
-    /// The control model: it determines which codes call programs.
+    /// The control model, which determines the codes that call programs.
     model: ControlModel,
     jobs: Sender<AnalysisJob>,
     results: Receiver<AnalysisResult>,
@@ -130,7 +130,7 @@ pub fn serve(
     server.run()
 }
 
-/// The capabilities of an editor from its initialization message.
+/// Reads what the editor supports from its initialization message.
 fn read_capabilities(
     params: &InitializeParams,
     setup: &Setup,
@@ -163,7 +163,7 @@ fn read_capabilities(
     }
 }
 
-/// The capabilities of the server.
+/// Lists for the editor what this server supports.
 fn capabilities(encoding: ColumnEncoding) -> ServerCapabilities {
     let triggers = ["G", "M", "T", "P", "Q", " "];
     ServerCapabilities {
@@ -342,7 +342,7 @@ impl Server<'_> {
             .collect()
     }
 
-    /// Cancels a waiting request; all other requests are already answered.
+    /// Cancels a waiting code lens request; all other requests are already answered.
     fn cancel(&mut self, notification: &Notification) -> Result<(), ServeError> {
         let id = notification.params.get("id");
         let Some(id) = id.and_then(|id| serde_json::from_value(id.clone()).ok()) else {
@@ -372,7 +372,7 @@ impl Server<'_> {
         self.publish(uri.clone(), None, Vec::new())
     }
 
-    /// Refuses requests whose text has changed or was closed.
+    /// Refuses requests because their document has changed or was closed.
     fn refuse_requests(&self, waiting: Vec<lsp_server::RequestId>) -> Result<(), ServeError> {
         for id in waiting {
             let code = ErrorCode::ContentModified as i32;
@@ -405,7 +405,7 @@ impl Server<'_> {
         Ok(())
     }
 
-    /// Sends a document to the checker thread.
+    /// Sends the text of a document to the checker thread.
     fn start_analysis(&mut self, uri: &Uri) -> Result<(), ServeError> {
         let Some(document) = self.desk.documents.get(uri.as_str()) else {
             return Ok(());
@@ -439,7 +439,8 @@ impl Server<'_> {
         self.refuse_requests(waiting)
     }
 
-    /// Publishes the result of an analysis.
+    /// Sends the findings of an analysis to the editor and answers the requests that wait for
+    /// it.
     fn publish_analysis(&mut self, result: AnalysisResult) -> Result<(), ServeError> {
         let EditorCapabilities {
             encoding,
@@ -477,8 +478,8 @@ impl Server<'_> {
     }
 }
 
-/// The parameters of a notification. Malformed ones are logged and ignored: a notification
-/// has no answer.
+/// Parses the parameters of a notification. Malformed ones are logged and give `None`: a
+/// notification has no answer.
 fn parse_params<N>(notification: Notification) -> Option<N::Params>
 where
     N: lsp_types::notification::Notification,

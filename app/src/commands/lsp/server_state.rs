@@ -9,26 +9,26 @@ use super::convert::ColumnEncoding;
 use super::documents::OpenDocument;
 use super::folder::FolderIndexes;
 
-/// Capabilities of the editor.
+/// What the editor supports, from its initialization message.
 #[derive(Clone, Copy, Debug)]
 pub struct EditorCapabilities {
-    /// The unit of its columns.
+    /// The unit in which positions count columns.
     pub encoding: ColumnEncoding,
-    /// Whether it accepts completions with placeholders.
+    /// Whether the editor accepts completions with placeholders.
     pub snippets: bool,
-    /// Whether it shows Markdown in hovers and in completions.
+    /// Whether the editor shows Markdown: in hovers, and in completions.
     pub markdown: (bool, bool),
-    /// Control model and language of the programs.
+    /// Control model of the programs, and language of the texts about them.
     pub reading: ReadingContext,
 }
 
 /// The state from which requests are answered.
 pub struct ServerState {
     pub editor: EditorCapabilities,
-    /// The format style of programs.
+    /// The style in which programs are formatted.
     pub style: Style,
-    /// Open documents by URI.
+    /// Documents that are open in the editor, by URI.
     pub documents: BTreeMap<String, OpenDocument>,
-    /// Programs in the folders of the documents.
+    /// Indexes of the programs in the folders of the documents.
     pub folders: FolderIndexes,
 }

@@ -54,8 +54,8 @@ impl Default for StyleSettings {
     }
 }
 
-/// The style in settings: in the section, or in a value that contains it. `None` if the
-/// settings cannot be read.
+/// Reads the format style from the section of this program, or from a value that contains the
+/// section. `None` if the settings cannot be parsed.
 pub fn read_style(settings: &Value) -> Option<Style> {
     let section = settings.get(SECTION).unwrap_or(settings);
     if section.is_null() {

@@ -10,12 +10,12 @@ use lsp_types::notification::{Exit, Notification as _};
 
 use super::framing::read_message;
 
-/// Most messages in the queue of the writer.
+/// Maximum number of messages that wait for the writer thread.
 const WRITE_QUEUE_CAPACITY: usize = 16;
 
-/// The threads that read and write.
+/// The threads that read standard input and write standard output.
 pub struct Streams {
-    /// The result of reading; it is sent before the connection closes.
+    /// Receives the result of the reading thread before the connection closes.
     read_result: Receiver<io::Result<()>>,
     writer: JoinHandle<io::Result<()>>,
 }
@@ -60,7 +60,7 @@ fn write_all(written: &Receiver<Message>) -> io::Result<()> {
 }
 
 impl Streams {
-    /// Waits until all messages are written. The connection must be dropped before.
+    /// Waits until all messages are written. The caller must have dropped the connection.
     ///
     /// # Errors
     /// The editor does not read, or has sent a malformed message.

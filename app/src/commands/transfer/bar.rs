@@ -10,7 +10,8 @@ use super::{CommandError, output};
 use crate::cli::TransferPortArgs;
 use crate::pc::{TransferObserver, TransferSession, TransferSettings, load_window_settings};
 
-/// A progress bar on a terminal; `None` elsewhere.
+/// A progress bar for a file transfer on a terminal; holds `None` if standard error is no
+/// terminal.
 #[derive(Default)]
 struct TransferBar(Option<ProgressBar>);
 
@@ -47,7 +48,7 @@ fn create_bar(name: &FileName, size: usize) -> Option<ProgressBar> {
     Some(bar)
 }
 
-/// The port and its speed in bits per second: from the command line, else from the window's
+/// Returns the port and its speed in bits per second: from the options, else from the window's
 /// settings.
 pub(super) fn select_port(args: &TransferPortArgs) -> Result<(String, u32), CommandError> {
     let settings = match &args.port {
@@ -60,7 +61,7 @@ pub(super) fn select_port(args: &TransferPortArgs) -> Result<(String, u32), Comm
     Ok((settings.port, args.baud.unwrap_or(settings.baud)))
 }
 
-/// Opens the port without a query to the control.
+/// Opens the port without connecting to the control.
 pub(super) fn open_port(args: &TransferPortArgs) -> Result<TransferSession, CommandError> {
     let (port, baud) = select_port(args)?;
     Ok(TransferSession::open(
@@ -76,7 +77,7 @@ pub(super) fn connect_to_control(args: &TransferPortArgs) -> Result<TransferSess
     Ok(talk)
 }
 
-/// Says what has gone and how fast (传输速率, 重试次数).
+/// Prints the amount transferred, the rate and the number of retries (传输速率, 重试次数).
 pub(super) fn print_rate(talk: &TransferSession) {
     output::print_message(&talk.totals().message());
 }

@@ -25,12 +25,12 @@ use crate::retained::{self, Keeper};
 use crate::serial::{SerialEnd, SerialLine};
 use crate::termination::TerminationFlag;
 
-/// Upper limit of the duration of the self-test, ms.
+/// Limit of the machine time that the self-test may take after power-on, ms.
 const MAX_SELF_TEST_MS: u64 = 20_000;
-/// Interval at which the end request is polled.
+/// Time between two checks for a termination signal.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
-/// Simulates the control until Ctrl-C.
+/// Simulates a control at its serial port until Ctrl-C. Returns the exit code.
 pub(super) fn run_control(args: &TransferControlArgs) -> Result<u8, CommandError> {
     args.setup.refuse_mill().map_err(LoadError::from)?;
     let mut setup =
@@ -100,8 +100,8 @@ pub(super) fn run_control(args: &TransferControlArgs) -> Result<u8, CommandError
     Ok(EXIT_OK)
 }
 
-/// Prints a message of the port. Before the first line prints the port's name alone, for
-/// scripts.
+/// Prints a message of the control. Before the first message about the port, prints the name
+/// of the port alone on a line, for scripts.
 fn print_message(message: &Message, port_printed_at: &mut Option<Instant>) {
     if port_printed_at.is_none()
         && let Some(port) = message.plain_value("port")
@@ -113,7 +113,7 @@ fn print_message(message: &Message, port_printed_at: &mut Option<Instant>) {
     output::print_message(message);
 }
 
-/// Stores a program in the memory and returns its number.
+/// Stores the program of a file in the control's memory and returns its number.
 fn load_program(path: &Path, setup: &mut Setup) -> Result<u16, CommandError> {
     let file = program_file::read(path)?;
     let program_number = Program::new(file.text).number();
@@ -123,7 +123,7 @@ fn load_program(path: &Path, setup: &mut Setup) -> Result<u16, CommandError> {
     Ok(number)
 }
 
-/// Presses the keys EDIT, PROGRAM, O, the number and OUT.
+/// Presses the keys that punch out a program: EDIT, PROGRAM, O, the number and OUT.
 fn press_out(console: &Console, number: u16) {
     console.send(Command::Tap(Key::Edit));
     console.send(Command::Tap(Key::Program));

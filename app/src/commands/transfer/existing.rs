@@ -11,20 +11,20 @@ use crate::cli::ExistingFile;
 use crate::output;
 use crate::pc::{self, FilesError, PcError, TransferSession};
 
-/// The outcome of sending a file.
+/// Whether a file was sent or skipped.
 pub(super) enum SendOutcome {
     Sent,
     Skipped,
 }
 
-/// How the conflict of names is resolved.
+/// What to do with a file whose name is taken at the control.
 enum ConflictChoice {
     Overwrite,
     Rename(FileName),
     Skip,
 }
 
-/// Sends a file and resolves a conflict of names.
+/// Sends a file. If its name is taken at the control, applies `on_existing`.
 pub(super) fn send(
     talk: &mut TransferSession,
     file: TransferFile,
@@ -79,14 +79,14 @@ fn resolve_conflict(
     })
 }
 
-/// The next free program number.
+/// Finds the next free program number for the program that has the name of `file`.
 fn free_name(talk: &mut TransferSession, file: &TransferFile) -> Result<FileName, CommandError> {
     let name = &file.remote_path.name;
     let entries = talk.list(file.remote_path.partition)?;
     pc::free_name(name, &entries).ok_or_else(|| FilesError::NoFreeName(name.clone()).into())
 }
 
-/// Prompts the operator at the terminal until the answer is valid.
+/// Prompts the operator for what to do with a taken name, until the answer is valid.
 fn prompt_choice(name: &FileName) -> Result<ConflictChoice, CommandError> {
     loop {
         let answer = prompt_line(&say::transfer_exists_ask(name))?;

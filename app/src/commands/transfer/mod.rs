@@ -48,8 +48,8 @@ pub fn transfer(command: &TransferCommand) -> Result<u8, CommandError> {
     }
 }
 
-/// Reports a refusal and lets the caller continue with the next file; returns any other
-/// error.
+/// Prints a refusal of the control, sets `failed` and returns `Ok`, so that the caller
+/// continues with the next file; returns any other result unchanged.
 fn report_refusal(
     result: Result<(), impl Into<CommandError>>,
     failed: &mut bool,
@@ -64,7 +64,7 @@ fn report_refusal(
     }
 }
 
-/// The result of several files.
+/// Converts the flag that some of several files failed into a result.
 const fn batch_result(failed: bool) -> Result<(), CommandError> {
     match failed {
         true => Err(CommandError::Files(FilesError::SomeFailed)),
@@ -95,7 +95,7 @@ fn restore(args: &TransferRestoreArgs) -> Result<(), CommandError> {
     send_all(&args.port, &files, Partition::User, args.on_existing)
 }
 
-/// Sends files; reads all of them before the first one is sent.
+/// Reads all files, then sends them to the control.
 fn send_all(
     port: &TransferPortArgs,
     files: &[PcFile],
@@ -163,7 +163,8 @@ fn receive_all(
     batch_result(failed)
 }
 
-/// Receives files and writes each one at once. Returns whether the control refused one.
+/// Receives files and writes each one into the folder `into` at once. Returns true if the
+/// control refused one.
 fn fetch(
     talk: &mut TransferSession,
     names: &[FileName],
@@ -254,7 +255,7 @@ fn wait(args: &TransferWaitArgs) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// Reports a received file.
+/// Prints name, path and size in bytes of a received file.
 fn print_received(name: &str, path: &Path, size: usize) {
     output::print_message(&say::transfer_got(name, path.display(), size));
 }

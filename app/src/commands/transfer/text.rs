@@ -13,9 +13,9 @@ use crate::files::program_file;
 use crate::pc::{FilesError, folder};
 use crate::ports::Port;
 
-/// Time for which a port may stay busy after another program has closed it.
+/// How long to retry a port that another program has just closed.
 const PORT_RETRY_TIME: Duration = Duration::from_millis(500);
-/// Pause between two programs: the other end stores the first one.
+/// Pause between two programs, in which the receiver stores the first one.
 const PROGRAM_PAUSE: Duration = Duration::from_millis(300);
 
 pub(super) fn send(args: &TransferSendTextArgs) -> Result<(), CommandError> {

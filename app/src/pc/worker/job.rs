@@ -17,7 +17,8 @@ use crate::pc::{TransferSession, free_name};
 use crate::platform;
 
 impl PcWorkerThread {
-    /// Processes the files of a job; reports their results and the new directory.
+    /// Processes the files of a job one after another; sends their results, and then the new
+    /// directory of the control, to the window.
     fn run_job<T>(
         &mut self,
         kind: FileJobKind,
@@ -61,7 +62,7 @@ impl PcWorkerThread {
         self.session.as_mut().ok_or_else(|| closed().into())
     }
 
-    /// Sends a question to the window and waits for the answer; keeps the line alive
+    /// Sends a question to the window and waits for the answer; keeps the connection alive
     /// meanwhile.
     fn query(&mut self, question: NameConflict) -> Result<NameConflictAnswer, PcError> {
         self.events.send(PcWorkerEvent::Conflict(question));
@@ -192,7 +193,8 @@ impl PcWorkerThread {
         });
     }
 
-    /// Returns the path for a received file; `None`: skip the file.
+    /// Returns the path to which a received file is written; `None` if the operator skips the
+    /// file. `for_all` keeps a choice for all files of the job.
     fn path_for(
         &mut self,
         path: PathBuf,

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use super::super::{PathFacts, for_owner_alone, refuse_device};
 
-/// Returns what exists at a path, links followed.
+/// Returns type and length of what exists at a path; links are followed.
 ///
 /// # Errors
 /// Nothing exists there, or an error of the system.
@@ -32,7 +32,7 @@ pub fn is_link(path: &Path) -> bool {
     path.symlink_metadata().is_ok_and(|it| it.is_symlink())
 }
 
-/// Reads the first bytes of a file, at most this number.
+/// Reads at most the first `most` bytes of a file.
 ///
 /// # Errors
 /// An error of the system.
@@ -80,7 +80,7 @@ pub fn remove_folder(path: &Path) -> io::Result<()> {
     fs::remove_dir_all(path)
 }
 
-/// Renames a file; replaces a file of the new name.
+/// Renames a file. Replaces an existing file at `to`.
 ///
 /// # Errors
 /// An error of the system.
@@ -111,30 +111,31 @@ pub fn write_new(path: &Path, bytes: &[u8], owner_alone: bool) -> io::Result<()>
     file.sync_all()
 }
 
-/// Makes the renames in a folder durable. Systems that cannot open folders as files do so
-/// automatically.
+/// Makes the renames in a folder durable against a power failure. Systems that cannot open
+/// folders as files do so automatically.
 pub fn sync_folder(folder: &Path) {
     if let Ok(folder) = File::open(folder) {
         let _ = folder.sync_all();
     }
 }
 
-/// Whether the user has folders that a program can read and write.
+/// Returns true: on a computer the user has folders that a program can read and write.
 pub const fn has_folders() -> bool {
     true
 }
 
-/// Whether a file still exists at the next start, as far as the program knows.
+/// Returns true: on a computer a file still exists at the next start.
 pub const fn is_persistent(_path: &Path) -> bool {
     true
 }
 
-/// Number of attempts to lock a file that another process has locked, and the pause
-/// between them.
+/// Number of attempts to lock a file that another process has locked. The constant after it is
+/// the pause between them.
 const LOCK_TRIES: u32 = 15;
 const LOCK_PAUSE: Duration = Duration::from_millis(20);
 
-/// The lock of a file: one process holds it alone, or several hold it for reading.
+/// The lock of a file, held until dropped: one process holds it alone, or several hold it for
+/// reading.
 #[derive(Debug)]
 pub struct Lock(#[expect(dead_code, reason = "held open, not read")] File);
 
@@ -162,9 +163,9 @@ impl Lock {
         Self::acquire(file, File::try_lock_shared)
     }
 
-    /// Retries for a moment: a process that ends, or a child that has just been started,
-    /// may keep the lock. The child inherits the open files of its parent until it runs
-    /// its own program.
+    /// Tries to get the lock `LOCK_TRIES` times: a process that ends, or a child that has
+    /// just been started, may keep it for a moment. The child inherits the open files of its
+    /// parent until it runs its own program.
     fn acquire(file: File, lock: fn(&File) -> Result<(), TryLockError>) -> io::Result<Self> {
         let mut left = LOCK_TRIES;
         loop {

@@ -7,11 +7,11 @@ use tracing_appender::non_blocking::NonBlocking;
 pub use tracing_appender::non_blocking::WorkerGuard as LogGuard;
 use tracing_appender::rolling::{RollingFileAppender, Rotation};
 
-/// A log that a separate thread writes.
+/// A log file that a separate thread writes.
 pub type LogFile = NonBlocking;
 
-/// Opens one file a day in a folder and deletes the oldest ones above this number.
-/// Dropping the guard writes what waits.
+/// Opens a log with one file per day in a folder, and deletes the oldest files above `most`.
+/// Dropping the guard writes the waiting lines.
 ///
 /// # Errors
 /// An error of the system.

@@ -3,7 +3,7 @@
 use std::panic;
 use std::thread;
 
-/// Installs a panic hook: a panic of this thread calls `then` first, because libraries of
+/// Installs a panic hook that calls `then` first if this thread panics, because libraries of
 /// the window may take long to unwind.
 pub fn before_panic(then: impl Fn() + Send + Sync + 'static) {
     let own_thread = thread::current().id();

@@ -7,7 +7,8 @@ use crossbeam::channel::{Receiver, RecvError, RecvTimeoutError};
 use gsk_core::preview::WorkBudget;
 use web_time::{Duration, Instant};
 
-/// Limit of a preview in a separate thread: the caller alone limits its work.
+/// Limit of a preview: unlimited on a computer, where the preview runs in a separate thread
+/// and its caller limits the work.
 pub const LARGEST_PREVIEW: WorkBudget = WorkBudget {
     moves: u64::MAX,
     work: u64::MAX,
@@ -30,7 +31,7 @@ impl TaskHandle {
     }
 }
 
-/// Starts a task in a thread: it takes turns until a turn returns `false`. The task waits
+/// Starts a task in a thread that calls `take_turn` until it returns `false`. The task waits
 /// for its work in [`receive`].
 ///
 /// # Errors
@@ -53,7 +54,7 @@ pub fn run_in_background(name: &str, job: impl FnOnce() + Send + 'static) -> io:
     thread.spawn(job).map(drop)
 }
 
-/// Waits within a turn for the next item, at most until `until`.
+/// Waits for the next item, at most until `until`; `None` waits without limit.
 ///
 /// # Errors
 /// No item has arrived, or every sender is gone.
@@ -66,7 +67,7 @@ pub fn receive<T>(from: &Receiver<T>, until: Option<Instant>) -> Result<T, RecvT
     }
 }
 
-/// Waits at most this time for the answer of another task.
+/// Waits for the answer of another task, at most `timeout`; `None` if it does not answer.
 pub fn wait_for_answer<T>(from: &Receiver<T>, timeout: Duration) -> Option<T> {
     from.recv_timeout(timeout).ok()
 }

@@ -8,7 +8,7 @@ use gsk_messages::{Message, say};
 
 use super::super::FileDialog;
 
-/// The icon of the program.
+/// The icon of the program as a PNG.
 const ICON: &[u8] = include_bytes!("../../../../assets/icon/gsk980td.png");
 
 /// Opens a window and returns when it is closed.
@@ -33,36 +33,36 @@ pub fn open_window(
     eframe::run_native(name, options, application).map_err(say::window_cannot_be_opened)
 }
 
-/// Returns the system's data folder for an application of this name; some systems have
+/// Returns the system's data folder for an application of this name; `None` if the system has
 /// none.
 pub fn data_folder(name: &str) -> Option<PathBuf> {
     let folders = directories::ProjectDirs::from("", "", name)?;
     Some(folders.data_dir().to_owned())
 }
 
-/// Returns the message for a data folder that another process holds.
+/// Returns the message that another process holds the data folder `path`.
 pub fn data_folder_in_use(path: &Path) -> Message {
     say::data_dir_in_use(path.display())
 }
 
-/// Returns a message to show first: none on a computer.
+/// Returns `None`: on a computer the window shows no message first.
 pub const fn startup_message() -> Option<Message> {
     None
 }
 
-/// Returns the user's home folder; some users have none.
+/// Returns the user's home folder; `None` if the user has none.
 pub fn home_folder() -> Option<PathBuf> {
     let folders = directories::BaseDirs::new()?;
     Some(folders.home_dir().to_owned())
 }
 
-/// Returns the folder for files that the control sends, in its data folder.
+/// Returns the folder `name` in the data folder, for files that the control sends.
 pub fn sent_folder(data: &Path, name: &str) -> PathBuf {
     data.join(name)
 }
 
-/// Shows the desktop's file dialog and waits; `then` gets the chosen path. A cancelled
-/// dialog does nothing.
+/// Shows the desktop's file dialog and passes the chosen path to `then`. A cancelled dialog
+/// does nothing.
 pub fn choose_file(dialog: FileDialog, then: impl FnOnce(PathBuf) + Send + 'static) {
     let desktop = rfd::FileDialog::new();
     let chosen_path = match dialog {

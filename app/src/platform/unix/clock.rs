@@ -4,10 +4,10 @@ use std::time::Duration;
 
 use rustix::time::{ClockId, clock_gettime};
 
-/// The clock that continues while the computer sleeps.
+/// The system clock that continues while the computer sleeps.
 #[cfg(any(target_os = "linux", target_os = "android"))]
 const CLOCK: ClockId = ClockId::Boottime;
-/// Other systems use the monotonic clock.
+/// The monotonic clock, on systems other than Linux.
 #[cfg(not(any(target_os = "linux", target_os = "android")))]
 const CLOCK: ClockId = ClockId::Monotonic;
 
@@ -19,7 +19,7 @@ pub fn time_with_sleep() -> Duration {
     Duration::new(seconds, rest)
 }
 
-/// Returns a time that all processes share.
+/// Returns the time of a clock that all processes of this computer share.
 pub fn shared_time() -> Duration {
     time_with_sleep()
 }

@@ -3,7 +3,7 @@
 #[cfg(not(target_os = "macos"))]
 pub use super::portal::has_file_dialog;
 
-/// Returns true: macOS always has a file dialog.
+/// Returns true: macOS always shows a file dialog.
 #[cfg(target_os = "macos")]
 pub const fn file_dialog_answers() -> bool {
     true

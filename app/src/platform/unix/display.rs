@@ -16,10 +16,10 @@ use x11rb::rust_connection::RustConnection;
 use super::clock::time_with_sleep;
 use crate::input_watch::{DisplayReply, InputWatch, QUERY_INTERVAL};
 
-/// Bytes of a key map of X11.
+/// Length of the key map of X11, bytes: one bit per key.
 const KEY_MAP: usize = 32;
 
-/// Kind of display server.
+/// The kind of display server that shows the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DisplayServer {
     /// An X server.
@@ -74,7 +74,7 @@ pub fn watch_display(
         .map(drop)
 }
 
-/// Queries the display; reconnects once if the connection is broken. Returns none if the
+/// Queries the display; reconnects once if the connection is broken. Returns `None` if the
 /// display is gone.
 fn query(display: &mut Option<Display>, server: DisplayServer) -> Option<DisplayReply> {
     let reply = display.as_mut().and_then(Display::query);
@@ -89,7 +89,7 @@ enum Display {
     Wayland(EventQueue<IgnoredEvents>),
 }
 
-/// Ignores the events of Wayland.
+/// Receives the events of Wayland and ignores them.
 struct IgnoredEvents;
 
 impl Display {
@@ -103,7 +103,7 @@ impl Display {
         }
     }
 
-    /// Sends a query and blocks until the reply arrives.
+    /// Sends a query and blocks until the reply arrives; `None` if the connection is broken.
     fn query(&mut self) -> Option<DisplayReply> {
         match self {
             Self::X11(x11) => x11.query(),
@@ -127,7 +127,7 @@ impl Display {
 struct X11 {
     connection: RustConnection,
     root: Window,
-    /// Bits of Shift, Ctrl and the other modifier keys.
+    /// The bits of the key map that belong to Shift, Ctrl and the other modifier keys.
     modifiers: [u8; KEY_MAP],
 }
 

@@ -6,7 +6,7 @@ use winit::raw_window_handle::HasDisplayHandle;
 
 use crate::input_watch::InputWatch;
 
-/// The display of macOS.
+/// The display of macOS, which the program does not query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DisplayServer;
 
@@ -15,7 +15,7 @@ pub fn display_server(_window: &impl HasDisplayHandle) -> DisplayServer {
     DisplayServer
 }
 
-/// Takes the frames of the window as proof.
+/// Accepts the frames of the window as proof that keys are held.
 ///
 /// # Errors
 /// Never; other platforms start a thread.

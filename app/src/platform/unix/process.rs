@@ -21,7 +21,7 @@ pub fn register_termination_flag(requested: &Arc<AtomicBool>, code: u8) -> io::R
     Ok(())
 }
 
-/// Ignores these signals and SIGQUIT from now on.
+/// Ignores the termination signals and SIGQUIT from now on.
 pub fn ignore_termination() {
     let ignored = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM, SIGHUP, SIGQUIT] {
@@ -29,8 +29,8 @@ pub fn ignore_termination() {
     }
 }
 
-/// Returns the file of this very program: the file under its name may have been replaced
-/// meanwhile.
+/// Returns a path that opens the running program itself, even if the file under its name was
+/// replaced meanwhile.
 pub fn own_executable() -> PathBuf {
     let own = Path::new("/proc/self/exe");
     if own.exists() {
@@ -44,9 +44,10 @@ pub fn set_process_name(name: &str) {
     let _ = std::fs::write("/proc/self/comm", name);
 }
 
-/// Returns the processor time of a process, s; `None` where the system does not report it.
+/// Returns the processor time that a process has used, s; `None` where the system does not
+/// report it.
 pub fn processor_time(process: u32) -> Option<f64> {
-    /// Clock ticks a second that Linux reports to programs.
+    /// Clock ticks per second in the times that Linux reports.
     const TICKS: f64 = 100.0;
     let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
     // The program name in brackets may contain blanks.

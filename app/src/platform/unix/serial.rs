@@ -10,7 +10,7 @@ use serialport::{ClearBuffer, SerialPort, SerialPortBuilder, TTYPort};
 /// Error numbers of a port whose device was unplugged: EIO, ENXIO and ENODEV.
 pub const UNPLUGGED_ERRORS: [i32; 3] = [5, 6, 19];
 
-/// An open port; closed when dropped.
+/// An open serial port, closed when dropped.
 pub struct Serial(TTYPort);
 
 impl Serial {
@@ -22,7 +22,7 @@ impl Serial {
         builder.open_native().map(Self)
     }
 
-    /// Returns the same port for another thread.
+    /// Returns another handle of the same port, for another thread.
     ///
     /// # Errors
     /// The system refuses.
@@ -43,7 +43,7 @@ impl Serial {
         let _ = self.0.clear(ClearBuffer::Input);
     }
 
-    /// Returns the name of the port in the file system.
+    /// Returns the path of the port in the file system; `None` if it has none.
     pub fn name(&self) -> Option<String> {
         self.0.name()
     }
@@ -65,7 +65,7 @@ impl Write for Serial {
     }
 }
 
-/// Whether there can be ports.
+/// Whether the system can have serial ports.
 pub const fn has_ports() -> bool {
     true
 }
@@ -76,7 +76,7 @@ pub fn pseudo_terminal() -> Option<serialport::Result<(Serial, Serial)>> {
     Some(ends.map(|(near, far)| (Serial(near), Serial(far))))
 }
 
-/// Returns the persistent names of the ports, by device path.
+/// Lists the persistent names of the ports, by device path.
 pub fn persistent_names() -> BTreeMap<PathBuf, PathBuf> {
     let Ok(entries) = std::fs::read_dir("/dev/serial/by-id") else {
         return BTreeMap::new();

@@ -6,8 +6,8 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 
 use gsk_messages::{Message, say};
 
-/// Players that read samples of 16 bits, one channel, from standard input, with their
-/// options and the option for the sample rate: of PulseAudio, PipeWire and ALSA.
+/// Programs that play samples of 16 bits, one channel, from standard input: name, options and
+/// the option for the sample rate, for PulseAudio, PipeWire and ALSA.
 const PLAYERS: [(&str, &[&str], &str); 3] = [
     (
         "pacat",
@@ -42,17 +42,17 @@ const PLAYERS: [(&str, &[&str], &str); 3] = [
     ),
 ];
 
-/// Whether the system can play at all.
+/// Returns true: on this system a player for sound may be installed.
 pub const fn has_sound() -> bool {
     true
 }
 
-/// A running player.
+/// A running program that plays samples.
 pub struct Player {
     child: Child,
     input: ChildStdin,
     rate: u32,
-    /// Index of the first player that was not tried yet.
+    /// Index in `PLAYERS` of the first one that was not tried yet.
     next_player: usize,
 }
 
@@ -88,7 +88,7 @@ impl Player {
         Err(say::sound_no_player(names))
     }
 
-    /// Plays samples; when the player has ended, starts the next one.
+    /// Plays samples; if the player has ended, starts the next one.
     ///
     /// # Errors
     /// No player is left.

@@ -15,7 +15,7 @@ use rustix::io::Errno;
 /// Size of a read, bytes.
 const READ_BYTES: usize = 4096;
 
-/// The program's end of the connection.
+/// The program's end of the connection to the holder process.
 pub struct HolderConnection(UnixStream);
 
 impl HolderConnection {
@@ -58,7 +58,7 @@ impl HolderConnection {
         }
     }
 
-    /// Sends as many bytes as the connection takes now; returns their number.
+    /// Sends as many bytes to the holder as the connection accepts now; returns their number.
     ///
     /// # Errors
     /// The holder is gone.
@@ -69,7 +69,7 @@ impl HolderConnection {
         }
     }
 
-    /// Ends sending.
+    /// Closes the sending direction: the holder then knows that the program is gone.
     pub fn end_sending(&mut self) {
         // A holder that has ended needs no shutdown.
         let _ = self.0.shutdown(Shutdown::Write);
@@ -81,7 +81,7 @@ fn is_busy(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted)
 }
 
-/// The holder's end of the connection.
+/// The holder's end of the connection to the program.
 pub struct ProgramConnection(UnixStream);
 
 impl ProgramConnection {
@@ -95,7 +95,7 @@ impl ProgramConnection {
         Ok(Self(stream))
     }
 
-    /// Returns the same end for another thread.
+    /// Returns another handle of the same end, for another thread.
     ///
     /// # Errors
     /// The system refuses.

@@ -16,7 +16,7 @@ pub fn time_with_sleep() -> Duration {
     begun.elapsed()
 }
 
-/// Returns the same clock: a page has no other process to share it with.
+/// Returns the same time as [`time_with_sleep`]: a page has no other process to share it with.
 pub fn shared_time() -> Duration {
     time_with_sleep()
 }

@@ -13,13 +13,13 @@ use web_time::{Duration, Instant};
 use super::super::PathFacts;
 use super::download::download;
 
-/// The folder that the browser's storage keeps.
+/// The folder whose files the browser's storage keeps.
 pub const STORAGE_FOLDER: &str = "/data";
-/// The folder of files that the user opens and downloads.
+/// The folder of the files that the user opens and of those that become downloads.
 pub const USER_FOLDER: &str = "/files";
-/// Prefix of each file name in the storage.
+/// Prefix of each file name in the browser's storage.
 const KEY_PREFIX: &str = "gsk980td:";
-/// A page that has not renewed its lock for this time is gone.
+/// A page that has not renewed its lock for this time counts as closed.
 const LEASE: Duration = Duration::from_secs(5);
 /// Time between two renewals of the lock.
 const RENEW_INTERVAL: Duration = Duration::from_secs(1);
@@ -34,9 +34,9 @@ thread_local! {
     static DISK: RefCell<Option<Disk>> = const { RefCell::new(None) };
     /// Random number that identifies this page among the open ones.
     static PAGE_ID: Cell<f64> = const { Cell::new(0.0) };
-    /// The lock that this page holds, and when it renewed it last.
+    /// The lock that this page holds, and the time of its last renewal; `None` without a lock.
     static HELD_LOCK: RefCell<Option<(PathBuf, Instant)>> = const { RefCell::new(None) };
-    /// Another page has taken the lock: this page writes nothing any more.
+    /// Set once another page has taken the lock: this page then writes nothing any more.
     static LOCK_LOST: Cell<bool> = const { Cell::new(false) };
 }
 
@@ -58,12 +58,12 @@ fn key(path: &Path) -> String {
     format!("{KEY_PREFIX}{}", path.display())
 }
 
-/// Encodes bytes for the storage, one character each.
+/// Encodes bytes as a text for the storage, one character per byte (U+0000 to U+00FF).
 fn encode(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| char::from(*byte)).collect()
 }
 
-/// Decodes a text from the storage; `None` if it is not of that form.
+/// Decodes a text from the storage; `None` if it has a character above U+00FF.
 fn decode(text: &str) -> Option<Vec<u8>> {
     let bytes = text
         .chars()
@@ -71,7 +71,8 @@ fn decode(text: &str) -> Option<Vec<u8>> {
     bytes.collect()
 }
 
-/// Passes the files to a closure; reads the storage before the first call.
+/// Passes the files to the closure `does` and returns its result; reads the storage before the
+/// first call.
 fn with_disk<T>(does: impl FnOnce(&mut Disk) -> T) -> T {
     DISK.with_borrow_mut(|disk| does(disk.get_or_insert_with(Disk::read)))
 }
@@ -102,7 +103,8 @@ impl Disk {
     }
 }
 
-/// Writes a file of [`STORAGE_FOLDER`] to the storage; `None` removes it there.
+/// Writes a file of [`STORAGE_FOLDER`] to the browser's storage; `None` removes the file
+/// there.
 fn update_storage(path: &Path, bytes: Option<&[u8]>) -> io::Result<()> {
     if !path.starts_with(STORAGE_FOLDER) {
         return Ok(());
@@ -122,7 +124,7 @@ fn update_storage(path: &Path, bytes: Option<&[u8]>) -> io::Result<()> {
     done.map_err(|_| ErrorKind::StorageFull.into())
 }
 
-/// Returns what exists at a path.
+/// Returns type and length of what exists at a path.
 ///
 /// # Errors
 /// Nothing exists there.
@@ -151,7 +153,7 @@ pub const fn is_link(_path: &Path) -> bool {
     false
 }
 
-/// Reads the first bytes of a file, at most this number.
+/// Reads at most the first `most` bytes of a file.
 ///
 /// # Errors
 /// The file does not exist.
@@ -214,7 +216,7 @@ pub fn remove_folder(path: &Path) -> io::Result<()> {
     files.iter().try_for_each(|file| remove(file))
 }
 
-/// Renames a file; replaces a file of the new name. A file in [`USER_FOLDER`] becomes a
+/// Renames a file. Replaces an existing file at `to`. A file in [`USER_FOLDER`] becomes a
 /// download.
 ///
 /// # Errors
@@ -232,8 +234,8 @@ pub fn rename(from: &Path, to: &Path) -> io::Result<()> {
     update_storage(from, None)
 }
 
-/// Writes a file. The storage keeps it once it has its final name (see [`rename`]): a
-/// temporary file would take the space twice.
+/// Writes a file. The storage keeps the file only after it has its final name (see
+/// [`rename`]): a temporary file would take the space twice.
 ///
 /// # Errors
 /// Never.
@@ -242,7 +244,7 @@ pub fn write_new(path: &Path, bytes: &[u8], _owner_alone: bool) -> io::Result<()
     Ok(())
 }
 
-/// Does nothing: a page writes at once.
+/// Does nothing: a page writes to the storage at once.
 pub const fn sync_folder(_folder: &Path) {}
 
 /// Whether a file still exists when the page is opened again.
@@ -295,7 +297,8 @@ impl Lock {
     }
 }
 
-/// Returns the page that holds a lock, and the age of its last renewal, ms.
+/// Returns the id of the page that holds a lock, and the age of its last renewal, ms; `None`
+/// if no page holds it.
 fn lock_holder(path: &Path) -> Option<(f64, f64)> {
     let text = storage()?.get_item(&key(path)).ok()??;
     let (name, renewed) = text.split_once(' ')?;
@@ -303,7 +306,7 @@ fn lock_holder(path: &Path) -> Option<(f64, f64)> {
     Some((name.parse().ok()?, js_sys::Date::now() - renewed_ms))
 }
 
-/// Records that this page holds a lock.
+/// Stores that this page holds the lock of `path` now.
 fn renew_lock(path: &Path) {
     let entry = format!("{} {}", PAGE_ID.get(), js_sys::Date::now());
     if let Some(storage) = storage() {
@@ -327,7 +330,7 @@ pub fn maintain_lock() {
     HELD_LOCK.set(Some((path, Instant::now())));
 }
 
-/// Releases the lock when the page is left: another page may take it.
+/// Releases the lock when the page is closed, so that another page may take it.
 pub fn release_lock() {
     if let Some((path, _)) = HELD_LOCK.take()
         && let Some(storage) = storage()

@@ -9,7 +9,7 @@ use super::clock::time_with_sleep;
 use super::turns;
 use crate::input_watch::{DisplayReply, InputWatch, QUERY_INTERVAL};
 
-/// The display of a page.
+/// The display of a page: the browser itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DisplayServer;
 
@@ -42,7 +42,7 @@ pub fn watch_display(
     .map(drop)
 }
 
-/// Whether the page receives keys and touches.
+/// Whether the page is visible and has the focus, so that it receives keys and touches.
 fn has_input() -> bool {
     let document = web_sys::window().and_then(|window| window.document());
     document.is_some_and(|document| !document.hidden() && document.has_focus().unwrap_or(false))

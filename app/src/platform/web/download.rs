@@ -6,7 +6,7 @@ use js_sys::{Array, Uint8Array};
 use wasm_bindgen::{JsCast, JsValue};
 use web_sys::{Blob, HtmlAnchorElement, Url};
 
-/// Offers a file as a download; the browser reports a failure to the user.
+/// Offers a file with these contents as a download; the browser reports a failure to the user.
 pub fn download(path: &Path, bytes: &[u8]) {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     // The browser reports to the user what it refuses.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-/// Whether two names are the same file.
+/// Whether two paths are the same file: a page has no links.
 pub fn same_file(take_turn: &Path, other: &Path) -> bool {
     take_turn == other
 }

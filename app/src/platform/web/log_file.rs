@@ -3,9 +3,9 @@
 use std::io::{self, ErrorKind, Sink};
 use std::path::Path;
 
-/// A writer that discards all lines.
+/// The log file of a page: a writer that discards all lines.
 pub type LogFile = fn() -> Sink;
-/// Nothing waits to be written at the end.
+/// The guard of a log that has no waiting lines.
 pub type LogGuard = ();
 
 /// Refuses to open a log.

@@ -15,11 +15,12 @@ use super::view::{show_message, show_text};
 /// The parameters in the page's address.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PageParameters {
-    /// The word of a language.
+    /// Word for the language of the window; `None` if the address has none.
     pub language: Option<String>,
-    /// Whether the first start shows its questions: `on` or `off`.
+    /// Whether the first start shows its questions: `on` or `off`; `None` if the address does
+    /// not say so.
     pub first_start: Option<String>,
-    /// The program to open.
+    /// Path of the fetched program to open; `None` if the address names none.
     pub program: Option<PathBuf>,
 }
 
@@ -67,7 +68,8 @@ async fn read_parameters() -> Result<PageParameters, Message> {
     })
 }
 
-/// Fetches a file from the server of the page, or from another one that permits it.
+/// Fetches a file from the server of the page, or from another one that permits it. Returns
+/// its bytes, or the reason as text.
 async fn fetch_file(window: &Window, address: &str) -> Result<Vec<u8>, String> {
     let wrong = |error: JsValue| format!("{error:?}");
     let wait_for_answer = JsFuture::from(window.fetch_with_str(address)).await;

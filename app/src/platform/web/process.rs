@@ -24,7 +24,7 @@ pub const fn own_executable() -> PathBuf {
 /// Does nothing: a page is in no list of processes.
 pub const fn set_process_name(_name: &str) {}
 
-/// Returns `None`: the browser does not report it.
+/// Returns `None`: the browser does not report the processor time.
 pub const fn processor_time(_process: u32) -> Option<f64> {
     None
 }

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use serialport::{Error, ErrorKind, SerialPortBuilder};
 
-/// Error numbers of a pulled port; a page has none.
+/// Error numbers of a port whose device was unplugged; a page has no ports.
 pub const UNPLUGGED_ERRORS: [i32; 0] = [];
 
 /// An open port; it never exists on a page.
@@ -23,7 +23,7 @@ impl Serial {
         Err(Error::new(ErrorKind::NoDevice, none.to_string()))
     }
 
-    /// Returns the same port for another thread.
+    /// Returns the same port for another thread; never called.
     ///
     /// # Errors
     /// The system refuses.
@@ -31,7 +31,7 @@ impl Serial {
         match *self {}
     }
 
-    /// Sets how long a read waits for its first byte and a write for space.
+    /// Sets how long a read and a write wait; never called.
     ///
     /// # Errors
     /// The port refuses it.
@@ -39,12 +39,12 @@ impl Serial {
         match *self {}
     }
 
-    /// Discards the bytes that have arrived and were not read.
+    /// Discards the bytes that were not read; never called.
     pub fn discard_received(&self) {
         match *self {}
     }
 
-    /// Returns the name of the port.
+    /// Returns the name of the port; never called.
     pub fn name(&self) -> Option<String> {
         match *self {}
     }

@@ -16,7 +16,7 @@ impl HolderConnection {
         Err(ErrorKind::Unsupported.into())
     }
 
-    /// Returns the bytes of the holder.
+    /// Returns the bytes of the holder; never called.
     ///
     /// # Errors
     /// The holder is gone.
@@ -24,7 +24,7 @@ impl HolderConnection {
         match *self {}
     }
 
-    /// Sends as many bytes as the connection takes now.
+    /// Sends bytes to the holder; never called.
     ///
     /// # Errors
     /// The holder is gone.
@@ -32,7 +32,7 @@ impl HolderConnection {
         match *self {}
     }
 
-    /// Ends sending.
+    /// Closes the sending direction; never called.
     pub fn end_sending(&mut self) {
         match *self {}
     }
@@ -50,7 +50,7 @@ impl ProgramConnection {
         Err(ErrorKind::Unsupported.into())
     }
 
-    /// Returns the same end for another thread.
+    /// Returns the same end for another thread; never called.
     ///
     /// # Errors
     /// The system refuses.
@@ -58,7 +58,7 @@ impl ProgramConnection {
         match *self {}
     }
 
-    /// Whether bytes of the program arrive within this time.
+    /// Whether bytes of the program arrive; never called.
     ///
     /// # Errors
     /// An error of the system.
@@ -66,7 +66,7 @@ impl ProgramConnection {
         match *self {}
     }
 
-    /// Whether the program is gone, even if some of its bytes are unread.
+    /// Whether the program is gone; never called.
     pub fn is_gone(&self) -> bool {
         match *self {}
     }

@@ -11,33 +11,33 @@ use web_time::{Duration, Instant};
 
 use super::disk;
 
-/// Limit of a preview: it blocks the page, and this takes a second or two.
+/// Limit of a preview. A preview blocks the page; this limit is reached in a second or two.
 pub const LARGEST_PREVIEW: WorkBudget = WorkBudget {
     moves: 500_000,
     work: 2_000_000,
     motionless: 500_000,
 };
-/// Name of the task that answers all others.
+/// Name of the task that gets a turn when another task waits for an answer.
 const KERNEL: &str = "kernel";
 
-/// One turn; returns `false` after its last one.
+/// Function that takes one turn of a task; returns `false` after its last one.
 type TaskTurn = Box<dyn FnMut() -> bool>;
-/// Work that runs once.
+/// Function that runs once in the background.
 type OneTimeJob = Box<dyn FnOnce()>;
 
-/// A task that takes turns.
+/// A task that takes turns at the ticks of the timer.
 struct TurnTask {
     name: String,
     start_task: RefCell<TaskTurn>,
     has_ended: Cell<bool>,
-    /// The task waits for work, at most until then.
+    /// Time until which the task waits for work; `None` if it gets its turn at the next tick.
     waits_until: Cell<Option<Instant>>,
 }
 
 thread_local! {
     static ACTORS: RefCell<Vec<Rc<TurnTask>>> = const { RefCell::new(Vec::new()) };
     static JOBS: RefCell<Vec<OneTimeJob>> = const { RefCell::new(Vec::new()) };
-    /// Stack of the tasks in their turns, the innermost last.
+    /// The tasks that are taking a turn now, the innermost last.
     static ACTIVE: RefCell<Vec<Rc<TurnTask>>> = const { RefCell::new(Vec::new()) };
 }
 
@@ -56,9 +56,9 @@ impl TaskHandle {
         !self.0.has_ended.get()
     }
 
-    /// Gives the task its remaining turns; returns whether it has ended.
+    /// Gives the task its remaining turns; returns true if it has ended.
     pub fn finish(self) -> bool {
-        /// Limit of the turns; no more work ever waits.
+        /// Limit of the remaining turns; no task ever needs this number.
         const MOST: u32 = 10_000;
         for _ in 0..MOST {
             if self.0.has_ended.get() {
@@ -89,7 +89,7 @@ impl TurnTask {
     }
 }
 
-/// Starts a task: it takes a turn at each tick of the timer until a turn returns `false`.
+/// Starts a task: each tick of the timer calls `take_turn` until it returns `false`.
 ///
 /// # Errors
 /// Never.
@@ -104,7 +104,7 @@ pub fn start_task(name: &str, take_turn: impl FnMut() -> bool + 'static) -> io::
     Ok(TaskHandle(actor))
 }
 
-/// Runs a job once, soon.
+/// Runs a job once, at one of the next ticks of the timer.
 ///
 /// # Errors
 /// Never.
@@ -113,8 +113,8 @@ pub fn run_in_background(_name: &str, job: impl FnOnce() + 'static) -> io::Resul
     Ok(())
 }
 
-/// Returns the next item, if there is one; without one the task gets its next turn at
-/// `until`, or at the next tick of the timer.
+/// Returns the next item, if there is one; without one the task gets its next turn at `until`,
+/// or at the next tick of the timer if `until` is `None`.
 ///
 /// # Errors
 /// No item has arrived, or every sender is gone.
@@ -132,7 +132,7 @@ pub fn receive<T>(from: &Receiver<T>, until: Option<Instant>) -> Result<T, RecvT
     })
 }
 
-/// Gives the kernel a turn and returns its answer.
+/// Gives the kernel a turn and returns its answer; `None` if it does not answer in that turn.
 pub fn wait_for_answer<T>(from: &Receiver<T>, _timeout: Duration) -> Option<T> {
     for actor in actors().iter().filter(|actor| actor.name == KERNEL) {
         actor.take_turn();

@@ -16,7 +16,8 @@ use web_sys::{
 use super::super::FileDialog;
 use super::{disk, turns};
 
-/// Elements of the page: the canvas, the text of the LCD, and the text of an error.
+/// Id of the canvas element of the page. The constants after it are those of the text of the
+/// LCD and of the text of an error.
 const CANVAS: &str = "panel";
 const LCD: &str = "lcd";
 const MESSAGE: &str = "said";
@@ -60,9 +61,9 @@ pub fn open_window(
     Ok(())
 }
 
-/// Gives the canvas its context before the library does, without antialiasing and alpha:
-/// painting smooths edges, and nothing is transparent. A computer without a graphics card
-/// then draws twice as many frames.
+/// Creates the context of the canvas before the library does, without antialiasing and alpha:
+/// painting smooths edges, and nothing is transparent. A computer without a graphics card then
+/// draws twice as many frames.
 fn plain_context(canvas: &HtmlCanvasElement) {
     let attributes = Object::new();
     for name in ["antialias", "alpha"] {
@@ -97,8 +98,8 @@ pub fn show_text(text: &str) {
     }
 }
 
-/// Starts the timer. The timer of a worker continues while the page is hidden, the page's
-/// own stops.
+/// Starts the timer that calls `run_due_tasks`. It runs in a worker, whose timer continues
+/// while the page is hidden; the page's own stops.
 fn start_clock(mut run_due_tasks: impl FnMut() + 'static) {
     let ringing = Closure::<dyn FnMut(MessageEvent)>::new(move |_| run_due_tasks());
     let listener = ringing.as_ref().unchecked_ref();
@@ -127,8 +128,8 @@ fn worker() -> Result<Worker, JsValue> {
     Worker::new(&address)
 }
 
-/// Releases the memory for other pages when the page is left. A page that the browser
-/// restores reloads.
+/// Releases the lock of the memory when the page is left, so that other pages can take it. A
+/// page that the browser restores reloads.
 fn release_on_leave() {
     let leave = Closure::<dyn FnMut()>::new(|| {
         turns::run_due_tasks();
@@ -155,17 +156,17 @@ fn reload() {
     }
 }
 
-/// Returns the folder that the browser's storage keeps.
+/// Returns the folder whose files the browser's storage keeps.
 pub fn data_folder(_name: &str) -> Option<PathBuf> {
     Some(PathBuf::from(disk::STORAGE_FOLDER))
 }
 
-/// Returns the message for a data folder that another page holds.
+/// Returns the message that another page holds the memory.
 pub fn data_folder_in_use(_path: &Path) -> Message {
     say::page_open_elsewhere()
 }
 
-/// Returns a message to show first: the browser keeps no files.
+/// Returns the message that the browser keeps no files; `None` if it keeps them.
 pub fn startup_message() -> Option<Message> {
     (!disk::has_storage()).then(say::page_keeps_nothing)
 }
@@ -175,13 +176,14 @@ pub fn home_folder() -> Option<PathBuf> {
     Some(PathBuf::from(disk::USER_FOLDER))
 }
 
-/// Returns the folder for files that the control sends: they become downloads.
+/// Returns the folder whose files become downloads, for files that the control sends.
 pub fn sent_folder(_data: &Path, _name: &str) -> PathBuf {
     PathBuf::from(disk::USER_FOLDER)
 }
 
-/// Lets the user choose files. `then` gets the first program; the other files are next to
-/// it. A file to write becomes a download under its suggested name.
+/// Shows the browser's file dialog. `then` gets the path of the first program; the other
+/// chosen files are in the same folder. A file to write becomes a download under its suggested
+/// name.
 pub fn choose_file(dialog: FileDialog, then: impl FnOnce(PathBuf) + 'static) {
     match dialog {
         FileDialog::Save { name, .. } => then(Path::new(disk::USER_FOLDER).join(name)),
@@ -223,7 +225,7 @@ fn pick(then: impl FnOnce(PathBuf) + 'static) -> Option<()> {
     Some(())
 }
 
-/// Reads the files dropped on the page; `then` gets the first program.
+/// Reads the files dropped on the page; `then` gets the path of the first program.
 pub fn take_dropped(files: &[DroppedFileHandle], then: impl FnOnce(PathBuf) + 'static) {
     let files = files.to_vec();
     spawn_local(async move {

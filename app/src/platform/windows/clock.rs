@@ -10,7 +10,7 @@ pub fn time_with_sleep() -> Duration {
     BEGUN.get_or_init(Instant::now).elapsed()
 }
 
-/// Returns a time that all processes share: the wall clock.
+/// Returns the time of a clock that all processes share: the wall clock.
 pub fn shared_time() -> Duration {
     SystemTime::now()
         .duration_since(UNIX_EPOCH)

@@ -10,7 +10,7 @@ use winsafe::{GetAsyncKeyState, co::VK};
 use super::clock::time_with_sleep;
 use crate::input_watch::{DisplayReply, InputWatch, QUERY_INTERVAL};
 
-/// Keys that can hold a panel key: all but the modifiers.
+/// Keys of the PC keyboard that can hold a panel key: all but the modifiers.
 const KEYS: [VK; 92] = [
     VK::BACK,
     VK::TAB,
@@ -107,7 +107,7 @@ const KEYS: [VK; 92] = [
 ];
 const BUTTONS: [VK; 3] = [VK::LBUTTON, VK::RBUTTON, VK::MBUTTON];
 
-/// The display of Windows.
+/// The display of Windows, whose keys and buttons can be queried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DisplayServer;
 
@@ -116,7 +116,7 @@ pub fn display_server(_window: &impl HasDisplayHandle) -> DisplayServer {
     DisplayServer
 }
 
-/// Starts the thread that queries keys and buttons.
+/// Starts the thread that queries the state of keys and mouse buttons.
 ///
 /// # Errors
 /// The system starts no thread.

@@ -3,7 +3,7 @@
 use std::fs::OpenOptions;
 use std::path::Path;
 
-/// Whether two names, links followed, are the same plain file.
+/// Whether two paths, links followed, lead to the same plain file.
 pub fn same_file(take_turn: &Path, other: &Path) -> bool {
     take_turn.is_file()
         && other.is_file()
@@ -19,7 +19,7 @@ pub fn is_device(path: &Path) -> bool {
     name.is_some_and(gsk_transfer::is_device_name) && !is_serial_port(path)
 }
 
-/// Whether a name is a serial port: `COM3`, `\\.\COM12`.
+/// Whether a path names a serial port: `COM3`, `\\.\COM12`.
 pub fn is_serial_port(name: &Path) -> bool {
     let name = name.to_string_lossy().to_ascii_uppercase();
     let number = name.strip_prefix(r"\\.\").unwrap_or(&name);

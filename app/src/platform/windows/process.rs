@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// The flags that a console event sets.
+/// The flags that console events set.
 static FLAGS: Mutex<Vec<Arc<AtomicBool>>> = Mutex::new(Vec::new());
 
 /// Registers a flag: Ctrl-C and Ctrl-Break set it. If it is already set, they end the
@@ -33,12 +33,12 @@ pub fn register_termination_flag(requested: &Arc<AtomicBool>, code: u8) -> io::R
     ctrlc::set_handler(set_flags).map_err(io::Error::other)
 }
 
-/// Ignores these events from now on.
+/// Ignores Ctrl-C and Ctrl-Break from now on.
 pub fn ignore_termination() {
     let _ = ctrlc::set_handler(|| {});
 }
 
-/// Returns the file of this program; Windows prevents its replacement while it runs.
+/// Returns the path of this program; Windows prevents the replacement of a running program.
 pub fn own_executable() -> PathBuf {
     std::env::current_exe().unwrap_or_else(|_| "gsk980td.exe".into())
 }

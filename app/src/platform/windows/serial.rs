@@ -35,7 +35,7 @@ impl Serial {
         Ok(Self { port, wait })
     }
 
-    /// Returns the same port for another thread.
+    /// Returns another handle of the same port, for another thread.
     ///
     /// # Errors
     /// The system refuses.
@@ -60,7 +60,7 @@ impl Serial {
         let _ = self.port.clear(ClearBuffer::Input);
     }
 
-    /// Returns the name of the port.
+    /// Returns the name of the port; `None` if it has none.
     pub fn name(&self) -> Option<String> {
         self.port.name()
     }
@@ -91,7 +91,7 @@ impl Write for Serial {
     }
 }
 
-/// Whether there can be ports.
+/// Whether the system can have serial ports.
 pub const fn has_ports() -> bool {
     true
 }

@@ -7,10 +7,10 @@ use cpal::{FromSample, SampleFormat, SizedSample, StreamConfig};
 use crossbeam::queue::ArrayQueue;
 use gsk_messages::{Message, say};
 
-/// Capacity of the queue, samples.
+/// Capacity of the queue between program and sound device, samples.
 const QUEUE: usize = 16_384;
 
-/// Whether the system can play at all.
+/// Returns true: Windows can play sound if the computer has an output device.
 pub const fn has_sound() -> bool {
     true
 }
@@ -18,7 +18,7 @@ pub const fn has_sound() -> bool {
 /// An open output device.
 pub struct Player {
     waiting: Arc<ArrayQueue<i16>>,
-    /// It plays until it is dropped.
+    /// The output stream; it plays until this value is dropped.
     _stream: cpal::Stream,
 }
 
@@ -66,7 +66,8 @@ impl Player {
     }
 }
 
-/// Opens a stream that plays the queue at the rate and on all channels of the device.
+/// Opens a stream that plays the samples of `waiting`, recorded at `rate` Hz, at the rate and
+/// on all channels of the device.
 fn stream<T: SizedSample + FromSample<i16>>(
     device: &cpal::Device,
     config: StreamConfig,

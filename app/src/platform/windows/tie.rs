@@ -15,16 +15,17 @@ use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, unbounded};
 
 /// Size of a read, bytes.
 const READ_BYTES: usize = 4096;
-/// Limit of the bytes that wait for the pipe.
+/// Limit of the bytes that wait to be written to the pipe.
 const MAX_WAITING_BYTES: usize = 16 * READ_BYTES;
-/// A process without a visible console; the program's Ctrl-C does not reach it.
+/// Flag for a process without a visible console, which the program's Ctrl-C does not reach.
 const CREATE_NO_WINDOW: u32 = 0x0800_0000;
 
-/// The program's end of the connection.
+/// The program's end of the connection to the holder process.
 pub struct HolderConnection {
-    /// `None` after [`HolderConnection::end_sending`].
+    /// Sends bytes to the thread that writes the pipe; `None` after
+    /// [`HolderConnection::end_sending`].
     outward: Option<Sender<Vec<u8>>>,
-    /// Number of bytes that wait in `outward`.
+    /// Number of bytes that wait in `outward` to be written.
     waiting: Arc<AtomicUsize>,
     inward: Receiver<Vec<u8>>,
 }
@@ -71,7 +72,7 @@ impl HolderConnection {
         }
     }
 
-    /// Sends as many bytes as the connection takes now; returns their number.
+    /// Sends as many bytes to the holder as the connection accepts now; returns their number.
     ///
     /// # Errors
     /// The holder is gone.
@@ -94,7 +95,8 @@ impl HolderConnection {
     }
 }
 
-/// Writes bytes until the sender is gone, or the reader of the pipe is.
+/// Writes bytes to the pipe until the sender is dropped, or the other end of the pipe is
+/// closed.
 fn write_all(mut pipe: ChildStdin, outgoing: &Receiver<Vec<u8>>, waiting: &AtomicUsize) {
     for bytes in outgoing {
         if pipe.write_all(&bytes).is_err() {
@@ -104,7 +106,7 @@ fn write_all(mut pipe: ChildStdin, outgoing: &Receiver<Vec<u8>>, waiting: &Atomi
     }
 }
 
-/// Reads until the other end is closed.
+/// Reads the pipe and passes the bytes to `on_bytes` until the other end is closed.
 fn read_all(mut pipe: impl Read, mut on_bytes: impl FnMut(Vec<u8>)) {
     let mut buffer = [0; READ_BYTES];
     loop {
@@ -117,14 +119,14 @@ fn read_all(mut pipe: impl Read, mut on_bytes: impl FnMut(Vec<u8>)) {
     }
 }
 
-/// Bytes of the program, and whether it is gone.
+/// Bytes of the program that were not read yet, and whether the program is gone.
 #[derive(Default)]
 struct ProgramBytes {
     bytes: VecDeque<u8>,
     gone: bool,
 }
 
-/// Shared bytes, with a signal for a waiting reader.
+/// `ProgramBytes` shared by two threads, with a signal for the waiting one.
 #[derive(Default)]
 struct SharedProgramBytes {
     bytes: Mutex<ProgramBytes>,
@@ -136,14 +138,14 @@ impl SharedProgramBytes {
         self.bytes.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Changes the bytes and wakes the reader.
+    /// Changes the bytes with `update` and wakes the thread that waits for them.
     fn update(&self, update: impl FnOnce(&mut ProgramBytes)) {
         update(&mut self.lock());
         self.more.notify_all();
     }
 }
 
-/// The holder's end of the connection.
+/// The holder's end of the connection to the program.
 pub struct ProgramConnection(Arc<SharedProgramBytes>);
 
 impl ProgramConnection {
@@ -167,7 +169,7 @@ impl ProgramConnection {
         Ok(Self(inward))
     }
 
-    /// Returns the same end for another thread.
+    /// Returns another handle of the same end, for another thread.
     ///
     /// # Errors
     /// Never.

@@ -21,32 +21,33 @@ const MIN_SIZE: [f32; 2] = [420.0, 260.0];
 /// An entry of a folder.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct FolderEntry {
-    /// First field: folders sort before files.
+    /// Whether the entry is a file. This field comes first so that folders sort before files.
     is_file: bool,
     name: String,
 }
 
-/// The content of a folder, or why it cannot be read.
+/// The entries of a folder, or why the folder cannot be read.
 type FolderListing = Result<Vec<FolderEntry>, Message>;
 
-/// The dialog while it is open.
+/// The state of the file dialog while it is open.
 struct OpenDialog {
     request: ChoiceRequest,
     folder: PathBuf,
     reading: Option<Receiver<FolderListing>>,
     listing: FolderListing,
-    /// The content of the name field.
+    /// The text in the name field.
     typed_name: String,
     /// Whether files with other extensions are shown, too.
     shows_all: bool,
-    /// A file that would be overwritten.
+    /// The existing file that the operator must confirm to overwrite; `None` without a
+    /// question.
     overwrites: Option<PathBuf>,
     needs_focus: bool,
-    /// Position and size with which its window opened.
+    /// Position and size with which the dialog's window opened; `None` before its first frame.
     geometry: Option<(Option<Pos2>, Vec2)>,
 }
 
-/// Input of the dialog's window that belongs to the panel.
+/// Keyboard input of the dialog's window that is meant for the panel.
 #[derive(Debug, Default)]
 pub struct BrowserInput {
     /// Whether the dialog's window has the focus.
@@ -55,15 +56,15 @@ pub struct BrowserInput {
     pub stop_events: Vec<Event>,
 }
 
-/// The file dialog.
+/// The file dialog of this program, for desktops without one.
 #[derive(Default)]
 pub struct FileBrowser {
     open: Option<OpenDialog>,
-    /// The folder that was shown last.
+    /// The folder that was shown last; `None` before the first dialog.
     last_folder: Option<PathBuf>,
 }
 
-/// The result of the dialog in one frame.
+/// What the operator did in the dialog in one frame.
 enum DialogResult {
     Open,
     Cancelled,
@@ -71,8 +72,9 @@ enum DialogResult {
 }
 
 impl FileBrowser {
-    /// Draws the dialog, if a file is to be chosen. Its window covers no key that stops the
-    /// machine and, if it fits, leaves the LCD visible (WINDOW-25).
+    /// Draws the dialog if a file choice waits. Its window covers no key that stops the
+    /// machine and, if it fits, leaves the LCD visible (WINDOW-25). Returns its input for the
+    /// panel.
     pub fn show(
         &mut self,
         context: &Context,
@@ -107,7 +109,7 @@ impl FileBrowser {
     }
 }
 
-/// The folder of the first dialog: the working directory, else the home folder.
+/// Returns the folder of the first dialog: the working directory, else the home folder.
 fn first_folder() -> PathBuf {
     let working_folder = std::env::current_dir().ok();
     let working_folder = working_folder.filter(|folder| folder.parent().is_some());
@@ -204,7 +206,8 @@ impl OpenDialog {
         open
     }
 
-    /// Reads a folder in a thread: a slow disk does not delay the window.
+    /// Reads a folder in a thread, because a slow disk must not delay the window, and shows
+    /// it.
     fn enter_folder(&mut self, folder: PathBuf, context: &Context) {
         let (sender, reading) = bounded(1);
         self.reading = Some(reading);
@@ -364,7 +367,7 @@ impl OpenDialog {
         result
     }
 
-    /// Chooses the file in the name field. A folder is entered instead.
+    /// Returns the file whose name was typed as chosen. Enters a folder of this name instead.
     fn choose_typed(&mut self, context: &Context) -> DialogResult {
         if self.request.choice == FileChoice::Folder && self.typed_name.is_empty() {
             return DialogResult::Chosen(self.folder.clone());
@@ -388,7 +391,7 @@ impl OpenDialog {
     }
 }
 
-/// Whether a name has one of these extensions, in either case.
+/// Whether a file name has one of these extensions, in upper or lower case.
 fn has_extension(name: &str, endings: &[&str]) -> bool {
     let ending = Path::new(name).extension();
     ending.is_some_and(|ending| {

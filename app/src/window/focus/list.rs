@@ -8,19 +8,19 @@ use egui::{
 
 use super::{reserve_cursor_keys, take_keys};
 
-/// Rows per page before the list has been drawn.
+/// Number of rows per page until the list has been drawn.
 const DEFAULT_PAGE_ROWS: usize = 10;
 
-/// State of a list that is kept between frames.
+/// State of a list between two frames.
 #[derive(Clone, Copy, Debug, Default)]
 struct ListMemory {
-    /// The row with the cursor.
+    /// Index of the row with the cursor.
     row: usize,
-    /// Count of visible rows.
+    /// Number of visible rows.
     page_rows: usize,
 }
 
-/// A list whose rows are being drawn.
+/// A list, while its rows are being drawn.
 #[derive(Debug)]
 pub struct FocusList {
     id: Id,
@@ -32,8 +32,9 @@ pub struct FocusList {
 
 impl FocusList {
     /// Starts a list of `count` rows at the next widget position and, with the focus, handles
-    /// its keys. `chosen` is the selected row of a list in which moving selects. Draw the rows
-    /// with [`ROW_SENSE`] as their sense, each followed by [`FocusList::row`].
+    /// its keys. `selected_row` is the selected row of a list in which moving the cursor
+    /// selects. The caller draws the rows with [`ROW_SENSE`] as their sense, each followed by
+    /// [`FocusList::show_cursor`].
     pub fn begin(
         ui: &Ui,
         salt: &str,
@@ -70,7 +71,7 @@ impl FocusList {
         list
     }
 
-    /// Handles the keys without modifiers that move in the list.
+    /// Handles the keys without modifiers that move the cursor in the list.
     fn handle_keys(&mut self, ui: &Ui, count: usize, page_rows: usize) {
         let page = match page_rows {
             0 => DEFAULT_PAGE_ROWS,
@@ -100,12 +101,12 @@ impl FocusList {
         self.is_entered = is_entered;
     }
 
-    /// The row to which the cursor has moved in this frame.
+    /// The row to which the cursor has moved in this frame; `None` if it has not moved.
     pub fn moved_row(&self) -> Option<usize> {
         (self.has_focus && self.has_moved).then_some(self.row)
     }
 
-    /// The row on which Enter or Space was pressed in this frame.
+    /// The row on which Enter or Space was pressed in this frame; `None` without such a key.
     pub fn entered_row(&self) -> Option<usize> {
         (self.has_focus && self.is_entered).then_some(self.row)
     }
@@ -115,8 +116,9 @@ impl FocusList {
         self.has_focus && self.row == row
     }
 
-    /// Scrolls to the cursor in a list that draws only the visible rows. `first` is the first
-    /// of them, `height` the height of a row in points. Call it before `first` is drawn.
+    /// Scrolls to the cursor in a list that draws only the visible rows. `first` is the index
+    /// of the first of them, `height` the height of a row in points. The caller calls this
+    /// before it draws that row.
     pub fn scroll_to_cursor(&self, ui: &Ui, first: usize, height: f32) {
         let pitch = height + ui.spacing().item_spacing.y;
         let visible = ui.clip_rect();
@@ -130,7 +132,7 @@ impl FocusList {
         }
     }
 
-    /// Marks the row if the cursor is on it, and scrolls to it after a move. Returns whether
+    /// Marks the row if the cursor is on it, and scrolls to it after a move. Returns true if
     /// the row was clicked.
     pub fn show_cursor(&self, ui: &Ui, row: usize, response: &Response) -> bool {
         if self.is_cursor_on(row) {
@@ -167,7 +169,7 @@ fn stored_memory(context: &Context, id: Id) -> ListMemory {
     memory.unwrap_or_default()
 }
 
-/// Draws a row as a selectable text.
+/// Draws a row as a selectable text and returns its response.
 pub fn selectable_row(ui: &mut Ui, is_selected: bool, text: String) -> Response {
     let accessible_label = text.clone();
     let row = ui.add(
@@ -181,7 +183,7 @@ pub fn selectable_row(ui: &mut Ui, is_selected: bool, text: String) -> Response 
     row
 }
 
-/// Draws a row as an underlined link.
+/// Draws a row as an underlined link and returns its response.
 pub fn link_row(ui: &mut Ui, text: RichText) -> Response {
     let accessible_label = text.text().to_owned();
     let colour = ui.visuals().hyperlink_color;
@@ -195,7 +197,7 @@ pub fn link_row(ui: &mut Ui, text: RichText) -> Response {
     row
 }
 
-/// Draws a row as a check box.
+/// Draws a row as a check box and returns its response.
 pub fn check_row(ui: &mut Ui, is_checked: bool, text: &str, height: f32) -> Response {
     let galley = egui::WidgetText::from(text).into_galley(
         ui,
@@ -235,5 +237,5 @@ pub fn check_row(ui: &mut Ui, is_checked: bool, text: &str, height: f32) -> Resp
     row
 }
 
-/// The sense of a row: it reacts to clicks and is no Tab stop.
+/// The sense of a row: it reacts to clicks and is not a Tab stop.
 pub const ROW_SENSE: Sense = Sense::CLICK;

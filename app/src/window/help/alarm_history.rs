@@ -8,11 +8,12 @@ use gsk_panel::alarm_log::AlarmRecord;
 use super::HelpRequest;
 use crate::window::alarm_text;
 
-/// Greatest count of listed occurrences.
+/// Maximum number of listed occurrences.
 const MAX_LISTED: usize = 5;
 
 /// Draws the last occurrences of an alarm, the newest first; nothing if there are none.
-/// `number` is the first alarm number of its row in the alarm table.
+/// `number` is the first alarm number of its row in the alarm table. Returns the operator's
+/// request to show a block, if any.
 pub fn show_occurrences(
     ui: &mut Ui,
     number: u16,

@@ -12,7 +12,7 @@ use super::HelpRequest;
 use crate::kernel::{LessonAction, LessonState};
 use crate::window::theme;
 
-/// The demonstrations of a subject and of its family.
+/// The demonstrations of a subject, and those of the family that it belongs to.
 fn demonstrations_of(subject: Subject<'_>) -> impl Iterator<Item = &'static Demonstration> {
     let subject_name = subject.to_string();
     let family = subject.family();
@@ -22,7 +22,8 @@ fn demonstrations_of(subject: Subject<'_>) -> impl Iterator<Item = &'static Demo
     })
 }
 
-/// Draws a button for each demonstration of a subject.
+/// Draws a button for each demonstration of a subject. Returns the request to start the one
+/// that was clicked, if any.
 pub fn show_offers(ui: &mut Ui, subject: Subject<'_>, language: Language) -> Option<HelpRequest> {
     let mut order = None;
     for demonstration in demonstrations_of(subject) {
@@ -36,8 +37,8 @@ pub fn show_offers(ui: &mut Ui, subject: Subject<'_>, language: Language) -> Opt
     order.map(HelpRequest::Lesson)
 }
 
-/// Draws the running demonstration with the buttons to continue, repeat and leave it. Draws
-/// nothing for a lesson.
+/// Draws the running demonstration with the buttons to continue, repeat and leave it, and
+/// returns the clicked one's request. Draws nothing for a lesson.
 pub fn show_running(ui: &mut Ui, state: &LessonState, language: Language) -> Option<HelpRequest> {
     let lesson = &find_demonstration(&state.name)?.lesson;
     let mut order = None;

@@ -9,18 +9,19 @@ use crate::window::stop_key_clearance;
 /// Width and height that the frame and the title of a window add, points.
 const FRAME_SIZE: Vec2 = vec2(12.0, 44.0);
 
-/// The screen and the rectangles that must stay visible on it, points.
+/// The screen for separate windows, and the rectangles that must stay visible on it, points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WindowScreen {
     size: Option<Vec2>,
-    /// The LCD on the screen; `None` where the system does not report the window's position.
+    /// The LCD on the screen; `None` if the system does not report the window's position.
     lcd: Option<Rect>,
-    /// The keys that stop the machine; empty where the position is unknown.
+    /// The keys that stop the machine; empty if the position is unknown.
     stop_keys: Vec<Rect>,
 }
 
 impl WindowScreen {
-    /// The screen of the main window. `lcd` is the rectangle of the LCD inside the window.
+    /// Creates the screen of the main window. `lcd` is the rectangle of the LCD inside the
+    /// window.
     pub fn of_main_window(context: &Context, lcd: Option<Rect>) -> Self {
         let stops = stop_key_clearance::stored_stop_keys(context);
         context.input(|input| {
@@ -39,8 +40,8 @@ impl WindowScreen {
         })
     }
 
-    /// Position and size for a new window: those of `last`, else where it leaves the LCD
-    /// visible. The position is `None` where the system has to choose it.
+    /// Position and size for a new window: those of `last`, else beside the LCD. The position
+    /// is `None` if the system has to choose it.
     pub fn place_window(
         &self,
         last: Option<WindowGeometry>,
@@ -78,8 +79,8 @@ impl WindowScreen {
     }
 }
 
-/// Position and size of the main window: those of `last`, else centred on the screen with the
-/// share `share` of its width and height.
+/// Position and size of the main window: those of `last`, else centred on the screen, with
+/// `share` (0–1) of its width and height.
 pub fn place_main_window(last: Option<WindowGeometry>, screen: Vec2, share: f32) -> (Pos2, Vec2) {
     let max_size = screen * share;
     let size = last.map_or(max_size, |place| {
@@ -98,7 +99,7 @@ pub fn place_main_window(last: Option<WindowGeometry>, screen: Vec2, share: f32)
     (corner, size)
 }
 
-/// Position and size of a window that is neither maximized nor hidden, else `None`.
+/// Position and size of a window; `None` if the window is maximized, full screen or minimized.
 pub fn normal_geometry(viewport: &ViewportInfo) -> Option<WindowGeometry> {
     let special_states = [viewport.maximized, viewport.fullscreen, viewport.minimized];
     if special_states.contains(&Some(true)) {
@@ -112,8 +113,9 @@ pub fn normal_geometry(viewport: &ViewportInfo) -> Option<WindowGeometry> {
     })
 }
 
-/// The largest rectangle, at most `wanted`, beside the LCD and the keys that stop the machine.
-/// Where it is smaller than `least`, only these keys stay visible.
+/// Position and size of the largest rectangle, at most `wanted_size`, that covers neither the
+/// LCD nor the keys that stop the machine. If it is smaller than `min_size`, only these keys
+/// stay visible.
 fn place_beside(
     screen: Rect,
     lcd: Option<Rect>,

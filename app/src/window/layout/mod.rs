@@ -19,28 +19,29 @@ pub use panes::{Arrangement, PaneTabs, WindowPane, arrange_panes};
 pub use splitters::show;
 use tabs::arrange_as_tabs;
 
-/// Panel units per dot of the LCD.
+/// Panel units per dot of the LCD in the drawing of the panel.
 const UNITS_PER_DOT: f32 = 2.0;
 
 /// How a layout divides a wide window whose splitters were not dragged.
 #[derive(Clone, Copy, Debug)]
 pub struct Proportions {
-    /// Greatest share of the window's width for the panel, 0–1.
+    /// Maximum share of the window's width for the panel, 0–1.
     max_panel_share: f32,
-    /// Share of the window's width for the column with the panel; `None`: the panel's width.
+    /// Share of the window's width for the column with the panel, 0–1; `None`: the panel's
+    /// width.
     column_share: Option<f32>,
     /// Index of the docked view below the panel, from 0.
     view_below_panel: usize,
 }
 
-/// The panel is as large as possible.
+/// The proportions in which the panel is as large as possible.
 const LARGE_PANEL: Proportions = Proportions {
     max_panel_share: 0.75,
     column_share: None,
     view_below_panel: 2,
 };
 
-/// A predefined arrangement that the operator chooses.
+/// A predefined arrangement of panel and views that the operator chooses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum WindowLayout {
     /// The panel alone.
@@ -58,9 +59,9 @@ pub enum WindowLayout {
 pub struct LayoutRow {
     pub layout: WindowLayout,
     pub name: fn() -> Message,
-    /// The key that chooses the layout, pressed with Shift. `None`: the menu alone.
+    /// The key that chooses the layout together with Shift; `None`: only the menu chooses it.
     pub key: Option<Key>,
-    /// The docked views until the operator changes them.
+    /// The views that are docked until the operator changes them.
     default_docked: &'static [ViewId],
     proportions: Proportions,
 }
@@ -117,7 +118,8 @@ pub static LAYOUTS: [LayoutRow; 5] = [
 ];
 
 impl WindowLayout {
-    /// The layout of the first start: with the machine where the LCD keeps a pixel per dot.
+    /// The layout of the first start: with the machine view if the LCD then keeps a pixel per
+    /// dot, else the panel alone.
     fn choose_first(room: Rect, pixels_per_point: f32) -> Self {
         match pixels_per_dot(room, LARGE_PANEL.max_panel_share, pixels_per_point) < 1.0 {
             true => Self::Panel,
@@ -131,7 +133,7 @@ impl WindowLayout {
     }
 }
 
-/// The layout whose key is pressed in `events`, if any.
+/// The layout whose key is pressed in `events`; `None` if there is none.
 pub fn layout_of_pressed_key(events: &[Event]) -> Option<WindowLayout> {
     let row = LAYOUTS.iter().find(|row| {
         row.key
@@ -143,29 +145,29 @@ pub fn layout_of_pressed_key(events: &[Event]) -> Option<WindowLayout> {
 /// Position and size of a window on the screen, points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct WindowGeometry {
-    /// Upper left corner including the frame; `None` where the system does not report it.
+    /// Upper left corner including the frame; `None` if the system does not report it.
     pub corner: Option<(i32, i32)>,
     /// Width and height without the frame.
     pub size: (u32, u32),
 }
 
-/// The operator's changes to a layout.
+/// What the operator has changed in a layout.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 struct LayoutChanges {
-    /// The docked views, if they differ from those of the table.
+    /// The docked views; `None` if they are those of the table.
     docked: Option<Vec<ViewId>>,
-    /// Dragged splitters by number: share of the first side, thousandths.
+    /// Dragged splitters by their number: share of the first side, thousandths.
     shares: BTreeMap<u8, u16>,
 }
 
-/// Where a view opens.
+/// Where a view opens the next time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 struct ViewHome {
-    /// Whether it opens docked. Otherwise it opens in a separate window.
+    /// True if the view opens docked, false if it opens in a separate window.
     docks: bool,
-    /// Position and size of its separate window when it was last open.
+    /// Position and size of the view's separate window when it was last open; `None` before.
     place: Option<WindowGeometry>,
 }
 
@@ -173,24 +175,25 @@ struct ViewHome {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Layouts {
-    /// The layout in use; `None` before the first start has chosen one.
+    /// The layout in use; `None` until the first start has chosen one.
     chosen: Option<WindowLayout>,
     changes: BTreeMap<WindowLayout, LayoutChanges>,
     homes: BTreeMap<ViewId, ViewHome>,
     /// Position and size of the main window before it was maximized.
     pub window: Option<WindowGeometry>,
-    /// Views in separate windows; none is open at the start.
+    /// Views in separate windows; empty at the start of the program.
     #[serde(skip)]
     floating: Vec<ViewId>,
-    /// Whether the system has one window only, as a page in a browser: all views are docked.
+    /// Whether the system has one window only, as a page in a browser. All views are then
+    /// docked.
     #[serde(skip)]
     is_single_window: bool,
-    /// The pane that is shown where panel and views do not fit together; `None`: the panel.
+    /// The pane that is shown if panel and views do not fit together; `None`: the panel.
     front: Option<ViewId>,
 }
 
 impl Layouts {
-    /// The layouts with one chosen and no changes.
+    /// Creates layouts with this one chosen and without changes.
     pub fn with_layout(layout: WindowLayout) -> Self {
         Self {
             chosen: Some(layout),
@@ -202,13 +205,14 @@ impl Layouts {
         self.chosen.unwrap_or(WindowLayout::Panel)
     }
 
-    /// Chooses the layout for the first start by the available size, unless one is chosen.
+    /// Chooses the layout for the first start by the available size, unless a layout is chosen
+    /// already.
     pub fn choose_first_layout(&mut self, room: Rect, pixels_per_point: f32) {
         let first = || WindowLayout::choose_first(room, pixels_per_point);
         self.chosen.get_or_insert_with(first);
     }
 
-    /// Uses another layout.
+    /// Chooses another layout.
     pub const fn choose(&mut self, layout: WindowLayout) {
         self.chosen = Some(layout);
         self.front = None;
@@ -263,14 +267,14 @@ impl Layouts {
         self.front = front;
     }
 
-    /// Sets whether the system has one window only. Views then open in panes, where they cover
-    /// no key that stops the machine (WINDOW-25).
+    /// Sets whether the system has one window only. Views then open in panes, so that they
+    /// cover no key that stops the machine (WINDOW-25).
     pub const fn set_single_window(&mut self, only_docks: bool) {
         self.is_single_window = only_docks;
     }
 
-    /// Brings a docked view, or with `None` the panel, to the front where they do not fit
-    /// together.
+    /// Brings a docked view (`None`: the panel) to the front, for windows in which they do not
+    /// fit together.
     pub const fn bring_to_front(&mut self, front: Option<ViewId>) {
         self.front = front;
     }
@@ -282,7 +286,7 @@ impl Layouts {
         self.home(view).docks = false;
     }
 
-    /// Last position and size of a view's separate window.
+    /// Last position and size of a view's separate window; `None` before it was open.
     pub fn stored_geometry(&self, view: ViewId) -> Option<WindowGeometry> {
         self.homes.get(&view).and_then(|home| home.place)
     }
@@ -314,8 +318,9 @@ impl Layouts {
         self.changes.entry(layout).or_default().docked = Some(docked);
     }
 
-    /// Arranges the panes in `room`: all together, or one of them with a bar to switch to the
-    /// others. Keys are at least `key` points large where they fit.
+    /// Arranges the panes in `bounds`: all together, or if that is too crowded one of them
+    /// with a bar to switch to the others. Keys are at least `min_key_size` points large if
+    /// they fit.
     pub fn arrange(&self, bounds: Rect, pixels_per_point: f32, min_key_size: f32) -> Arrangement {
         let shares = self.changes.get(&self.current());
         let share = |split: u8| {
@@ -336,14 +341,14 @@ impl Layouts {
         }
     }
 
-    /// Shows panel and views together from now on, whatever the available size.
+    /// Shows panel and views together from now on, even if they are crowded.
     pub fn keep_together(&mut self, arranged: &Arrangement) {
         if let Some(splitter) = arranged.splitters.first() {
             self.set_share(splitter.split, Some(splitter.current_share()));
         }
     }
 
-    /// Moves a splitter; `None` restores its default position.
+    /// Sets the share of the first side of a splitter, 0–1; `None` restores its default.
     pub fn set_share(&mut self, split: u8, share: Option<f32>) {
         let layout = self.current();
         let shares = &mut self.changes.entry(layout).or_default().shares;
@@ -359,25 +364,25 @@ impl Layouts {
     }
 }
 
-/// The scales that determine the size of the panel.
+/// The scales from which the size of the panel is computed.
 #[derive(Clone, Copy, Debug)]
 pub struct Scales {
     /// Physical pixels per point.
     pixels_per_point: f32,
-    /// Least side of a key, points; 0: no limit.
+    /// Minimum side of a key, points; 0: no limit.
     min_key_size: f32,
 }
 
-/// Whole pixels per dot of the LCD when the panel takes at most the share `at_most` of the
-/// width.
+/// Whole number of physical pixels per dot of the LCD if the panel takes at most `max_share`
+/// of the width.
 fn pixels_per_dot(room: Rect, max_share: f32, pixels_per_point: f32) -> f32 {
     let max_size = egui::vec2(room.width() * max_share, room.height());
     let scale = panel_placement::scale_of_whole(max_size) * pixels_per_point;
     (scale * UNITS_PER_DOT).floor()
 }
 
-/// The panel's share of the width beside views: the largest share up to `at_most` that shows
-/// the dots of the LCD as whole pixels.
+/// The panel's share of the width beside views, 0–1: the largest share up to `max_share` that
+/// shows the dots of the LCD as whole pixels, or more if the keys need it.
 fn panel_share(room: Rect, max_share: f32, scales: Scales) -> f32 {
     // The panel's pane ends at the middle of the splitter.
     let share_for_keys = (panel_placement::width_for_key_size(scales.min_key_size)

@@ -9,37 +9,38 @@ use gsk_panel::faceplate::SIZE;
 
 /// Width of a splitter, points.
 pub(super) const SPLITTER_WIDTH: f32 = 6.0;
-/// Least side of a pane, points.
+/// Minimum side of a pane, points.
 const MIN_PANE_SIDE: f32 = 90.0;
-/// Numbers of the splitters: between the columns, in the left column, in the right column, and
-/// in the single column of a high window. The settings store them.
+/// Number of the splitter between the columns; the settings store the numbers. The constants
+/// after it number the splitters in the left column, in the right column, and in the single
+/// column of a high window.
 const COLUMN_SPLIT: u8 = 0;
 const LEFT_SPLIT: u8 = 1;
 const RIGHT_SPLIT: u8 = 10;
 const SINGLE_SPLIT: u8 = 20;
 
-/// What a pane shows.
+/// What a pane shows: the panel or a view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WindowPane {
     Panel,
-    /// A docked view.
+    /// This docked view.
     View(ViewId),
 }
 
-/// The movable bar between two sides that share a rectangle.
+/// A movable bar between two sides that share a rectangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Splitter {
-    /// Its number; the settings store its position under this number.
+    /// Number of the splitter, under which the settings store its position.
     pub split: u8,
     pub bar: Rect,
     /// The rectangle of both sides, points.
     pub bounds: Rect,
-    /// Whether the sides are beside each other. Otherwise one is above the other.
+    /// True if the sides are beside each other, false if one is above the other.
     pub is_side_by_side: bool,
 }
 
 impl Splitter {
-    /// The share of the first side, 0–1, with the bar at `at`.
+    /// The share of the first side, 0–1, with the bar at `position`.
     pub fn share_at(&self, position: Pos2) -> f32 {
         let share = match self.is_side_by_side {
             true => (position.x - self.bounds.left()) / self.bounds.width(),
@@ -54,29 +55,29 @@ impl Splitter {
     }
 }
 
-/// The panes and splitters of the window.
+/// The rectangles of panes and splitters in the window.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Arrangement {
     /// Each pane with its rectangle, the panel first.
     pub panes: Vec<(WindowPane, Rect)>,
     pub splitters: Vec<Splitter>,
-    /// The tab bar, where only one pane fits.
+    /// The tab bar; `None` if all panes fit together.
     pub tabs: Option<PaneTabs>,
 }
 
-/// The tab bar that switches between panes, of which one is shown.
+/// The tab bar with which the operator switches between panes, of which one is shown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PaneTabs {
     /// The rectangle of the tab bar.
     pub bar: Rect,
     /// All panes, the panel first.
     pub all: Vec<WindowPane>,
-    /// The arrangement with all panes together.
+    /// The arrangement that shows all panes together.
     pub all_together: Box<Arrangement>,
 }
 
-/// Arranges the panel and the docked views in `room`. `share` returns the position of a
-/// dragged splitter.
+/// Arranges the panel and the docked views in `bounds`. `dragged_share` returns the share of
+/// the first side of a splitter, 0–1, or `None` if it was not dragged.
 pub fn arrange_panes(
     bounds: Rect,
     docked: &[ViewId],
@@ -135,8 +136,8 @@ pub fn arrange_panes(
 }
 
 impl Arrangement {
-    /// Stacks `panes` in `room`, one above the other. `split` is the number of the first
-    /// splitter.
+    /// Stacks `panes` in `room`, one above the other, with splitters between them. `split` is
+    /// the number of the first splitter.
     fn stack_panes(
         &mut self,
         room: Rect,
@@ -157,7 +158,8 @@ impl Arrangement {
         }
     }
 
-    /// Divides `room` in two with a splitter between. No side becomes smaller than [`MIN_PANE_SIDE`].
+    /// Divides `room` in two with a splitter between, and returns both sides. No side becomes
+    /// smaller than [`MIN_PANE_SIDE`].
     fn split(&mut self, room: Rect, split: u8, is_side_by_side: bool, share: f32) -> (Rect, Rect) {
         let length = if is_side_by_side {
             room.width()

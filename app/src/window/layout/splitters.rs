@@ -10,10 +10,10 @@ use super::Layouts;
 use super::panes::Splitter;
 use gsk_messages::{Language, say};
 
-/// Distance that a cursor key moves a splitter, as a share of both sides.
+/// Share of both sides by which a cursor key moves a splitter.
 const KEY_STEP: f32 = 0.02;
 
-/// Draws the splitters and moves the one that is dragged.
+/// Draws the splitters and moves the one that the operator drags.
 pub fn show(ui: &Ui, splitters: &[Splitter], layouts: &mut Layouts, language: Language) {
     for splitter in splitters {
         let id = ui.scope_id().with(("splitter", splitter.split));
@@ -57,7 +57,7 @@ pub fn show(ui: &Ui, splitters: &[Splitter], layouts: &mut Layouts, language: La
     }
 }
 
-/// Moves the focused splitter with the cursor keys that hold no panel key.
+/// Moves the splitter that has the focus with those cursor keys that hold no panel key.
 fn move_by_keys(ui: &Ui, splitter: &Splitter, layouts: &mut Layouts) {
     let (back, forward) = match splitter.is_side_by_side {
         true => (Key::ArrowLeft, Key::ArrowRight),

@@ -10,12 +10,12 @@ use crate::window::view::ViewId;
 
 /// Height of the tab bar, points: large enough for fingers.
 const TAB_BAR_HEIGHT: f32 = 42.0;
-/// Share of a view's least window size that a pane must have. A pane that is a little lower
-/// scrolls.
+/// Share of a view's minimum size that its pane must have, in width and height. A pane that is
+/// a little lower scrolls.
 const MIN_SHARE: Vec2 = Vec2::new(0.95, 0.7);
 
 /// Whether a pane is too small for its content: the LCD has fewer pixels than dots, the keys
-/// are smaller than the limit, or a view is smaller than its least size.
+/// are smaller than the limit, or a view is smaller than its minimum size.
 pub fn is_crowded(arranged: &Arrangement, scales: Scales) -> bool {
     if arranged.panes.len() < 2 {
         return false;
@@ -33,7 +33,7 @@ pub fn is_crowded(arranged: &Arrangement, scales: Scales) -> bool {
     })
 }
 
-/// Shows one pane in `room`, below the tab bar.
+/// Arranges one pane, that of `front`, in `bounds` below a tab bar.
 pub fn arrange_as_tabs(
     bounds: Rect,
     all_together: Arrangement,

@@ -19,31 +19,32 @@ use gsk_messages::{Language, Message, say};
 const ROW_HEIGHT: f32 = 24.0;
 /// Width reserved for the scroll bar of a list, points.
 const SCROLL_BAR_WIDTH: f32 = 12.0;
-/// Widths of the columns of lamps, points.
+/// Width of the column of contact lamps, points. The constant after it is that of the PLC
+/// lamps.
 const CONTACT_WIDTH: f32 = 48.0;
 const PLC_WIDTH: f32 = 34.0;
 /// Width of the column of inputs, points.
 const INPUTS_WIDTH: f32 = 470.0;
-/// Least and greatest width of the column of faults, points.
+/// Minimum width of the column of faults, points. The constant after it is the maximum.
 const MIN_FAULTS_WIDTH: f32 = 240.0;
 const MAX_FAULTS_WIDTH: f32 = 420.0;
-/// Column width from which a fault's script name is shown, too, points.
+/// Width of the column of faults from which the script names are shown, too, points.
 const SCRIPT_NAMES_WIDTH: f32 = 380.0;
-/// Key of the group of buttons that hold an input.
+/// Name of the group of buttons that hold an input, for their widget ids.
 const HOLD_BUTTONS: &str = "held";
-/// Bytes of X whose inputs are plugs for machine contacts.
+/// Bytes of the X addresses whose inputs are plugs for machine contacts.
 const PLUGGED_BYTES: std::ops::Range<u16> = 0..4;
 
 pub struct Bench {
     console: Console,
     entry: String,
     entry_error: Option<String>,
-    /// Inputs beyond the plugs that the user has added.
+    /// Inputs that the user has added to those of the plugs.
     added_inputs: Vec<BitAddress>,
 }
 
 impl Bench {
-    /// Creates a bench without faults.
+    /// Creates the fault bench; no fault is set.
     pub fn new(console: Console) -> Self {
         Self {
             console,
@@ -53,8 +54,8 @@ impl Bench {
         }
     }
 
-    /// Draws the bench and handles its input. `machine`: the newest state, `None` before the
-    /// first.
+    /// Draws the bench and handles its input. `machine` is the newest state, `None` before the
+    /// first one.
     pub fn show(&mut self, ui: &mut Ui, language: Language, machine: Option<&Arc<MachineView>>) {
         let Some(machine) = machine else {
             ui.centered_and_justified(|ui| ui.label(say::window_one_moment().text(language)));
@@ -227,7 +228,8 @@ impl Bench {
         });
     }
 
-    /// Draws the buttons that hold an input at 0 or 1, or release it to its sensor.
+    /// Draws the buttons that hold an input at 0 or 1, or release it to its sensor. `held` is
+    /// the value at which it is held, `None` if it is not.
     fn show_hold_buttons(
         &self,
         ui: &mut Ui,
@@ -279,7 +281,7 @@ impl Bench {
     }
 }
 
-/// Allocates a row that is filled from the right.
+/// Allocates a row and draws its content from the right.
 fn draw_row(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
     let size = vec2(ui.available_width(), ROW_HEIGHT);
     let (rect, _) = ui.allocate_exact_size(size, Sense::HOVER);
@@ -298,7 +300,7 @@ fn draw_column_heading(ui: &mut Ui, words: &str, width: f32) {
     ui.painter().text(rect.center(), middle, words, font, ink);
 }
 
-/// Draws a lamp with 1 or 0 in a column of this width, points.
+/// Draws a lamp with 1 or 0, named for screen readers, in a column of `width` points.
 fn draw_lamp(ui: &mut Ui, lit: bool, name: &str, width: f32) {
     let (rect, response) = ui.allocate_exact_size(vec2(width, ROW_HEIGHT), Sense::HOVER);
     let colour = if lit { theme::LAMP_ON } else { theme::LAMP_OFF };

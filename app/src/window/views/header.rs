@@ -12,22 +12,22 @@ use gsk_messages::{Language, say};
 
 /// Height of the header line, points.
 pub const HEIGHT: f32 = 22.0;
-/// Side of an icon and size of its clickable area, points.
+/// Side of an icon, points. The constant after it is the size of its clickable area.
 const ICON_SIDE: f32 = 10.0;
 const ICON_AREA: Vec2 = vec2(28.0, HEIGHT);
 
-/// Where the view is drawn.
+/// Where a view is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ViewPlacement {
-    /// In a pane of the main window.
+    /// In a pane of the main window, on a platform with separate windows.
     Docked,
-    /// In a pane, where the platform has no other windows.
+    /// In a pane of the main window, on a platform without separate windows.
     SingleWindow,
     /// In a separate window, whose frame shows the name and a close button.
     Floating,
 }
 
-/// What the user clicked.
+/// What the user clicked in the header line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HeaderAction {
     /// Move the view into the main window.
@@ -37,7 +37,7 @@ pub enum HeaderAction {
     Close,
 }
 
-/// Draws the header line. Returns the action of the icon that was clicked.
+/// Draws the header line of a view. Returns the action of the icon that was clicked, if any.
 pub fn show(
     ui: &mut Ui,
     row: &ViewRow,
@@ -83,7 +83,7 @@ pub fn show(
     action
 }
 
-/// Draws a clickable icon with `name` as its hover text. Returns whether it was clicked.
+/// Draws a clickable icon with `name` as its hover text. Returns true if it was clicked.
 fn draw_icon(ui: &Ui, rect: Rect, action: HeaderAction, name: &str) -> bool {
     let id = ui.scope_id().with((name, "sign"));
     let response = ui.interact(rect, id, Sense::click());

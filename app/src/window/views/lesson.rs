@@ -21,23 +21,24 @@ const MARK_DIAMETER: f32 = 12.0;
 pub struct LessonView {
     console: Console,
     lessons: Vec<Arc<Lesson>>,
-    /// Errors in a teacher's lesson files.
+    /// Errors in the lesson files of a teacher.
     load_errors: Vec<Message>,
     /// Names of the lessons that were completed.
     finished: BTreeSet<String>,
     state: Option<LessonState>,
-    /// Start of the current step, seconds of the window's clock; `None` until the next frame.
+    /// Start of the current step, seconds of the window's clock; `None` until the first frame
+    /// of the step.
     step_start_s: Option<f64>,
     hint_requested: bool,
-    /// A sample was chosen.
+    /// A sample program that the user has chosen, until the window takes it.
     sample: Option<SampleRequest>,
-    /// A lesson has begun since the last frame.
+    /// Whether a lesson has begun since the window last queried it.
     has_begun: bool,
 }
 
 impl LessonView {
-    /// Creates the view with the built-in lessons. `finished`: names of lessons completed
-    /// earlier.
+    /// Creates the view with the built-in lessons. `finished`: names of lessons that were
+    /// completed earlier.
     pub fn new(console: Console, finished: BTreeSet<String>) -> Self {
         Self {
             console,
@@ -52,17 +53,17 @@ impl LessonView {
         }
     }
 
-    /// The sample that was chosen since the last frame.
+    /// Takes the sample program that the user has chosen since the last call, if any.
     pub const fn take_sample(&mut self) -> Option<SampleRequest> {
         self.sample.take()
     }
 
-    /// Whether a lesson has begun since the last frame.
+    /// Whether a lesson has begun since the last call.
     pub const fn take_begun(&mut self) -> bool {
         core::mem::replace(&mut self.has_begun, false)
     }
 
-    /// Replaces the built-in lessons. `wrong`: errors in the files of lessons.
+    /// Replaces the listed lessons. `errors`: those in lesson files.
     pub fn set_lessons(&mut self, lessons: Vec<Lesson>, errors: Vec<Message>) {
         self.lessons = lessons.into_iter().map(Arc::new).collect();
         self.load_errors = errors;
@@ -73,7 +74,7 @@ impl LessonView {
         &self.finished
     }
 
-    /// Takes the state of the current lesson from a snapshot.
+    /// Takes the state of the current lesson from a snapshot and records a completed lesson.
     pub fn take_snapshot(&mut self, snapshot: &PanelSnapshot) {
         let step = |state: &Option<LessonState>| {
             let state = state.as_ref();
@@ -94,7 +95,7 @@ impl LessonView {
         }
     }
 
-    /// The current lesson and its state.
+    /// The current lesson and its state; `None` outside lessons and in a demonstration.
     fn current_lesson(&self) -> Option<(&Arc<Lesson>, &LessonState)> {
         let state = self.state.as_ref()?;
         let lesson = self.lessons.iter().find(|it| it.name == state.name)?;
@@ -336,7 +337,7 @@ impl LessonView {
     }
 }
 
-/// The legend of a key in brackets, without its English words: `[X 手轮]`.
+/// Formats the legend of a key in brackets, without its English words: `[X 手轮]`.
 fn format_key_legend(key: Key) -> String {
     let legend = key.row().legend;
     let english = |line: &str| line.len() > 1 && line.is_ascii();
@@ -350,7 +351,7 @@ fn format_key_legend(key: Key) -> String {
     format!("[{}]", lines.join(if needs_blank { " " } else { "" }))
 }
 
-/// Draws the mark of a step or lesson. `done` adds a tick.
+/// Draws the mark of a step or lesson. `done` adds a tick to it.
 fn draw_mark(ui: &mut Ui, colour: Color32, done: bool) {
     let (rect, _) =
         ui.allocate_exact_size(vec2(MARK_DIAMETER + 2.0, MARK_DIAMETER + 4.0), Sense::HOVER);
@@ -365,7 +366,7 @@ fn draw_mark(ui: &mut Ui, colour: Color32, done: bool) {
     }
 }
 
-/// The remark about the state of the machine; `None` if there is none.
+/// Formats the remark about the state of the machine; `None` if there is none.
 fn describe_remark(step: &LessonStep, remark: LessonRemark, language: Language) -> Option<String> {
     let message = match remark {
         LessonRemark::None => return None,

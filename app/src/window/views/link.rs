@@ -14,7 +14,7 @@ use crate::window::real_machine_bar::state_name;
 use crate::window::{focus, fonts, right_aligned, theme};
 use gsk_messages::{Language, say};
 
-/// The state of the link page.
+/// The view that shows the pulse board and its link.
 pub struct LinkPage {
     console: Console,
     view: Option<LinkView>,
@@ -22,7 +22,7 @@ pub struct LinkPage {
 }
 
 impl LinkPage {
-    /// Creates the page before the first report about a board.
+    /// Creates the page; it is empty until the kernel reports about the board.
     pub fn new(console: Console) -> Self {
         Self {
             console,
@@ -31,12 +31,12 @@ impl LinkPage {
         }
     }
 
-    /// Asks the kernel to report about the board.
+    /// Requests the kernel's reports about the board.
     pub fn open(&self) {
         self.console.send(Command::WatchLink(true));
     }
 
-    /// Stops the reports of the kernel.
+    /// Ends the kernel's reports about the board.
     pub fn close(&mut self) {
         self.console.send(Command::WatchLink(false));
         self.view = None;
@@ -122,7 +122,8 @@ impl LinkPage {
         }
     }
 
-    /// Draws the traffic with the board, below the differing settings and position checks.
+    /// Draws the lines of traffic with the board, below the differing settings and position
+    /// checks.
     fn show_traffic(&self, ui: &mut Ui, language: Language, view: &LinkView) {
         if !view.differences.is_empty() {
             self.show_differences(ui, language, view);
@@ -182,7 +183,7 @@ impl LinkPage {
     }
 }
 
-/// Draws a row for each setting that differs.
+/// Draws one row per differing setting: name, value on the board, required value, meaning.
 fn draw_difference_table(ui: &mut Ui, language: Language, view: &LinkView) {
     egui::Grid::new("differences")
         .num_columns(4)
@@ -209,7 +210,7 @@ fn draw_difference_table(ui: &mut Ui, language: Language, view: &LinkView) {
         });
 }
 
-/// Draws a sentence that contains command line options.
+/// Draws a sentence in which command line options may occur.
 fn draw_sentence(ui: &mut Ui, text: &str) {
     let font = egui::TextStyle::Body.resolve(ui.style());
     ui.label(fonts::layout_text(text, font, ui.visuals().text_color()));
@@ -238,7 +239,7 @@ const fn state_colour(state: LinkState) -> Color32 {
     }
 }
 
-/// The contents of the page as English text.
+/// Formats the contents of the page as English text.
 fn format_report(view: &LinkView) -> String {
     let mut out = format!(
         "{}  {}  {}\n\n",

@@ -50,11 +50,11 @@ use project::{ProjectSettings, ProjectView};
 use scope::Scope;
 use transfer::TransferView;
 
-/// All views, and which of them are open.
+/// All views of the window, and which of them are open.
 pub struct Views {
     /// The views that were open in the last frame.
     open_views: Vec<ViewId>,
-    /// Initial corner and size of the open separate windows, points.
+    /// Initial corner and size of each open separate window, points.
     window_geometry: Vec<(ViewId, Option<Pos2>, Vec2)>,
     scope: Scope,
     bench: Bench,
@@ -69,7 +69,7 @@ pub struct Views {
     project: ProjectView,
     console: Console,
     machine: Option<Arc<MachineView>>,
-    /// The view that another view requests to open.
+    /// The view that another view has requested to open; `None` without a request.
     view_to_open: Option<ViewId>,
 }
 
@@ -104,8 +104,8 @@ impl Views {
         }
     }
 
-    /// Opens and closes views to match `layouts`. Starts or stops the monitoring of the
-    /// machine in the kernel and receives the newest machine state.
+    /// Opens and closes views to match `layouts`. Starts or stops the kernel's reports of the
+    /// machine state and receives the newest one.
     pub fn follow(&mut self, context: &Context, layouts: &Layouts) {
         self.lathe.receive(context);
         let was_monitoring = self.needs_machine_state();
@@ -152,7 +152,7 @@ impl Views {
         }
     }
 
-    /// The sample that was chosen among the lessons.
+    /// Takes the sample that the operator has chosen among the lessons, if any.
     pub const fn take_sample(&mut self) -> Option<SampleRequest> {
         self.lessons.take_sample()
     }
@@ -161,7 +161,6 @@ impl Views {
         &mut self.program
     }
 
-    /// The machine view.
     pub const fn lathe(&mut self) -> &mut LatheView {
         &mut self.lathe
     }
@@ -170,7 +169,7 @@ impl Views {
         &mut self.lessons
     }
 
-    /// The PC's side of the serial port.
+    /// The view for file transfers between the PC and a control.
     pub const fn transfer(&self) -> &TransferView {
         &self.transfer
     }
@@ -179,8 +178,8 @@ impl Views {
         &mut self.project
     }
 
-    /// The first item that closing the window would lose: program text, then job, then
-    /// project.
+    /// The first kind of unsaved work that closing the window would lose: program text, then
+    /// job, then project. `None` if there is none.
     pub fn first_unsaved(&self) -> Option<Unsaved> {
         let text = self.program.is_unsaved().then_some(Unsaved::Text);
         let job = || self.lathe.is_unsaved().then_some(Unsaved::Job);
@@ -188,12 +187,13 @@ impl Views {
         text.or_else(job).or_else(project)
     }
 
-    /// Whether an open view needs the state of the machine and the PLC.
+    /// Whether an open view shows the state of the machine and the PLC.
     fn needs_machine_state(&self) -> bool {
         self.open_views.iter().any(|view| view.is_monitor())
     }
 
-    /// Draws a view. `native`: it is in a separate window and receives all keys.
+    /// Draws the content of a view. `native`: the view is in a separate window and receives
+    /// all keys.
     fn draw_content(&mut self, ui: &mut Ui, view: ViewId, language: Language, native: bool) {
         match view {
             ViewId::Scope => self.scope.show(ui, language, native),
@@ -261,12 +261,13 @@ impl Views {
         }
     }
 
-    /// Takes the view that another view requests to open.
+    /// Takes the view that another view has requested to open, if any.
     pub const fn take_view_to_open(&mut self) -> Option<ViewId> {
         self.view_to_open.take()
     }
 
     /// Draws a docked view into its pane, with scroll bars if it is larger than the pane.
+    /// Returns the action of its header, if any.
     pub fn show_docked(
         &mut self,
         ui: &mut Ui,
@@ -358,35 +359,35 @@ impl Views {
     }
 }
 
-/// Keyboard input in the windows of views that is meant for the panel.
+/// Keyboard input in the windows of views, and what it requests of the main window.
 #[derive(Debug, Default)]
 pub struct PanelInput {
-    /// A window of a view has the focus.
+    /// Whether a window of a view has the focus.
     pub has_focus: bool,
     pub events: Vec<Event>,
-    /// A jog key was suppressed because a list uses the cursor keys.
+    /// Whether a jog key was suppressed because a list uses the cursor keys.
     pub jogs_in_list: bool,
-    /// The view whose key was pressed in the window of another view.
+    /// The view whose key was pressed in the window of another view, if any.
     toggled_view: Option<ViewId>,
-    /// The layout whose key was pressed.
+    /// The layout whose key was pressed in the window of a view, if any.
     chosen_layout: Option<WindowLayout>,
 }
 
-/// A separate window of one view.
+/// The separate window of one view, while it is drawn.
 struct ViewWindow {
     row: &'static ViewRow,
     language: Language,
     board: Option<LinkState>,
-    /// Initial corner, points; `None`: the window manager places the window.
+    /// Initial upper left corner, points; `None` if the window manager places the window.
     corner: Option<Pos2>,
     size: Vec2,
 }
 
-/// What a view's window reports after a frame.
+/// What happened in a view's separate window during a frame.
 #[derive(Debug, Default)]
 struct ViewWindowReport {
     header_action: Option<header::HeaderAction>,
-    /// The current position and size of the window.
+    /// The current position and size of the window; `None` if they must not be stored.
     geometry: Option<WindowGeometry>,
 }
 

@@ -6,8 +6,8 @@ use crate::kernel::Console;
 use crate::window::files::{FileChoice, choose_file};
 use gsk_messages::{Language, say};
 
-/// Shows a save dialog and writes the text that `make_text` returns. `name_and_extension` is the proposed name
-/// and the extension. The result is shown on the window's message line.
+/// Shows a save dialog and writes the text that `make_text` returns. `name_and_extension` is
+/// the proposed name and the extension. The window's message line shows the result.
 pub fn save(
     console: &Console,
     context: &egui::Context,
@@ -30,8 +30,8 @@ pub fn save(
     );
 }
 
-/// Shows an open dialog for files with this extension and passes the text to `take_text`. An error
-/// is shown on the window's message line.
+/// Shows an open dialog for files with this extension and passes the text of the chosen one to
+/// `take_text`. The window's message line shows an error.
 pub fn open(
     console: &Console,
     context: &egui::Context,

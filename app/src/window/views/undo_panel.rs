@@ -4,7 +4,7 @@ use egui::{Button, Ui};
 use gsk_commission::UndoList;
 use gsk_messages::{Language, Message, say};
 
-/// Number of changes of an entry that its hover text lists.
+/// Maximum number of changes of an entry that its hover text lists.
 const LISTED: usize = 12;
 
 /// Functions that describe the entries and changes of an undo list.
@@ -13,7 +13,8 @@ pub struct UndoTexts<Label, Change> {
     pub label: fn(&Label) -> Message,
     /// Describes a change: the item and its value.
     pub change: fn(&Change) -> Message,
-    /// What the control needs before it takes values back: hover text of the disabled button.
+    /// What the control needs before it accepts the old values: hover text of the disabled
+    /// button.
     pub blocked_hint: Message,
 }
 

@@ -9,19 +9,19 @@ use crate::window::theme;
 
 /// Height of the graph, points.
 const GRAPH_HEIGHT: f32 = 190.0;
-/// Width of the scale, points.
+/// Width of the scale at the left, points.
 const SCALE_WIDTH: f32 = 56.0;
-/// Height of the positions below, and of the legend above, points.
+/// Height of the line of positions below the graph, and of the legend above, points.
 const MARGIN_HEIGHT: f32 = 18.0;
 
-/// The curves of an axis.
+/// The curves of one axis in the graph of pitch errors.
 #[derive(Clone, Debug, Default)]
 pub struct PitchCurves {
-    /// The current correction.
+    /// The correction by the current pitch error table.
     pub current: DeviationCurve,
-    /// The measured deviation.
+    /// The measured deviation of the screw.
     pub measured: DeviationCurve,
-    /// The proposed correction.
+    /// The correction by the proposed pitch error table.
     pub proposed: DeviationCurve,
 }
 

@@ -8,30 +8,31 @@ use gsk_messages::{Language, Message, say};
 /// Width of a field, points.
 const FIELD_WIDTH: f32 = 90.0;
 
-/// The texts and choices of all steps.
+/// The texts and choices that the operator has entered in all steps.
 #[derive(Clone, Debug)]
 pub struct CommissionInputs {
-    /// Gear: whether it is computed from a measured move, else from the data plates.
+    /// Gear step: true to compute the gear from a measured move, false from the data plates.
     pub is_gear_measured: bool,
-    /// Gear from the plates: pulses per turn, lead of the screw, teeth of screw and motor.
+    /// Gear step, from the data plates: pulses per turn, lead of the screw in mm, teeth of
+    /// screw, teeth of motor.
     pub plate_texts: [String; 4],
-    /// Gear from a move: commanded and measured distance.
+    /// Gear step, from a move: commanded distance and measured distance, mm.
     pub move_texts: [String; 2],
-    /// The kind of the drives.
+    /// Following error step: the kind of the drives.
     pub drive_kind: DriveKind,
-    /// Following error: measured and allowed.
+    /// Following error step: measured error and allowed error, mm.
     pub following_error_texts: [String; 2],
-    /// How the machine zero is found.
+    /// Machine zero step: how the machine zero is found.
     pub zero_method: ZeroMethod,
-    /// Spindle: gear, speed, voltage.
+    /// Spindle step: number of the gear, measured speed in r/min, voltage in V.
     pub spindle_texts: [String; 3],
-    /// Backlash: a pair of readings per line.
+    /// Backlash step: one pair of readings per line.
     pub backlash_text: String,
-    /// Pitch: the interval of the points.
+    /// Pitch error step: the interval of the points, mm.
     pub pitch_interval_text: String,
-    /// Pitch: whether the table was empty during the measurement.
+    /// Pitch error step: whether the table was empty during the measurement.
     pub is_table_empty: bool,
-    /// Pitch: whether the X targets are diameters.
+    /// Pitch error step: whether the X targets are diameters.
     pub are_targets_diameters: bool,
 }
 
@@ -59,7 +60,7 @@ pub fn parse_number(text: &str) -> Result<f64, Message> {
     parse_finite(&text.trim().replace(',', ".")).ok_or_else(say::commission_numbers)
 }
 
-/// Parses a number that may be missing.
+/// Parses a number with a decimal point or comma; `None` if the text is empty.
 pub fn parse_optional(text: &str) -> Result<Option<f64>, Message> {
     match text.trim().is_empty() {
         true => Ok(None),
@@ -67,7 +68,7 @@ pub fn parse_optional(text: &str) -> Result<Option<f64>, Message> {
     }
 }
 
-/// Parses pairs of readings, one per line.
+/// Parses pairs of readings, one pair per line.
 pub fn parse_readings(text: &str) -> Result<Vec<BacklashReading>, Message> {
     let lines = text.lines().filter(|line| !line.trim().is_empty());
     lines
@@ -84,7 +85,7 @@ pub fn parse_readings(text: &str) -> Result<Vec<BacklashReading>, Message> {
         .collect()
 }
 
-/// Draws rows of a field and its name.
+/// Draws rows that each consist of a name and its text field.
 pub fn show_rows(ui: &mut Ui, language: Language, rows: &mut [(Message, &mut String)]) {
     for (name, text) in rows {
         ui.horizontal(|ui| {

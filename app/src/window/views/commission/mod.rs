@@ -31,7 +31,7 @@ const STEPS_WIDTH: f32 = 210.0;
 /// Height of the list of changes, points.
 const CHANGES_HEIGHT: f32 = 160.0;
 
-/// The commissioning view.
+/// The view for commissioning a machine step by step.
 pub struct CommissionView {
     console: Console,
     step: CommissioningStep,
@@ -45,7 +45,7 @@ pub struct CommissionView {
 }
 
 impl CommissionView {
-    /// Creates the view with its first step.
+    /// Creates the view at its first step.
     pub fn new(console: Console) -> Self {
         Self {
             console,
@@ -59,7 +59,7 @@ impl CommissionView {
         }
     }
 
-    /// Draws the view. Returns whether the operator wants to see the scope.
+    /// Draws the view. Returns true when the operator requests to see the scope.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -263,7 +263,7 @@ impl CommissionView {
         }
     }
 
-    /// Draws the fields of the pitch errors. Returns whether a file has been read.
+    /// Draws the fields of the pitch error step. Returns true when a file has been read.
     fn show_pitch_fields(&mut self, ui: &mut Ui, language: Language) -> bool {
         let has_new_file = self.pitch.show(ui, language, &self.console);
         let interval = &mut self.fields.pitch_interval_text;
@@ -276,7 +276,7 @@ impl CommissionView {
         has_new_file
     }
 
-    /// Computes the proposal of the step. `None` while input is missing.
+    /// Computes the changes that the current step proposes; `None` if input is missing.
     fn propose(&mut self, machine: &MachineView) -> Result<Option<Proposal>, Message> {
         let (axis, parameters) = (self.axis, &machine.parameters);
         let fields = &self.fields;

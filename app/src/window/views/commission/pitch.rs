@@ -19,22 +19,22 @@ use crate::kernel::Console;
 use crate::pitch::{EvaluatedMeasurement, evaluate_measurement, read_file};
 use crate::window::files::{self, FileChoice};
 
-/// Count of intervals of the drawn corrections.
+/// Number of intervals into which the drawn corrections are divided.
 const DRAWN_INTERVALS: i32 = 600;
 /// Height of the list of points, points.
 const LIST_HEIGHT: f32 = 150.0;
 
-/// Extensions of measurement files.
+/// Extensions of measurement files, in lower case without the dot.
 const EXTENSIONS: [&str; 4] = ["csv", "ren", "rtl", "txt"];
 
-/// A file that was read: its name and content.
+/// A measurement file that was read: its name and content.
 #[derive(Clone, Debug)]
 struct MeasurementFile {
     name: String,
     imported: ImportedFile,
 }
 
-/// The file and the result of the step.
+/// The measurement file and the result of the pitch error step.
 #[derive(Default)]
 pub struct PitchErrorStep {
     pending: Option<Receiver<MeasurementFile>>,
@@ -44,8 +44,8 @@ pub struct PitchErrorStep {
 }
 
 impl PitchErrorStep {
-    /// Draws the button and the summary of the file. Returns whether another file has been
-    /// read.
+    /// Draws the button that reads a file, and the summary of the file. Returns true when
+    /// another file has been read.
     pub fn show(&mut self, ui: &mut Ui, language: Language, console: &Console) -> bool {
         let received = self.pending.as_ref().and_then(|it| it.try_recv().ok());
         let is_new = received.is_some();
@@ -97,7 +97,8 @@ impl PitchErrorStep {
         );
     }
 
-    /// Computes the proposal for the current parameters; `None` without a file.
+    /// Evaluates the file with the current parameters and table and computes the curves to
+    /// draw; `None` without a file.
     pub fn propose(
         &mut self,
         axis: Axis,
@@ -155,7 +156,7 @@ impl PitchErrorStep {
         Ok(Some(result))
     }
 
-    /// Draws the graph, and the corrections at the targets as a list.
+    /// Draws the curves, and the corrections at the targets as a list.
     pub fn show_result(&self, ui: &mut Ui, language: Language) {
         for line in &self.summary {
             ui.label(line.text(language));
@@ -185,7 +186,8 @@ impl PitchErrorStep {
     }
 }
 
-/// The range of the axis that the points of a table cover.
+/// The range of the axis, first and last slide travel, that the points of a proposed table
+/// cover.
 fn table_range(
     axis: Axis,
     parameters: &ControlParameters,

@@ -6,21 +6,21 @@ use gsk_panel::pages::CoordinateFormat;
 
 use crate::kernel::monitor::{MachineView, OffsetTable, VariableTable};
 
-/// Values, and why they cannot be written now.
+/// The values that the data view shows, and why they cannot be written now.
 #[derive(Clone, Copy)]
 pub struct DataValues<'a> {
     pub parameters: &'a ControlParameters,
     pub pitch: &'a PitchTable,
-    /// Why parameters cannot be written now; `None`: they can.
+    /// Why parameters cannot be written now; `None` if they can.
     pub parameters_refusal: Option<WriteRefusal>,
     pub offsets: &'a OffsetTable,
     pub variables: &'a VariableTable,
-    /// Current alarms and PLC messages.
+    /// Texts of the current alarms and PLC messages.
     pub alarms: &'a [String],
 }
 
 impl<'a> DataValues<'a> {
-    /// The values of a running control.
+    /// Creates the values of a running control.
     pub fn of_control(machine: &'a MachineView) -> Self {
         Self {
             parameters: &machine.parameters,
@@ -32,7 +32,8 @@ impl<'a> DataValues<'a> {
         }
     }
 
-    /// The values of a memory without a control. `tables` are those of the same memory.
+    /// Creates the values of a memory without a control. `tables` are those of the same
+    /// memory.
     pub const fn of_memory(memory: &'a BatteryMemory, tables: &'a MemoryTables) -> Self {
         Self {
             parameters: &memory.parameters,
@@ -45,15 +46,15 @@ impl<'a> DataValues<'a> {
     }
 }
 
-/// The tables of a memory without a control. Nothing refuses a value there.
+/// The tables of a memory without a control, where nothing refuses a value.
 pub struct MemoryTables {
     offsets: OffsetTable,
     variables: VariableTable,
 }
 
 impl MemoryTables {
-    /// Builds the tables. They contain the variables that are retained at power-off, in the
-    /// order of the control's page.
+    /// Builds the tables of a memory. They contain the variables that are retained at
+    /// power-off, in the order of the control's page.
     pub fn from_memory(memory: &BatteryMemory) -> Self {
         let has_model_variables = memory.model.record().own_variables;
         let is_real = memory.settings.macro_b || has_model_variables;

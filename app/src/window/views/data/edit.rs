@@ -15,7 +15,7 @@ use crate::kernel::monitor::VariableTable;
 /// Millimetres per inch.
 const MM_PER_INCH: f64 = 25.4;
 
-/// A column of the tool offsets.
+/// A column of the tool offset table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ToolOffsetField {
     X,
@@ -25,10 +25,10 @@ pub enum ToolOffsetField {
 }
 
 impl ToolOffsetField {
-    /// The columns in the order of the page.
+    /// All columns in the order of the control's page.
     pub const ALL: [Self; 4] = [Self::X, Self::Z, Self::R, Self::T];
 
-    /// The heading of the column.
+    /// The letter in the heading of the column.
     pub const fn letter(self) -> &'static str {
         match self {
             Self::X => "X",
@@ -38,7 +38,7 @@ impl ToolOffsetField {
         }
     }
 
-    /// The value of this column in a row: mm, or the tool nose number.
+    /// The value of this column in a row: mm, or the tool nose number without a unit.
     fn value_in(self, row: ToolOffset) -> f64 {
         match self {
             Self::X => row.x,
@@ -57,47 +57,46 @@ impl ToolOffsetField {
     }
 }
 
-/// The field that shows a value.
+/// Identifies the field that shows a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum DataField {
-    /// A parameter; a state parameter as a whole.
+    /// A parameter by its number; a state parameter with all its bits.
     Parameter(u16),
-    /// Row and column of the tool offsets.
+    /// A tool offset by its row and column.
     Offset(u8, ToolOffsetField),
-    /// A point of the pitch errors of X.
+    /// A point of the pitch error table of X.
     PitchX(u8),
-    /// A point of the pitch errors of Z.
+    /// A point of the pitch error table of Z.
     PitchZ(u8),
     /// A macro variable by its number.
     Variable(u16),
 }
 
-/// A new value for a field.
+/// A new value for a field, not written yet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DataEdit {
     Parameter(ParameterChange),
-    /// A tool offset.
+    /// A new tool offset.
     Offset {
-        /// Row.
+        /// Row of the tool offset table.
         number: u8,
-        /// Column.
+        /// Column of the tool offset table.
         part: ToolOffsetField,
-        /// New value, mm, or the tool nose number.
+        /// New value, mm, or the tool nose number without a unit.
         value: f64,
     },
-    /// A macro variable.
+    /// A new value of a macro variable.
     Variable {
-        /// Number of the variable.
         number: u16,
-        /// New value; `None` is null.
+        /// New value; `None` sets the variable to null.
         value: Option<f64>,
-        /// Whether the variable takes fractions and null.
+        /// Whether the variable accepts fractions and null.
         is_real: bool,
     },
 }
 
 impl DataEdit {
-    /// The request that writes the value into the control.
+    /// Converts the edit to the request that writes the value into the control.
     pub const fn request(self) -> ControlRequest {
         match self {
             Self::Parameter(change) => change.to_request(),
@@ -132,7 +131,7 @@ impl DataEdit {
         }
     }
 
-    /// The field and its new value as text: `No.035 = 12`.
+    /// Formats the field and its new value: `No.035 = 12`.
     pub fn message(self) -> Message {
         match self {
             Self::Parameter(change) => change.message(),
@@ -150,7 +149,8 @@ impl DataEdit {
         }
     }
 
-    /// The same edit with the current value of the control.
+    /// Creates an edit of the same field with its current value, which undoes this one after
+    /// it was written.
     pub fn with_current_value(self, machine: &DataValues<'_>) -> Self {
         match self {
             Self::Parameter(change) => {
@@ -173,7 +173,7 @@ impl DataEdit {
         }
     }
 
-    /// Why the control would refuse the edit now; `None`: it would accept it.
+    /// Why the control would refuse the edit now; `None` if it would accept it.
     pub const fn refusal(self, machine: &DataValues<'_>) -> Option<WriteRefusal> {
         match self {
             Self::Parameter(_) => machine.parameters_refusal,
@@ -188,7 +188,7 @@ fn variable_value(table: &VariableTable, number: u16) -> Option<f64> {
     row.and_then(|(_, value)| *value)
 }
 
-/// Whether a parameter consists of eight bits.
+/// Whether a parameter consists of eight bits, as opposed to a number.
 pub fn is_state_parameter(number: u16) -> bool {
     memory::parameter_row(number, None).is_some_and(|row| row.state)
 }
@@ -202,7 +202,7 @@ pub fn parameter_text(number: u16, value: i32) -> String {
 }
 
 impl DataField {
-    /// The field of a point of an axis's pitch errors.
+    /// Returns the field of a point in the pitch error table of `axis`.
     pub const fn pitch(axis: Axis, point: u8) -> Self {
         match axis {
             Axis::X => Self::PitchX(point),
@@ -210,7 +210,7 @@ impl DataField {
         }
     }
 
-    /// The current value of the control as the operator would type it.
+    /// Formats the current value of the field as the operator would type it.
     pub fn current_text(self, machine: &DataValues<'_>) -> String {
         match self {
             Self::Parameter(number) => parameter_text(number, machine.parameters.value(number)),
@@ -287,7 +287,7 @@ impl DataField {
         value.ok_or_else(|| say::data_not_bits(self.name(), text))
     }
 
-    /// Parses a pitch error: a whole number in the range of the table.
+    /// Parses a pitch error as a whole number in the range of the table.
     fn parse_pitch_error(self, axis: Axis, point: u8, text: &str) -> Result<DataEdit, Message> {
         let value = text.parse().ok();
         let value = value.ok_or_else(|| say::data_not_a_value(self.name(), text))?;
@@ -307,7 +307,7 @@ impl DataField {
             .ok_or_else(|| say::data_not_a_value(self.name(), text))
     }
 
-    /// Parses an offset. After U or W the number is added to the current value (decision
+    /// Parses an offset in mm. After U or W the number is added to the current value (decision
     /// DATA-3, manual III-7).
     fn parse_offset(
         self,
@@ -356,20 +356,20 @@ impl DataField {
     }
 }
 
-/// Typed texts that are not written yet.
+/// Texts that the operator has typed into fields and not written yet.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Drafts {
     texts: BTreeMap<DataField, String>,
 }
 
 impl Drafts {
-    /// The text of a field: what was typed, else the current value of the control.
+    /// The text of a field: what was typed, else its current value.
     pub fn text(&self, field: DataField, machine: &DataValues<'_>) -> String {
         let typed = self.texts.get(&field).cloned();
         typed.unwrap_or_else(|| field.current_text(machine))
     }
 
-    /// Whether the field has a typed text.
+    /// Whether something was typed into the field.
     pub fn has_draft(&self, field: DataField) -> bool {
         self.texts.contains_key(&field)
     }
@@ -379,7 +379,8 @@ impl Drafts {
         self.texts.insert(field, text);
     }
 
-    /// Drops the text of a field that has lost the focus, if it equals the current value.
+    /// Drops the typed text of a field that has lost the focus, if it equals the current
+    /// value.
     pub fn drop_if_unchanged(&mut self, field: DataField, machine: &DataValues<'_>) {
         let text = self.texts.get(&field);
         if text.is_some_and(|text| is_current(field, text, machine)) {
@@ -387,7 +388,8 @@ impl Drafts {
         }
     }
 
-    /// Replaces typed additions by their results. Each addition is applied once.
+    /// Replaces typed additions (U, W) by their results, so that each addition is applied
+    /// once.
     pub fn replace_additions(&mut self, edits: &[DataEdit], machine: &DataValues<'_>) {
         for edit in edits {
             if let DataEdit::Offset {
@@ -402,7 +404,7 @@ impl Drafts {
         }
     }
 
-    /// Drops all texts that equal the current values by now.
+    /// Drops all typed texts that equal the current values by now.
     pub fn drop_written(&mut self, machine: &DataValues<'_>) {
         self.texts
             .retain(|field, text| !is_current(*field, text, machine));
@@ -413,12 +415,12 @@ impl Drafts {
         self.texts.clear();
     }
 
-    /// Count of fields with a typed text.
+    /// Number of fields with a typed text.
     pub fn count(&self) -> usize {
         self.texts.len()
     }
 
-    /// Parses all typed texts.
+    /// Parses all typed texts into edits.
     ///
     /// # Errors
     ///
@@ -431,7 +433,7 @@ impl Drafts {
     }
 }
 
-/// Whether the typed text equals the current value.
+/// Whether the typed text of a field equals its current value.
 fn is_current(field: DataField, text: &str, machine: &DataValues<'_>) -> bool {
     // An addition is never equal.
     let is_addition =

@@ -23,7 +23,7 @@ pub use edit::DataField;
 pub use edit::{DataEdit, ToolOffsetField, is_state_parameter};
 pub use sheets::{DataSheets, WriteRequest, WriteTarget};
 
-/// A sheet of the data view.
+/// A page of the data view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DataPage {
     Numbers(ParameterKind),
@@ -33,14 +33,14 @@ pub enum DataPage {
     Variables,
 }
 
-/// The kinds of parameters.
+/// The kinds of parameters that a page lists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParameterKind {
     /// State and data parameters.
     All,
-    /// Parameters of eight bits.
+    /// State parameters, which consist of eight bits.
     State,
-    /// Parameters with a number as value.
+    /// Data parameters, whose value is a number.
     Data,
 }
 
@@ -74,7 +74,7 @@ pub struct DataView {
 }
 
 impl DataView {
-    /// Creates the view with the sheet of all parameters.
+    /// Creates the view at the page of all parameters.
     pub fn new(console: Console) -> Self {
         Self {
             console,

@@ -17,31 +17,33 @@ use crate::window::{focus, theme};
 
 /// Height of a row of the list, points.
 const ROW_HEIGHT: f32 = 22.0;
-/// Widths of the columns, points: mark, number, name, value, delivered value.
+/// Widths of the columns, points: mark, number, name, value, delivered value. The meaning
+/// takes the rest.
 const COLUMN_WIDTHS: [f32; 5] = [14.0, 52.0, 118.0, 78.0, 78.0];
-/// Below this width, points, the list omits the names and the delivered values: the meaning of
-/// a parameter is more important.
+/// Width of the list, points, below which the names and the delivered values are omitted: the
+/// meaning of a parameter is more important.
 const NARROW_WIDTH: f32 = 560.0;
 const NARROW_COLUMN_WIDTHS: [f32; 5] = [14.0, 52.0, 0.0, 78.0, 0.0];
-/// From this width of the view, points, the selected parameter is beside the list.
+/// Width of the view, points, from which the selected parameter is beside the list.
 const SIDE_BY_SIDE_WIDTH: f32 = 700.0;
-/// Size of the selected parameter: its width beside the list, its share of the height below
-/// the list, and its height there while none is selected (two lines), points.
+/// Width of the details of the selected parameter beside the list, points. The constants after
+/// it are their share of the height below the list, and their height there while none is
+/// selected (two lines), points.
 const DETAILS_WIDTH: f32 = 330.0;
 const DETAILS_HEIGHT_SHARE: f32 = 0.45;
 const UNSELECTED_HEIGHT: f32 = 44.0;
 /// Width of the field of a value, points.
 const VALUE_WIDTH: f32 = 110.0;
 
-/// The list and the selected parameter.
+/// The page with the list of parameters and the selected parameter.
 #[derive(Debug, Default)]
 pub struct ParameterSheet {
     query: String,
-    /// The last query and the topics found.
+    /// The last query and the help topics found for it.
     search_result: (String, Vec<&'static Topic>),
     /// Whether the list shows only values that differ from the delivered ones.
     shows_changed_only: bool,
-    /// Number and bit of the selected parameter.
+    /// Number and bit of the selected parameter; the bit is `None` for the whole parameter.
     selected: Option<(u16, Option<u8>)>,
 }
 
@@ -85,7 +87,7 @@ impl ParameterSheet {
             .show(ui, |ui| self.show_list(ui, language, machine, page, drafts));
     }
 
-    /// The rows of a page, or the search result.
+    /// The rows of a page, or those of the search result if the operator has typed a query.
     fn find_rows(
         &mut self,
         page: DataPage,
@@ -265,7 +267,7 @@ impl ParameterSheet {
         response
     }
 
-    /// Draws the selected parameter.
+    /// Draws the fields and the description of the selected parameter.
     fn show_details(
         &self,
         ui: &mut Ui,
@@ -359,7 +361,7 @@ fn show_bits(
         });
 }
 
-/// A bit of eight binary digits; `None` if the text has another form.
+/// Reads a bit out of a text of eight binary digits; `None` if the text has another form.
 fn parse_bit(text: &str, bit: u8) -> Option<bool> {
     let at = 7_usize.checked_sub(usize::from(bit))?;
     let digits = text.as_bytes();
@@ -375,8 +377,8 @@ const fn digit(on: bool) -> &'static str {
     if on { "1" } else { "0" }
 }
 
-/// The meaning of a parameter. For a state parameter in Chinese it is the list of its bit
-/// names: the Chinese manual describes only the bits.
+/// The meaning of a parameter in a language. For a state parameter in Chinese it is the list
+/// of its bit names, because the Chinese manual describes only the bits.
 fn meaning(row: &ParameterRow, language: Language) -> String {
     if language == Language::En {
         return row.meaning_en.to_owned();
@@ -390,7 +392,7 @@ fn meaning(row: &ParameterRow, language: Language) -> String {
     }
 }
 
-/// Whether the value of the control differs from the delivered one.
+/// Whether the current value of a parameter differs from the delivered one.
 fn is_changed(row: &ParameterRow, machine: &DataValues<'_>) -> bool {
     let value = match row.bit {
         Some(bit) => i32::from(machine.parameters.bit(row.number, bit)),

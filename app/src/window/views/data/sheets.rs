@@ -19,42 +19,43 @@ const PAGE_LIST_WIDTH: f32 = 180.0;
 /// Height of the undo list, points.
 const UNDO_LIST_HEIGHT: f32 = 110.0;
 
-/// Where the sheets write values.
+/// Where the pages write values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WriteTarget {
-    /// Into a control, if the operator has the rights. The sheets show the list of pages.
+    /// Into a control, if the operator has the rights. The list of pages is drawn.
     Control,
-    /// Into a project. Its tree lists the pages.
+    /// Into a project. The list of pages is not drawn, because the project's tree lists them.
     Project,
 }
 
-/// Values to write together.
+/// Values that the operator requests to write together.
 pub struct WriteRequest {
     pub edits: Vec<DataEdit>,
-    /// Whether the edits undo earlier ones.
+    /// Whether the edits undo values that were written earlier.
     pub is_undo: bool,
 }
 
-/// The sheets of the data view.
+/// The pages of the data view with their typed texts.
 pub struct DataSheets {
     target: WriteTarget,
     page: DataPage,
-    /// The parameter page that was shown last.
+    /// The parameter page that the operator had selected last.
     last_parameter_page: DataPage,
     parameters: ParameterSheet,
     drafts: Drafts,
-    /// Whether the operator pressed the write button while a draft was invalid.
+    /// Whether the operator pressed the write button while a typed text was invalid.
     shows_draft_error: bool,
-    /// Why the last request was refused, and the drafts at that time.
+    /// Why the last request was refused, and the typed texts at that time; `None` without a
+    /// refusal.
     refusal: Option<(Message, Drafts)>,
     undo: UndoList<DataEdit, DataEdit>,
-    /// Whether values were written. Drafts that equal the current values are dropped
-    /// meanwhile.
+    /// Whether values were written, so that typed texts that equal the current values are
+    /// dropped.
     drops_written: bool,
 }
 
 impl DataSheets {
-    /// Creates the sheets with the page of all parameters.
+    /// Creates the pages at that of all parameters.
     pub fn new(target: WriteTarget) -> Self {
         Self {
             target,
@@ -74,7 +75,7 @@ impl DataSheets {
         self.drafts.count() > 0
     }
 
-    /// Shows a page. For any parameter page it shows the one that was shown last.
+    /// Selects a page. For any parameter page, selects the one that was shown last.
     pub fn show_page(&mut self, page: DataPage) {
         let is_parameter_page = |page| matches!(page, DataPage::Numbers(_) | DataPage::Group(_));
         if is_parameter_page(self.page) {
@@ -94,7 +95,7 @@ impl DataSheets {
         }
     }
 
-    /// Draws the sheets and handles their input. Returns the values to write.
+    /// Draws the selected page and handles its input. Returns the values to write, if any.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -168,7 +169,8 @@ impl DataSheets {
         show_page_entries(ui, language, &mut self.page, &others);
     }
 
-    /// Draws the list of written values with the undo button.
+    /// Draws the list of written values with the undo button. Returns the values that undo the
+    /// last ones when the button is clicked.
     fn show_undo_list(
         &mut self,
         ui: &mut Ui,
@@ -192,7 +194,8 @@ impl DataSheets {
         })
     }
 
-    /// Draws the bar with the preconditions for writing, the alarms and the buttons.
+    /// Draws the bar with the preconditions for writing, the alarms and the buttons. Returns
+    /// the values to write when the button is clicked.
     fn show_bar(
         &mut self,
         ui: &mut Ui,
@@ -285,7 +288,7 @@ impl DataSheets {
     }
 }
 
-/// Draws the pages of parameters as a drop-down list, where the list of pages is missing.
+/// Draws the parameter pages as a drop-down list, for use without the list of pages.
 fn show_page_choice(ui: &mut Ui, language: Language, page: &mut DataPage) {
     let selected_label = page.name().text(language);
     let list = ComboBox::from_id_salt("data page")
@@ -304,7 +307,7 @@ fn show_page_choice(ui: &mut Ui, language: Language, page: &mut DataPage) {
     });
 }
 
-/// Draws the parameter pages and `others` as a list. Returns whether Enter was pressed on an
+/// Draws the parameter pages and `others` as a list. Returns true if Enter was pressed on an
 /// entry.
 fn show_page_entries(
     ui: &mut Ui,
@@ -348,7 +351,8 @@ fn show_page_entries(
     list.entered_row().is_some()
 }
 
-/// Why not all edits would be accepted now.
+/// Returns the first reason why the control would refuse one of the edits now; `None` if it
+/// would accept all.
 fn first_refusal(edits: &[DataEdit], values: &DataValues<'_>) -> Option<WriteRefusal> {
     edits.iter().find_map(|edit| edit.refusal(values))
 }

@@ -11,18 +11,18 @@ use crate::window::focus;
 
 /// Width of the column of numbers, points.
 const NUMBER_WIDTH: f32 = 44.0;
-/// Least and greatest width of a column of values, points.
+/// Minimum and maximum width of a column of values, points.
 const COLUMN_WIDTH_RANGE: [f32; 2] = [52.0, 110.0];
 /// Width of the column of tool nose numbers, points: one digit.
 const NOSE_WIDTH: f32 = 44.0;
-/// Widths of a pitch error and of the coordinate beside it, points.
+/// Width of a pitch error, and width of the coordinate beside it, points.
 const PITCH_WIDTHS: [f32; 2] = [52.0, 84.0];
 /// Width of the field of a variable, points.
 const VARIABLE_WIDTH: f32 = 180.0;
 /// Width of the scroll bar of the list, points.
 const SCROLL_BAR_WIDTH: f32 = 14.0;
 
-/// Draws the tool offsets.
+/// Draws the table of tool offsets.
 pub fn show_offsets(
     ui: &mut Ui,
     language: Language,
@@ -139,7 +139,7 @@ fn interval_end_text(axis: Axis, point: u8, machine: &DataValues<'_>) -> String 
     format!("{:.3}", steps as f64 * interval.0)
 }
 
-/// Draws the macro variables.
+/// Draws the table of macro variables.
 pub fn show_variables(
     ui: &mut Ui,
     language: Language,
@@ -165,7 +165,7 @@ pub fn show_variables(
         });
 }
 
-/// Draws a text in a column.
+/// Draws a text in a column of `width` points.
 fn show_cell(ui: &mut Ui, width: f32, height: f32, text: &str) {
     let layout = egui::Layout::left_to_right(egui::Align::Center);
     ui.allocate_ui_with_layout(vec2(width, height), layout, |ui| {

@@ -7,7 +7,8 @@ use super::data_values::DataValues;
 use super::edit::{DataField, Drafts};
 use crate::window::theme;
 
-/// Draws a field of `width` points and stores what is typed into it in `drafts`.
+/// Draws the field for `data_field`, `width` points wide, and stores what is typed in it in
+/// `drafts`.
 pub fn show(
     ui: &mut Ui,
     language: Language,

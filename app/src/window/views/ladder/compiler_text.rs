@@ -5,8 +5,8 @@ use gsk_core::plc::{CompileError, Rule};
 
 use gsk_messages::{Language, Message, say};
 
-/// The text of a compiler error or warning: its code and message, in Chinese with the rule
-/// that it breaks.
+/// Formats a compiler error or warning: its code and message, in Chinese with the rule that it
+/// breaks.
 pub fn finding_text(error: &CompileError, language: Language) -> String {
     let (code, message) = (error.code, error.message.text(language));
     match language {
@@ -15,7 +15,7 @@ pub fn finding_text(error: &CompileError, language: Language) -> String {
     }
 }
 
-/// The closing line of a compilation without errors. The Chinese text is that of the
+/// Formats the closing line of a compilation without errors. The Chinese text is that of the
 /// manufacturer's tool.
 pub fn compiled_text(warnings: usize, language: Language) -> String {
     gsk_core::plc::compile_summary(0, warnings).text(language)
@@ -38,7 +38,7 @@ fn rule_message(rule: Rule) -> Message {
     }
 }
 
-/// Why the control refuses a ladder, and what the user must do.
+/// Describes why the control refuses a ladder, and what the user must do.
 pub fn refusal_message(refusal: WriteRefusal) -> Message {
     match refusal {
         WriteRefusal::Mode => say::ladder_save_wants_edit_mode(),

@@ -6,14 +6,14 @@ use gsk_core::plc::address::{BitAddress, ByteAddress};
 
 use gsk_messages::{Message, say};
 
-/// A table of a ladder, by its directive.
+/// A table of a ladder, which the instruction list writes with a directive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LadderTable {
-    /// `.MSG`.
+    /// Messages: `.MSG`.
     Messages,
-    /// `.CMT`.
+    /// Comments of addresses: `.CMT`.
     Comments,
-    /// `.INIT`.
+    /// Start values of addresses: `.INIT`.
     StartValues,
 }
 
@@ -46,7 +46,8 @@ impl LadderTable {
         }
     }
 
-    /// The line of a row; the error if a field contains a quotation mark.
+    /// Formats a row as a line of the instruction list. The error is the message that a field
+    /// contains a quotation mark.
     fn format_row(self, fields: &[String]) -> Result<String, Message> {
         let quoted = |text: &str| format!("\"{}\"", text.trim());
         if fields.iter().any(|field| field.contains(['"', '\n'])) {
@@ -75,14 +76,15 @@ impl LadderTable {
         })
     }
 
-    /// The instruction list with a row added. It replaces the row with the same address.
+    /// Returns the instruction list with a row added, which replaces the row with the same
+    /// address. The error is the message that a field is invalid.
     pub fn with_row(self, list: &str, fields: &[String]) -> Result<String, Message> {
         let line = self.format_row(fields)?;
         let subject = fields.first().and_then(|address| parse_address(address));
         Ok(self.replace_row(list, subject, Some(&line)))
     }
 
-    /// The instruction list without the row of an address.
+    /// Returns the instruction list without the row of an address.
     pub fn without_row(self, list: &str, address: &str) -> String {
         self.replace_row(list, parse_address(address), None)
     }
@@ -113,8 +115,8 @@ impl LadderTable {
         text
     }
 
-    /// The address in a line of this table: the outer `None` means another line, the inner an
-    /// invalid address.
+    /// The address in a line of the instruction list. The outer `None` means that the line is
+    /// not in this table, the inner one that the address is invalid.
     fn row_address(self, line: &str) -> Option<Option<PlcAddress>> {
         let mut words = line.split_whitespace();
         let name = words.next()?;

@@ -4,25 +4,26 @@ use std::sync::Arc;
 
 use gsk_core::plc::{CompileError, Ladder};
 
-/// Greatest number of undo steps.
+/// Maximum number of undo steps.
 const MAX_UNDO_STEPS: usize = 200;
 
 #[derive(Clone, Debug)]
 pub struct LadderDraft {
     text: String,
-    /// The last ladder that compiled.
+    /// The ladder of the last text that compiled.
     ladder: Arc<Ladder>,
     errors: Vec<CompileError>,
     undo: Vec<String>,
     redo: Vec<String>,
-    /// What was typed into by the last change. Further changes to the same are one undo step.
+    /// Number of the rung (0: the whole list) that was typed in by the last change; further
+    /// changes with the same number belong to the same undo step. `None` after another change.
     last_typing: Option<u32>,
-    /// The text that was saved or begun with.
+    /// The text that was saved last, or with which the draft began.
     saved_text: String,
 }
 
 impl LadderDraft {
-    /// Starts a draft with a ladder.
+    /// Starts a draft with the text of a ladder.
     pub fn new(ladder: &Arc<Ladder>) -> Self {
         Self {
             text: ladder.source().to_owned(),
@@ -49,7 +50,7 @@ impl LadderDraft {
         &self.errors
     }
 
-    /// The compiler errors, or the warnings of a text that compiles.
+    /// The compiler errors of the text, or its warnings if it compiles.
     pub fn findings(&self) -> &[CompileError] {
         if self.errors.is_empty() {
             self.ladder.warnings()
@@ -69,7 +70,8 @@ impl LadderDraft {
         self.last_typing = None;
     }
 
-    /// Replaces the text. Consecutive changes with the same `typing` are one undo step.
+    /// Replaces the text. Consecutive changes with the same `typing`, the number of a rung or
+    /// 0 for the whole list, are one undo step.
     pub fn set_text(&mut self, text: String, typing: Option<u32>) {
         if text == self.text {
             return;
@@ -86,7 +88,7 @@ impl LadderDraft {
         self.compile(text);
     }
 
-    /// Undoes a step.
+    /// Returns to the text before the last undo step.
     pub fn undo(&mut self) {
         if let Some(text) = self.undo.pop() {
             self.redo.push(self.text.clone());
@@ -95,7 +97,7 @@ impl LadderDraft {
         }
     }
 
-    /// Redoes a step.
+    /// Repeats the step that was undone last.
     pub fn redo(&mut self) {
         if let Some(text) = self.redo.pop() {
             self.undo.push(self.text.clone());
@@ -104,7 +106,7 @@ impl LadderDraft {
         }
     }
 
-    /// Whether undo and redo are possible.
+    /// Whether undo is possible, and whether redo is.
     pub const fn can_undo_redo(&self) -> (bool, bool) {
         (!self.undo.is_empty(), !self.redo.is_empty())
     }

@@ -14,56 +14,57 @@ use super::layout::{self, OUTPUT_COLUMNS, PositionedRung, TITLE_HEIGHT, element_
 use crate::window::theme;
 use gsk_messages::{Language, say};
 
-/// Width of the column with the rung's number, points.
+/// Width of the column with the number of the rung, points.
 pub const NUMBER_WIDTH: f32 = 62.0;
-/// Height of the wire in a cell, points from the cell's top.
+/// Distance of the wire in a cell from the cell's top, points.
 pub(super) const WIRE_OFFSET: f32 = 30.0;
 /// Distance from the last contact to the outputs, points.
 pub(super) const LEAD_LENGTH: f32 = 22.0;
 
-/// The inputs of the drawing beside the rung.
+/// What the drawing of a rung needs besides the rung.
 pub struct RungContext<'a> {
     pub ladder: &'a Ladder,
-    /// The PLC memory, if the ladder is the running one.
+    /// The PLC memory; `None` if the drawn ladder is not the running one.
     pub memory: Option<&'a PlcMemory>,
     pub language: Language,
     pub with_comments: bool,
-    /// The selected statement, as an index in the program.
+    /// The selected statement, as an index in the program; `None` without a selection.
     pub selected: Option<usize>,
-    /// The forced value of a bit; `None` if the bit is not forced.
+    /// Function that returns the forced value of a bit; `None` if the bit is not forced.
     pub forced: &'a dyn Fn(BitAddress) -> Option<bool>,
-    /// The address that is searched for.
+    /// The address that is searched for; `None` without a search.
     pub searched: Option<PlcAddress>,
-    /// The rung that a halted scan executes next.
+    /// Number of the rung that a halted scan executes next; `None` while the scan runs.
     pub next_rung: Option<u32>,
-    /// Compiler messages: rung, whether it is an error, text.
+    /// Compiler messages about rungs: number of the rung, whether it is an error, text.
     pub compiler_messages: &'a [(u32, bool, String)],
-    /// Least position of the right rail, points from the left edge.
+    /// Minimum distance of the right rail from the left edge, points.
     pub min_width: f32,
 }
 
-/// Least width of a rung with `columns` columns of contacts, points.
+/// Minimum width of a rung with `columns` columns of contacts, points. `comments`: with
+/// comments below the contacts.
 pub fn rung_width(columns: usize, comments: bool) -> f32 {
     let cells = (columns + OUTPUT_COLUMNS) as f32 * layout::cell_size(comments).x;
     NUMBER_WIDTH + cells + 2.0 * LEAD_LENGTH
 }
 
-/// The state while a rung is being drawn.
+/// The state of the drawing of one rung.
 pub(super) struct RungPainter<'a> {
     pub(super) ui: &'a Ui,
     pub(super) context: &'a RungContext<'a>,
     power: &'a [PowerFlow],
-    /// The number of statements that are contacts or join contacts.
+    /// Number of statements of the rung that are contacts or join contacts.
     contact_count: usize,
-    /// Index of the rung's first statement in the program.
+    /// Index in the program of the rung's first statement.
     first_statement: usize,
     /// Position of the left rail at the upper edge of the first row.
     origin: Pos2,
     clicked: Option<usize>,
 }
 
-/// Draws a rung with its upper left corner at `corner`. Returns the statement that was
-/// clicked.
+/// Draws a rung with its upper left corner at `corner`. Returns the index of the statement
+/// that was clicked, if any.
 pub fn draw_rung(
     ui: &Ui,
     sheet: &RungContext<'_>,
@@ -204,7 +205,8 @@ impl RungPainter<'_> {
         );
     }
 
-    /// Draws contacts in `wide` columns. Returns whether power leaves on the right.
+    /// Draws contacts from cell `column`, `row` on, in `wide` columns; `live`: power arrives
+    /// on the left. Returns true if power leaves on the right.
     fn draw_element(
         &mut self,
         element: &Element,
@@ -296,7 +298,7 @@ impl RungPainter<'_> {
         out
     }
 
-    /// Draws the address above the wire and the comment below it.
+    /// Draws the address of a contact above the wire and its comment below.
     fn draw_names(&self, bit: BitAddress, corner: Pos2, cell: egui::Vec2) {
         let painter = self.ui.painter();
         let forced = (self.context.forced)(bit);
@@ -398,7 +400,8 @@ impl RungPainter<'_> {
         }
     }
 
-    /// Makes a rectangle selectable by pointer and keyboard, with a name for screen readers.
+    /// Makes a rectangle selectable by pointer and keyboard, for the rung's statement with
+    /// index `at`, from 0; `name` is for screen readers.
     pub(super) fn add_selectable(&mut self, at: usize, rect: Rect, name: &str) {
         let index = self.first_statement + at;
         let id = self.ui.scope_id().with(("statement", index));
@@ -426,7 +429,7 @@ impl RungPainter<'_> {
         }
     }
 
-    /// Draws a wire from one column to another.
+    /// Draws a wire from one column to another; `live`: power flows through it.
     fn extend_wire(&self, from: usize, to: usize, row: usize, live: bool) {
         if from < to {
             let y = self.wire_y(row);
@@ -457,7 +460,7 @@ impl RungPainter<'_> {
     }
 }
 
-/// The ladder's comment of an address, or the meaning in the signal table.
+/// The comment of an address in the ladder, or if it has none its meaning in the signal table.
 pub fn address_comment(ladder: &Ladder, subject: PlcAddress, language: Language) -> String {
     let own = ladder.comment(subject).map(|comment| match language {
         Language::Zh => comment.chinese.as_str(),

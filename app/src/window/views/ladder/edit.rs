@@ -17,22 +17,23 @@ use crate::window::views::text_files;
 use crate::window::{focus, theme};
 use gsk_messages::{Language, say};
 
-/// Undo key of changes typed into the whole list. Rungs count from 1.
+/// Number for [`LadderDraft::set_text`] of changes typed into the whole list, where rungs
+/// count from 1.
 const WHOLE_LIST: u32 = 0;
 /// Instructions of a new rung.
 const NEW_RUNG: &str = "LD X0.0\nOUT R0.0";
 
-/// The editor of a rung's instructions.
+/// The state of the text field with a rung's instructions.
 #[derive(Clone, Debug)]
 pub struct RungEditor {
     rung_number: u32,
-    /// First line of the rung in the list, from 1.
+    /// Line of the list, from 1, at which the rung begins.
     first_line: u32,
     text: String,
-    /// The ladder from which the editor started.
+    /// The ladder with which the editor started.
     base_ladder: Arc<Ladder>,
-    /// The list after the last change here. If the draft has another list, the editor
-    /// restarts.
+    /// The list after the last change in this field. If the draft has another list, the editor
+    /// starts again.
     draft_text: String,
 }
 
@@ -97,8 +98,8 @@ impl LadderView {
         }
     }
 
-    /// Marks the draft as saved once the control has taken it, and takes a list that was
-    /// opened.
+    /// Marks the draft as saved once the control has stored it, and replaces its text by a
+    /// list that was opened from a file.
     pub(super) fn sync_draft(&mut self, machine: &MachineView) {
         self.refusal = machine.ladder_refused;
         let Some(draft) = &mut self.draft else { return };
@@ -277,7 +278,7 @@ impl LadderView {
         }
     }
 
-    /// The rung of the selected statement in the draft.
+    /// The rung of the selected statement in the draft; `None` without a selection or draft.
     fn selected_network(&self) -> Option<Network> {
         let ladder = self.draft.as_ref()?.ladder();
         let statement = ladder.statements().get(self.selected?)?;
@@ -289,7 +290,8 @@ impl LadderView {
         self.replace_rung(|network| change_rung(network, at.checked_sub(network.first)?, change));
     }
 
-    /// Replaces the instructions of the selected rung.
+    /// Replaces the instructions of the selected rung with those that `lines` returns; `None`
+    /// leaves the rung unchanged. Does nothing while the draft has errors.
     fn replace_rung(&mut self, lines: impl Fn(&Network) -> Option<Vec<String>>) {
         let Some(network) = self.selected_network() else {
             return;
@@ -309,7 +311,7 @@ impl LadderView {
         }
     }
 
-    /// Draws the selected rung's instructions as a text field, and the messages of the
+    /// Draws the text field with the selected rung's instructions, and the messages of the
     /// compiler.
     pub(super) fn show_rung_editor(&mut self, ui: &mut Ui, language: Language) {
         let Some(draft) = &self.draft else { return };
@@ -438,7 +440,7 @@ impl LadderView {
         });
     }
 
-    /// Selects the first statement of a line.
+    /// Selects the first statement of a line of the list, from 1.
     fn select_line(&mut self, line: u32) {
         let Some(draft) = &self.draft else { return };
         let ladder = draft.ladder();
@@ -452,8 +454,8 @@ impl LadderView {
     }
 }
 
-/// Draws the messages of the compiler. Lines of the edited rung count from its first line.
-/// Returns the line of a message that was clicked.
+/// Draws the messages of the compiler. Lines of the edited rung `rung` count from its first
+/// line. Returns the line in the list of a message that was clicked, if any.
 fn show_compiler_messages(
     ui: &mut Ui,
     language: Language,

@@ -3,23 +3,24 @@
 use gsk_core::plc::address::BitAddress;
 use gsk_core::plc::{Branch, Contact, Element, Mnemonic, Network, Operand, RungBody, Statement};
 
-/// A change to a contact or coil.
+/// A change to the selected contact or coil.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ElementChange {
-    /// Toggle normally open and normally closed; cycle OUT, SET, RST.
+    /// Toggle a contact between normally open and normally closed, or cycle a coil through
+    /// OUT, SET and RST.
     ToggleKind,
-    /// Set another address.
+    /// Replace the address by this one.
     SetAddress(BitAddress),
-    /// Add a contact in series after it.
+    /// Add a contact of this address in series after the selected one.
     AddSeries(BitAddress),
-    /// Add a contact or coil in parallel below it.
+    /// Add a contact or coil of this address in parallel below the selected one.
     AddParallel(BitAddress),
-    /// Remove it.
+    /// Remove the selected contact or coil.
     Delete,
 }
 
-/// The instructions of a rung after a change to its statement `at`; `None` if the change is
-/// not possible there.
+/// The instructions of a rung, one line each, after a change to its statement with index `at`
+/// (0: the first of the rung); `None` if the change is not possible there.
 pub fn change_rung(network: &Network, at: usize, change: ElementChange) -> Option<Vec<String>> {
     let RungBody::Rung { contacts, outputs } = &network.body else {
         return None;
@@ -66,7 +67,8 @@ const fn new_branch(element: Element) -> Branch {
     }
 }
 
-/// The element after the change; `None` if it was removed.
+/// The element after the change to its statement with index `at`; `None` if the element was
+/// removed.
 fn change_element(element: Element, at: usize, change: ElementChange) -> Option<Element> {
     match element {
         Element::Contact(found) if found.at == at => match change {
@@ -103,8 +105,9 @@ fn change_element(element: Element, at: usize, change: ElementChange) -> Option<
     }
 }
 
-/// The members after the change. A contact that became a group of the same kind, series
-/// or parallel, as `members` is replaced by the members of its group.
+/// The members of a group after the change. A contact that became a group of the same kind,
+/// series or parallel, is replaced by the members of that group; `members_if_same` returns
+/// them.
 fn change_members(
     members: Vec<Branch>,
     at: usize,
@@ -130,7 +133,7 @@ fn change_members(
     changed
 }
 
-/// Joins members to a group; a single member needs no group.
+/// Joins members to an element: a group, or a single member itself; `None` without members.
 fn join_members(
     mut members: Vec<Branch>,
     make_group: impl Fn(Vec<Branch>) -> Element,

@@ -10,7 +10,8 @@ use crate::window::theme;
 use gsk_messages::say;
 
 impl RungPainter<'_> {
-    /// Draws a function instruction between the bus and the right rail.
+    /// Draws a function instruction as a box between the bus and the right rail, at x
+    /// coordinates `bus` and `right`; `live`: power arrives.
     pub(super) fn draw_function(
         &mut self,
         output: &Statement,

@@ -27,15 +27,15 @@ pub const fn cell_size(comments: bool) -> Vec2 {
     }
 }
 
-/// A rung and its position in the drawing.
+/// A rung and its vertical position in the drawing.
 #[derive(Clone, Debug)]
 pub struct PositionedRung {
     pub network: Network,
-    /// Upper edge, points from the top of the drawing.
+    /// Distance of the upper edge from the top of the drawing, points.
     pub top: f32,
-    /// Height with the title and the distance to the next rung, points.
+    /// Height including the title and the distance to the next rung, points.
     pub height: f32,
-    /// Columns of contacts.
+    /// Number of columns of contacts.
     pub columns: usize,
 }
 
@@ -48,12 +48,12 @@ pub struct LadderDrawing {
     pub rungs: Vec<PositionedRung>,
     /// Height of all rungs, points.
     pub height: f32,
-    /// Columns of contacts of the widest rung.
+    /// Number of columns of contacts of the widest rung.
     pub columns: usize,
 }
 
 impl LadderDrawing {
-    /// Computes the positions of the rungs. `comments`: with comments below the contacts.
+    /// Computes the positions of the rungs. `with_comments`: with comments below the contacts.
     pub fn new(ladder: &Arc<Ladder>, with_comments: bool) -> Self {
         let mut top = 0.0;
         let mut columns = 1;
@@ -89,12 +89,12 @@ impl LadderDrawing {
         }
     }
 
-    /// Whether the drawing was made of this ladder with this choice of comments.
+    /// Whether the drawing was made from this ladder with this choice of comments.
     pub fn is_current(&self, ladder: &Arc<Ladder>, comments: bool) -> bool {
         self.with_comments == comments && Arc::ptr_eq(&self.ladder, ladder)
     }
 
-    /// The rungs between two heights, points from the top.
+    /// The rungs between two distances from the top of the drawing, points.
     pub fn rungs_between(&self, from: f32, to: f32) -> &[PositionedRung] {
         let first = self
             .rungs
@@ -103,7 +103,7 @@ impl LadderDrawing {
         self.rungs.get(first..end).unwrap_or_default()
     }
 
-    /// The rung with this number.
+    /// The rung with this number; `None` if the ladder has none.
     pub fn rung(&self, number: u32) -> Option<&PositionedRung> {
         let at = self
             .rungs
@@ -114,7 +114,7 @@ impl LadderDrawing {
     }
 }
 
-/// Columns of contacts, and rows of contacts and outputs.
+/// Number of columns of contacts, and number of rows of contacts and outputs.
 fn rung_size(network: &Network, comments: bool) -> (usize, usize) {
     match &network.body {
         RungBody::Structure(_) => (0, 1),
@@ -134,7 +134,7 @@ fn rung_size(network: &Network, comments: bool) -> (usize, usize) {
     }
 }
 
-/// Columns and rows of an element's contacts.
+/// Number of columns and rows that an element's contacts take.
 pub fn element_size(element: &Element) -> (usize, usize) {
     match element {
         Element::Contact(_) => (1, 1),
@@ -153,7 +153,7 @@ pub fn element_size(element: &Element) -> (usize, usize) {
     }
 }
 
-/// Rows of an output: one for a coil; for a box those that its lines need.
+/// Number of rows that an output takes: one for a coil; for a box as many as its lines need.
 pub fn output_rows(output: &Statement, comments: bool) -> usize {
     let lines = operand_line_count(output);
     if lines == 0 {

@@ -33,10 +33,10 @@ use gsk_messages::{Language, Message, say};
 use layout::LadderDrawing;
 use search::LadderSearch;
 
-/// Width from which the side list is always shown beside the rungs, points.
+/// Width of the view, points, from which the side list is always shown beside the rungs.
 const WIDE_VIEW: f32 = 940.0;
 
-/// The tabs of the view.
+/// The tabs of the ladder view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Tab {
     Rungs,
@@ -72,34 +72,34 @@ pub struct LadderView {
     tab: Tab,
     with_comments: bool,
     drawing: Option<LadderDrawing>,
-    /// The number of uses of each address in the drawn ladder.
+    /// Each address of the drawn ladder with the number of its uses.
     use_counts: Vec<(PlcAddress, usize)>,
-    /// The selected statement, as an index in the program.
+    /// The selected statement, as an index in the program; `None` without a selection.
     selected: Option<usize>,
-    /// The height to scroll to in the next frame, points from the top.
+    /// Distance from the top to scroll to in the next frame, points; `None` does not scroll.
     scroll_to_y: Option<f32>,
     search: LadderSearch,
     is_editing: bool,
     draft: Option<LadderDraft>,
     editor: Option<RungEditor>,
-    /// Fields of the selected row of a table.
+    /// Texts of the fields of the selected table row.
     row_fields: Vec<String>,
-    /// Why the row was refused.
+    /// Why the row was refused; `None` if it was not.
     row_error: Option<String>,
     /// The address that the editing tools use, as typed.
     address_entry: String,
-    /// The rung to scroll to once it is drawn.
+    /// Number of the rung to scroll to once it is drawn; `None` does not scroll.
     pending_rung: Option<u32>,
-    /// The line to scroll to in the list, from 1.
+    /// Line of the list to scroll to, from 1; `None` does not scroll.
     pending_line: Option<u32>,
-    /// Why the control would refuse a ladder now; `None` if it would take one.
+    /// Why the control would refuse a ladder now; `None` if it would accept one.
     refusal: Option<WriteRefusal>,
-    /// A list that was read from a file.
+    /// Queue for an instruction list that was read from a file.
     opened_lists: Arc<ArrayQueue<String>>,
 }
 
 impl LadderView {
-    /// Creates the view at the first rung.
+    /// Creates the view, scrolled to the first rung.
     pub fn new(console: Console) -> Self {
         Self {
             console,
@@ -123,7 +123,7 @@ impl LadderView {
         }
     }
 
-    /// Lets a halted ladder run again when the view is closed.
+    /// Closes the view: a halted ladder runs again.
     pub fn close(&mut self) {
         self.send_request(ControlRequest::HaltLadder(false));
     }
@@ -272,14 +272,14 @@ impl LadderView {
         });
     }
 
-    /// Scrolls to a rung.
+    /// Scrolls to the rung with this number.
     fn scroll_to_rung(&mut self, rung: u32) {
         self.tab = Tab::Rungs;
         let placed = self.drawing.as_ref().and_then(|drawing| drawing.rung(rung));
         self.scroll_to_y = placed.map(|placed| placed.top);
     }
 
-    /// Selects a statement and scrolls to its rung.
+    /// Selects the statement with index `at` and scrolls to its rung.
     fn select_statement(&mut self, ladder: &Ladder, at: usize) {
         self.selected = Some(at);
         if let Some(statement) = ladder.statements().get(at) {
@@ -346,7 +346,7 @@ impl LadderView {
         self.drawing = Some(drawing);
     }
 
-    /// The compiler's messages about rungs: rung, whether it is an error, text.
+    /// The compiler's messages about rungs: number of the rung, whether it is an error, text.
     fn compiler_messages(&self, ladder: &Ladder, language: Language) -> Vec<(u32, bool, String)> {
         let errors = self.draft.as_ref().filter(|_| self.is_editing);
         let errors = errors.map_or(&[][..], LadderDraft::errors).iter();

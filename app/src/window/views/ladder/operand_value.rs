@@ -4,7 +4,7 @@ use gsk_core::plc::{Area, ByteAddress, Mnemonic, Operand, OperandKind, PlcMemory
 
 use gsk_messages::{Language, say};
 
-/// The number of operand lines in the box of a function instruction; 0 for a coil.
+/// Number of operand lines in the box of a function instruction; 0 for a coil.
 pub fn operand_line_count(output: &Statement) -> usize {
     match output.mnemonic {
         Mnemonic::Out | Mnemonic::Set | Mnemonic::Rst => 0,
@@ -39,7 +39,7 @@ pub fn operand_role(kind: OperandKind, language: Language) -> String {
     role.text(language)
 }
 
-/// The current value of an operand; `None` for a constant.
+/// Formats the current value of an operand; `None` for a constant.
 pub fn format_operand(
     statement: &Statement,
     kind: OperandKind,
@@ -69,7 +69,7 @@ pub fn format_operand(
     }
 }
 
-/// The number of bytes that an operand covers.
+/// Number of bytes that an operand covers.
 fn operand_bytes(statement: &Statement, kind: OperandKind) -> usize {
     if !kind.has_instruction_length() {
         return 1;
@@ -85,7 +85,8 @@ fn operand_bytes(statement: &Statement, kind: OperandKind) -> usize {
     length.unwrap_or(1)
 }
 
-/// Formats a byte, a value of `width` bytes, or an entry of a timer or counter area.
+/// Formats the current value of a byte, of `width` bytes, or of an entry of a timer or counter
+/// area.
 pub fn format_value(address: ByteAddress, width: usize, memory: &PlcMemory) -> String {
     let is_entry = matches!(address.area, Area::T | Area::C | Area::Dc | Area::Dt);
     let value = match width {

@@ -9,14 +9,14 @@ use super::draw::address_comment;
 use super::{LadderView, statement_addresses};
 use gsk_messages::{Language, say};
 
-/// The search text and its results.
+/// The search text of the ladder view and its results.
 #[derive(Clone, Debug, Default)]
 pub struct LadderSearch {
     text: String,
     address: Option<PlcAddress>,
-    /// Statements, as indices in the program.
+    /// Found statements, as indices in the program.
     matches: Vec<usize>,
-    /// Index in `found` of the statement that is shown.
+    /// Index in `matches` of the statement that is shown.
     shown_index: usize,
     is_done: bool,
 }
@@ -29,12 +29,12 @@ impl LadderSearch {
         self.is_done = false;
     }
 
-    /// The address that is searched for, if the text is an address.
+    /// The address that is searched for; `None` if the text is not an address.
     pub const fn searched_address(&self) -> Option<PlcAddress> {
         self.address
     }
 
-    /// Searches a ladder for the text.
+    /// Searches a ladder for the text and selects the first match.
     fn find_all(&mut self, ladder: &Ladder) {
         let text = self.text.trim().to_uppercase();
         self.address = parse_address(&text);
@@ -53,13 +53,14 @@ impl LadderSearch {
     }
 }
 
-/// The address that a text names.
+/// Parses an address of a bit or byte; `None` if the text is not one.
 fn parse_address(text: &str) -> Option<PlcAddress> {
     let bit = text.parse::<BitAddress>().ok().map(PlcAddress::Bit);
     bit.or_else(|| text.parse::<ByteAddress>().ok().map(PlcAddress::Byte))
 }
 
-/// Statements with this instruction name, or with an address whose comment contains the text.
+/// Indices of the statements with this instruction name, or with an address whose comment
+/// contains the text.
 fn find_by_words(ladder: &Ladder, text: &str) -> Vec<usize> {
     let about = |subject: &PlcAddress| {
         [Language::Zh, Language::En].into_iter().any(|language| {

@@ -13,7 +13,7 @@ use crate::kernel::monitor::MachineView;
 use crate::window::{focus, theme};
 use gsk_messages::{Language, say};
 
-/// Width of the list beside the rungs for a view of this width, points.
+/// Width of the list beside the rungs for a view that is `view` points wide, points.
 pub fn side_width(view: f32) -> f32 {
     (view * 0.3).clamp(190.0, 304.0)
 }
@@ -44,7 +44,7 @@ impl LadderView {
             });
     }
 
-    /// Draws one address: name, state, force, uses.
+    /// Draws the line of an address: name, state, force, number of uses.
     fn show_address(
         &mut self,
         ui: &mut Ui,

@@ -15,7 +15,7 @@ use gsk_messages::{Language, Message, say};
 /// Height of a row, points.
 const ROW_HEIGHT: f32 = 22.0;
 
-/// A column: heading and width, points. The last column takes the remaining width.
+/// Heading and width in points of a column. The last column takes the remaining width.
 type TableColumn = (Message, f32);
 
 impl LadderView {
@@ -121,7 +121,7 @@ impl LadderView {
         }
     }
 
-    /// Shows the first use of an address, except while editing.
+    /// Shows the first use of an address in the rungs, except while the ladder is edited.
     fn show_first_use(&mut self, ladder: &Ladder, subject: PlcAddress) {
         if self.is_editing {
             return;
@@ -182,7 +182,7 @@ impl LadderView {
         }
     }
 
-    /// Takes a changed list into the draft if it compiles. Returns the first error otherwise.
+    /// Takes a changed list into the draft if it compiles; otherwise returns the first error.
     fn take_list(&mut self, list: String, language: Language) -> Option<String> {
         if let Err(errors) = Ladder::compile(&list) {
             let first = errors.errors.first();
@@ -197,7 +197,8 @@ impl LadderView {
     }
 }
 
-/// Draws a table. Returns the index of the row that was clicked.
+/// Draws a table with `count` rows; `row` returns the texts of a row. Returns the index of the
+/// row that was clicked, if any.
 fn show_table(
     ui: &mut Ui,
     language: Language,
@@ -243,7 +244,7 @@ fn show_table(
     clicked.or(list.entered_row())
 }
 
-/// Draws one row of texts. Returns its rectangle.
+/// Draws one row of texts and returns its rectangle.
 fn draw_row(ui: &mut Ui, columns: &[TableColumn], texts: Vec<RichText>) -> egui::Rect {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW_HEIGHT), Sense::HOVER);
     let mut left = rect.left() + 10.0;

@@ -11,20 +11,21 @@ use crate::kernel::link_view::LinkView;
 use crate::window::theme;
 use gsk_messages::{Language, say};
 
-/// Interval between two readings of the counters, s.
+/// Interval between two readings of the traffic counters, s.
 const INTERVAL: f64 = 1.0;
 
-/// Rates of the wire, per second.
+/// Computes the rates of the traffic from its counters.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TrafficRates {
     last_time_s: f64,
     last_traffic: Traffic,
-    /// Bytes to the board, bytes from the board, motion commands.
+    /// Bytes to the board, bytes from the board and motion commands, each per second; `None`
+    /// until they are known.
     rates: Option<[f64; 3]>,
 }
 
 impl TrafficRates {
-    /// Reads the counters at the window's time `now`, s.
+    /// Reads the counters at the window's time `now_s`, s, once per `INTERVAL`.
     pub fn update(&mut self, traffic: &Traffic, now_s: f64) {
         let elapsed_s = now_s - self.last_time_s;
         if elapsed_s < INTERVAL {
@@ -44,14 +45,14 @@ impl TrafficRates {
     }
 }
 
-/// A section of the page.
+/// A section of the link page with its figures.
 pub struct FigureSection {
     pub title: String,
-    /// Names and values.
+    /// The rows of the section: name and value.
     pub rows: Vec<(String, String)>,
 }
 
-/// Draws all sections.
+/// Draws all sections of figures.
 pub fn show(ui: &mut Ui, language: Language, view: &LinkView, rates: &TrafficRates) {
     let counts_agree = view.counted.map(|counted| counted == view.commanded);
     for (index, section) in build_sections(language, view, rates)
@@ -95,7 +96,7 @@ pub fn show(ui: &mut Ui, language: Language, view: &LinkView, rates: &TrafficRat
     ui.label(RichText::new(note).weak());
 }
 
-/// The sections: position, queue, wire, inputs and outputs.
+/// Formats the sections of figures: position, queue, wire, inputs and outputs.
 pub fn build_sections(
     language: Language,
     view: &LinkView,
@@ -286,7 +287,7 @@ fn contacts_section(language: Language, view: &LinkView) -> FigureSection {
     }
 }
 
-/// What the index signal reports about the spindle.
+/// Describes what the index signal reports about the spindle.
 fn spindle_index_text(language: Language, view: &LinkView) -> String {
     if !view.is_connected {
         return "-".to_owned();

@@ -4,7 +4,7 @@ use gsk_link::{Input, LinkState, Output};
 
 use gsk_messages::{Message, say};
 
-/// What the operator can do in this state; `None` when nothing is needed.
+/// Describes what the operator can do in this state of the link; `None` if nothing is needed.
 pub fn advice(state: LinkState) -> Option<Message> {
     Some(match state {
         LinkState::Configure => say::link_page_advice_configure(),
@@ -21,7 +21,7 @@ pub fn advice(state: LinkState) -> Option<Message> {
     })
 }
 
-/// The inputs of the board in the rows of the page, with their names.
+/// The inputs of the board in each row of the page, with the name of the row.
 pub fn input_rows() -> [(&'static [Input], Message); 5] {
     [
         (
@@ -38,7 +38,7 @@ pub fn input_rows() -> [(&'static [Input], Message); 5] {
     ]
 }
 
-/// The signal name of an output.
+/// The signal name of an output of the board.
 pub const fn output_name(output: Output) -> &'static str {
     match output {
         Output::Enable => "nEN",
@@ -49,7 +49,8 @@ pub const fn output_name(output: Output) -> &'static str {
     }
 }
 
-/// Name of a setting of a line board; `None` if it is unknown.
+/// Name of a setting of a board that speaks the line protocol, by its number; `None` if it is
+/// unknown.
 pub fn setting_name(number: u16) -> Option<Message> {
     Some(match number {
         0 => say::link_page_setting_pulse_length(),

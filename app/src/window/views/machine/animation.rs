@@ -9,20 +9,20 @@ use super::camera::Camera;
 use crate::kernel::part::PartView;
 use crate::window::theme;
 
-/// Angles of the jaws at whose middle the chuck is marked, radians.
+/// Angles of the jaws on the chuck, at whose middle a mark is drawn, radians.
 const JAW_ANGLES: [f32; 3] = [0.0, TAU / 3.0, 2.0 * TAU / 3.0];
-/// Greatest speed at which the spindle is drawn, r/min. At this speed the eye still sees the
+/// Maximum speed at which the spindle is drawn, r/min, at which the eye still sees the
 /// direction.
 const MAX_DRAWN_RPM: f32 = 90.0;
 /// Time between two frames of a turning spindle, s.
 const FRAME_INTERVAL_S: f32 = 1.0 / 30.0;
-/// Position of the nozzle relative to the tip, Z and X, mm.
+/// Position of the coolant nozzle relative to the tool tip, Z and X, mm.
 const NOZZLE_OFFSET_MM: (f32, f32) = (14.0, 34.0);
-/// Half width of the jets at the tip, mm.
+/// Half width of the coolant jets at the tool tip, mm.
 const JET_SPREAD_MM: f32 = 2.5;
 const JETS: i8 = 2;
 
-/// Angle of the drawn spindle, radians.
+/// Angle at which the spindle is drawn, radians.
 #[derive(Default)]
 pub struct SpindleAnimation(f32);
 
@@ -59,7 +59,7 @@ impl SpindleAnimation {
     }
 }
 
-/// The cylinders of chuck and jaws: first Z, last Z, radius, mm.
+/// The cylinders of chuck and jaws, each with first Z, last Z and radius, mm.
 fn marked_cylinders(stock: &Stock) -> impl Iterator<Item = (f32, f32, f32)> {
     let (body, jaws) = stock.chuck_section();
     let bounds = [body.bounds(), jaws.bounds()];
@@ -69,7 +69,7 @@ fn marked_cylinders(stock: &Stock) -> impl Iterator<Item = (f32, f32, f32)> {
     })
 }
 
-/// Draws the jets of coolant onto the tip.
+/// Draws the jets of coolant onto the tool tip at `tip`.
 pub fn draw_coolant(painter: &Painter, camera: &Camera, tip: Pos2) {
     let nozzle = camera.screen_position(tip + vec2(NOZZLE_OFFSET_MM.0, NOZZLE_OFFSET_MM.1));
     for jet in -JETS..=JETS {

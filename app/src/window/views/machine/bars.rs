@@ -13,7 +13,7 @@ use super::{Instrument, LatheView, ProgramViewRequest, SelectedBlock, to_block_r
 use crate::kernel::Command;
 use crate::window::{alarm_text, focus, theme};
 
-/// Greatest height of the list of collisions, points.
+/// Maximum height of the list of collisions, points.
 const LIST_HEIGHT: f32 = 72.0;
 
 impl LatheView {
@@ -152,7 +152,8 @@ impl LatheView {
         self.show_collisions(ui, language);
     }
 
-    /// Draws why the selected pass is where it is, and the words of its cycle.
+    /// Draws the reason for the position of the selected cycle pass, and the words of its
+    /// cycle.
     fn show_xray(&mut self, ui: &mut Ui, language: Language) {
         let pass = self
             .selected
@@ -226,7 +227,7 @@ impl LatheView {
         format!("{}  {text}", Self::format_block_name(block))
     }
 
-    /// The program and line of a block.
+    /// Formats the program and the line of a block.
     fn format_block_name(block: BlockRef) -> String {
         let line = block.line;
         match block.program {
@@ -236,7 +237,7 @@ impl LatheView {
     }
 }
 
-/// Draws the kinds of moves in the colours of the path, in one row.
+/// Draws the names of the kinds of moves in the colours of their paths, in one row.
 fn draw_legend(ui: &mut Ui, language: Language) {
     let font_id = TextStyle::Body.resolve(ui.style());
     let mut job = LayoutJob::default();

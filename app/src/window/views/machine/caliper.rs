@@ -15,27 +15,28 @@ use super::repeat_limit::RepeatLimit;
 use super::to_pos2;
 use crate::window::theme;
 
-/// Greatest distance of the pointer from an edge, points.
+/// Maximum distance of the pointer from an edge to select it, points.
 const REACH_POINTS: f32 = 14.0;
-/// Interval of the measurements while a part is being cut, s.
+/// Minimum interval between two measurements while a part is being cut, s.
 const MEASURE_INTERVAL_S: f64 = 0.25;
-/// Length of the jaws beyond the edge, points.
+/// Length by which the drawn jaws extend beyond the edge, points.
 const JAW_LENGTH: f32 = 26.0;
 
-/// The state of the caliper.
+/// The caliper, with which the user measures the part in the picture.
 #[derive(Default)]
 pub struct Caliper {
     section: Arc<Region>,
     repeat_limit: RepeatLimit,
     features: Vec<MeasuredFeature>,
-    /// The feature under the pointer, and the pointer in part coordinates.
+    /// Index of the feature under the pointer, and the pointer in part coordinates; `None` if
+    /// there is no feature.
     hovered: Option<(usize, Pos2)>,
-    /// The feature that the user has clicked.
+    /// The feature that the user has clicked, which stays in the picture; `None` without one.
     kept: Option<MeasuredFeature>,
 }
 
 impl Caliper {
-    /// Measures the part again when it has changed.
+    /// Measures the part again if its half section has changed.
     pub fn update(&mut self, section: &Arc<Region>, context: &Context) {
         if Arc::ptr_eq(&self.section, section)
             || !self.repeat_limit.is_due(context, MEASURE_INTERVAL_S)
@@ -50,8 +51,8 @@ impl Caliper {
             .collect();
     }
 
-    /// Sets the pointer's position on the part; `None`: it is outside. Both halves of the
-    /// picture count.
+    /// Sets the pointer's position in part coordinates; `None` if it is outside the picture.
+    /// Both halves of the picture count.
     pub fn set_pointer(&mut self, at: Option<Pos2>, camera: &Camera) {
         self.hovered = None;
         let Some(at) = at else { return };
@@ -69,7 +70,7 @@ impl Caliper {
             .map(|(index, _)| (index, at));
     }
 
-    /// Keeps the feature under the pointer; a click on the kept feature releases it.
+    /// Keeps the feature under the pointer; if that feature is kept already, releases it.
     pub fn toggle_kept(&mut self) {
         let meant = self.hovered.and_then(|(index, _)| self.features.get(index));
         self.kept = match (meant, self.kept.take()) {
@@ -78,8 +79,8 @@ impl Caliper {
         };
     }
 
-    /// The measurements as text: the feature under the pointer, the kept one, and the distance
-    /// between them.
+    /// Describes the measurements: the feature under the pointer, the kept one, and the
+    /// distance between them.
     pub fn messages(&self) -> Vec<Message> {
         let meant = self.hovered_feature();
         let hint = say::caliper_hint();
@@ -96,7 +97,7 @@ impl Caliper {
         self.features.get(index)
     }
 
-    /// Draws both features, the jaws and the measurement.
+    /// Draws the feature under the pointer, the kept one, the jaws and the measurement.
     pub fn draw(&self, painter: &Painter, camera: &Camera, language: Language) {
         if let Some(kept) = &self.kept {
             draw_outline(painter, camera, &kept.outline, theme::KEPT_MEASUREMENT);
@@ -118,7 +119,7 @@ impl Caliper {
     }
 }
 
-/// The measurement beside the pointer.
+/// Formats the measurement that is drawn beside the pointer.
 fn describe_briefly(feature: &Feature) -> Message {
     match *feature {
         Feature::Cylinder { diameter, .. } => say::caliper_diameter(diameter.0),
@@ -131,7 +132,8 @@ fn describe_briefly(feature: &Feature) -> Message {
     }
 }
 
-/// The distance between two features: along Z between faces, along X between cylinders.
+/// Describes the distance between two features: along Z between faces, along X between
+/// cylinders. `None` for other pairs.
 fn describe_distance(from: &Feature, to: &Feature) -> Option<Message> {
     match (*from, *to) {
         (Feature::Face { z: from, .. }, Feature::Face { z: to, .. }) if from != to => {
@@ -167,7 +169,8 @@ fn draw_outline(painter: &Painter, camera: &Camera, outline: &[Point], color: Co
     }
 }
 
-/// Draws the jaws of a caliper at a diameter, and the arrows of the measurement.
+/// Draws the jaws of a caliper at `z` on a cylinder of `radius`, mm, and the arrows of the
+/// measurement.
 fn draw_jaws(painter: &Painter, camera: &Camera, z: f32, radius: f32) {
     let stroke = Stroke::new(1.5, theme::CALIPER);
     let ends = [1.0, -1.0].map(|side| camera.screen_position(pos2(z, radius * side)));
@@ -190,7 +193,7 @@ fn draw_jaws(painter: &Painter, camera: &Camera, z: f32, radius: f32) {
     );
 }
 
-/// Draws words on a dark background, kept within the picture.
+/// Draws a text at `at` on a dark background, kept within the picture.
 fn draw_label(painter: &Painter, at: Pos2, words: String) {
     let galley = painter.layout_no_wrap(
         words,

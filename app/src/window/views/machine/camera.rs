@@ -5,42 +5,43 @@ use egui::{Pos2, Rect, Vec2, pos2, vec2};
 use gsk_runner::solid::{SolidView, ViewDirection};
 use gsk_workpiece::region::Region;
 
-/// Least and greatest scale, points a millimetre.
+/// Minimum and maximum scale, points per millimetre.
 const SCALE_LIMITS: (f32, f32) = (0.02, 20_000.0);
-/// Margin around a fitted picture, as a share of a side.
+/// Margin around a fitted picture, as a share of its side, 0–1.
 const MARGIN_SHARE: f32 = 0.06;
-/// Turn of the solid per point that is dragged, degrees.
+/// Angle by which the solid turns per point of a drag, degrees.
 const TURN_DEGREES_PER_POINT: f32 = 0.4;
 
-/// What the machine view shows.
+/// The settings of the picture in the machine view.
 #[derive(Default)]
 pub struct PictureState {
-    /// The camera that the user has moved; `None`: the picture shows everything.
+    /// The camera that the user has moved; `None` if the picture shows everything.
     pub camera: Option<Camera>,
-    /// The picture follows the tool.
+    /// Whether the picture follows the tool.
     pub follows_tool: bool,
-    /// Shows the part as a solid instead of a half section.
+    /// True to show the part as a solid, false for a half section.
     pub is_solid: bool,
 }
 
-/// The view on the part. Part coordinates: x is Z, y is X as a radius, mm.
+/// Position, scale and direction of the view on the part. Part coordinates: x is Z, y is X as
+/// a radius, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// The position shown in the middle, part coordinates.
     pub centre: Pos2,
-    /// Points a millimetre.
+    /// Scale, points per millimetre.
     pub points_per_mm: f32,
     /// The rectangle of the window that the picture fills.
     pub rect: Rect,
-    /// The direction of view.
+    /// The direction from which the part is seen.
     turn: ViewDirection,
     /// Directions of Z and X in the window, points per mm at scale 1, y downwards.
     axes: [Vec2; 2],
 }
 
 impl Camera {
-    /// Shows a whole box, straight from above. `rear`: the tool post is on the far side of the
-    /// spindle.
+    /// Creates a camera that shows the box `bounds` (part coordinates) whole and straight from
+    /// above in `rect`. `rear`: the tool post is on the far side of the spindle.
     pub fn fit(bounds: Rect, rear: bool, rect: Rect) -> Self {
         let size = bounds.size().max(vec2(1.0, 1.0));
         let free = rect.size() * (1.0 - 2.0 * MARGIN_SHARE);
@@ -48,7 +49,7 @@ impl Camera {
         Self::new(bounds.center(), scale, ViewDirection::flat(rear), rect)
     }
 
-    /// Shows the solids of half sections whole, at an angle.
+    /// Creates a camera that shows the solids of half sections whole, at an angle, in `rect`.
     pub fn fit_solid(regions: &[&Region], rear: bool, rect: Rect) -> Self {
         let size = (rect.width() as usize, rect.height() as usize);
         let margin = MARGIN_SHARE * rect.size().min_elem();
@@ -67,19 +68,19 @@ impl Camera {
         }
     }
 
-    /// The same view in another rectangle.
+    /// Returns the same view in another rectangle of the window.
     #[must_use]
     pub const fn with_rect(self, rect: Rect) -> Self {
         Self { rect, ..self }
     }
 
-    /// The same view with another position in the middle.
+    /// Returns the same view with another position, part coordinates, in the middle.
     #[must_use]
     pub const fn with_centre(self, centre: Pos2) -> Self {
         Self { centre, ..self }
     }
 
-    /// The same view for an image with this number of pixels a point.
+    /// Converts the camera to a view for an image with `pixels_per_point` pixels per point.
     pub fn solid_view(&self, pixels_per_point: f32) -> SolidView {
         SolidView {
             direction: self.turn,
@@ -88,39 +89,39 @@ impl Camera {
         }
     }
 
-    /// Converts a position of the part to the window.
+    /// Converts a position in part coordinates to one in the window, points.
     pub fn screen_position(&self, at: Pos2) -> Pos2 {
         let at = at - self.centre;
         let [z, x] = self.axes;
         self.rect.center() + (z * at.x + x * at.y) * self.points_per_mm
     }
 
-    /// Converts a position in the window to the part.
+    /// Converts a position in the window, points, to part coordinates.
     pub fn part_position(&self, at: Pos2) -> Pos2 {
         self.centre + self.part_vector(at - self.rect.center())
     }
 
-    /// Converts a vector from points of the window to mm of the part. The plane of the tools
-    /// is never seen from its edge, so the conversion exists.
+    /// Converts a vector from points of the window to mm of the part. The view is never along
+    /// the plane of the tools, so that the conversion exists.
     fn part_vector(&self, by: Vec2) -> Vec2 {
         let [z, x] = self.axes;
         let determinant = (z.x * x.y - z.y * x.x) * self.points_per_mm;
         vec2(by.x * x.y - by.y * x.x, by.y * z.x - by.x * z.y) / determinant
     }
 
-    /// Changes the scale. The position drawn at `at` remains there.
+    /// Multiplies the scale by `factor`. The position drawn at `at` remains there.
     pub fn zoom(&mut self, factor: f32, at: Pos2) {
         let fixed = self.part_position(at);
         self.points_per_mm = (self.points_per_mm * factor).clamp(SCALE_LIMITS.0, SCALE_LIMITS.1);
         self.centre += fixed - self.part_position(at);
     }
 
-    /// Moves the picture by points of the window.
+    /// Moves the picture by `by`, points of the window.
     pub fn pan(&mut self, by: Vec2) {
         self.centre -= self.part_vector(by);
     }
 
-    /// Turns the solid after a drag by `by`, points.
+    /// Turns the solid by a drag of `by`, points of the window.
     pub fn orbit(&mut self, by: Vec2) {
         let turn = self
             .turn
@@ -128,14 +129,15 @@ impl Camera {
         *self = Self::new(self.centre, self.points_per_mm, turn, self.rect);
     }
 
-    /// The bounding box of the visible section of the part.
+    /// The bounding box of the visible area, part coordinates.
     pub fn visible_bounds(&self) -> Rect {
         let Rect { min, max } = self.rect;
         let corners = [min, max, pos2(min.x, max.y), pos2(max.x, min.y)];
         Rect::from_points(&corners.map(|corner| self.part_position(corner)))
     }
 
-    /// Moves the picture by the least distance that brings a position into its inner part.
+    /// Moves the picture by the shortest distance that brings the position `at`, part
+    /// coordinates, into its inner part.
     pub fn keep_visible(&mut self, at: Pos2) {
         let at = self.screen_position(at);
         let inner = self.rect.shrink2(self.rect.size() * 0.2);

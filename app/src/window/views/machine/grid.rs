@@ -5,7 +5,7 @@ use egui::{Align2, FontId, Painter, Pos2, Shape, Stroke, pos2, vec2};
 use super::camera::Camera;
 use crate::window::theme;
 
-/// Least distance of two lines, points.
+/// Minimum distance between two grid lines, points.
 const MIN_LINE_DISTANCE: f32 = 56.0;
 
 /// Draws the grid lines below the picture.
@@ -23,7 +23,7 @@ pub fn draw_lines(painter: &Painter, camera: &Camera) {
     }
 }
 
-/// Draws the axis of the spindle and the figures over the picture.
+/// Draws the axis of the spindle, and the coordinates of the grid lines, over the picture.
 pub fn draw_figures(painter: &Painter, camera: &Camera) {
     let (room, seen) = (camera.rect, camera.visible_bounds());
     let axis = camera.screen_position(Pos2::ZERO).y;
@@ -76,7 +76,7 @@ fn round_step(min_step: f32) -> f32 {
         .unwrap_or(multiple(10.0))
 }
 
-/// The multiples of a step within a range, at most 201.
+/// The multiples of a step between `from` and `to`, at most 201.
 fn multiples(from: f32, to: f32, step: f32) -> impl Iterator<Item = f32> {
     const MAX_INDEX: f32 = 200.0;
     let first = (from / step).ceil();

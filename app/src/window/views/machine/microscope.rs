@@ -16,9 +16,9 @@ use super::repeat_limit::RepeatLimit;
 use super::to_pos2;
 use crate::window::theme;
 
-/// Interval of the comparisons while a part is being cut, s.
+/// Minimum interval between two comparisons while a part is being cut, s.
 const COMPARISON_INTERVAL_S: f64 = 0.3;
-/// Greatest distance of the pointer from a line, points.
+/// Maximum distance of the pointer from a line to select it, points.
 const REACH_POINTS: f32 = 24.0;
 
 /// The surface that is compared with the intended one.
@@ -26,9 +26,9 @@ const REACH_POINTS: f32 = 24.0;
 enum ComparedSurface {
     /// The part in the lathe, as cut now.
     Now,
-    /// The part that the program makes.
+    /// The finished part that the program makes.
     Finished,
-    /// The same without tool nose radius compensation.
+    /// The finished part that the program makes without tool nose radius compensation.
     Uncompensated,
 }
 
@@ -44,23 +44,22 @@ impl ComparedSurface {
     }
 }
 
-/// Path and job of a comparison that was requested from the worker.
+/// Path and job of a comparison that the worker carries out.
 type ComparisonInputs = (Arc<DrawnPath>, Arc<Job>);
 
-/// The state of the microscope.
+/// The microscope, which shows the deviations of a surface from the intended one.
 pub struct Microscope {
     comparison: Option<Arc<PartComparison>>,
     requested: Option<ComparisonInputs>,
     surface: ComparedSurface,
-    /// Greatest deviation that counts as right, mm.
+    /// Largest deviation that counts as right, mm.
     tolerance_mm: f64,
-    /// The deviations along each outline of the surface; `computed_from` is what they were computed
-    /// from.
+    /// The deviations along each outline of the surface. `computed_from` holds their inputs.
     deviations: Vec<Vec<SurfaceDeviation>>,
     computed_from: Option<(Arc<PartComparison>, ComparedSurface, Arc<Region>)>,
     repeat_limit: RepeatLimit,
     pointer: Option<Pos2>,
-    /// Greatest distance of a line from the pointer, mm.
+    /// Maximum distance of a line from the pointer to be selected, mm.
     reach_mm: f32,
 }
 
@@ -81,8 +80,8 @@ impl Default for Microscope {
 }
 
 impl Microscope {
-    /// Whether the worker must compare for this path and job. If so, the request counts as
-    /// made.
+    /// Whether the worker must compare for this path and job. If true, records the comparison
+    /// as requested.
     pub fn needs_comparison(&mut self, path: &Arc<DrawnPath>, job: &Arc<Job>) -> bool {
         let last_request = self.requested.as_ref();
         if last_request.is_some_and(|(of, with)| Arc::ptr_eq(of, path) && Arc::ptr_eq(with, job)) {
@@ -92,12 +91,12 @@ impl Microscope {
         true
     }
 
-    /// Takes a comparison from the worker.
+    /// Stores a comparison that the worker has finished.
     pub fn set_comparison(&mut self, compared: Arc<PartComparison>) {
         self.comparison = Some(compared);
     }
 
-    /// Forgets the comparison of another program.
+    /// Drops the comparison, because another program is shown.
     pub fn clear(&mut self) {
         self.comparison = None;
         self.requested = None;
@@ -105,8 +104,8 @@ impl Microscope {
         self.computed_from = None;
     }
 
-    /// Computes the deviations of the selected surface if the surface has changed. `clamped`:
-    /// Z of the jaws' front, mm; deviations in the jaws are 0.
+    /// Computes the deviations of the selected surface if it has changed. `clamped`: Z of the
+    /// jaws' front, mm; deviations in the jaws are 0.
     pub fn update_deviations(&mut self, section: &Arc<Region>, clamped: f64, context: &Context) {
         let Some(compared) = &self.comparison else {
             return;
@@ -132,14 +131,16 @@ impl Microscope {
         self.computed_from = Some((Arc::clone(compared), self.surface, Arc::clone(section)));
     }
 
-    /// Sets the pointer's position on the part; `None`: the pointer is outside the picture.
+    /// Sets the pointer's position in part coordinates; `None` if the pointer is outside the
+    /// picture.
     pub fn set_pointer(&mut self, at: Option<Pos2>, camera: &Camera) {
         self.pointer = at;
         self.reach_mm = REACH_POINTS / camera.points_per_mm;
     }
 
     /// Draws the choice of the surface, the tolerance, the legend and the worst positions.
-    /// Returns a position that was clicked. `partial`: the end of the path is not known.
+    /// Returns the position, part coordinates, that was clicked, if any. `partial`: the end of
+    /// the path is not known.
     pub fn show_bar(&mut self, ui: &mut Ui, partial: bool, language: Language) -> Option<Pos2> {
         let mut clicked = None;
         ui.horizontal_wrapped(|ui| {
@@ -205,7 +206,8 @@ impl Microscope {
         clicked
     }
 
-    /// The deepest cut and the most material left, beyond the tolerance.
+    /// The deepest undercut and the most remaining material, each `None` if it is within the
+    /// tolerance.
     fn worst_deviations(&self) -> (Option<SurfaceDeviation>, Option<SurfaceDeviation>) {
         let all = || self.deviations.iter().flatten().copied();
         let deepest = all().min_by(|one, other| one.distance.total_cmp(&other.distance));
@@ -217,7 +219,8 @@ impl Microscope {
         )
     }
 
-    /// The position on the surface nearest to the pointer, within reach.
+    /// The deviation at the position on the surface that is nearest to the pointer; `None` out
+    /// of reach.
     fn deviation_at_pointer(&self) -> Option<SurfaceDeviation> {
         let pointer = self.pointer?;
         let pointer = pos2(pointer.x, pointer.y.abs());
@@ -227,7 +230,8 @@ impl Microscope {
         (distance(nearest) <= self.reach_mm).then_some(*nearest)
     }
 
-    /// Draws the paths, the coloured surface, and the nose nearest to the pointer.
+    /// Draws the paths, the surface in the colours of its deviations, and the tool nose
+    /// nearest to the pointer.
     pub fn draw(&self, painter: &Painter, camera: &Camera) {
         let Some(compared) = &self.comparison else {
             return;
@@ -275,7 +279,8 @@ impl Microscope {
     }
 }
 
-/// The position of the nose's centre nearest to a point, and the nose radius, mm.
+/// The position of the nose's centre nearest to `at`, and the nose radius, mm; `None` if there
+/// is no centre.
 fn nearest_center(centers: &[PathPiece], at: Pos2) -> Option<(Pos2, f32)> {
     let on = |piece: &PathPiece| {
         let [from, to] = piece.ends.map(to_pos2);

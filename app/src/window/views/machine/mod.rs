@@ -49,32 +49,32 @@ use solid_drawing::SolidDrawing;
 use time_bar::TimeBar;
 use xray::Trial;
 
-/// Greatest distance of a click from the path, points.
+/// Maximum distance of a click from the path to select a block, points.
 const CLICK_REACH: f32 = 8.0;
 /// Exponent of the zoom factor per point that the wheel scrolls.
 const ZOOM_PER_POINT: f32 = 0.004;
-/// Length of the chuck in the fitted picture, mm from the jaws' front.
+/// Length of the chuck that the fitted picture shows, mm from the jaws' front.
 const VISIBLE_CHUCK_MM: f32 = 35.0;
 /// Margin around a part that no program cuts, mm.
 const TOOL_MARGIN_MM: Vec2 = vec2(22.0, 14.0);
-/// Least scale at which a single position is shown, points a millimetre.
+/// Minimum scale at which a single position is shown, points per millimetre.
 const CLOSE_SCALE: f32 = 120.0;
 
-/// What the pointer does in the picture.
+/// The instrument in use, which determines what the pointer does in the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Instrument {
     #[default]
-    /// Selects blocks of the path.
+    /// The pointer selects blocks of the path.
     Path,
-    /// Measures the part.
+    /// The pointer measures the part with the caliper.
     Caliper,
-    /// Compares the surface with the intended one.
+    /// The pointer reads the deviations of the surface from the intended one.
     Microscope,
-    /// Changes tools and stock.
+    /// The user changes tools and stock in the job panel.
     Job,
 }
 
-/// A selected block of the path, and the pass of its cycle.
+/// The block of the path that the user has selected, and the pass of its cycle.
 #[derive(Clone, Debug)]
 struct SelectedBlock {
     block: BlockRef,
@@ -84,32 +84,33 @@ struct SelectedBlock {
 /// What the machine view requests from the program view.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ProgramViewRequest {
-    /// Show a block. `text` lets the program view recognize it.
+    /// Show a block. Its `text` lets the program view recognize it.
     ShowBlock {
         program: ProgramId,
         /// Line of the text, from 1.
         line: u32,
-        /// The text of the block.
+        /// Text of the block.
         text: String,
-        /// Open the program view if it is closed.
+        /// Whether to open the program view if it is closed.
         open_view: bool,
     },
     /// Replace the text of a program.
     ReplaceText {
         program: ProgramId,
-        /// The text in the control.
+        /// The text of the program in the control.
         control_text: String,
-        /// The new text.
+        /// The text that replaces it.
         new_text: String,
     },
 }
 
-/// The machine view.
+/// The view that shows the lathe: path, part and tool, with instruments to examine them.
 pub struct LatheView {
     console: Console,
-    /// From the first frame on: the part is cut without the view, too.
+    /// The preview worker, from the first frame on, because the part is cut without the view,
+    /// too.
     worker: Option<PreviewWorker>,
-    /// The view is open.
+    /// Whether the view is open.
     is_open: bool,
     preview: PreviewResult,
     part: Option<PartView>,
@@ -120,27 +121,27 @@ pub struct LatheView {
     time_bar: TimeBar,
     picture: PictureState,
     stops_on_crash: bool,
-    /// The block that the user has selected.
+    /// The block that the user has selected; `None` without one.
     selected: Option<SelectedBlock>,
-    /// Position of the pointer, part coordinates.
+    /// Position of the pointer, part coordinates; `None` outside the picture.
     pointer: Option<Pos2>,
     instruments: Instruments,
-    /// Jobs that the user has changed.
+    /// Jobs that the user has changed, by their programs.
     changed_jobs: preview_worker::ChangedJobs,
 }
 
-/// The program's text as far as it concerns other views.
+/// What the machine view needs to know of the text of the program.
 #[derive(Default)]
 struct ProgramTextState {
-    /// The program that was opened last, and its file.
+    /// The program that was opened last from a file, and the path of this file.
     file: Option<(ProgramId, PathBuf)>,
-    /// Another text than the control's is executed.
+    /// The text that is executed instead of the control's; `None`: the control's.
     trial: Option<Trial>,
-    /// A request to the program view.
+    /// A request to the program view that it has not taken yet.
     request: Option<ProgramViewRequest>,
 }
 
-/// The instruments, and the one in use.
+/// All instruments of the view, and which one is in use.
 #[derive(Default)]
 struct Instruments {
     selected: Instrument,
@@ -150,7 +151,7 @@ struct Instruments {
 }
 
 impl LatheView {
-    /// Creates the view closed. `solid`: the part is shown as a solid.
+    /// Creates the view closed. `solid`: it shows the part as a solid.
     pub fn new(console: Console, solid: bool) -> Self {
         Self {
             console,
@@ -175,12 +176,12 @@ impl LatheView {
         }
     }
 
-    /// The number of segments of the drawn path.
+    /// Number of segments of the drawn path.
     pub fn segment_count(&self) -> usize {
         self.preview.path.segment_count()
     }
 
-    /// Whether tools or stock were changed and not saved.
+    /// Whether the user has changed tools or stock and has not saved them.
     pub fn is_unsaved(&self) -> bool {
         self.instruments.job.is_unsaved()
     }
@@ -190,12 +191,12 @@ impl LatheView {
         self.picture.is_solid
     }
 
-    /// Shows the part from now on.
+    /// Opens the view: the part is shown from now on.
     pub fn open(&mut self) {
         self.set_open(true);
     }
 
-    /// Shows nothing any more. The part is still cut.
+    /// Closes the view. The part is still cut.
     pub fn close(&mut self) {
         self.part = None;
         self.set_open(false);
@@ -209,7 +210,8 @@ impl LatheView {
         self.console.send(Command::ShowPart(is_open));
     }
 
-    /// Reports a program that was opened in the window. Its job may be in a file beside it.
+    /// Reports to the worker a program that was opened in the window. Its job may be in a file
+    /// beside it.
     pub fn report_opened_program(
         &mut self,
         path: Option<&std::path::Path>,
@@ -226,8 +228,8 @@ impl LatheView {
         }
     }
 
-    /// The file of the program and its machine time, s; `None` until a preview without alarm
-    /// is complete.
+    /// The path of the program's file, and its machine time, s; `None` unless the view is open
+    /// and a preview of the control's text has ended without an alarm.
     pub fn program_time(&self) -> Option<(&std::path::Path, f64)> {
         let preview = &self.preview;
         let complete = self.is_open
@@ -285,7 +287,7 @@ impl LatheView {
         }
     }
 
-    /// Takes what the worker has found; called in every frame, so that a program has its
+    /// Receives the results of the worker. Called in every frame, so that a program has its
     /// job and its part before the view is opened.
     pub fn receive(&mut self, context: &Context) {
         let worker = self.worker.get_or_insert_with(|| {
@@ -327,7 +329,7 @@ impl LatheView {
         }
     }
 
-    /// Takes the part, and hands it to the instrument in hand.
+    /// Receives the state of the part and passes it to the instrument in use.
     fn receive_part(&mut self, ui: &Ui) {
         if let Some(part) = self.console.part.pop() {
             self.part = Some(part);
@@ -446,7 +448,7 @@ impl LatheView {
         }
     }
 
-    /// The camera that the user has moved, or one that shows everything.
+    /// The camera that the user has moved; if there is none, a camera that shows everything.
     fn current_camera(&self, rect: Rect) -> Camera {
         if let Some(camera) = self.picture.camera {
             return camera.with_rect(rect);
@@ -474,12 +476,13 @@ impl LatheView {
         Camera::fit(bounds, self.is_rear(), rect)
     }
 
-    /// Whether the tool post is on the far side of the spindle; false until the first result.
+    /// Whether the tool post is on the far side of the spindle; false until the first result
+    /// of the worker.
     const fn is_rear(&self) -> bool {
         self.preview.rear_tool_post
     }
 
-    /// Handles the mouse and touch input in the picture.
+    /// Handles mouse and touch input in the picture; moves `camera` accordingly.
     fn handle_pointer(&mut self, ui: &Ui, response: &Response, camera: &mut Camera) {
         let before = *camera;
         let hover = response.hover_pos();
@@ -539,13 +542,13 @@ impl LatheView {
         }
     }
 
-    /// Takes the request to the program view.
+    /// Takes the request to the program view, if there is one.
     pub const fn take_program_request(&mut self) -> Option<ProgramViewRequest> {
         self.program_text.request.take()
     }
 
-    /// Tries out a text from the program view if it belongs to the selected program and
-    /// differs from the control's text.
+    /// Executes a text of the program view instead of the control's, if it belongs to the
+    /// selected program and differs from the control's text.
     pub fn try_typed_text(&mut self, document: &ProgramDocument) {
         let id = match &document.origin {
             TextOrigin::Memory(number) => ProgramId::Stored(*number),
@@ -585,7 +588,8 @@ impl LatheView {
         }
     }
 
-    /// Executes another text than the control's, or the control's text again.
+    /// Executes the text of `trial` instead of the control's; `None`: the control's text
+    /// again.
     fn set_trial(&mut self, trial: Option<Trial>) {
         if let Some(worker) = &self.worker {
             let text = trial.as_ref();
@@ -594,7 +598,8 @@ impl LatheView {
         self.program_text.trial = trial;
     }
 
-    /// Centres a position and enlarges the picture to a close view.
+    /// Moves a position, part coordinates, to the centre and enlarges the picture to a close
+    /// view.
     fn show_enlarged(&mut self, at: Pos2) {
         self.show_centred(at);
         if let Some(camera) = &mut self.picture.camera {
@@ -602,7 +607,7 @@ impl LatheView {
         }
     }
 
-    /// Centres a position at the current scale.
+    /// Moves a position, part coordinates, to the centre at the current scale.
     fn show_centred(&mut self, at: Pos2) {
         let rect = Rect::from_center_size(Pos2::ZERO, vec2(600.0, 400.0));
         let camera = self.current_camera(rect);
@@ -610,7 +615,8 @@ impl LatheView {
     }
 }
 
-/// Converts a point to part coordinates of the view: x is Z, y is X as a radius.
+/// Converts a point of the control to part coordinates of the view: x is Z, y is X as a
+/// radius, mm.
 fn to_pos2(point: Point) -> Pos2 {
     pos2(point.z as f32, point.x as f32)
 }

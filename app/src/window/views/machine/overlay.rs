@@ -8,7 +8,7 @@ use super::to_pos2;
 use crate::kernel::part::PartView;
 use crate::window::theme;
 
-/// Writes tool, spindle and each state of the lathe that is not at rest into the upper right
+/// Writes tool number, spindle speed and each active state of the lathe into the upper right
 /// corner.
 pub fn draw_states(painter: &Painter, rect: Rect, part: &PartView, language: Language) {
     let font = FontId::monospace(theme::LABEL_SIZE);
@@ -27,7 +27,7 @@ pub fn draw_states(painter: &Painter, rect: Rect, part: &PartView, language: Lan
     }
 }
 
-/// The lines that `states` writes.
+/// The lines that [`draw_states`] writes.
 fn state_messages(part: &PartView) -> Vec<Message> {
     let states = [
         (part.coolant, say::lathe_coolant()),
@@ -42,7 +42,7 @@ fn state_messages(part: &PartView) -> Vec<Message> {
         .collect()
 }
 
-/// Marks the contact points of the collisions.
+/// Marks the contact points of the collisions in the picture.
 pub fn draw_hits(painter: &Painter, camera: &Camera, part: &PartView) {
     for finding in &part.findings {
         let at = camera.screen_position(to_pos2(finding.collision.contact));

@@ -10,40 +10,40 @@ use gsk_core::program::ProgramMemory;
 use gsk_core::units::Point;
 use gsk_runner::curves::{RapidRates, arc_points, rapid_bend};
 
-/// Segments of a portion.
+/// Number of segments of a portion, the unit in which a path grows.
 const PORTION_SIZE: usize = 16_384;
-/// Greatest number of cycle passes that are explained.
+/// Maximum number of cycle passes that are explained.
 const MAX_PASSES: usize = 20_000;
-/// Greatest deviation of a chord from its arc, mm.
+/// Maximum distance between an arc and the chords that replace it, mm.
 const SAGITTA_MM: f64 = 0.01;
 
 /// The kind of motion along a segment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SegmentKind {
-    /// Not drawn: the path begins here or continues elsewhere.
+    /// Not drawn: the path begins at the end of this segment, or continues there.
     Jump,
     Rapid,
     Feed,
-    /// Synchronous with the spindle.
+    /// Feed that is synchronous with the spindle.
     Thread,
 }
 
-/// A line segment from the end of the previous segment to its own end.
+/// A straight segment from the end of the previous segment to its own end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineSegment {
-    /// End in part coordinates: x is Z, y is X as a radius; mm.
+    /// End of the segment in part coordinates: x is Z, y is X as a radius; mm.
     pub end: Pos2,
-    /// Machine time at the start of its move, s.
+    /// Machine time at the start of the segment's move, s.
     pub start_s: f32,
-    /// Machine time at the end of its move, s.
+    /// Machine time at the end of the segment's move, s.
     pub end_s: f32,
-    /// Line of its block, from 1.
+    /// Line of the segment's block in its program, from 1.
     pub line: u32,
     pub program: ProgramId,
     pub kind: SegmentKind,
 }
 
-/// A block of a program, by its line.
+/// Identifies a block by its program and line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BlockRef {
     pub program: ProgramId,
@@ -51,30 +51,32 @@ pub struct BlockRef {
     pub line: u32,
 }
 
-/// A pass of a cycle: the segments from its first up to the first of the next pass.
+/// A pass of a cycle: the segments from its first one up to the first one of the next pass.
 #[derive(Clone, Debug)]
 pub struct CyclePass {
     first_segment: usize,
     block: BlockRef,
-    /// Why the pass is where it is; `None` for moves outside of cycles.
+    /// Why the pass is at its position; `None` for moves outside of cycles.
     pub explanation: Option<Arc<Explanation>>,
 }
 
-/// The path of a program, complete or partial.
+/// The path of a program in the picture, complete or partial.
 #[derive(Clone, Debug, Default)]
 pub struct DrawnPath {
     portions: Vec<Arc<Vec<LineSegment>>>,
     passes: Vec<CyclePass>,
-    /// The texts of the blocks.
+    /// The programs with the texts of the blocks.
     pub programs: ProgramMemory,
-    /// Bounding box of the cuts, or of all moves where nothing is cut, mm.
+    /// Bounding box of the cuts, or of all moves if nothing is cut, part coordinates; `None`
+    /// without moves.
     pub bounds: Option<Rect>,
-    /// The path continues after the last known segment.
+    /// Whether the path continues after the last known segment.
     pub is_partial: bool,
 }
 
 impl DrawnPath {
-    /// The drawn segments in the order of execution, each with its start point.
+    /// The drawn segments in the order of execution, each with the position at which it
+    /// starts.
     pub fn segments(&self) -> impl Iterator<Item = (Pos2, &LineSegment)> {
         let all = self.portions.iter().flat_map(|portion| portion.iter());
         let mut from = Pos2::ZERO;
@@ -84,18 +86,19 @@ impl DrawnPath {
         })
     }
 
-    /// The number of segments.
+    /// The number of segments, jumps included.
     pub fn segment_count(&self) -> usize {
         self.portions.iter().map(|portion| portion.len()).sum()
     }
 
-    /// Index of the segment nearest to a point within `reach`, mm. If two are equally near, it
-    /// is the later one, which is drawn on top.
+    /// Index of the segment nearest to `at` within `reach`, mm; `None` if there is none. Of
+    /// two that are equally near it is the later one, which is drawn on top.
     pub fn nearest_segment(&self, at: Pos2, reach: f32) -> Option<usize> {
         self.nearest_matching(at, reach, |_| true)
     }
 
-    /// The pass that a running block makes while the tip is at a point.
+    /// The cycle pass of the running block whose path is nearest to the tool tip; `None` if
+    /// the block has no path.
     pub fn running_pass(&self, block: BlockRef, tip: Pos2) -> Option<&CyclePass> {
         let of_block =
             |piece: &LineSegment| piece.line == block.line && piece.program == block.program;
@@ -124,7 +127,7 @@ impl DrawnPath {
         nearest.1
     }
 
-    /// The block of the segment with this index.
+    /// The block of the segment with this index; `None` if there is no such segment.
     pub fn block_at(&self, index: usize) -> Option<BlockRef> {
         let mut all = self.portions.iter().flat_map(|portion| portion.iter());
         let piece = all.nth(index)?;
@@ -134,7 +137,8 @@ impl DrawnPath {
         })
     }
 
-    /// The pass of a cycle that the segment with this index belongs to.
+    /// The cycle pass to which the segment with this index belongs; `None` if it is outside of
+    /// cycles or does not exist.
     pub fn pass_at(&self, index: usize) -> Option<&CyclePass> {
         let after = self
             .passes
@@ -143,8 +147,8 @@ impl DrawnPath {
         (pass.explanation.is_some() && self.block_at(index) == Some(pass.block)).then_some(pass)
     }
 
-    /// The pass with the same number and block in this path, or the block's last pass if there
-    /// are fewer.
+    /// The pass of this path with the same number and block as `pass`, or the last earlier
+    /// pass of that block. `None` if there is none.
     pub fn find_same_pass(&self, pass: Option<CyclePass>) -> Option<CyclePass> {
         let pass = pass?;
         let number = pass.explanation.as_ref()?.pass;
@@ -154,7 +158,7 @@ impl DrawnPath {
         up_to.max_by_key(|other| number_of(other)).cloned()
     }
 
-    /// The segments of a pass, each as start and end point.
+    /// The segments of a pass, each as its start and end position.
     pub fn pass_segments(&self, pass: &CyclePass) -> Vec<[Pos2; 2]> {
         let next = self
             .passes
@@ -171,14 +175,14 @@ impl DrawnPath {
         pairs.map(|pair| [pair[0].end, pair[1].end]).collect()
     }
 
-    /// The text of a block; empty if its program is missing.
+    /// The text of a block; empty if the program of the block is missing.
     pub fn block_text(&self, block: BlockRef) -> &str {
         let program = self.programs.get(block.program);
         program.map_or("", |program| program.line(block.line))
     }
 }
 
-/// The point of a line segment that is nearest to a point.
+/// The position on the segment between `from` and `to` that is nearest to `at`.
 pub fn nearest_point_on(from: Pos2, to: Pos2, at: Pos2) -> Pos2 {
     let (along, beside) = (to - from, at - from);
     let length = along.length_sq();
@@ -201,7 +205,7 @@ pub struct PathBuilder {
 }
 
 impl PathBuilder {
-    /// Begins a pass when block or explanation differ from those of the current pass.
+    /// Begins a new pass if block or explanation differ from those of the current pass.
     pub fn begin_pass(&mut self, executed: &ExecutedMove, explanation: Option<&Explanation>) {
         let block = BlockRef {
             program: executed.source.program,
@@ -227,7 +231,8 @@ impl PathBuilder {
         });
     }
 
-    /// Adds a move. `shift` is added to program coordinates to get part coordinates, mm.
+    /// Adds the segments of a move. `shift` is added to program coordinates to get part
+    /// coordinates, mm.
     pub fn add_move(&mut self, executed: &ExecutedMove, shift: Point, rates: RapidRates) {
         let kind = match executed.kind {
             MoveKind::Dwell => return,
@@ -285,7 +290,7 @@ impl PathBuilder {
         }
     }
 
-    /// The path of the moves added until now.
+    /// Builds the path of the moves added until now. `partial`: further moves will follow.
     pub fn build(&self, programs: &ProgramMemory, partial: bool) -> DrawnPath {
         let mut portions = self.full_portions.clone();
         portions.push(Arc::new(self.open_portion.clone()));
@@ -341,7 +346,7 @@ pub(super) mod tests {
         assert_eq!((bounds.left(), bounds.right()), (-35.0, 2.0));
     }
 
-    /// The cycle of the next test with deeper passes.
+    /// The path of the cycle of the next test with deeper passes.
     fn deeper_pass_path() -> DrawnPath {
         preview_path("G00 X44 Z2\nG71 U6 R1\nG71 P1 Q2 F100\nN1 G00 X20\nG01 Z-20\nN2 X40\nM30\n")
     }

@@ -10,10 +10,10 @@ use super::path::{DrawnPath, SegmentKind};
 use super::path_lines::DrawingKey;
 use crate::window::theme;
 
-/// Bits of the index in the hash table of segments.
+/// Number of bits of the index in the hash table of segments.
 const SLOT_BITS: u32 = 18;
 
-/// The image of a path, and the view it was made for.
+/// Draws a path as an image, which it keeps with the view it was made for.
 #[derive(Default)]
 pub struct PathDots {
     texture: Option<TextureHandle>,
@@ -21,8 +21,8 @@ pub struct PathDots {
     thinned_path: ThinnedPath,
 }
 
-/// The segments of a path that differ on the screen at a scale. Moving the picture does not
-/// change them.
+/// Those segments of a path that differ on the screen at a scale. They stay the same when the
+/// picture is moved.
 #[derive(Default)]
 struct ThinnedPath {
     thinned_for: Option<(Camera, f32, Arc<DrawnPath>)>,
@@ -53,7 +53,7 @@ impl PathDots {
 }
 
 impl ThinnedPath {
-    /// Thins out a path, unless only the centre of the camera has changed.
+    /// Thins out the path, unless only the centre of the camera has changed.
     fn update(&mut self, camera: &Camera, path: &Arc<DrawnPath>, pixels_per_point: f32) {
         // The segments must be the same for every position of the camera.
         let camera = camera.with_centre(Pos2::ZERO).with_rect(Rect::ZERO);
@@ -86,7 +86,7 @@ impl ThinnedPath {
     }
 }
 
-/// Makes the image: transparent where there is no segment, cuts over rapids.
+/// Renders the image of the segments: transparent where there is no segment, cuts over rapids.
 fn render_image(
     camera: &Camera,
     pieces: &[([Pos2; 2], SegmentKind)],
@@ -126,7 +126,8 @@ fn render_image(
     image
 }
 
-/// Clips a line at the edges of the image; `None` if the line is outside.
+/// Clips a line at the edges of the image from (0, 0) to `edge`; `None` if the line is
+/// outside.
 ///
 /// ```text
 ///   from + t (to − from):  each side of the picture bounds t from below or above

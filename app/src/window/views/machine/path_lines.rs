@@ -9,18 +9,18 @@ use super::camera::Camera;
 use super::path::{BlockRef, DrawnPath, SegmentKind};
 use crate::window::theme;
 
-/// Greatest number of rapid segments that are drawn dashed.
+/// Maximum number of rapid segments that are drawn dashed.
 const MAX_DASHED: usize = 4000;
 const DASH: (f32, f32) = (6.0, 4.0);
-/// Slots of the hash table of drawn segments.
+/// Number of slots of the hash table of drawn segments.
 const SLOTS: usize = 1 << 16;
 
-/// Camera and path for which a drawing was made.
+/// Camera and path for which a drawing was made; `None` before the first one.
 #[derive(Default)]
 pub struct DrawingKey(Option<(Camera, Arc<DrawnPath>)>);
 
 impl DrawingKey {
-    /// Whether camera or path differ from those of the last call.
+    /// Stores camera and path. Returns true if they differ from those of the last call.
     pub fn replace_if_changed(&mut self, camera: &Camera, path: &Arc<DrawnPath>) -> bool {
         let known = self.0.as_ref();
         if known.is_some_and(|(made, of)| made == camera && Arc::ptr_eq(of, path)) {
@@ -31,7 +31,7 @@ impl DrawingKey {
     }
 }
 
-/// The shapes of a path, and the view they were made for.
+/// Draws a path as lines, which it keeps with the view they were made for.
 #[derive(Default)]
 pub struct PathLines {
     drawn_for: DrawingKey,
@@ -64,7 +64,7 @@ pub fn highlight_block(
     draw_block(painter, camera, path, block, Stroke::new(width, color));
 }
 
-/// Marks the segments of a block that breaks a rule.
+/// Marks the segments of a block that breaks a rule of its cycle.
 pub fn mark_wrong(painter: &Painter, camera: &Camera, path: &DrawnPath, block: BlockRef) {
     draw_block(
         painter,
@@ -97,7 +97,7 @@ fn draw_block(
     }
 }
 
-/// Highlights the segments of a pass over the path.
+/// Highlights the segments of a cycle pass over the path.
 pub fn highlight_pass(painter: &Painter, camera: &Camera, pieces: &[[Pos2; 2]]) {
     for ends in pieces {
         let ends = ends.map(|end| camera.screen_position(end));
@@ -123,7 +123,7 @@ fn build_shapes(camera: &Camera, path: &DrawnPath) -> Vec<Shape> {
     strokes.into_shapes()
 }
 
-/// A hash table of the segments that are already on the screen.
+/// A hash table of the segments that are already drawn on the screen.
 struct DrawnSegments {
     rect: Rect,
     slots: Vec<u64>,
@@ -137,7 +137,7 @@ impl DrawnSegments {
         }
     }
 
-    /// Whether a segment is visible and not yet drawn.
+    /// Whether a segment is visible and was not drawn yet; records it as drawn.
     fn is_new(&mut self, [from, to]: [Pos2; 2], kind: SegmentKind) -> bool {
         let rect = self.rect;
         let is_outside = from.x.max(to.x) < rect.left()
@@ -161,7 +161,7 @@ impl DrawnSegments {
     }
 }
 
-/// Connected lines, grouped by their kind of move.
+/// Joins segments to connected lines, separately for each kind of move.
 #[derive(Default)]
 struct StrokeBuilder {
     open_line: Option<(SegmentKind, Vec<Pos2>)>,

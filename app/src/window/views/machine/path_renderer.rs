@@ -10,10 +10,10 @@ use super::path::DrawnPath;
 use super::path_dots::PathDots;
 use super::path_lines::PathLines;
 
-/// A path with more segments is drawn as dots.
+/// Number of segments above which a path is drawn as dots instead of lines.
 const MAX_LINES: usize = 50_000;
 
-/// The drawings of a path.
+/// Draws a path as lines or, if it is long, as dots.
 #[derive(Default)]
 pub struct PathRenderer {
     lines: PathLines,

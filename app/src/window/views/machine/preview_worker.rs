@@ -31,64 +31,66 @@ use crate::platform;
 use crate::window::samples;
 use crate::work_limit::WorkLimit;
 
-/// Interval at which the control is checked for changes.
+/// Interval at which the worker checks the control for changes.
 const CHECK_INTERVAL: Duration = Duration::from_millis(100);
-/// Time until a growing path is sent for the first time, and the interval after that.
+/// Time until a growing path is sent for the first time. The constant after it is the interval
+/// of the further times.
 const FIRST_UPDATE_DELAY: Duration = Duration::from_millis(30);
 const UPDATE_INTERVAL: Duration = Duration::from_millis(200);
-/// Limit of the work of one execution.
+/// Limit of the work of one execution of a program.
 const WORK_BUDGET: WorkBudget = WorkBudget::interactive(5_000_000);
 
-/// The result of executing a program.
+/// The result of executing a program for the machine view.
 #[derive(Clone, Debug, Default)]
 pub struct PreviewResult {
-    /// Its path, partial while the execution runs.
+    /// The path of the program, partial while the execution runs.
     pub path: Arc<DrawnPath>,
-    /// Where its time goes.
+    /// The machine time of the program by its uses and tools.
     pub times: ProgramTimes,
-    /// The alarm that ends the program.
+    /// The alarm that ends the program; `None` if it ends without one.
     pub alarm: Option<Alarm>,
-    /// The block of a profile that breaks a rule of its cycle. The path is then the profile
-    /// without the cycle.
+    /// The block of a profile that breaks a rule of its cycle; `None` if there is none. With
+    /// such a block the path is the profile without the cycle.
     pub fault_block: Option<BlockRef>,
-    /// The executed text is a trial and differs from the control's.
+    /// Whether the executed text is a trial that differs from the control's.
     pub is_trial: bool,
-    /// No program defines what is cut: the job is a practice job.
+    /// Whether the job is a practice job, because no program defines what is cut.
     pub is_practice_job: bool,
-    /// The error in the program's job file.
+    /// Why the program's job file cannot be used; `None` if it can or does not exist.
     pub job_file_error: Option<Message>,
-    /// The file of the program.
+    /// The path of the program's file; `None` without one.
     pub program_file: Option<PathBuf>,
-    /// The tool post is on the far side of the spindle.
+    /// Whether the tool post is on the far side of the spindle.
     pub rear_tool_post: bool,
-    /// Counts the programs. The picture is fitted again when it changes.
+    /// Number of programs so far. The picture is fitted again when it changes.
     pub program_count: u64,
 }
 
 /// Flags that the window sets for the worker.
 #[derive(Debug)]
 pub struct WorkerFlags {
-    /// The view is open: it needs the path of the program as well as its job.
+    /// Whether the view is open, so that it needs the path of the program as well as its job.
     pub visible: AtomicBool,
-    /// A program runs. Offsets and parameters that it writes do not start an execution.
+    /// Whether a program runs. Offsets and parameters that it writes then start no execution.
     pub program_runs: AtomicBool,
-    /// Incremented when the execution in progress is out of date.
+    /// Incremented by the window when the execution in progress is out of date.
     pub cancel_count: AtomicU64,
 }
 
-/// Requests of the window to the worker.
+/// A request of the window to the worker.
 enum PreviewRequest {
-    /// A program was opened from a file.
+    /// This program was opened from this file.
     Opened(ProgramId, PathBuf),
     /// Compare the part that the program makes with the intended part.
     Compare(Arc<Job>),
-    /// Clamp stock and mount tools that the user has changed.
+    /// Clamp the stock and mount the tools of a job that the user has changed.
     Clamp(Box<Job>),
-    /// Execute another text of a program than the control's; `None`: the control's text again.
+    /// Execute this text of a program instead of the control's; `None`: the control's text
+    /// again.
     SetTrial(Option<(ProgramId, Program)>),
 }
 
-/// The window's end of the worker. The worker ends when it is dropped.
+/// The window's handle of the preview worker, which ends when the handle is dropped.
 pub struct PreviewWorker {
     requests: Sender<PreviewRequest>,
     results: Arc<ArrayQueue<PreviewResult>>,
@@ -98,7 +100,7 @@ pub struct PreviewWorker {
 }
 
 impl PreviewWorker {
-    /// Starts the worker thread.
+    /// Starts the worker thread. `changed` holds the jobs that the user has changed.
     pub fn start(console: &Console, context: &Context, changed: &ChangedJobs) -> Self {
         let (requests, from_view) = unbounded();
         let results = Arc::new(ArrayQueue::new(1));
@@ -132,7 +134,7 @@ impl PreviewWorker {
         }
     }
 
-    /// Reports a program that was opened from a file.
+    /// Reports to the worker that a program was opened from a file.
     pub fn report_opened_file(&self, program: ProgramId, file: PathBuf) {
         self.flags.cancel_count.fetch_add(1, Ordering::Relaxed);
         let _ = self.requests.send(PreviewRequest::Opened(program, file));
@@ -143,8 +145,8 @@ impl PreviewWorker {
         let _ = self.requests.send(PreviewRequest::Compare(job));
     }
 
-    /// Clamps other stock and mounts other tools. They belong to the selected program until it
-    /// gets another job.
+    /// Requests that the stock and the tools of `job` are used. The job belongs to the
+    /// selected program until that program gets another one.
     pub fn clamp(&self, job: Job) {
         let _ = self.requests.send(PreviewRequest::Clamp(Box::new(job)));
     }
@@ -156,12 +158,12 @@ impl PreviewWorker {
         let _ = self.requests.send(PreviewRequest::SetTrial(text));
     }
 
-    /// Takes the newest comparison.
+    /// Takes the newest comparison, if there is a new one.
     pub fn take_comparison(&self) -> Option<Arc<PartComparison>> {
         self.compared.pop()
     }
 
-    /// Takes the newest result.
+    /// Takes the newest result, if there is a new one.
     pub fn take_result(&self) -> Option<PreviewResult> {
         self.results.pop()
     }
@@ -173,12 +175,12 @@ impl Drop for PreviewWorker {
     }
 }
 
-/// The inputs of an execution. The worker executes again when one of them changes.
+/// The inputs of an execution. The worker executes the program again when one of them changes.
 #[derive(Clone, Debug, PartialEq)]
 struct PreviewInputs {
     program: Option<(ProgramId, Program)>,
     tried: Option<(ProgramId, Program)>,
-    /// The job that the user has changed.
+    /// The job that the user has changed; `None` if it is unchanged.
     changed_job: Option<Job>,
     file: Option<PathBuf>,
     offsets: Offsets,
@@ -192,31 +194,31 @@ struct PreviewThread {
     results: Arc<ArrayQueue<PreviewResult>>,
     compared: Arc<ArrayQueue<Arc<PartComparison>>>,
     flags: Arc<WorkerFlags>,
-    /// The program and path of the file that was opened last.
+    /// The program that was opened last from a file, and the path of this file.
     file: Option<(ProgramId, PathBuf)>,
-    /// The program that is tried out with another text, and this text.
+    /// The program that is executed with another text than the control's, and this text.
     tried: Option<(ProgramId, Program)>,
     /// Jobs that the user has changed, by their programs.
     changed_jobs: ChangedJobs,
-    /// What the path was made of that was handed over last.
+    /// The inputs of the path that was sent to the window last.
     last_inputs: Option<PreviewInputs>,
-    /// The program and the file whose job the kernel has.
+    /// The program and the file whose job the kernel has; `None` before the first job.
     job_owner: Option<ProgramAndFile>,
     program_count: u64,
 }
 
-/// A program and the file it was opened from.
+/// A program with its text, and the file from which it was opened.
 type ProgramAndFile = (Option<(ProgramId, Program)>, Option<PathBuf>);
 
-/// The owner of a job: a program, and its file if it has one.
+/// The program to which a job belongs, and its file if it has one.
 type JobOwner = (Option<ProgramId>, Option<PathBuf>);
 
 /// Jobs that the user has changed. They are kept while the view is closed.
 pub type ChangedJobs = Arc<Mutex<Vec<(JobOwner, SelectedJob)>>>;
 
 impl PreviewThread {
-    /// Executes the program if something has changed, and waits for the next request. Returns
-    /// `false` when the window's end is gone.
+    /// Executes the program if its inputs have changed, and waits for the next request.
+    /// Returns `false` when the window's handle is dropped.
     fn run_once(&mut self) -> bool {
         if !self.flags.program_runs.load(Ordering::Relaxed)
             && let Some(setup) = self.console.setup()
@@ -285,7 +287,8 @@ impl PreviewThread {
         }
     }
 
-    /// Executes a program; `false` if a newer request cancelled it.
+    /// Executes a program and sends its path to the window; returns `false` if a newer request
+    /// has cancelled it.
     fn run_preview(&self, setup: &Setup, inputs: &PreviewInputs, is_other_program: bool) -> bool {
         let start_count = self.flags.cancel_count.load(Ordering::Relaxed);
         let is_newest = || self.flags.cancel_count.load(Ordering::Relaxed) == start_count;
@@ -398,7 +401,8 @@ impl PreviewThread {
         self.send_job(Some(chosen));
     }
 
-    /// Replaces the program's text with the text that is tried out.
+    /// Replaces the text of the program in the setup with the text of the trial, if there is
+    /// one.
     fn apply_trial(&self, setup: &mut Setup) {
         if let Some((id, text)) = &self.tried {
             replace_program_text(&mut setup.memory.programs, *id, text);
@@ -427,7 +431,8 @@ impl PreviewThread {
     }
 }
 
-/// The path of a program with the profile cycles removed, for a profile that breaks a rule.
+/// Builds the path of a program with the profile cycles removed, for a profile that breaks a
+/// rule.
 fn build_profile_path(
     setup: &Setup,
     program: ProgramId,
@@ -450,7 +455,7 @@ fn build_profile_path(
     builder.build(&setup.memory.programs, false)
 }
 
-/// Replaces the text of the program `id` if it is the selected one.
+/// Replaces the text of the program `id` in the memory if that program is selected.
 fn replace_program_text(programs: &mut ProgramMemory, id: ProgramId, text: &Program) {
     if programs.selected() != Some(id) {
         return;
@@ -469,7 +474,8 @@ fn replace_program_text(programs: &mut ProgramMemory, id: ProgramId, text: &Prog
     programs.select(id);
 }
 
-/// Makes a chosen job of the user's changes. It names the job file once the file exists.
+/// Selects a job that the user has changed. It gets the name of the job file if the file
+/// exists.
 fn to_chosen_job(job: Job, basis: &PreviewInputs) -> SelectedJob {
     let file = basis.file.as_deref().map(job::job_path);
     SelectedJob {
@@ -478,8 +484,8 @@ fn to_chosen_job(job: Job, basis: &PreviewInputs) -> SelectedJob {
     }
 }
 
-/// The job as a person changed it, else the one of the file beside the program, and what
-/// is wrong with that file.
+/// The job as changed by the user, else that of the file beside the program. The second value
+/// is the error in that file.
 fn job_of_basis(basis: &PreviewInputs) -> (Option<SelectedJob>, Option<Message>) {
     let (read, trouble) = read_job(basis);
     let changed = basis
@@ -489,8 +495,8 @@ fn job_of_basis(basis: &PreviewInputs) -> (Option<SelectedJob>, Option<Message>)
     (changed.or(read), trouble)
 }
 
-/// Reads the job file beside the program, or the built-in job of a sample. The second value is
-/// the error in the file.
+/// Reads the job file beside the program, or the built-in job of a sample; `None` if there is
+/// neither. The second value is the error in the file.
 fn read_job(basis: &PreviewInputs) -> (Option<SelectedJob>, Option<Message>) {
     let job_file = basis.file.as_deref().map(job::job_path);
     let Some(path) = job_file.filter(|path| path.exists()) else {
@@ -509,8 +515,8 @@ fn read_job(basis: &PreviewInputs) -> (Option<SelectedJob>, Option<Message>) {
     }
 }
 
-/// The shift from program to part coordinates, mm. It is zero unless the job defines the
-/// position of the part.
+/// The shift from program to part coordinates of a move, mm. It is zero without a job that
+/// defines the position of the part.
 fn part_shift(machining: Option<&Machining>, executed: &gsk_core::command::ExecutedMove) -> Point {
     let Some(machining) = machining else {
         return Point::default();

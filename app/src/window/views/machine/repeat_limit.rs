@@ -5,13 +5,14 @@ use std::time::Duration;
 
 use egui::Context;
 
-/// Time of the last turn, seconds of the window's clock.
+/// Limits how often something is repeated; holds the time at which it was done last, seconds
+/// of the window's clock.
 #[derive(Default)]
 pub struct RepeatLimit(Option<f64>);
 
 impl RepeatLimit {
-    /// Whether `interval_s` have passed since the last turn. If so, the turn counts as done now.
-    /// If not, the window is redrawn at that time.
+    /// Whether `interval_s` have passed since the last call that returned true. If not, the
+    /// window is redrawn when they have.
     pub fn is_due(&mut self, context: &Context, interval_s: f64) -> bool {
         let now = context.input(|input| input.time);
         let remaining_s = self.0.map_or(0.0, |done| done + interval_s - now);

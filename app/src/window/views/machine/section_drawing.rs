@@ -17,17 +17,17 @@ use super::camera::Camera;
 use crate::kernel::part::PartView;
 use crate::window::theme;
 
-/// Trapezoids of the sections, kept until the sections change.
+/// Draws half sections; keeps their trapezoids until the sections change.
 #[derive(Default)]
 pub struct SectionDrawing {
     section: Arc<Region>,
     material: Vec<Trapezoid>,
     outside: Vec<Trapezoid>,
     drawn_job: Option<(Arc<Job>, bool)>,
-    /// Chuck, jaws and tailstock.
+    /// Sections of chuck, jaws and tailstock: trapezoids, section and colour.
     clamping: Vec<(Vec<Trapezoid>, Region, Color32)>,
     spindle: SpindleAnimation,
-    /// The tools of the job that were already drawn, by T number.
+    /// The parts of those tools of the job that were already drawn, by T number.
     tools: BTreeMap<u8, Vec<ToolPart>>,
 }
 
@@ -60,8 +60,8 @@ impl SectionDrawing {
         );
     }
 
-    /// Draws the tool with its tip at a position. Returns `false` if the job does not describe
-    /// the tool.
+    /// Draws the tool of the job with its tip at `tip`. Returns `false` if the job does not
+    /// describe the tool.
     pub fn draw_job_tool(
         &mut self,
         painter: &Painter,
@@ -109,7 +109,7 @@ impl SectionDrawing {
     }
 }
 
-/// A part of a tool, relative to the tool's tip.
+/// The holder or the insert of a tool, relative to the tool's tip.
 struct ToolPart {
     filled: Vec<Trapezoid>,
     edge: Vec<Pos2>,
@@ -118,7 +118,7 @@ struct ToolPart {
 }
 
 impl ToolPart {
-    /// Draws the part with the tool's tip at a position.
+    /// Draws this part of a tool with the tool's tip at `tip`.
     fn draw(&self, painter: &Painter, camera: &Camera, tip: Pos2) {
         let shift = |(z, low, high): (f32, f32, f32)| (z + tip.x, low + tip.y, high + tip.y);
         let moved = self.filled.iter().map(|it| Trapezoid {
@@ -143,14 +143,14 @@ impl ToolPart {
     }
 }
 
-/// Draws a tool with its tip at the zero point.
+/// Draws a tool with its tip at the origin of the part coordinates.
 pub fn draw_tool(painter: &Painter, camera: &Camera, tool: &Tool) {
     for part in make_tool_parts(tool) {
         part.draw(painter, camera, Pos2::ZERO);
     }
 }
 
-/// Makes holder and insert of a tool.
+/// Makes the holder and the insert of a tool.
 fn make_tool_parts(tool: &Tool) -> Vec<ToolPart> {
     let shape = ToolShape::from_tool(tool);
     let body = shape.body.iter();
@@ -164,7 +164,7 @@ fn make_tool_parts(tool: &Tool) -> Vec<ToolPart> {
     .collect()
 }
 
-/// Fills trapezoids, or their mirror image below the axis.
+/// Fills trapezoids of a section or, if `mirrored`, their mirror image below the axis.
 fn fill_trapezoids(
     painter: &Painter,
     camera: &Camera,
@@ -208,7 +208,7 @@ fn draw_outline(
     }
 }
 
-/// Draws the edge of the part on the half that is not cut open.
+/// Draws the outline of the part on the half that is not cut open.
 fn draw_silhouette(painter: &Painter, camera: &Camera, outside: &[Trapezoid]) {
     let corner = |(z, _, high): (f32, f32, f32)| pos2(z, -high);
     let mut line: Vec<Pos2> = Vec::with_capacity(outside.len() * 2 + 2);

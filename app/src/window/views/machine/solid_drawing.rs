@@ -17,29 +17,29 @@ use super::camera::Camera;
 use crate::kernel::part::PartView;
 use crate::window::theme;
 
-/// Time without a change after which the edges are smoothed, s.
+/// Time without a change of the picture after which its edges are smoothed, s.
 const SMOOTHING_DELAY_S: f64 = 0.15;
-/// Samples across a pixel of the smoothed picture.
+/// Number of samples across a pixel of the smoothed picture.
 const SMOOTH_SAMPLES: usize = 2;
 
-/// The solid and its picture.
+/// Draws the part as a solid, and keeps the rendered picture.
 #[derive(Default)]
 pub struct SolidDrawing {
     bodies: SolidBodies,
     canvas: SolidCanvas,
     texture: Option<TextureHandle>,
     drawn_inputs: Option<SolidInputs>,
-    /// Time at which the picture was made, seconds of the window's clock.
+    /// Time at which the picture was rendered, seconds of the window's clock.
     drawn_at_s: f64,
     is_smooth: bool,
 }
 
-/// The inputs of a picture. It is made again when one of them changes.
+/// The inputs of a picture, which is rendered again when one of them changes.
 struct SolidInputs {
     camera: Camera,
     section: Arc<Region>,
     job: Arc<Job>,
-    /// The chuck is open.
+    /// Whether the chuck is open.
     chuck_open: bool,
     tool: u8,
     tip: Point,
@@ -57,7 +57,8 @@ impl SolidInputs {
 }
 
 impl SolidDrawing {
-    /// Draws part, clamping and tool. Returns `false` if the job does not describe the tool.
+    /// Draws part, clamping and tool as solids. Returns `false` if the job does not describe
+    /// the tool.
     pub fn draw(&mut self, painter: &Painter, camera: &Camera, part: &PartView) -> bool {
         let now = painter.ctx().input(|input| input.time);
         let inputs = SolidInputs {
@@ -117,7 +118,7 @@ impl SolidDrawing {
     }
 }
 
-/// The bodies that were built, and their inputs.
+/// The bodies in the picture, and the inputs from which they were built.
 #[derive(Default)]
 struct SolidBodies {
     built_for: Option<(Arc<Job>, bool, BodyResolution)>,
@@ -125,7 +126,7 @@ struct SolidBodies {
     stock: Region,
     part: Vec<SolidBody>,
     clamps: Vec<SolidBody>,
-    /// By T number.
+    /// The bodies of those tools that were already drawn, by T number.
     tools: BTreeMap<u8, Vec<SolidBody>>,
 }
 
@@ -151,7 +152,8 @@ impl SolidBodies {
         }
     }
 
-    /// All bodies with their offsets, Z and X, mm. The tool's offset is its tip.
+    /// All bodies of the picture with their offsets, Z and X, mm. The tool's offset is the
+    /// position of its tip.
     fn positioned(&self, inputs: &SolidInputs) -> impl Iterator<Item = (&SolidBody, (f32, f32))> {
         let fixed = self.part.iter().chain(&self.clamps);
         let tool = self.tools.get(&inputs.tool).into_iter().flatten();

@@ -17,7 +17,7 @@ const ON_PATH_MM: f32 = 0.05;
 /// Height of the bar, points.
 const BAR_HEIGHT: f32 = 12.0;
 
-/// The time bar, and the path it was made for.
+/// The bar with the machine time of the program, and the path it was made for.
 #[derive(Default)]
 pub struct TimeBar {
     drawn_path: Option<Arc<DrawnPath>>,
@@ -135,7 +135,7 @@ const fn spending_color(what: TimeUse) -> Color32 {
     }
 }
 
-/// The kind of move in each column of the bar.
+/// Returns the kind of move that each column of the bar shows.
 fn fill_columns(path: &DrawnPath, total_s: f32) -> Vec<SegmentKind> {
     let mut columns = vec![SegmentKind::Jump; COLUMN_COUNT];
     let column = |seconds: f32| (seconds / total_s * COLUMN_COUNT as f32) as usize;

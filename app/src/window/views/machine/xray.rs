@@ -17,35 +17,36 @@ use super::path::{BlockRef, DrawnPath};
 use crate::window::theme;
 use gsk_language::words::{spans, word_of};
 
-/// A changed text of a program that is tried out.
+/// A changed text of a program that is executed instead of the control's.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trial {
     /// The program whose text is changed.
     pub program_id: ProgramId,
     /// The text in the control.
     pub control_text: Program,
-    /// The changed text.
+    /// The text that is executed.
     pub trial_text: Program,
 }
 
 impl Trial {
-    /// The program as it is executed for the trial.
+    /// Converts the trial to the id of the program and the text to execute.
     pub fn to_program(&self) -> (ProgramId, Program) {
         (self.program_id, self.trial_text.clone())
     }
 }
 
-/// What the user did with the trial.
+/// What the user did with the words of the cycle.
 pub enum TrialAction {
-    /// Try another text.
+    /// Execute this changed text.
     Try(Trial),
-    /// Return to the text of the control.
+    /// End the trial and return to the text of the control.
     Discard,
-    /// Take the text over into the program view.
+    /// Copy the text of the trial into the program view.
     TakeOver(Trial),
 }
 
 /// Draws the words of the cycle in a block, and the buttons that take over or discard a trial.
+/// Returns what the user did, if anything.
 pub fn show(
     ui: &mut Ui,
     path: &DrawnPath,
@@ -85,7 +86,8 @@ pub fn show(
     action
 }
 
-/// Draws a field for each measure in a line. Returns the program's text after a change.
+/// Draws a field for each measure in line `number` of the program. Returns the program's text
+/// after a change; `None` without one.
 fn show_words(ui: &mut Ui, program: &Program, number: u32, language: Language) -> Option<String> {
     let (text, line) = (program.text(), program.line(number));
     let start = line_start(text, line)?;
@@ -120,8 +122,8 @@ fn show_words(ui: &mut Ui, program: &Program, number: u32, language: Language) -
     changed
 }
 
-/// Whether a word of a cycle is a measure that can be changed. P and Q of G70 to G73 are
-/// sequence numbers and cannot.
+/// Whether the word `address` of a cycle is a measure that can be changed; `code` is the G
+/// code. P and Q of G70 to G73 are sequence numbers and cannot.
 const fn is_measure(code: u32, address: char) -> bool {
     match address {
         'P' | 'Q' => !matches!(code, 70..=73),
@@ -130,7 +132,7 @@ const fn is_measure(code: u32, address: char) -> bool {
     }
 }
 
-/// The text with another number in the word at `range`.
+/// Returns the text with the number `value` in the word at the byte range `range`.
 fn replace_value(text: &str, range: Range<usize>, address: char, value: f64) -> String {
     // A word has three decimals.
     let value = (value * 1000.0).round() / 1000.0;
@@ -139,7 +141,8 @@ fn replace_value(text: &str, range: Range<usize>, address: char, value: f64) -> 
     changed
 }
 
-/// The lines of the cycle at a line; a compound cycle may have two blocks.
+/// The lines, from 1, of the cycle with a block in `line`; a compound cycle may have two
+/// blocks. Empty if the line has no cycle.
 fn cycle_lines(program: &Program, line: u32) -> Vec<u32> {
     let code = |number: u32| find_cycle_code(program.line(number));
     // Line numbers of a program cut out of a larger file are those of the file.
@@ -153,8 +156,8 @@ fn cycle_lines(program: &Program, line: u32) -> Vec<u32> {
     before.into_iter().chain([line]).collect()
 }
 
-/// The program without the cycles G70 to G73: the rest draws their profile. Lines keep their
-/// numbers, and the cycles' feed words stay.
+/// Returns the program without the cycles G70 to G73, so that the rest draws their profile.
+/// Lines keep their numbers, and the cycles' feed words stay.
 pub fn remove_profile_cycles(program: &Program) -> Program {
     let lines = program.text().split_inclusive(['\n', '\r']);
     let left = lines.map(|line| match find_cycle_code(line) {
@@ -170,14 +173,15 @@ pub fn remove_profile_cycles(program: &Program) -> Program {
     Program::new(left.collect::<String>())
 }
 
-/// The line of the profile that breaks a rule, from an alarm of a cycle G70 to G73.
+/// The line of the profile, from 1, that breaks a rule, read from the alarm of a cycle G70 to
+/// G73; `None` for other alarms.
 pub fn profile_line(alarm: &Alarm, program: &Program) -> Option<u32> {
     let cycle = find_cycle_code(program.line(alarm.source?.line))?;
     let line = alarm.detail.as_ref()?.plain_value("line")?.parse().ok()?;
     matches!(cycle, 70..=73).then_some(line)
 }
 
-/// The G code of the cycle in a line, if there is one.
+/// The G code of the cycle in a line; `None` if the line has no cycle.
 fn find_cycle_code(line: &str) -> Option<u32> {
     let spans = spans(line);
     let mut words = spans.iter().filter_map(|span| word_of(line, span));
@@ -187,7 +191,7 @@ fn find_cycle_code(line: &str) -> Option<u32> {
     })
 }
 
-/// Start of a line within its text, bytes; `None` if the line is not a slice of the text.
+/// Byte offset of a line in its text; `None` if the line is not a slice of the text.
 fn line_start(text: &str, line: &str) -> Option<usize> {
     let start = (line.as_ptr() as usize).checked_sub(text.as_ptr() as usize)?;
     (start + line.len() <= text.len()).then_some(start)

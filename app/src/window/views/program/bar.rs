@@ -9,14 +9,14 @@ use super::TextToLoad;
 use super::document::{ProgramDocument, TextOrigin};
 use crate::window::stop_key_clearance;
 
-/// A request of the user.
+/// What the user requests in the tool bar or with keys.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum EditorCommand {
-    /// Bring another text into the editor.
+    /// Load this text into the editor.
     LoadText(TextToLoad),
-    /// Save to the text's file.
+    /// Save the text to its file.
     Save,
-    /// Save to a file that the user chooses.
+    /// Save the text to a file that the user chooses.
     SaveAs,
     /// Store the text in the control.
     Store,
@@ -28,16 +28,16 @@ pub enum EditorCommand {
     GoTo,
 }
 
-/// The state of the tool bar.
+/// The texts that the user has entered in the tool bar.
 #[derive(Default)]
 pub struct ProgramBar {
-    /// The search text.
+    /// The search text as typed.
     pub search_text: String,
-    /// The target to go to, as typed.
+    /// The jump target as typed: a block, program or line.
     pub target_text: String,
-    /// The language of dialogs.
+    /// The language of the file dialogs.
     pub language: Language,
-    /// The field that gets the keyboard focus in the next frame.
+    /// Id of the field that gets the keyboard focus in the next frame; `None`: no field.
     focus_request: Option<&'static str>,
 }
 
@@ -47,7 +47,8 @@ const FIELD_WIDTH: f32 = 90.0;
 const MENU_HEIGHT: f32 = 400.0;
 
 impl ProgramBar {
-    /// Draws the tools. `memory`: numbers of the programs in the control's memory.
+    /// Draws the tools and returns the user's command, if any. `memory`: numbers of the
+    /// programs in the control's memory.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -110,7 +111,7 @@ impl ProgramBar {
         command
     }
 
-    /// Draws a field with its name. Returns whether Enter was pressed in it.
+    /// Draws a text field with its name. Returns true if Enter was pressed in it.
     fn show_field(
         &mut self,
         ui: &mut Ui,
@@ -135,8 +136,8 @@ impl ProgramBar {
         response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter))
     }
 
-    /// Handles the keys of the view. `has_keyboard`: the keyboard belongs to the view and not to the
-    /// panel.
+    /// Handles the keys of the view and returns the command of the pressed one, if any.
+    /// `has_keyboard`: the keyboard belongs to the view and not to the panel.
     pub fn handle_keys(&mut self, ui: &Ui, has_keyboard: bool) -> Option<EditorCommand> {
         if !has_keyboard {
             return None;
@@ -157,7 +158,7 @@ impl ProgramBar {
     }
 }
 
-/// Draws the menu of files.
+/// Draws the menu of files and stores the chosen command in `command`.
 fn show_file_menu(ui: &mut Ui, language: Language, command: &mut Option<EditorCommand>) {
     ui.menu_button(say::program_file().text(language), |ui| {
         let entries = [
@@ -178,7 +179,8 @@ fn show_file_menu(ui: &mut Ui, language: Language, command: &mut Option<EditorCo
     });
 }
 
-/// Draws the menu of the programs in the control's memory.
+/// Draws the menu of the programs in the control's memory and stores the chosen command in
+/// `command`.
 fn show_program_menu(
     ui: &mut Ui,
     memory: &[u16],
@@ -200,7 +202,7 @@ fn show_program_menu(
     menu.response.on_hover_text(hint);
 }
 
-/// The name of the text, with a mark if it is not saved.
+/// The name of the text, with a mark if the text is not saved.
 fn document_title(document: &ProgramDocument, language: Language) -> String {
     let mark = if document.is_unsaved() { "● " } else { "" };
     let name = match &document.origin {
@@ -214,18 +216,19 @@ fn document_title(document: &ProgramDocument, language: Language) -> String {
 /// The user's decision about an unsaved text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UnsavedAnswer {
-    /// Save it first.
+    /// Save the text before another one is loaded.
     Save,
-    /// Discard its changes.
+    /// Discard the changes of the text.
     Discard,
-    /// Keep it in the editor; the other text is not loaded.
+    /// Keep the text in the editor; the other text is not loaded.
     Cancel,
 }
 
 /// Size of the question's window, points.
 const QUESTION_SIZE: egui::Vec2 = egui::vec2(520.0, 180.0);
 
-/// Asks before an unsaved text is lost.
+/// Draws the question whether to save the unsaved text `name`. Returns the answer, or `None`
+/// while it is open.
 pub fn ask_to_save(context: &Context, name: &str, language: Language) -> Option<UnsavedAnswer> {
     let mut answer = None;
     Window::new(say::program_unsaved_title(name).text(language))

@@ -27,16 +27,16 @@ const WORK_BUDGET: WorkBudget = WorkBudget::interactive(20_000_000);
 /// An alarm that the text raises.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextFinding {
-    /// Its line, from 0; `None`: the alarm is in another program.
+    /// Line of the alarm in the text, from 0; `None` if the alarm is in another program.
     pub line: Option<usize>,
-    /// The characters of the line that raise the alarm.
+    /// The range of characters in the line, from 0, that raise the alarm.
     pub columns: Range<usize>,
-    /// The report in Chinese and in English.
+    /// The report of the alarm in Chinese, then in English.
     reports: [AlarmReport; 2],
 }
 
 impl TextFinding {
-    /// The report in a language.
+    /// The report of the alarm in a language.
     pub const fn report(&self, language: Language) -> &AlarmReport {
         match language {
             Language::Zh => &self.reports[0],
@@ -54,7 +54,7 @@ pub struct TextCheck {
     pub findings: Vec<TextFinding>,
     /// Texts of likely mistakes that raise no alarm, each with its line.
     pub warnings: Vec<Message>,
-    /// What the program does.
+    /// The summary of what the program does.
     pub first_look: ProgramSummary,
     /// The numbers of the programs in the control's memory.
     pub stored_programs: Vec<u16>,
@@ -67,10 +67,10 @@ impl TextCheck {
     }
 }
 
-/// A text to check.
+/// A text that waits for its check.
 struct CheckJob {
     revision: u64,
-    /// The name of a program without a number.
+    /// The name that a program without a number gets.
     name: String,
     text: String,
     context: Context,
@@ -80,13 +80,13 @@ struct CheckJob {
 pub struct TextChecker {
     jobs: Sender<CheckJob>,
     newest: Arc<AtomicU64>,
-    /// The revision that was sent last.
+    /// The revision of the text that was sent to the thread last; `None` forces the next one.
     sent_revision: Option<u64>,
     results: Arc<ArrayQueue<TextCheck>>,
 }
 
 impl TextChecker {
-    /// Starts the thread.
+    /// Starts the checker thread.
     pub fn new(console: &Console) -> Self {
         let (jobs, from_view) = unbounded();
         let newest = Arc::new(AtomicU64::new(0));
@@ -107,7 +107,8 @@ impl TextChecker {
         }
     }
 
-    /// Sends a text to the thread, unless this revision was sent already.
+    /// Sends a text to the thread, unless the text of this revision was sent already. `text`
+    /// returns the name of the program and its text.
     pub fn request_check(
         &mut self,
         revision: u64,
@@ -129,12 +130,13 @@ impl TextChecker {
         });
     }
 
-    /// Makes the next call of [`Self::request_check`] send the text even if its revision is the same.
+    /// Makes the next call of [`Self::request_check`] send the text even if its revision is
+    /// the same.
     pub const fn force_next_check(&mut self) {
         self.sent_revision = None;
     }
 
-    /// Takes the result of the last check.
+    /// Takes the result of the last check, if there is a new one.
     pub fn take_result(&self) -> Option<TextCheck> {
         self.results.pop()
     }
@@ -148,7 +150,8 @@ struct CheckWorker {
 }
 
 impl CheckWorker {
-    /// Waits for a text and checks it. Returns `false` when the window's end is gone.
+    /// Waits for a text and checks it. Returns `false` when the window's end of the channel is
+    /// gone.
     fn run_once(&self) -> bool {
         let first = match platform::receive(&self.jobs, None) {
             Ok(job) => job,

@@ -7,17 +7,17 @@ use gsk_core::program::Program;
 use crate::files::decode::{TextEncoding, encode};
 use crate::files::program_file::ProgramFile;
 
-/// Greatest size of a text that can be edited, bytes. The editor lays out the whole text and
+/// Maximum size of a text that can be edited, bytes. The editor lays out the whole text and
 /// would be slow with a larger one.
 pub const MAX_EDITABLE_BYTES: usize = 300_000;
 
-/// The source of a text.
+/// Where a text comes from and is saved to.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum TextOrigin {
-    /// A new text without a source.
+    /// A new text that has no file or program yet.
     #[default]
     New,
-    /// A file with its encoding.
+    /// The file at this path with its encoding.
     File(PathBuf, TextEncoding),
     /// A program in the control's memory, by its number.
     Memory(u16),
@@ -29,7 +29,7 @@ pub enum LineEnd {
     #[default]
     Lf,
     CrLf,
-    /// CR alone, the EOB of EIA.
+    /// CR alone, the end of block of EIA.
     Cr,
 }
 
@@ -42,7 +42,7 @@ impl LineEnd {
         }
     }
 
-    /// The line end that most lines of a text have.
+    /// Detects the line end that most lines of a text have.
     fn detect(text: &str) -> Self {
         let both = text.matches("\r\n").count();
         let feeds = text.matches('\n').count() - both;
@@ -57,7 +57,7 @@ impl LineEnd {
     }
 }
 
-/// The text in the editor.
+/// A program text in the editor, with its origin.
 #[derive(Clone, Debug, Default)]
 pub struct ProgramDocument {
     pub origin: TextOrigin,
@@ -69,12 +69,12 @@ pub struct ProgramDocument {
     /// The text that was read or saved last.
     saved_text: String,
     is_changed: bool,
-    /// Start of each line, bytes.
+    /// Byte offset of the start of each line.
     line_starts: Vec<usize>,
 }
 
 impl ProgramDocument {
-    /// Creates a document that is not changed.
+    /// Creates a document with an unchanged text.
     pub fn new(origin: TextOrigin, text: &str) -> Self {
         let line_end = LineEnd::detect(text);
         let text = with_line_feeds(text);
@@ -89,7 +89,7 @@ impl ProgramDocument {
         document
     }
 
-    /// Creates a document from a file that was read.
+    /// Creates a document from a program file.
     pub fn from_file(file: &ProgramFile) -> Self {
         Self::new(
             TextOrigin::File(file.path.clone(), file.encoding),
@@ -97,7 +97,8 @@ impl ProgramDocument {
         )
     }
 
-    /// Updates the derived data. Must be called after each change of `text`.
+    /// Updates the line starts and other derived data. The caller calls this after each change
+    /// of `text`.
     pub fn update_after_change(&mut self) {
         self.revision += 1;
         self.is_changed = self.text != self.saved_text;
@@ -114,19 +115,19 @@ impl ProgramDocument {
         self.text.len() <= MAX_EDITABLE_BYTES
     }
 
-    /// Records a saved text and where it was saved. Later changes remain unsaved.
+    /// Records that `text` was saved to `origin`. Later changes remain unsaved.
     pub fn mark_saved(&mut self, text: String, origin: TextOrigin) {
         self.saved_text = text;
         self.origin = origin;
         self.is_changed = self.text != self.saved_text;
     }
 
-    /// The bytes of the text in a file: with this encoding and the original line ends.
+    /// Encodes the text for a file, with this encoding and the original line ends.
     pub fn to_bytes(&self, encoding: TextEncoding) -> Vec<u8> {
         encode(&self.with_original_line_ends(), encoding)
     }
 
-    /// The encoding of the document's file; UTF-8 without a file.
+    /// The encoding of the document's file; UTF-8 if it has no file.
     pub const fn encoding(&self) -> TextEncoding {
         match self.origin {
             TextOrigin::File(_, encoding) => encoding,
@@ -134,7 +135,7 @@ impl ProgramDocument {
         }
     }
 
-    /// The text as a program of the control.
+    /// Converts the text to a program of the control.
     pub fn to_program(&self) -> Program {
         Program::new(self.text.as_str())
     }
@@ -155,7 +156,8 @@ impl ProgramDocument {
         self.text.get(from..to).unwrap_or_default()
     }
 
-    /// The start of a line, bytes; the end of the text after the last line.
+    /// The byte offset at which a line begins, index from 0; the end of the text after the
+    /// last line.
     pub fn line_start(&self, index: usize) -> usize {
         self.line_starts
             .get(index)
@@ -163,25 +165,25 @@ impl ProgramDocument {
             .unwrap_or(self.text.len())
     }
 
-    /// The index of the line at a byte, from 0.
+    /// The index of the line that contains a byte offset, from 0.
     pub fn line_at(&self, byte: usize) -> usize {
         let after = self.line_starts.partition_point(|start| *start <= byte);
         after.saturating_sub(1)
     }
 
-    /// The byte at which a character begins.
+    /// The byte offset at which a character begins, both from 0.
     pub fn byte_of_character(&self, character: usize) -> usize {
         let mut letters = self.text.char_indices();
         letters.nth(character).map_or(self.text.len(), |(at, _)| at)
     }
 
-    /// The number of characters before a byte.
+    /// The number of characters before a byte offset.
     pub fn character_at_byte(&self, byte: usize) -> usize {
         let before = self.text.get(..byte).unwrap_or(&self.text);
         before.chars().count()
     }
 
-    /// The name of its file, or its program number; empty for a new text.
+    /// The name of the document: its file name or program number; empty for a new text.
     pub fn name(&self) -> String {
         match &self.origin {
             TextOrigin::File(path, _) => file_name(path),
@@ -198,12 +200,12 @@ impl ProgramDocument {
     }
 }
 
-/// The text with each line end replaced by LF.
+/// Returns the text with each line end replaced by LF.
 pub fn with_line_feeds(text: &str) -> String {
     text.replace("\r\n", "\n").replace('\r', "\n")
 }
 
-/// The last component of a path.
+/// Returns the last component of a path.
 pub fn file_name(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default();
     name.to_string_lossy().into_owned()

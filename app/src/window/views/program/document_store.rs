@@ -15,23 +15,23 @@ use crate::window::files::{FileChoice, choose_file, run_in_thread};
 
 /// A result of a background thread.
 pub enum DocumentEvent {
-    /// A text was loaded.
+    /// A text was loaded into this document.
     Loaded(Box<ProgramDocument>),
-    /// A text was written to a file.
+    /// A text was written to a file or stored.
     Saved {
         text: String,
-        /// The file.
+        /// Where the text was saved.
         origin: TextOrigin,
     },
-    /// The control has stored a text.
+    /// The control has stored a text as the program of this number.
     Stored { text: String, number: u16 },
-    /// The control has refused a text.
+    /// The control has refused to store a text for this reason.
     NotStored(NotStored),
-    /// Another operation failed.
+    /// Another operation has failed, as the message reports.
     Failed(Message),
 }
 
-/// Starts operations that take time in background threads.
+/// Loads and saves texts in background threads.
 pub struct DocumentStore {
     console: Console,
     sender: Sender<DocumentEvent>,
@@ -39,7 +39,7 @@ pub struct DocumentStore {
 }
 
 impl DocumentStore {
-    /// Creates the desk without running operations.
+    /// Creates a store without running operations.
     pub fn new(console: Console) -> Self {
         let (sender, receiver) = unbounded();
         Self {
@@ -49,7 +49,7 @@ impl DocumentStore {
         }
     }
 
-    /// Takes the next result.
+    /// Takes the next result, if there is one.
     pub fn next_event(&self) -> Option<DocumentEvent> {
         self.receiver.try_recv().ok()
     }
@@ -76,7 +76,7 @@ impl DocumentStore {
         );
     }
 
-    /// Reads a program of the control's memory; `None`: the selected one.
+    /// Reads a program of the control's memory; `None` reads the selected one.
     pub fn load_program(&self, number: Option<u16>, context: &Context) {
         self.run_in_background(context, move |console| {
             let setup = console.setup()?;
@@ -133,7 +133,7 @@ impl DocumentStore {
         );
     }
 
-    /// Stores a text in the control.
+    /// Stores a text as a program of the control.
     pub fn store(&self, document: &ProgramDocument, context: &Context) {
         let text = document.text.clone();
         self.run_in_background(context, move |console| {

@@ -19,33 +19,35 @@ use super::paint::{self, TextColorizer, find_alarm_ranges};
 use super::targets::JumpTarget;
 use crate::window::theme;
 
-/// Width of a digit of a line number, and margin beside the numbers, points.
+/// Width of a digit of a line number, points. The constant after it is the margin beside the
+/// numbers.
 const DIGIT_WIDTH: f32 = 9.0;
 const NUMBERS_MARGIN: f32 = 14.0;
 
-/// What the text field shows.
+/// What the text field draws.
 pub struct EditorInputs<'a> {
     pub document: &'a mut ProgramDocument,
-    /// The revision that was checked, and its findings.
+    /// The revision of the text that was checked, and the findings of that check.
     pub marks: (Option<u64>, &'a [TextFinding]),
     /// The language of the hover texts.
     pub language: Language,
 }
 
-/// What the user did with the text.
+/// What the user has done in the text field in a frame.
 #[derive(Debug, Default)]
 pub struct EditorResponse {
     pub is_changed: bool,
-    /// The target of a word that was clicked with Ctrl, and the line of that word.
+    /// The target of the word that was clicked with Ctrl, and the line of that word, from 0;
+    /// `None` without such a click.
     pub clicked_target: Option<(JumpTarget, usize)>,
 }
 
-/// The id of the text field.
+/// The widget id of the text field.
 pub fn text_field_id() -> Id {
     Id::unique("program text")
 }
 
-/// The range of characters that the cursor selects; `None` if there is no cursor.
+/// The range of characters that the cursor selects; `None` if the field has no cursor.
 pub fn cursor_range(context: &Context) -> Option<Range<usize>> {
     let range = TextEditState::load(context, text_field_id())?
         .cursor
@@ -54,8 +56,8 @@ pub fn cursor_range(context: &Context) -> Option<Range<usize>> {
     Some(range.start.0..range.end.0)
 }
 
-/// Undoes the last change, or redoes it if `redo` is set. Returns the text, or `None` if
-/// there is no such change.
+/// Undoes the last change or, if `redo` is set, repeats the change undone last. Returns the
+/// resulting text, or `None` if there is no such change.
 pub fn undo_or_redo(context: &Context, text: &str, redo: bool) -> Option<String> {
     let mut state = TextEditState::load(context, text_field_id())?;
     let mut undoer = state.undoer();
@@ -73,7 +75,7 @@ pub fn undo_or_redo(context: &Context, text: &str, redo: bool) -> Option<String>
     Some(text)
 }
 
-/// Clears undo steps and cursor when another text is loaded.
+/// Clears undo steps and cursor, because another text is loaded.
 pub fn clear_undo(context: &Context) {
     if let Some(mut state) = TextEditState::load(context, text_field_id()) {
         state.clear_undoer();
@@ -82,7 +84,7 @@ pub fn clear_undo(context: &Context) {
     }
 }
 
-/// Draws an editable text. `jump`: a range of characters to select and scroll to.
+/// Draws an editable text. Takes a range of characters to select and scroll to out of `jump`.
 pub fn show_editable(
     ui: &mut Ui,
     sheet: EditorInputs<'_>,
@@ -166,7 +168,8 @@ pub fn show_editable(
     .inner
 }
 
-/// Draws a read-only text, only its visible lines. `jump`: a line to scroll to.
+/// Draws a read-only text, of which it lays out only the visible lines. `jump`: a line to
+/// scroll to.
 pub fn show_read_only(ui: &mut Ui, sheet: &EditorInputs<'_>, jump: Option<usize>) {
     let font = FontId::monospace(theme::READING_SIZE);
     let count = sheet.document.line_count();
@@ -209,7 +212,8 @@ fn line_numbers_width(lines: usize) -> f32 {
     DIGIT_WIDTH * digits as f32 + NUMBERS_MARGIN
 }
 
-/// Draws line numbers beside the visible rows. They do not move when long lines are scrolled.
+/// Draws line numbers beside the visible rows. The numbers do not move when long lines are
+/// scrolled.
 fn draw_line_numbers(ui: &Ui, galley: &Galley, origin: Pos2, width: f32) {
     let clip = ui.clip_rect();
     let column = Rect::from_min_max(
@@ -237,12 +241,13 @@ fn draw_line_number(ui: &Ui, line: usize, at: Pos2) {
         .text(at, Align2::RIGHT_TOP, line, font, theme::LINE_NUMBER_TEXT);
 }
 
-/// Index of the character at a position in the window.
+/// Index of the character at the position `at` in the window; `origin` is that of the text.
 fn character_at(galley: &Galley, origin: Pos2, at: Pos2) -> usize {
     galley.cursor_from_pos(at - origin).index.0
 }
 
-/// The target of the word under the pointer if it was clicked with Ctrl, and its line.
+/// The target of the word under the pointer, and its line from 0, if the word was clicked with
+/// Ctrl.
 fn find_clicked_target(
     ui: &Ui,
     document: &ProgramDocument,
@@ -264,7 +269,8 @@ fn find_clicked_target(
     JumpTarget::from_word(text, &span).map(|target| (target, line))
 }
 
-/// Shows the meaning of the word under the pointer and its alarms as a hover text.
+/// Shows the meaning of the word under the pointer, and the alarms that the word raises, as a
+/// hover text.
 fn show_hover_text(
     document: &ProgramDocument,
     findings: &[TextFinding],

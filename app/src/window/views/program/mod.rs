@@ -28,15 +28,15 @@ use editor::EditorInputs;
 use paint::TextColorizer;
 use targets::JumpTarget;
 
-/// A text that shall be loaded into the editor.
+/// Which text to load into the editor.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum TextToLoad {
-    /// An empty text.
+    /// An empty new text.
     New,
-    /// A file that the user chooses.
+    /// The file that the user chooses in a dialog.
     Choose,
     File(PathBuf),
-    /// A program of the control's memory; `None`: the selected one.
+    /// This program of the control's memory; `None`: the selected one.
     Memory(Option<u16>),
 }
 
@@ -47,27 +47,28 @@ pub struct ProgramView {
     last_check: Option<TextCheck>,
     painter: TextColorizer,
     bar: ProgramBar,
-    /// The range of characters to select and scroll to.
+    /// The range of characters to select and scroll to in the next frame; `None`: none.
     selection_to_show: Option<Range<usize>>,
-    /// End of the last search match, bytes. A read-only text has no cursor to search from.
+    /// Byte offset of the end of the last search match, where the search continues in a
+    /// read-only text, which has no cursor.
     search_start: usize,
-    /// The text to load once the current one is saved or discarded.
+    /// The text to load once the current one is saved or discarded; `None`: none.
     text_to_load: Option<TextToLoad>,
-    /// A text was requested and has not arrived.
+    /// Whether a text was requested and has not arrived yet.
     is_loading: bool,
-    /// A request of another view.
+    /// A request of another view that waits for its text.
     request: Option<EditorRequest>,
-    /// The revision that was last passed to other views.
+    /// The revision of the document that was passed to other views last.
     reported_revision: u64,
-    /// The last message of the view.
+    /// The last message of the view; `None` without one.
     message: Option<EditorMessage>,
 }
 
-/// A request of another view.
+/// What another view requests of the program view.
 enum EditorRequest {
-    /// Show a block, identified by line and text.
+    /// Show the block that is identified by its line and text.
     ShowBlock { line: u32, text: String },
-    /// Replace the text `own` with `text`.
+    /// Replace the text `own` of the control with `text`.
     ReplaceText {
         control_text: String,
         new_text: String,
@@ -75,7 +76,7 @@ enum EditorRequest {
 }
 
 impl EditorRequest {
-    /// Whether the text that the request applies to is in the editor.
+    /// Whether the editor contains the text to which the request applies.
     fn applies_to(&self, document: &ProgramDocument) -> bool {
         match self {
             Self::ShowBlock { line, text } => {
@@ -89,7 +90,7 @@ impl EditorRequest {
     }
 }
 
-/// A message of the view.
+/// A message that the view shows below the text.
 enum EditorMessage {
     Good(Message),
     Bad(Message),
@@ -97,7 +98,7 @@ enum EditorMessage {
 }
 
 impl ProgramView {
-    /// Creates the view. It loads the selected program of the control first.
+    /// Creates the view, which loads the selected program of the control first.
     pub fn new(console: Console) -> Self {
         Self {
             document: ProgramDocument::new(TextOrigin::New, ""),
@@ -116,7 +117,7 @@ impl ProgramView {
         }
     }
 
-    /// Loads a program that was opened in the window.
+    /// Loads a program that was opened in the window, from its file or from the control.
     pub fn load_opened(&mut self, path: Option<&Path>, location: &ProgramPlacement) {
         self.text_to_load = Some(match (path, location) {
             (Some(path), _) => TextToLoad::File(path.to_owned()),
@@ -125,21 +126,22 @@ impl ProgramView {
         });
     }
 
-    /// The document, if its revision has changed since the last call.
+    /// Returns the document if its revision has changed since the last call; else `None`.
     pub fn take_changed_document(&mut self) -> Option<&ProgramDocument> {
         let revision = self.document.revision;
         (std::mem::replace(&mut self.reported_revision, revision) != revision)
             .then_some(&self.document)
     }
 
-    /// Shows a block of a program. `text` is the text of the block in another view.
+    /// Loads a program and shows one of its blocks. `text` is the text of the block in another
+    /// view.
     pub fn show_block(&mut self, program: ProgramId, line: u32, text: String) {
         self.request = Some(EditorRequest::ShowBlock { line, text });
         self.load_program(program);
     }
 
-    /// Replaces the control's text `own` with `text`. The change can be undone and is not
-    /// saved.
+    /// Replaces the control's text `own` with `text` in the editor. The change can be undone
+    /// and is not saved.
     pub fn replace_text(&mut self, program: ProgramId, own: String, text: String) {
         self.request = Some(EditorRequest::ReplaceText {
             control_text: own,
@@ -148,7 +150,7 @@ impl ProgramView {
         self.load_program(program);
     }
 
-    /// Loads a program from the memory unless its text is in the editor.
+    /// Loads a program from the memory, unless the editor contains its text.
     fn load_program(&mut self, program: ProgramId) {
         let ProgramId::Stored(number) = program else {
             return;
@@ -161,7 +163,7 @@ impl ProgramView {
         }
     }
 
-    /// Executes the request of another view once the text is loaded.
+    /// Carries out the request of another view once the text is loaded.
     fn handle_request(&mut self, context: &Context) {
         let Some(request) = self.request.take_if(|_| self.text_to_load.is_none()) else {
             return;
@@ -185,12 +187,12 @@ impl ProgramView {
         }
     }
 
-    /// Whether closing the window would lose the text.
+    /// Whether the text has unsaved changes that closing the window would lose.
     pub const fn is_unsaved(&self) -> bool {
         self.document.is_unsaved()
     }
 
-    /// Draws the view. `native`: it is in a separate window and receives all keys.
+    /// Draws the view. `native`: the view is in a separate window and receives all keys.
     pub fn show(&mut self, ui: &mut Ui, language: Language, native: bool) {
         self.receive_events(ui.ctx());
         self.handle_keys(ui, language, native);
@@ -251,7 +253,7 @@ impl ProgramView {
         }
     }
 
-    /// Takes texts from files and memory, and the result of the check.
+    /// Receives texts from files and memory, and the result of the check.
     fn receive_events(&mut self, context: &Context) {
         if let Some(checked) = self.checker.take_result() {
             self.last_check = Some(checked);
@@ -292,7 +294,8 @@ impl ProgramView {
         self.handle_request(context);
     }
 
-    /// Puts another document into the editor. Revisions continue to increase.
+    /// Puts another document into the editor. Its revision number continues that of the last
+    /// one.
     fn set_document(&mut self, document: ProgramDocument, context: &Context) {
         let revision = self.document.revision + 1;
         self.document = document;
@@ -345,7 +348,7 @@ impl ProgramView {
         }
     }
 
-    /// Selects the next match after the cursor.
+    /// Selects the next match of the search text after the cursor.
     fn find_next(&mut self, context: &Context) {
         let sought = self.bar.search_text.clone();
         let cursor = editor::cursor_range(context).filter(|_| self.document.is_editable());
@@ -361,7 +364,7 @@ impl ProgramView {
         }
     }
 
-    /// Goes to a block, a program of this text or of the memory, or a line.
+    /// Goes to a block after `from_line`, a program of this text or of the memory, or a line.
     fn go_to(&mut self, target: JumpTarget, from_line: usize, context: &Context) {
         if let Some(line) = target.find_line(&self.document.text, from_line) {
             let start = self.document.line_start(line);
@@ -387,14 +390,14 @@ impl ProgramView {
         self.message = Some(EditorMessage::Bad(say::program_go_to_nothing(target)));
     }
 
-    /// Selects a range of bytes of the text and scrolls to it.
+    /// Selects a range of bytes of the text and scrolls there.
     fn select_bytes(&mut self, bytes: &Range<usize>) {
         let characters = |byte| self.document.character_at_byte(byte);
         self.selection_to_show = Some(characters(bytes.start)..characters(bytes.end));
         self.message = None;
     }
 
-    /// Handles the keys of the view. The text field handles undo and redo.
+    /// Handles the keys of the view except undo and redo, which the text field handles.
     fn handle_keys(&mut self, ui: &mut Ui, language: Language, native: bool) {
         self.bar.language = language;
         let typing = ui.ctx().text_edit_focused();
@@ -467,7 +470,8 @@ impl ProgramView {
         }
     }
 
-    /// Asks what to do with an unsaved text before another one is loaded.
+    /// Draws the question what to do with an unsaved text before another one is loaded, and
+    /// carries out the answer.
     fn show_unsaved_question(&mut self, context: &Context, language: Language) {
         if self.text_to_load.is_none() || !self.document.is_unsaved() {
             return;

@@ -9,7 +9,7 @@ use super::check::TextFinding;
 use crate::window::theme;
 use gsk_language::words::{SpanKind, spans};
 
-/// The colour of a span on a dark background.
+/// The colour in which a span of program text is drawn, for the dark theme.
 const fn span_color(kind: SpanKind) -> Color32 {
     match kind {
         SpanKind::Name => theme::CODE_NAME,
@@ -25,7 +25,8 @@ const fn span_color(kind: SpanKind) -> Color32 {
     }
 }
 
-/// Appends a coloured line to a layout job. `wrong`: ranges of characters that raise alarms.
+/// Appends a coloured line to a layout job. `alarm_ranges`: ranges of characters that raise
+/// alarms.
 pub fn append_line(job: &mut LayoutJob, text: &str, font: &FontId, alarm_ranges: &[Range<usize>]) {
     let plain = |color| TextFormat::simple(font.clone(), color);
     let mut last = 0;
@@ -51,16 +52,16 @@ pub fn append_line(job: &mut LayoutJob, text: &str, font: &FontId, alarm_ranges:
     }
 }
 
-/// The layout of a whole text, kept until text or findings change.
+/// Colours a whole text and keeps the layout until text or findings change.
 #[derive(Default)]
 pub struct TextColorizer {
     job: LayoutJob,
-    /// The revision of the text whose findings are underlined.
+    /// The revision of the text whose findings are underlined; `None` without findings.
     marked_revision: Option<u64>,
 }
 
 impl TextColorizer {
-    /// The coloured text. `marks`: the revision that was checked and its findings.
+    /// Lays out the coloured text. `marks`: the revision that was checked and its findings.
     pub fn layout_text(
         &mut self,
         text: &str,
@@ -88,7 +89,7 @@ impl TextColorizer {
     }
 }
 
-/// The ranges of characters in a line, from 0, that raise alarms.
+/// The ranges of characters that raise alarms in a line, whose index counts from 0.
 pub fn find_alarm_ranges(findings: &[TextFinding], line: usize) -> Vec<Range<usize>> {
     let here = findings.iter().filter(|finding| finding.line == Some(line));
     here.map(|finding| finding.columns.clone()).collect()

@@ -5,19 +5,19 @@ use std::ops::Range;
 use gsk_language::words::{Span, spans, words};
 use gsk_language::{ReferenceTarget, reference_target};
 
-/// The target of a jump.
+/// The target of a jump in a program text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JumpTarget {
-    /// A block, by its N number.
+    /// The block with this N number.
     Sequence(u16),
-    /// A program, by its O number.
+    /// The program with this O number.
     Program(u16),
-    /// A line, from 1.
+    /// The line with this number, from 1.
     Line(u32),
 }
 
 impl JumpTarget {
-    /// Parses a typed target: `N30`, `O2`, or a line number.
+    /// Parses a typed target: `N30`, `O2`, or a line number. `None` for other texts.
     pub fn parse(text: &str) -> Option<Self> {
         let text = text.trim();
         if let Ok(line) = text.parse::<u32>() {
@@ -31,7 +31,8 @@ impl JumpTarget {
         }
     }
 
-    /// The target that a word of a line refers to (manual I-2.4, I-3.3, I-5).
+    /// The target that a word of a line refers to (manual I-2.4, I-3.3, I-5); `None` if it
+    /// refers to none.
     pub fn from_word(line: &str, word: &Span) -> Option<Self> {
         match reference_target(line, &spans(line), word)?.0 {
             ReferenceTarget::Block(number) | ReferenceTarget::Caller(number) => {
@@ -42,8 +43,9 @@ impl JumpTarget {
         }
     }
 
-    /// The line of the target in a text, from 0. If several blocks have the number, it is the
-    /// next one after the line `after`, as in the control's search.
+    /// The line of the target in a text, from 0; `None` if the text lacks it. If several
+    /// blocks have the number, it is the next one after the line `after`, as in the control's
+    /// search.
     pub fn find_line(self, text: &str, after: usize) -> Option<usize> {
         let begins_with = |line: &str, address: char, number: u16| {
             let line = line.trim_start_matches(['/', ' ']);
@@ -72,8 +74,8 @@ impl JumpTarget {
     }
 }
 
-/// The next match at byte `from` or later, else the first match in the text. ASCII letters
-/// match in upper and lower case.
+/// The byte range of the next match at byte `from` or later, else of the first match in the
+/// text; `None` without a match. ASCII letters match in upper and lower case.
 pub fn find_text(text: &str, sought: &str, from: usize) -> Option<Range<usize>> {
     if sought.is_empty() {
         return None;

@@ -35,7 +35,7 @@ pub enum ProjectViewCommand {
     Close,
 }
 
-/// The commands of the menu with their names.
+/// The commands of the project menu with the functions that return their names.
 pub const COMMANDS: [(ProjectViewCommand, fn() -> Message); 3] = [
     (ProjectViewCommand::New, say::project_menu_new),
     (
@@ -48,20 +48,21 @@ pub const COMMANDS: [(ProjectViewCommand, fn() -> Message); 3] = [
     ),
 ];
 
-/// Results of the threads.
+/// A result of one of the project view's threads.
 pub enum ProjectEvent {
-    /// A project was opened or created. With `true` it is compared with the control next.
+    /// A project was opened or created; `true`: the next step is to compare it with the
+    /// control.
     Opened(Box<ProjectDocument>, bool),
     /// The open project was written.
     Saved(Box<ProjectDocument>),
-    /// The result of the comparison with this number.
+    /// The comparison with this number has this result.
     Compared(u64, Box<Comparison>),
-    /// The folder for a new project already contains a project.
+    /// The folder for this new project already contains a project.
     FolderTaken(Box<ProjectDocument>),
 }
 
-/// Numbers the comparisons. Of two that run at once, the one that was started last counts,
-/// whichever ends first.
+/// Numbers the comparisons. Of two that run at once, only the result of the one that was
+/// started last is used.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ComparisonCounter(Arc<AtomicU64>);
 
@@ -77,7 +78,7 @@ impl ComparisonCounter {
     }
 }
 
-/// An open question.
+/// A question that the operator must answer.
 pub enum ProjectQuestion {
     /// Whether to discard the unsaved project for this command.
     Discard(ProjectViewCommand),
@@ -86,7 +87,7 @@ pub enum ProjectQuestion {
 }
 
 impl ProjectView {
-    /// Carries out a command. Asks first if unsaved changes would be lost.
+    /// Carries out a command. If unsaved changes would be lost, opens a question first.
     pub fn command(&mut self, command: ProjectViewCommand, language: Language, context: &Context) {
         match self.is_unsaved() {
             true => self.question = Some(ProjectQuestion::Discard(command)),
@@ -124,7 +125,8 @@ impl ProjectView {
         }
     }
 
-    /// Opens the project in `folder`. With `compare` it is compared with the control, too.
+    /// Opens the project in `folder` in a thread. With `then_compare` the project is compared
+    /// with the control, too.
     pub fn open(&mut self, folder: PathBuf, then_compare: bool, context: &Context) {
         // Otherwise the project of the last session would open after this one.
         self.settings.open = None;
@@ -134,7 +136,7 @@ impl ProjectView {
         });
     }
 
-    /// Opens the project of the last session, once.
+    /// Opens the project of the last session at the first call.
     pub fn reopen_last(&mut self, context: &Context) {
         if self.document.is_none()
             && let Some(folder) = self.settings.open.take()
@@ -159,7 +161,7 @@ impl ProjectView {
         });
     }
 
-    /// Chooses the other project and compares with it.
+    /// Lets the user choose another project and compares the open one with it.
     pub(super) fn choose_and_compare(&self, language: Language, context: &Context) {
         let Some(document) = self.document.clone() else {
             return;
@@ -184,8 +186,8 @@ impl ProjectView {
         });
     }
 
-    /// Chooses a folder and writes the document that `make` returns into it. Asks first if the
-    /// folder already contains a project.
+    /// Lets the user choose a folder and writes the document that `make` returns into it. If
+    /// the folder already contains a project, opens a question first.
     fn create_in_chosen_folder(
         &self,
         language: Language,
@@ -217,7 +219,7 @@ impl ProjectView {
         });
     }
 
-    /// 工程另存为: saves the project under another name. That project is open from then on.
+    /// 工程另存为: saves the project under another name, which stays open from then on.
     pub(super) fn save_as(&self, language: Language, context: &Context) {
         let Some(document) = self.document.clone() else {
             return;
@@ -253,7 +255,7 @@ impl ProjectView {
         });
     }
 
-    /// Compares the open project with another side, in a thread.
+    /// Compares the open project with another side in a thread.
     pub(super) fn compare(&self, other: ComparedWith, target: TakeoverTarget, context: &Context) {
         let Some(document) = self.document.clone() else {
             return;
@@ -267,8 +269,8 @@ impl ProjectView {
         });
     }
 
-    /// Repeats the comparison with the same state of the other side, in the direction `target`
-    /// or with a changed project.
+    /// Repeats the comparison with the same state of the other side, for another `target` or a
+    /// changed project.
     pub(super) fn compare_again(&self, target: TakeoverTarget, context: &Context) {
         let (Some(document), Some(compared)) = (self.document.clone(), &self.comparison) else {
             return;
@@ -388,7 +390,7 @@ impl ProjectView {
     }
 }
 
-/// The project of a control of this model as delivered.
+/// The project of a control of this model in its delivered state.
 fn delivered_project(model: ModelId) -> ProjectState {
     ProjectState::from_setup(&project::factory_setup(model, None))
 }

@@ -29,7 +29,7 @@ pub struct ProjectSelection {
 }
 
 impl ProjectSelection {
-    /// Whether `difference` is selected with the same new value.
+    /// Whether the selection contains `difference` with the same new value.
     pub fn contains(&self, difference: &ProjectDifference) -> bool {
         let by_key = |it: &ProjectDifference| it.key.cmp(&difference.key);
         let index = self.differences.binary_search_by(by_key).ok();
@@ -38,37 +38,37 @@ impl ProjectSelection {
     }
 }
 
-/// The other side of the comparison.
+/// The other side with which the project is compared.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ComparedWith {
     /// The running control.
     Control,
-    /// Another project, by a path inside it.
+    /// Another project; the path is inside its folder.
     Folder(PathBuf),
 }
 
 /// The side that takes values over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TakeoverTarget {
-    /// The control: 传送至CNC.
+    /// The control takes values over from the project: 传送至CNC.
     Control,
-    /// The open project: 从CNC读入.
+    /// The open project takes values over: 从CNC读入.
     Project,
 }
 
 /// State of the other side at the time of the comparison.
 pub struct ComparisonBasis {
     pub other: ComparedWith,
-    /// Its values.
+    /// The values of the other side.
     pub state: ProjectState,
-    /// Character encodings of its program files, by program number.
+    /// Character encodings of the other side's program files, by program number.
     pub encodings: Encodings,
     /// Operation level of the control; `None` for a folder.
     level: Option<OperationLevel>,
 }
 
 impl ComparisonBasis {
-    /// Reads the other side. The call blocks.
+    /// Reads the state of the other side. The call blocks.
     ///
     /// # Errors
     ///
@@ -102,7 +102,8 @@ impl ComparisonBasis {
 
 struct DifferenceRow {
     difference: ProjectDifference,
-    /// Descriptions in Chinese and English. They are made once: that compiles the ladder.
+    /// Description of the difference in Chinese, then in English. They are made only once,
+    /// because that compiles the ladder.
     descriptions: [String; 2],
     refusal: Option<WriteRefusal>,
     is_taken: bool,
@@ -117,20 +118,21 @@ pub struct Comparison {
     pub target: TakeoverTarget,
     rows: Vec<DifferenceRow>,
     parts: LadderParts,
-    /// Count of differences per node; nodes without differences are missing.
+    /// Number of differences per node of the tree; nodes without differences are missing.
     counts: BTreeMap<ProjectNode, usize>,
 }
 
-/// A request from the list of differences.
+/// What the user requests in the list of differences.
 pub enum ComparisonRequest {
-    /// Compare in the other direction.
+    /// Compare again for this target.
     SetTarget(TakeoverTarget),
-    /// Take over the checked differences.
+    /// Take over these checked differences.
     TakeOver(Vec<ProjectDifference>),
 }
 
 impl Comparison {
-    /// Computes the differences. The call takes a noticeable time.
+    /// Computes the differences between a project and the other side. The call takes a
+    /// noticeable time.
     ///
     /// # Errors
     ///
@@ -196,12 +198,13 @@ impl Comparison {
         })
     }
 
-    /// Count of differences of a node.
+    /// Number of differences of a node of the tree.
     pub fn count_of(&self, node: ProjectNode) -> usize {
         self.counts.get(&node).copied().unwrap_or(0)
     }
 
-    /// Draws the differences of a node. `why_not`: why a control cannot take values over now.
+    /// Draws the differences of a node and returns the user's request, if any. `refusal`: why
+    /// a control cannot take values over now.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -241,7 +244,8 @@ impl Comparison {
         request
     }
 
-    /// Draws which sides are compared and in which direction values are taken over.
+    /// Draws which sides are compared and the choice of the side that takes values over.
+    /// Returns the request to change it, if any.
     fn show_heading(&self, ui: &mut Ui, language: Language) -> Option<ComparisonRequest> {
         let mut request = None;
         let project = say::project_view_into_project().text(language);
@@ -334,7 +338,8 @@ impl Comparison {
         }
     }
 
-    /// Draws the button that takes over the checked differences.
+    /// Draws the button that takes over the checked differences. Returns that request when the
+    /// button is clicked.
     fn show_take_over_button(
         &self,
         ui: &mut Ui,

@@ -7,12 +7,12 @@ use gsk_project::{ProjectKey, ProjectState, ProjectValue, label, unit};
 use super::document::program_numbers;
 use super::tree::{LadderParts, ProjectNode, children};
 
-/// Width of the first column, points.
+/// Width of the column of names, points.
 const HEAD_WIDTH: f32 = 84.0;
 /// Width of the column of values, points.
 const VALUE_WIDTH: f32 = 150.0;
 
-/// A line: the name, its value, and the meaning.
+/// A line of the content: name, value and meaning.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct ContentLine {
     head: String,
@@ -20,7 +20,7 @@ struct ContentLine {
     note: String,
 }
 
-/// The lines of a node, kept until another node is shown.
+/// The lines with the content of a node, kept until another node is shown.
 #[derive(Default)]
 pub struct NodeContent {
     shown_node: Option<(ProjectNode, Language)>,
@@ -28,12 +28,12 @@ pub struct NodeContent {
 }
 
 impl NodeContent {
-    /// Rebuilds the lines on the next frame: the project has changed.
+    /// Drops the lines, because the project has changed; the next frame rebuilds them.
     pub fn invalidate(&mut self) {
         self.shown_node = None;
     }
 
-    /// Draws the lines of a node.
+    /// Draws the lines with the content of a node.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -73,7 +73,7 @@ impl NodeContent {
     }
 }
 
-/// Draws a text in a column of fixed width.
+/// Draws a text in a column of `width` points.
 fn show_cell(ui: &mut Ui, width: f32, height: f32, text: RichText) {
     let layout = Layout::left_to_right(Align::Center);
     ui.allocate_ui_with_layout(vec2(width, height), layout, |ui| {
@@ -128,7 +128,7 @@ fn lines_of(node: ProjectNode, state: &ProjectState, language: Language) -> Vec<
     }
 }
 
-/// The lines of a text with their numbers.
+/// Converts a text to content lines with line numbers from 1.
 fn numbered_lines(source: &str) -> Vec<ContentLine> {
     let lines = (1..).zip(source.lines());
     lines
@@ -140,13 +140,13 @@ fn numbered_lines(source: &str) -> Vec<ContentLine> {
         .collect()
 }
 
-/// The lines of the machine file or of a job file.
+/// Converts the machine file or a job file to content lines with line numbers.
 fn stored_text(state: &ProjectState, key: ProjectKey) -> Vec<ContentLine> {
     let stored = state.texts().and_then(|texts| texts.get(&key));
     stored.map_or_else(Vec::new, |found| numbered_lines(found))
 }
 
-/// The line of a program in the list of programs.
+/// Formats the line of a program in the list of programs.
 fn program_line(number: u16, state: &ProjectState, language: Language) -> ContentLine {
     let mut programs = state.memory().programs.iter();
     let stored = programs.find(|(own, _)| *own == number);
@@ -159,7 +159,7 @@ fn program_line(number: u16, state: &ProjectState, language: Language) -> Conten
     }
 }
 
-/// The line with the count of entries of a node.
+/// Formats the line with the name of a node and the number of its entries.
 fn node_summary(
     node: ProjectNode,
     name: &Message,
@@ -192,7 +192,7 @@ fn entries_of(
     all.filter(move |(key, _)| node.contains(*key, LadderParts::default()))
 }
 
-/// The values of a node with their names.
+/// Formats the values of a node with their names, one per line.
 fn value_lines(node: ProjectNode, state: &ProjectState, language: Language) -> Vec<ContentLine> {
     let model = state.memory().model.id();
     entries_of(node, state)

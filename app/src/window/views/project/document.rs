@@ -13,11 +13,11 @@ use crate::project::{self, Encodings, ProjectError};
 #[derive(Clone)]
 pub struct ProjectDocument {
     pub folder: PathBuf,
-    /// Its values.
+    /// The values of the project.
     pub state: Arc<ProjectState>,
-    /// Character encodings of its program files, by program number.
+    /// Character encodings of the project's program files, by program number.
     pub encodings: Encodings,
-    /// Whether it has changes that are not in its folder.
+    /// Whether the project has changes that are not in its folder.
     pub is_changed: bool,
 }
 
@@ -38,7 +38,7 @@ impl ProjectDocument {
     }
 
     /// Writes the project into its folder and reads it back. Returns the new document and a
-    /// message with the count of files.
+    /// message with the number of files.
     ///
     /// # Errors
     ///
@@ -75,14 +75,14 @@ impl ProjectDocument {
         Ok(())
     }
 
-    /// The name of the project: that of its folder.
+    /// The name of the project, which is that of its folder.
     pub fn name(&self) -> String {
         let name = self.folder.file_name().unwrap_or_default();
         name.to_string_lossy().into_owned()
     }
 }
 
-/// The numbers of all programs of a state, and of the jobs without a program.
+/// The numbers of all programs of a project, and of its job files without a program.
 pub fn program_numbers(state: &ProjectState) -> BTreeSet<u16> {
     let programs = state.memory().programs.iter();
     let jobs = state.texts().into_iter().flat_map(|texts| texts.keys());
@@ -102,8 +102,8 @@ pub fn project_folder(path: &Path) -> PathBuf {
     }
 }
 
-/// The language of the comments in the folder's files. Saving in this language changes none of
-/// them.
+/// The language of the comments in the folder's files, in which saving changes no comments;
+/// `default` if they have none.
 fn comment_language(folder: &Path, default: Language) -> Language {
     let Ok(head) = program_file::read(&folder.join(project::PROJECT_FILE)) else {
         return default;

@@ -31,36 +31,36 @@ use document::{ProjectDocument, program_numbers};
 use project_sheets::{ProjectSheets, differences_of_edits};
 use tree::{NodeName, ProjectNode, tree_entries};
 
-/// Width of the tree, and the indent per level, points.
+/// Width of the tree, points. The constant after it is the indent per level.
 const TREE_WIDTH: f32 = 200.0;
 const INDENT: f32 = 14.0;
-/// Below this width of the view the tree is a drop-down list, points.
+/// Width of the view, points, below which the tree is a drop-down list.
 const NARROW_WIDTH: f32 = 520.0;
 /// Margin below the open drop-down list, points.
 const LIST_MARGIN: f32 = 50.0;
-/// Greatest count of recent projects (manual PLC-V 3: four).
+/// Maximum number of recent projects (manual PLC-V 3: four).
 const MAX_RECENT: usize = 4;
 
 /// The projects that the settings store for the next start.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ProjectSettings {
-    /// The folder of the open project.
+    /// The folder of the open project; `None` if none is open.
     pub open: Option<PathBuf>,
-    /// The last projects, the newest first.
+    /// The folders of the last projects, the newest first.
     pub recent: Vec<PathBuf>,
 }
 
-/// The tab of the selected node.
+/// The tab that shows the selected node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum NodePage {
-    /// Fields to type into. Nodes without fields show their content instead.
+    /// Fields in which the values are edited. Nodes without fields show their content instead.
     Edit,
     Contents,
     Differences,
 }
 
-/// The project view.
+/// The view that edits a project and compares it with the control or another project.
 pub struct ProjectView {
     console: Console,
     settings: ProjectSettings,
@@ -71,16 +71,17 @@ pub struct ProjectView {
     content: NodeContent,
     editing: ProjectSheets,
     question: Option<ProjectQuestion>,
-    /// Why the control cannot be turned off now; `None`: it can.
+    /// Why the control cannot be turned off now; `None` if it can.
     why_not: Option<Message>,
-    /// What the control takes over while it is off.
+    /// What the control takes over while it is off, until the window takes it; `None`:
+    /// nothing.
     selection: Option<ProjectSelection>,
     results: (Sender<ProjectEvent>, Receiver<ProjectEvent>),
     comparison_counter: ComparisonCounter,
 }
 
 impl ProjectView {
-    /// Creates the view. It reads no project before it is shown.
+    /// Creates the view, which reads no project before it is shown.
     pub fn new(console: Console, settings: ProjectSettings) -> Self {
         Self {
             console,
@@ -99,7 +100,7 @@ impl ProjectView {
         }
     }
 
-    /// The projects to store for the next start.
+    /// The open project and the recent ones, to be stored for the next start.
     pub const fn settings(&self) -> &ProjectSettings {
         &self.settings
     }
@@ -110,12 +111,12 @@ impl ProjectView {
         document.is_some_and(|document| document.is_changed || self.editing.has_drafts())
     }
 
-    /// Sets why the control cannot be turned off now; `None`: it can.
+    /// Stores why the control cannot be turned off now; `None` if it can.
     pub fn set_refusal(&mut self, refusal: Option<Message>) {
         self.why_not = refusal;
     }
 
-    /// Takes the values that the control is to take over while it is off.
+    /// Takes the values that the control is to take over while it is off, if there are any.
     pub const fn take_selection(&mut self) -> Option<ProjectSelection> {
         self.selection.take()
     }
@@ -149,7 +150,7 @@ impl ProjectView {
         self.show_question(ui.ctx(), language);
     }
 
-    /// Draws the buttons of the project, and those for the other side of the comparison.
+    /// Draws the buttons of the project, and those that compare it with another side.
     fn show_bar(&mut self, ui: &mut Ui, language: Language) {
         ui.horizontal_wrapped(|ui| {
             for (command, name) in [
@@ -239,7 +240,7 @@ impl ProjectView {
         });
     }
 
-    /// The nodes of the tree with their depth and name. The name includes the count of
+    /// The nodes of the tree with their indent level and name, which includes the number of
     /// differences.
     fn node_labels(&self, language: Language) -> Vec<(ProjectNode, u8, String)> {
         let Some(document) = &self.document else {
@@ -270,7 +271,7 @@ impl ProjectView {
         labels.collect()
     }
 
-    /// Draws the tree. Returns whether Enter was pressed on a node.
+    /// Draws the tree. Returns true if Enter was pressed on a node.
     fn show_tree(&mut self, ui: &mut Ui, language: Language) -> bool {
         let places = self.node_labels(language);
         let chosen = places.iter().position(|(node, ..)| *node == self.node);
@@ -292,8 +293,8 @@ impl ProjectView {
         list.entered_row().is_some()
     }
 
-    /// Draws the tree as a drop-down list, in a narrow view. The open list reaches down to
-    /// `bottom`.
+    /// Draws the tree as a drop-down list, for a narrow view. The open list reaches down to
+    /// `bottom`, points.
     fn show_node_list(&mut self, ui: &mut Ui, language: Language, bottom: f32) {
         let places = self.node_labels(language);
         let chosen = places.into_iter().find(|(node, ..)| *node == self.node);
@@ -377,7 +378,7 @@ impl ProjectView {
         }
     }
 
-    /// Puts typed values into the project.
+    /// Writes typed values into the project.
     fn apply_edits(&mut self, request: &super::data::WriteRequest, context: &Context) {
         let Some(document) = &mut self.document else {
             return;
@@ -393,7 +394,8 @@ impl ProjectView {
         }
     }
 
-    /// Selects the checked differences for the control, or takes them over into the project.
+    /// Takes the checked differences over into the project or, for the control, selects them
+    /// until it is off.
     fn take_over(&mut self, differences: Vec<gsk_project::ProjectDifference>, context: &Context) {
         let (Some(document), Some(compared)) = (&mut self.document, &self.comparison) else {
             return;

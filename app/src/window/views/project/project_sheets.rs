@@ -16,7 +16,7 @@ use super::super::data::{
 };
 use super::tree::ProjectNode;
 
-/// The sheets, and the tables of the project that they show.
+/// The pages with fields, and the tables of the project that they show.
 pub struct ProjectSheets {
     sheets: DataSheets,
     tables: Option<(Arc<ProjectState>, MemoryTables)>,
@@ -32,7 +32,7 @@ impl Default for ProjectSheets {
 }
 
 impl ProjectSheets {
-    /// The sheet of a node; `None` for a node without fields.
+    /// The data page for a node of the tree; `None` for a node without fields.
     pub const fn page_of(node: ProjectNode) -> Option<DataPage> {
         match node {
             ProjectNode::Parameters => Some(DataPage::Group(ParameterGroup::ALL[0])),
@@ -43,7 +43,7 @@ impl ProjectSheets {
         }
     }
 
-    /// Whether typed values are not in the project yet.
+    /// Whether typed values were not written into the project yet.
     pub fn has_drafts(&self) -> bool {
         self.sheets.has_drafts()
     }
@@ -53,7 +53,7 @@ impl ProjectSheets {
         self.sheets.show_refusal(reason, request);
     }
 
-    /// Draws a sheet and returns the values to put into the project.
+    /// Draws a page and returns the values to write into the project, if any.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -72,7 +72,7 @@ impl ProjectSheets {
     }
 }
 
-/// The differences that edits make in a project.
+/// The differences that edits make to the project `state`.
 pub fn differences_of_edits(edits: &[DataEdit], state: &ProjectState) -> Vec<ProjectDifference> {
     let entries = state.entries();
     let values = edits.iter().flat_map(|edit| values_of_edit(*edit));
@@ -84,7 +84,7 @@ pub fn differences_of_edits(edits: &[DataEdit], state: &ProjectState) -> Vec<Pro
     differences.filter(|it| it.old != it.new).collect()
 }
 
-/// The values that an edit sets: each bit of a state parameter is a value.
+/// The values that an edit sets; for a state parameter, one value per bit.
 fn values_of_edit(edit: DataEdit) -> Vec<(ProjectKey, Option<ProjectValue>)> {
     let set = DataSet::Control;
     let to_value = |value: i32| Some(ProjectValue::Whole(value.into()));

@@ -3,45 +3,45 @@
 use gsk_messages::{Message, say};
 use gsk_project::{ProjectKey, ProjectSection, ProjectState};
 
-/// A node of the tree.
+/// A node of the tree that shows a project.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ProjectNode {
     /// 工程: the whole project.
     Project,
     Plc,
-    /// 显示信息表.
+    /// 显示信息表: the messages of the ladder.
     Messages,
-    /// 主程序.
+    /// 主程序: the rungs of the ladder.
     Ladder,
-    /// 初始化数据表.
+    /// 初始化数据表: the start values of the ladder.
     Initial,
     /// PLC data that is retained at power-off.
     Retained,
-    /// CNC配置.
+    /// CNC配置: the data of the control.
     Cnc,
-    /// 参数.
+    /// 参数: the parameters.
     Parameters,
-    /// 刀具偏置.
+    /// 刀具偏置: the tool offsets.
     Offsets,
-    /// 螺距补偿.
+    /// 螺距补偿: the pitch error tables.
     Pitch,
     Variables,
-    /// Control model and options.
+    /// Format and control model of the project, and the settings of the control.
     Settings,
     /// Counters, and panel settings that are retained.
     Counters,
-    /// Electronic disks.
+    /// Electronic disks, the stored sets of parameters.
     Disks,
-    /// 零件加工程序.
+    /// 零件加工程序: the part programs.
     Programs,
-    /// A program with its job file.
+    /// A program, by its number, with its job file.
     Program(u16),
     Machine,
 }
 
 struct NodeRow {
     node: ProjectNode,
-    /// Indent level.
+    /// Indent level in the tree, 1 for the nodes below the project.
     depth: u8,
     name: fn() -> Message,
 }
@@ -50,7 +50,7 @@ const fn row(node: ProjectNode, depth: u8, name: fn() -> Message) -> NodeRow {
     NodeRow { node, depth, name }
 }
 
-/// The rows below the project itself. The programs follow the last row.
+/// The rows of the tree below the project. The programs follow the last row.
 const ROWS: [NodeRow; 15] = [
     row(ProjectNode::Plc, 1, say::project_node_plc),
     row(ProjectNode::Messages, 2, say::project_node_messages),
@@ -69,24 +69,24 @@ const ROWS: [NodeRow; 15] = [
     row(ProjectNode::Programs, 1, say::project_node_programs),
 ];
 
-/// A node as it is drawn.
+/// A node of the tree as it is drawn.
 pub struct TreeEntry {
     pub node: ProjectNode,
-    /// Indent level; 0 is the project.
+    /// Indent level in the tree; 0 is the project.
     pub depth: u8,
     pub name: NodeName,
 }
 
-/// The name of a node.
+/// The name of a node as it is drawn.
 pub enum NodeName {
-    /// A translated name.
+    /// A name that is translated.
     Text(Message),
-    /// Program number: `O0001`.
+    /// The number of a program: `O0001`.
     Program(String),
 }
 
-/// The tree of a project. `programs` includes those that only the other side of a comparison
-/// has.
+/// The nodes of the tree of a project in order. `programs` includes those that only the other
+/// side of a comparison has.
 pub fn tree_entries(name: &str, programs: &[u16]) -> Vec<TreeEntry> {
     let entry = |node, depth, name| TreeEntry { node, depth, name };
     let mut all = Vec::with_capacity(ROWS.len() + programs.len() + 1);
@@ -102,7 +102,7 @@ pub fn tree_entries(name: &str, programs: &[u16]) -> Vec<TreeEntry> {
     all
 }
 
-/// The nodes one level below another one, with their names, without programs.
+/// The nodes one level below `node`, with their names; programs are left out.
 pub fn children(node: ProjectNode) -> impl Iterator<Item = (ProjectNode, Message)> {
     let at = ROWS.iter().position(|row| row.node == node);
     let depth = at.and_then(|at| ROWS.get(at)).map_or(0, |row| row.depth);
@@ -112,7 +112,7 @@ pub fn children(node: ProjectNode) -> impl Iterator<Item = (ProjectNode, Message
         .map(|row| (row.node, (row.name)()))
 }
 
-/// The parts of a ladder that differ. A ladder is one value, but three nodes of the tree.
+/// Which parts of two ladders differ. A ladder is one value, but three nodes of the tree.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LadderParts {
     messages: bool,
@@ -121,7 +121,7 @@ pub struct LadderParts {
 }
 
 impl LadderParts {
-    /// Compares two ladders.
+    /// Compares the ladders of two projects.
     pub fn compare(old: &ProjectState, new: &ProjectState) -> Self {
         let [old, new] = [old.ladder(), new.ladder()];
         Self {
@@ -132,7 +132,7 @@ impl LadderParts {
     }
 }
 
-/// The lines of a ladder without messages and start values.
+/// The lines of a ladder without those of messages and start values.
 fn rung_lines(source: &str) -> Vec<&str> {
     let is_rung_line = |line: &&str| {
         let word = line.split_whitespace().next().unwrap_or_default();
@@ -142,7 +142,8 @@ fn rung_lines(source: &str) -> Vec<&str> {
 }
 
 impl ProjectNode {
-    /// The nodes that contain a value, from the whole project down to a program.
+    /// The nodes that contain a value, from the whole project down to a leaf. `parts`: the
+    /// parts of the ladder that differ.
     pub fn containing(key: ProjectKey, parts: LadderParts) -> impl Iterator<Item = Self> {
         let program = match key {
             ProjectKey::Program(number) | ProjectKey::Job(number) => Some(Self::Program(number)),
@@ -155,8 +156,8 @@ impl ProjectNode {
             .chain(program)
     }
 
-    /// Whether the node contains a value. `parts` are the differing parts of the ladder, which
-    /// is one value.
+    /// Whether the node contains a value. `parts`: the parts of the ladder that differ, since
+    /// the ladder is one value.
     pub fn contains(self, key: ProjectKey, parts: LadderParts) -> bool {
         let section = ProjectSection::from_key(key);
         match self {
@@ -194,7 +195,7 @@ mod tests {
     use super::*;
     use gsk_core::setup::Setup;
 
-    /// Every value belongs to exactly one leaf of the tree.
+    /// Checks that every value belongs to exactly one leaf of the tree.
     #[test]
     fn every_value_belongs_to_one_leaf() {
         let mut setup = Setup::delivered();

@@ -6,8 +6,8 @@ use super::BitChannel;
 use super::record::SampleRecord;
 use super::trace::TRACES;
 
-/// The traces and bits from the first to the last tick, a line a millisecond. X lengths are
-/// radii. A field is empty where a trace has no value.
+/// Formats the traces and bits from the first to the last tick as CSV, one line per
+/// millisecond. X lengths are radii. A field is empty where a trace has no value.
 pub fn format_table(
     record: &SampleRecord,
     bits: &[BitChannel],

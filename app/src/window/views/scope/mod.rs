@@ -26,28 +26,28 @@ use scale::LaneRange;
 use trace::{Quantity, TRACES};
 use trigger::{Trigger, TriggerMode};
 
-/// Time spans of the picture that can be chosen, ms.
+/// Time spans of the picture that the user can choose, ms.
 const SPANS_MS: [u64; 11] = [
     50, 100, 200, 500, 1000, 2000, 5000, 10_000, 20_000, 30_000, 60_000,
 ];
-/// Numbers of ticks for the average of speed and acceleration that can be chosen.
+/// Numbers of ticks that the user can choose for the average of speed and acceleration.
 const AVERAGES_TICKS: [u64; 6] = [1, 2, 4, 8, 16, 32];
-/// Part of the picture after the trigger's edge, in tenths.
+/// Share of the picture after the trigger's event, in tenths.
 const TENTHS_AFTER_EDGE: u64 = 9;
 
-/// A watched PLC bit.
+/// A PLC bit that the scope watches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BitChannel {
     pub address: BitAddress,
-    /// Its position in the bits of a sample.
+    /// Index of the bit in `ScopeSample::bits`, from 0.
     pub bit_index: usize,
 }
 
-/// The two cursors, ticks.
+/// The two cursors of the picture, by their ticks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Cursors {
     ticks: [u64; 2],
-    /// Index of the cursor that keys move.
+    /// Index of the cursor that keys move, 0 or 1.
     active: usize,
 }
 
@@ -56,9 +56,9 @@ pub struct Scope {
     console: Console,
     record: Option<SampleRecord>,
     is_running: bool,
-    /// Right edge of a stopped picture, ticks; `None`: the picture rolls.
+    /// Tick at the right edge of a stopped picture; `None` if the picture rolls.
     stop_tick: Option<u64>,
-    /// Tick of the time axis' zero.
+    /// Tick at the zero of the time axis.
     origin_tick: u64,
     span_ms: u64,
     average_ticks: u64,
@@ -75,7 +75,7 @@ pub struct Scope {
 }
 
 impl Scope {
-    /// Creates the scope closed: the kernel takes no samples.
+    /// Creates the scope closed, without sampling in the kernel.
     pub fn new(console: Console) -> Self {
         Self {
             console,
@@ -152,7 +152,7 @@ impl Scope {
         }
     }
 
-    /// Takes new samples and checks them for the trigger.
+    /// Takes new samples into the record and checks them for the trigger.
     fn take_samples(&mut self) {
         let Some(record) = self.record.as_mut().filter(|_| self.is_running) else {
             return;
@@ -175,7 +175,8 @@ impl Scope {
         }
     }
 
-    /// First and last tick of the picture. The first may be earlier than the record.
+    /// First and last tick of the picture; `None` without samples. The first may be earlier
+    /// than the record.
     fn visible_ticks(&self) -> Option<(u64, u64)> {
         let (_, last) = self.record.as_ref()?.tick_range()?;
         let end = self.stop_tick.unwrap_or(last);
@@ -201,8 +202,8 @@ impl Scope {
         }
     }
 
-    /// Changes the span by steps of `SPANS_MS`. In a stopped picture the tick at `at`, 0 to 1 of
-    /// the width, keeps its position.
+    /// Changes the span of the picture by steps of `SPANS_MS`. In a stopped picture the tick
+    /// at `at`, 0 to 1 of the width, keeps its position.
     fn zoom_time(&mut self, steps: i32, at: f64) {
         let now = SPANS_MS.iter().position(|span| *span >= self.span_ms);
         let now = now.unwrap_or(SPANS_MS.len() - 1) as i32;
@@ -248,7 +249,7 @@ impl Scope {
         }
     }
 
-    /// Handles the keys of the scope. Keys with Ctrl or Alt belong to the panel.
+    /// Handles the keys of the scope. Keys with Ctrl or Alt are left to the panel.
     fn handle_keys(&mut self, ui: &Ui) {
         if ui.ctx().egui_wants_keyboard_input() {
             return;
@@ -291,7 +292,8 @@ impl Scope {
         }
     }
 
-    /// Watches the PLC bit that the user has typed.
+    /// Adds the PLC bit that the user has typed to the watched ones. Shows the error of an
+    /// invalid address.
     fn add_bit(&mut self, language: Language) {
         let entry = self.entry.trim().to_ascii_uppercase();
         match entry.parse::<BitAddress>() {
@@ -314,8 +316,8 @@ impl Scope {
         }
     }
 
-    /// The position in the samples that has been unused for the longest time: old samples of
-    /// another bit must not appear under the new name.
+    /// The index in the samples that has been unused for the longest time, so that old samples
+    /// of another bit do not appear under the new name.
     fn free_bit_index(&mut self) -> usize {
         while self
             .bit_channels

@@ -12,14 +12,14 @@ use super::{BitChannel, Scope};
 use crate::window::theme;
 use gsk_messages::{Language, say};
 
-/// Width for the figures of a scale, points.
+/// Width of the column for the numbers of a scale, points.
 const SCALE_WIDTH: f32 = 74.0;
-/// Height for the figures of the time axis, points.
+/// Height of the row for the numbers of the time axis, points.
 const TIME_HEIGHT: f32 = 24.0;
-/// Height of a bit's lane, points.
+/// Height of the lane of a bit, points.
 const BIT_HEIGHT: f32 = 24.0;
 
-/// Converts ticks to window coordinates and back.
+/// Converts ticks to x coordinates in the window and back.
 #[derive(Clone, Copy)]
 pub struct TimeScale {
     left: f32,
@@ -98,7 +98,7 @@ impl Scope {
         self.draw_cursors(ui, area, time);
     }
 
-    /// The lanes that have traces, from top to bottom, with their rectangles.
+    /// The lanes that have traces, from top to bottom, each with its rectangle.
     fn layout_lanes(&self, area: Rect) -> Vec<(Lane, Rect)> {
         let drawn = |quantity| {
             let shown = TRACES.iter().zip(self.trace_enabled);
@@ -228,7 +228,7 @@ impl Scope {
         ui.painter().galley(corner, name, theme::SCALE_TEXT);
     }
 
-    /// The line segments of a trace: at most two values a column of pixels.
+    /// The connected lines that draw a trace, with at most two values per column of pixels.
     fn trace_lines(&self, trace: &Trace, time: TimeScale, dots: u64) -> TraceLines {
         let mut lines = Vec::new();
         let Some((record, (oldest, newest))) = self
@@ -388,13 +388,13 @@ impl Scope {
     }
 }
 
-/// Connected lines of ticks and values. A line ends where the trace has no value.
+/// Connected lines, each a list of ticks and values. A line ends where the trace has no value.
 type TraceLines = Vec<Vec<(f64, f64)>>;
 
 /// A lane of the plot.
 #[derive(Clone, Copy, Debug)]
 pub enum Lane {
-    /// Index in [`Quantity::ALL`].
+    /// The lane of the quantity with this index in [`Quantity::ALL`].
     Quantity(usize),
     Bit(BitChannel),
 }

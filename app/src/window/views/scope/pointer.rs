@@ -5,18 +5,18 @@ use egui::{Pos2, Rect, Ui};
 use super::Scope;
 use super::plot::{Lane, TimeScale};
 
-/// Greatest distance of the pointer from a cursor, points.
+/// Maximum distance of the pointer from a cursor to grab it, points.
 const CURSOR_REACH: f32 = 6.0;
 
-/// What a drag moves.
+/// What a drag of the pointer moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Drag {
     Nothing,
-    /// The time axis.
+    /// The picture along the time axis.
     Time,
-    /// The cursor with this index.
+    /// The cursor with this index, 0 or 1.
     Cursor(usize),
-    /// The scale of the quantity with this index.
+    /// The scale of the quantity with this index in [`Quantity::ALL`].
     Scale(usize),
 }
 
@@ -110,7 +110,7 @@ impl Scope {
         }
     }
 
-    /// Moves a cursor, or the active one, to a tick.
+    /// Moves the cursor with this index to a tick; `None` moves the active one.
     fn move_cursor_to(&mut self, cursor: Option<usize>, tick: u64) {
         if let Some(cursors) = &mut self.cursors {
             cursors.active = cursor.unwrap_or(cursors.active);
@@ -121,7 +121,8 @@ impl Scope {
     }
 }
 
-/// Direction of the wheel, 1, 0 or -1: a notch changes the span by one step.
+/// Direction in which the wheel has turned, 1, 0 or -1: each notch changes the span by one
+/// step.
 fn wheel_notches(events: &[egui::Event]) -> i32 {
     let scrolled: f32 = events
         .iter()

@@ -9,11 +9,11 @@ use gsk_core::units::{Axis, Point};
 use super::trace::{Quantity, Trace, TraceSubject};
 use crate::kernel::probe::{MAX_SAMPLES, ScopeSample};
 
-/// Greatest motion per tick, mm. A larger change is a new coordinate: the axis has taken its
-/// reference.
+/// Maximum motion per tick, mm. A larger change is a new coordinate, because the axis has
+/// taken its reference.
 const MAX_STEP_MM: f64 = 1.0;
 
-/// The samples of the last minute, one a tick without a gap.
+/// The samples of the last minute, one per tick without a gap.
 #[derive(Debug)]
 pub struct SampleRecord {
     queue: Arc<ArrayQueue<ScopeSample>>,
@@ -21,7 +21,7 @@ pub struct SampleRecord {
 }
 
 impl SampleRecord {
-    /// Creates an empty record.
+    /// Creates an empty record with its sample queue.
     pub fn new() -> Self {
         Self {
             queue: Arc::new(ArrayQueue::new(MAX_SAMPLES)),
@@ -29,12 +29,13 @@ impl SampleRecord {
         }
     }
 
-    /// The queue into which the kernel puts the samples.
+    /// Returns the queue into which the kernel puts the samples.
     pub fn queue(&self) -> Arc<ArrayQueue<ScopeSample>> {
         Arc::clone(&self.queue)
     }
 
-    /// Takes the samples from the queue. Returns the number of new samples in the record.
+    /// Moves the samples from the queue into the record; returns how many of its samples are
+    /// new.
     pub fn take_samples(&mut self) -> usize {
         let mut count = 0;
         while let Some(sample) = self.queue.pop() {
@@ -59,25 +60,25 @@ impl SampleRecord {
         self.samples.push_back(sample);
     }
 
-    /// The first and last tick of the record.
+    /// The first and last tick of the record; `None` if it is empty.
     pub fn tick_range(&self) -> Option<(u64, u64)> {
         Some((self.samples.front()?.tick, self.samples.back()?.tick))
     }
 
-    /// The sample of a tick, if it is in the record.
+    /// The sample of a tick; `None` if it is not in the record.
     pub fn sample_at(&self, tick: u64) -> Option<&ScopeSample> {
         let first = self.samples.front()?.tick;
         let index = usize::try_from(tick.checked_sub(first)?).ok()?;
         self.samples.get(index)
     }
 
-    /// The last `count` samples.
+    /// The last `count` samples, the oldest first.
     pub fn last_samples(&self, count: usize) -> impl Iterator<Item = &ScopeSample> {
         let from = self.samples.len().saturating_sub(count);
         self.samples.range(from..)
     }
 
-    /// A copy of the samples from `first` to `last`, for another thread.
+    /// Copies the samples from tick `first` to tick `last`, for another thread.
     pub fn excerpt(&self, first: u64, last: u64) -> Self {
         let wanted = |sample: &&ScopeSample| (first..=last).contains(&sample.tick);
         Self {
@@ -86,8 +87,9 @@ impl SampleRecord {
         }
     }
 
-    /// The value of a trace at a tick. Speed and acceleration are differences over `over`
-    /// ticks. `None`: a sample is missing, or an axis has taken its reference.
+    /// The value of a trace at a tick, in the unit of its quantity. Speed and acceleration are
+    /// differences over `average_ticks` ticks. `None` if a sample is missing, or an axis has
+    /// taken its reference meanwhile.
     pub fn trace_value(&self, trace: &Trace, tick: u64, average_ticks: u64) -> Option<f64> {
         let now = self.sample_at(tick)?;
         match (trace.quantity, trace.subject) {
@@ -110,7 +112,8 @@ impl SampleRecord {
         }
     }
 
-    /// Speed of an axis or along the path, mm/min.
+    /// Speed of an axis or along the path, averaged over `average_ticks` ticks before `tick`,
+    /// mm/min.
     fn speed_mm_per_min(
         &self,
         trace: &Trace,
@@ -130,7 +133,8 @@ impl SampleRecord {
         Some(distance * 60_000.0 / average_ticks as f64)
     }
 
-    /// Distance of an axis between two ticks, mm; `None` if it has taken its reference.
+    /// Distance of an axis between two ticks, mm; `None` if a sample is missing or the axis
+    /// has taken its reference meanwhile.
     fn distance_mm(&self, trace: &Trace, axis: Axis, from: u64, to: u64) -> Option<f64> {
         let start = position(self.sample_at(from)?, trace).get(axis);
         let distance = position(self.sample_at(to)?, trace).get(axis) - start;

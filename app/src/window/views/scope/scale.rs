@@ -2,17 +2,17 @@
 
 use super::trace::Quantity;
 
-/// The values that a lane shows, in the unit of its quantity.
+/// The range of values that a lane shows, in the unit of its quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LaneRange {
-    /// Value at the lower edge.
+    /// Value at the lower edge of the lane.
     pub low: f64,
-    /// Value at the upper edge.
+    /// Value at the upper edge of the lane.
     pub high: f64,
 }
 
 impl LaneRange {
-    /// The least range of a quantity, centred at a value.
+    /// Returns the smallest range of a quantity, centred at a value.
     pub fn around_value(value: f64, quantity: Quantity) -> Self {
         let half = quantity.least_range() / 2.0;
         Self {
@@ -21,13 +21,13 @@ impl LaneRange {
         }
     }
 
-    /// The difference between both edges.
+    /// The difference between the values at both edges.
     pub fn span(self) -> f64 {
         self.high - self.low
     }
 
-    /// The range for values from `low` to `high`. The present range is kept while it fits, so
-    /// the picture does not move.
+    /// Returns the range for values from `low` to `high`. The present range is kept while they
+    /// fit, so that the picture does not move.
     pub fn fit_values(self, low: f64, high: f64, quantity: Quantity) -> Self {
         let needed = (high - low).max(quantity.least_range());
         let edge = self.span() * 0.04;
@@ -45,7 +45,8 @@ impl LaneRange {
         }
     }
 
-    /// Scales the range by `factor`. The value at `at`, 0 to 1 from the lower edge, is kept.
+    /// Scales the range by `factor`. The value at `at`, 0 to 1 from the lower edge, keeps its
+    /// position.
     pub fn zoom(&mut self, factor: f64, at: f64) {
         let fixed = self.low + at * self.span();
         self.low = fixed - (fixed - self.low) * factor;
@@ -60,7 +61,8 @@ impl LaneRange {
     }
 }
 
-/// A step of 1, 2 or 5 times a power of ten that divides a range into about `parts`.
+/// Returns a step of 1, 2 or 5 times a power of ten that divides a range into about `parts`
+/// parts.
 pub fn round_step(range: f64, parts: f64) -> f64 {
     let rough = (range / parts).max(1e-9);
     let ten = 10f64.powf(rough.log10().floor());
@@ -71,7 +73,7 @@ pub fn round_step(range: f64, parts: f64) -> f64 {
     step * ten
 }
 
-/// The number of decimals that a step needs, at most 6.
+/// Number of decimals that the multiples of a step need, at most 6.
 pub fn step_decimals(step: f64) -> usize {
     (-step.log10().floor()).clamp(0.0, 6.0) as usize
 }

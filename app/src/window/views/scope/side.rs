@@ -8,7 +8,8 @@ use super::{BitChannel, Cursors, Scope};
 use crate::window::{focus, theme};
 use gsk_messages::{Language, say};
 
-/// Width of the list with one reading a trace, and with two cursors, points.
+/// Width of the list with one reading per trace, points. The constant after it is that with
+/// two cursors.
 const NARROW_WIDTH: f32 = 250.0;
 const WIDE_WIDTH: f32 = 366.0;
 /// Height of a line, points.
@@ -40,7 +41,8 @@ impl Scope {
             });
     }
 
-    /// Draws the times of the cursors, or the heading of the readings at the right edge.
+    /// Draws the heading of the readings: the times of the cursors or, without cursors, that
+    /// the readings are at the right edge.
     fn show_head(&mut self, ui: &mut Ui, language: Language) {
         let Some(cursors) = self.cursors else {
             draw_line(
@@ -213,8 +215,8 @@ impl Scope {
         }
     }
 
-    /// The values at both cursors and their difference; without cursors the value at the right
-    /// edge.
+    /// The values at both cursors and their difference; without cursors only the value at the
+    /// right edge. `value` returns that at a tick.
     fn cursor_readings(&self, value: impl Fn(&Self, u64) -> Option<f64>) -> Vec<Option<f64>> {
         let Some((_, end)) = self.visible_ticks() else {
             return vec![None];
@@ -228,12 +230,12 @@ impl Scope {
     }
 }
 
-/// The meaning of a bit in the signal table.
+/// The meaning of a watched bit in the signal table.
 pub fn bit_meaning(channel: &BitChannel, language: Language) -> String {
     signal_meaning(channel.address, language).to_owned()
 }
 
-/// Draws a line with content at the left and at the right edge.
+/// Draws a line with content at its left and at its right edge.
 fn draw_line(ui: &mut Ui, height: f32, left: impl FnOnce(&mut Ui), right: impl FnOnce(&mut Ui)) {
     // The rest of the width is for the scroll bar.
     let size = vec2(ui.available_width() - 9.0, height);

@@ -161,7 +161,7 @@ fn mode_name(mode: TriggerMode, language: Language) -> String {
     }
 }
 
-/// A time in ms as text, in s from 1000 ms.
+/// Formats a time in ms; from 1000 ms on in s.
 fn format_time(ms: u64) -> String {
     if ms < 1000 {
         format!("{ms} ms")

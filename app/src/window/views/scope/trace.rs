@@ -7,7 +7,7 @@ use gsk_messages::{Language, say};
 
 use crate::window::theme;
 
-/// A measured quantity. Each has a lane and a scale in its unit.
+/// A quantity that traces show. Each has a lane and a scale in its unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Quantity {
     /// Position, mm; X as a radius.
@@ -23,7 +23,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// All quantities from top to bottom.
+    /// All quantities in the order of their lanes, from top to bottom.
     pub const ALL: [Self; 5] = [
         Self::Position,
         Self::Speed,
@@ -52,7 +52,7 @@ impl Quantity {
         }
     }
 
-    /// Decimals of a reading in this unit.
+    /// Number of decimals of a reading of this quantity.
     pub const fn decimals(self) -> usize {
         match self {
             Self::Position | Self::Acceleration => 3,
@@ -61,7 +61,7 @@ impl Quantity {
         }
     }
 
-    /// The least range that the automatic scale shows in a lane.
+    /// The smallest range that the automatic scale shows, in the unit of the quantity.
     pub const fn least_range(self) -> f64 {
         match self {
             Self::Position => 0.01,
@@ -73,24 +73,24 @@ impl Quantity {
     }
 }
 
-/// The subject of a trace.
+/// What a trace is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TraceSubject {
     Axis(Axis),
-    /// The path of both axes, or the spindle.
+    /// The path of both axes together, or the spindle.
     Path,
 }
 
-/// A line of the scope.
+/// A line that the scope can draw.
 #[derive(Debug)]
 pub struct Trace {
-    /// Column heading in the exported table.
+    /// Heading of the trace's column in the exported table.
     pub id: &'static str,
     pub quantity: Quantity,
     pub subject: TraceSubject,
-    /// The commanded value; else the actual one.
+    /// True for the commanded value, false for the actual one.
     pub is_commanded: bool,
-    /// The trace is shown when the scope is opened for the first time.
+    /// Whether the trace is shown when the scope is opened for the first time.
     pub on_at_start: bool,
     colour: Color32,
 }
@@ -118,7 +118,7 @@ impl Trace {
         self.colour
     }
 
-    /// The short name for a list under the quantity: `X`, `X 指令`, …
+    /// The short name of the trace in a list under its quantity: `X`, `X 指令`, …
     pub fn name(&self, language: Language) -> String {
         let name = match (self.quantity, self.subject, self.is_commanded) {
             (_, TraceSubject::Axis(Axis::X), false) => return "X".to_owned(),
@@ -132,7 +132,7 @@ impl Trace {
         name.text(language)
     }
 
-    /// Quantity and name, for screen readers.
+    /// The name of the trace with its quantity, for screen readers.
     pub fn full_name(&self, language: Language) -> String {
         format!("{} {}", self.quantity.name(language), self.name(language))
     }
@@ -141,8 +141,8 @@ impl Trace {
 const X: TraceSubject = TraceSubject::Axis(Axis::X);
 const Z: TraceSubject = TraceSubject::Axis(Axis::Z);
 
-/// All traces but the PLC bits. Commanded values come first, so they are drawn below the
-/// actual ones.
+/// All traces except the PLC bits. Commanded values come first, so that they are drawn below
+/// the actual ones.
 pub static TRACES: [Trace; 15] = [
     Trace::new(
         "x_command_mm",

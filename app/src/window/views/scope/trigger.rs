@@ -5,7 +5,7 @@ use gsk_core::units::Point;
 
 use crate::kernel::probe::ScopeSample;
 
-/// Ticks of standstill before a motion counts as a new one.
+/// Ticks of standstill after which a motion counts as a new one.
 const STANDSTILL_TICKS: u32 = 20;
 /// Speed below which the spindle counts as stopped, r/min.
 const SPINDLE_STOPPED_RPM: f64 = 1.0;
@@ -17,9 +17,9 @@ pub enum TriggerSource {
     Motion,
     /// The spindle begins to turn.
     Spindle,
-    /// A watched bit becomes 1.
+    /// The watched bit with this index becomes 1.
     BitRises(usize),
-    /// A watched bit becomes 0.
+    /// The watched bit with this index becomes 0.
     BitFalls(usize),
 }
 
@@ -28,18 +28,18 @@ pub enum TriggerSource {
 pub enum TriggerMode {
     /// Never: the picture rolls.
     Off,
-    /// At each event, until the next.
+    /// At each event, until the next event.
     Each,
     /// At the first event; then the scope stops.
     Once,
 }
 
-/// Checks the samples one after the other.
+/// Checks the samples one after the other for the event of the trigger.
 #[derive(Clone, Debug)]
 pub struct Trigger {
     pub mode: TriggerMode,
     pub source: TriggerSource,
-    /// The tick of the event, while the rest of the picture fills.
+    /// The tick of the event, while the rest of the picture fills; `None` before the event.
     event_tick: Option<u64>,
     last_sample: Option<ScopeSample>,
     still_ticks: u32,
@@ -57,20 +57,20 @@ impl Trigger {
         }
     }
 
-    /// Waits for the next event.
+    /// Arms the trigger for the next event.
     pub const fn arm(&mut self) {
         self.event_tick = None;
         self.last_sample = None;
         self.still_ticks = 0;
     }
 
-    /// Whether the event has occurred and the rest of the picture fills.
+    /// Whether the event has occurred and the rest of the picture is filling.
     pub const fn has_fired(&self) -> bool {
         self.event_tick.is_some()
     }
 
     /// Checks the next sample. Returns the tick of the event once `after` ticks have followed
-    /// it.
+    /// the event; else `None`.
     pub fn check_sample(&mut self, sample: &ScopeSample, after: u64) -> Option<u64> {
         if self.mode == TriggerMode::Off {
             return None;

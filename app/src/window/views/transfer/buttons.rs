@@ -13,7 +13,7 @@ use crate::window::views::text_files;
 /// Extension of a saved list of files.
 const LIST_EXTENSION: &str = "lst";
 
-/// Draws a button as wide as the column. Returns whether it was clicked.
+/// Draws a button as wide as the column. Returns true if it was clicked.
 fn show_button(ui: &mut Ui, enabled: bool, label: &Message, language: Language) -> bool {
     let size = vec2(ui.available_width(), 24.0);
     let button = Button::new(label.text(language)).min_size(size);

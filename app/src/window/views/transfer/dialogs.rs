@@ -14,14 +14,14 @@ use crate::pc::SendListItem;
 use crate::pc::worker::PcWorkerCommand;
 use crate::window::files::{self, FileChoice};
 
-/// Extensions of the files that the file dialog offers.
+/// Extensions of the files that the file dialog offers for the list.
 const EXTENSIONS: [&str; 7] = ["cnc", "nc", "txt", "tap", "par", "ofs", "wmp"];
 
-/// The open dialog.
+/// The dialog of the transfer view that is open.
 pub enum TransferDialog {
     /// Settings of a file to send.
     File {
-        /// Row of the list to change; `None`: a new row.
+        /// Row of the list that the dialog changes; `None` adds a new row.
         row: Option<usize>,
         /// Name and partition as they are typed.
         item: SendListItem,
@@ -30,21 +30,21 @@ pub enum TransferDialog {
     },
     /// Rename a file of the control.
     Rename {
-        /// Index of its partition in [`Partition::ALL`].
+        /// Index of the file's partition in [`Partition::ALL`].
         partition: usize,
         /// Old and new name as they are typed.
         naming: RenameFields,
     },
-    /// Confirm that these files of the control are deleted.
+    /// Confirm that these files of the control are to be deleted.
     Delete(Vec<RemotePath>),
-    /// Confirm that a backup is restored to the control.
+    /// Confirm that the backup in this folder is to be restored to the control.
     Restore(PathBuf),
-    /// Ask whether to save a file that the control has sent without a request.
+    /// Query whether to save a file that the control has sent without a request.
     SaveReceived(TransferFile),
 }
 
 impl TransferDialog {
-    /// The dialog for a new file of the list.
+    /// Creates the dialog for a new row of the list.
     pub fn new_file(path: PathBuf, name: Option<FileName>) -> Self {
         Self::File {
             row: None,
@@ -57,7 +57,7 @@ impl TransferDialog {
         }
     }
 
-    /// The dialog for an existing row of the list.
+    /// Creates the dialog that changes row `at` of the list.
     pub fn change_row(at: usize, item: &SendListItem) -> Self {
         Self::File {
             row: Some(at),
@@ -66,7 +66,7 @@ impl TransferDialog {
         }
     }
 
-    /// The dialog to rename a file, with the first checked file as the old name.
+    /// Creates the dialog that renames a file, with the first checked file as the old name.
     pub fn rename(first: Option<&RemotePath>) -> Self {
         let old = first.map(|place| place.name.to_string());
         let partition = first.map(|place| place.partition).unwrap_or_default();
@@ -76,7 +76,7 @@ impl TransferDialog {
         }
     }
 
-    /// Whether the dialog needs a connection.
+    /// Whether the dialog needs a connection with the control.
     pub const fn needs_connection(&self) -> bool {
         matches!(
             self,
@@ -90,7 +90,7 @@ fn partition_index(partition: Partition) -> usize {
     all.position(|it| it == partition).unwrap_or_default()
 }
 
-/// Draws a question and returns the index of the clicked answer.
+/// Draws a question and returns the index of the clicked answer; `None` while it is open.
 fn show_question(
     context: &Context,
     bounds: Rect,
@@ -128,7 +128,7 @@ fn show_partitions(ui: &mut Ui, id: &str, label: Id, selected: &mut usize) {
 }
 
 impl TransferView {
-    /// Draws the dialog of the job, or the open dialog.
+    /// Draws the dialog of the running job, or the open dialog.
     pub(super) fn show_dialogs(&mut self, context: &Context, language: Language) {
         if let Some(job) = &mut self.job {
             match job.show(context, self.bounds, language) {

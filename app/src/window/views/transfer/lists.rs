@@ -6,19 +6,19 @@ use gsk_messages::{Language, say};
 use super::{TransferDialog, TransferView};
 use crate::window::theme;
 
-/// Least and greatest width of the column of paths, and the width of the columns after it,
-/// points.
+/// Minimum and maximum width of the column of paths, points. The constant after it is the
+/// width of the further columns together.
 const PATH_WIDTH_RANGE: [f32; 2] = [120.0, 420.0];
 const OTHER_COLUMNS_WIDTH: f32 = 300.0;
 /// Approximate width of a letter of a path, points.
 const LETTER_WIDTH: f32 = 7.0;
 
-/// File size in kilobytes, rounded up.
+/// Converts a file size from bytes to kilobytes, rounded up.
 fn kilobytes(bytes: u64) -> u64 {
     bytes.div_ceil(1024)
 }
 
-/// Shortens a path to the width of its column. The end of the path remains.
+/// Shortens a path to a column of `width` points; the end of the path remains.
 fn shorten_path(path: &str, width: f32) -> String {
     let max_letters = (width / LETTER_WIDTH) as usize;
     let letters = path.chars().count();

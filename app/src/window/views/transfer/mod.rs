@@ -32,18 +32,18 @@ const BUTTON_COLUMN_WIDTH: f32 = 148.0;
 /// 传输方式: the direction of a transfer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum TransferDirection {
-    /// 发送文件: to the control.
+    /// 发送文件: files are sent to the control.
     #[default]
     Send,
-    /// 接收文件: from the control.
+    /// 接收文件: files are received from the control.
     Receive,
 }
 
-/// The result of a file dialog.
+/// What the user has chosen in a file dialog, by the purpose of the choice.
 enum ChosenPath {
     /// A file for the list, and its proposed name in the control.
     File(PathBuf, Option<FileName>),
-    /// The content of a list file.
+    /// The rows of a list file.
     List(Vec<SendListItem>),
     /// The files to receive, and their folder on the PC.
     ReceiveInto(Vec<RemotePath>, PathBuf),
@@ -63,33 +63,33 @@ struct ControlDirectory {
     checked: BTreeSet<(usize, String)>,
 }
 
-/// The transfer view.
+/// The view for file transfers with a control over a serial port.
 pub struct TransferView {
     console: Console,
     settings: TransferSettings,
-    /// The thread for the port. `None` before the view is drawn for the first time, and if the
-    /// thread could not be started.
+    /// The worker thread for the port; `None` before the view is drawn for the first time, or
+    /// if the thread could not be started.
     worker: Option<PcWorker>,
     ports: Vec<String>,
     stage: ConnectionStage,
     direction: TransferDirection,
     listing: ControlDirectory,
-    /// Lengths of the files to send, bytes; `None`: the file does not exist.
+    /// Lengths of the files to send, bytes; `None` if a file does not exist.
     lengths: BTreeMap<PathBuf, Option<u64>>,
     job: Option<TransferJob>,
     dialog: Option<TransferDialog>,
-    /// Files that the control has sent without a request, until the operator decides about
-    /// them.
+    /// Files that the control has sent without a request and about which the operator has not
+    /// decided yet.
     received_files: VecDeque<TransferFile>,
-    /// The last message, and whether it is an error.
+    /// The last message, and whether it is an error; `None` without one.
     message: Option<(Message, bool)>,
     chosen_paths: (Sender<ChosenPath>, Receiver<ChosenPath>),
-    /// Rectangle of the view; its dialogs are inside.
+    /// Rectangle of the view, inside which its dialogs are drawn.
     bounds: Rect,
 }
 
 impl TransferView {
-    /// Creates the view with the stored settings. It opens no port.
+    /// Creates the view with the stored settings; the port is closed.
     pub fn new(console: Console, settings: TransferSettings) -> Self {
         Self {
             console,
@@ -109,7 +109,7 @@ impl TransferView {
         }
     }
 
-    /// The settings to store for the next start.
+    /// Port, rate and list, to be stored for the next start.
     pub const fn settings(&self) -> &TransferSettings {
         &self.settings
     }
@@ -126,7 +126,7 @@ impl TransferView {
         }
     }
 
-    /// Starts the thread when the view is drawn for the first time.
+    /// Starts the worker thread when the view is drawn for the first time.
     fn start_worker(&mut self, ui: &Ui) {
         if self.worker.is_some() || self.message.as_ref().is_some_and(|(_, is_error)| *is_error) {
             return;
@@ -143,7 +143,7 @@ impl TransferView {
         }
     }
 
-    /// Requests the lengths of the files to send.
+    /// Requests the lengths of the files to send from the worker thread.
     fn request_lengths(&self) {
         let paths = self.settings.list.iter().map(|item| item.path.clone());
         self.send_order(PcWorkerCommand::Measure(paths.collect()));
@@ -189,7 +189,7 @@ impl TransferView {
         self.show_dialogs(ui.ctx(), language);
     }
 
-    /// Receives the results of the thread and of the file dialogs.
+    /// Receives the events of the worker thread and the results of the file dialogs.
     fn receive(&mut self) {
         while let Some(news) = self.worker.as_ref().and_then(PcWorker::next_event) {
             self.handle_event(news);
@@ -335,7 +335,7 @@ impl TransferView {
 }
 
 impl ControlDirectory {
-    /// Replaces the directory. Files that still exist remain checked.
+    /// Replaces the directory of the control. Files that still exist remain checked.
     fn update(&mut self, partitions: Vec<(Partition, Vec<DirectoryEntry>)>) {
         self.partitions = partitions;
         let existing: BTreeSet<_> = self.keys().collect();
@@ -347,7 +347,7 @@ impl ControlDirectory {
         all.flat_map(|(at, (_, entries))| entries.iter().map(move |it| (at, it.name.to_string())))
     }
 
-    /// The checked files.
+    /// The files of the control that are checked, each with its partition.
     fn checked_paths(&self) -> Vec<RemotePath> {
         let mut paths = Vec::new();
         for (at, (partition, entries)) in self.partitions.iter().enumerate() {

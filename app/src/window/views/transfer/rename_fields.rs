@@ -29,8 +29,9 @@ impl RenameFields {
         Self { old_name, new_name }
     }
 
-    /// Draws the dialog while a file to send has an existing name. Returns the new name when
-    /// it is accepted, `Some(None)` when the dialog is cancelled, `None` while it is open.
+    /// Draws the dialog for the new name of a file of the control that has the name of a file
+    /// to send. Returns the accepted name, `Some(None)` if the dialog is cancelled, `None`
+    /// while it is open.
     pub fn show(
         &mut self,
         context: &Context,
@@ -66,7 +67,7 @@ impl RenameFields {
         FileName::new(&self.old_name).is_ok() && FileName::new(&self.new_name).is_ok()
     }
 
-    /// Draws both fields. With `free` the old name can be typed, too.
+    /// Draws the fields of both names. With `is_editable` the old name can be typed, too.
     pub fn show_fields(&mut self, ui: &mut Ui, language: Language, is_editable: bool) {
         Grid::new("naming-fields").num_columns(2).show(ui, |ui| {
             ui.label(say::transfer_view_old_name().text(language));
@@ -82,7 +83,7 @@ impl RenameFields {
         show_name_error(ui, language, &self.new_name);
     }
 
-    /// Draws the list of files. A click takes a name over into the old name.
+    /// Draws the list of files. With `is_editable` a click copies a name into the old name.
     pub fn show_entries(&mut self, ui: &mut Ui, entries: &[DirectoryEntry], is_editable: bool) {
         ScrollArea::vertical()
             .id_salt("naming-entries")
@@ -106,7 +107,7 @@ impl RenameFields {
     }
 }
 
-/// Draws what is wrong with a file name.
+/// Draws why a file name is invalid; nothing for a valid or empty one.
 pub fn show_name_error(ui: &mut Ui, language: Language, name: &str) {
     if name.is_empty() {
         return;
@@ -139,8 +140,8 @@ pub fn show_window(
         });
 }
 
-/// Draws the buttons 确定 (OK) and 取消 (cancel). Returns whether the operator has accepted, once
-/// a button is clicked. `can_accept` enables OK.
+/// Draws the buttons 确定 (OK) and 取消 (cancel). Returns true after OK, false after cancel,
+/// `None` while neither is clicked. `can_accept` enables OK.
 pub fn show_buttons(ui: &mut Ui, language: Language, can_accept: bool) -> Option<bool> {
     let mut accepted = None;
     ui.add_space(6.0);

@@ -27,36 +27,37 @@ pub struct TransferJob {
     current_row: usize,
     progress: Option<TransferProgress>,
     /// Time of the first progress of the current file, seconds of the window's clock, and the
-    /// bytes transferred by then.
+    /// bytes transferred by then; `None` before.
     rate_start: Option<(f64, usize)>,
     retries: u64,
     traffic: TransferTotals,
     last_error: Option<Message>,
     question: Option<OpenQuestion>,
-    /// Set when the job has ended; the inner value is the error, if any.
+    /// Set when the job has ended; the inner value is the error, `None` after success.
     end: Option<Option<Message>>,
 }
 
-/// The open question about an existing file.
+/// The open question about a file name that is taken.
 struct OpenQuestion {
     question: NameConflict,
     for_all: bool,
-    /// The fields for the new name in the control, while they are open.
+    /// The fields for the new name of a file of the control; `None` until the operator chooses
+    /// to rename.
     naming: Option<RenameFields>,
 }
 
-/// A request of the operator about the job.
+/// What the operator requests of the job.
 pub enum JobRequest {
     /// Cancel the job.
     Cancel,
-    /// Answer the question.
+    /// Answer the question about a file name.
     Answer(NameConflictAnswer),
     /// Close the dialog of an ended job.
     Close,
 }
 
 impl TransferJob {
-    /// Creates the job when it starts. `names` are its files.
+    /// Creates a job that has just started. `names` are those of its files.
     pub fn new(kind: FileJobKind, names: Vec<String>) -> Self {
         Self {
             kind,
@@ -72,7 +73,7 @@ impl TransferJob {
         }
     }
 
-    /// Opens the question about an existing name.
+    /// Opens the question about a file name that is taken.
     pub fn set_question(&mut self, question: NameConflict) {
         self.question = Some(OpenQuestion {
             question,
@@ -81,7 +82,7 @@ impl TransferJob {
         });
     }
 
-    /// Handles an event of the thread.
+    /// Updates the job with an event of the worker thread.
     pub fn handle_event(&mut self, news: PcWorkerEvent) {
         match news {
             PcWorkerEvent::FileBegun(at) => {
@@ -116,7 +117,8 @@ impl TransferJob {
         }
     }
 
-    /// The closing message of a job that has ended without errors.
+    /// Returns the closing message of a job that has ended without errors; `None` for any
+    /// other.
     pub fn success_message(&self) -> Option<Message> {
         let is_success = matches!(self.end, Some(None)) && self.last_error.is_none();
         is_success.then(|| match self.kind {
@@ -125,7 +127,7 @@ impl TransferJob {
         })
     }
 
-    /// Draws the dialog and the question. Returns the operator's request.
+    /// Draws the dialog of the job and its question. Returns the operator's request, if any.
     pub fn show(
         &mut self,
         context: &Context,
@@ -233,8 +235,8 @@ impl TransferJob {
         }
     }
 
-    /// Draws the question with 是 (yes), 否 (no), 取消 (cancel). 否 for a file of the control first
-    /// asks for its new name.
+    /// Draws the question with 是 (yes), 否 (no), 取消 (cancel) and returns the answer, if any. 否
+    /// for a file of the control first requests its new name.
     fn show_question(
         &mut self,
         context: &Context,
@@ -298,7 +300,8 @@ impl TransferJob {
     }
 }
 
-/// Draws the status of a file: a tick, a cross or a dash; an arrow for the current file.
+/// Draws the status of a file: a tick if done, a cross if refused, a dash if skipped; an arrow
+/// for the current file.
 fn show_status_sign(ui: &mut Ui, fate: Option<&FileResult>, is_current: bool) {
     let (bounds, _) = ui.allocate_exact_size(vec2(SIGN_SIZE, SIGN_SIZE), Sense::HOVER);
     let point = |x: f32, y: f32| bounds.lerp_inside(vec2(x, y));
@@ -339,7 +342,8 @@ fn transferred_share(progress: TransferProgress) -> f32 {
     }
 }
 
-/// Draws the question with its three answers. Returns the index of the clicked one.
+/// Draws the question with its three answers. Returns the index of the clicked one; `None`
+/// while it is open.
 fn show_three_answers(
     context: &Context,
     bounds: Rect,

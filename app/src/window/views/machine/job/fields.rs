@@ -9,7 +9,7 @@ use gsk_workpiece::job::DiameterPoint;
 use gsk_workpiece::stock::{Stock, StockForm, Tailstock};
 use gsk_workpiece::tool::{Holder, Insert, InsertLetter, Tool};
 
-/// Limit of all fields, mm. The rules of the job are narrower.
+/// Limit of the values in all fields, mm. The rules of the job have narrower limits.
 const LIMIT_MM: f64 = 5000.0;
 
 /// Draws a number field with its name.
@@ -74,7 +74,8 @@ pub fn show_stock(ui: &mut Ui, stock: &mut Stock, language: Language) {
     }
 }
 
-/// Draws the choice of bar, tube or contour, with the fields of the chosen form.
+/// Draws the choice of the form of the stock (bar, tube or contour), with the fields of the
+/// chosen form.
 fn show_form(ui: &mut Ui, form: &mut StockForm, language: Language) {
     let (outside, inside) = match form {
         StockForm::Bar { diameter } => (*diameter, None),
@@ -123,8 +124,8 @@ fn show_form(ui: &mut Ui, form: &mut StockForm, language: Language) {
     });
 }
 
-/// Draws the corners of a contour from the front to the back, diameter and Z, with buttons
-/// that add and remove them.
+/// Draws the corners of a contour from the front to the back as diameter and Z, mm, with
+/// buttons that add and remove corners.
 fn show_corners(ui: &mut Ui, corners: &mut Vec<(Diameter, f64)>, language: Language) {
     let mut removed = None;
     let count = corners.len();
@@ -153,7 +154,7 @@ fn show_corners(ui: &mut Ui, corners: &mut Vec<(Diameter, f64)>, language: Langu
     ui.end_row();
 }
 
-/// Draws the fields of insert, tip and holder.
+/// Draws the fields of the insert, the imaginary tip and the holder of a tool.
 pub fn show_tool(ui: &mut Ui, tool: &mut Tool, language: Language) {
     if let Insert::Turning { letter, .. } = &mut tool.insert {
         ui.horizontal_wrapped(|ui| {
@@ -211,7 +212,7 @@ pub fn show_tool(ui: &mut Ui, tool: &mut Tool, language: Language) {
     show_holder(ui, &mut tool.holder, language);
 }
 
-/// Draws the choice of the imaginary tip number as a grid of directions from the nose.
+/// Draws the choice of the imaginary tip number as a grid of directions from the nose centre.
 fn show_tip(ui: &mut Ui, tip: &mut u8, language: Language) {
     ui.horizontal(|ui| {
         Grid::new("tip").spacing([2.0, 2.0]).show(ui, |ui| {
@@ -271,7 +272,8 @@ fn show_holder(ui: &mut Ui, holder: &mut Holder, language: Language) {
     });
 }
 
-/// Draws the optional position of the work zero, where the lathe's differs from the control's.
+/// Draws the optional position of the work zero on the lathe, for jobs in which it differs
+/// from the control's.
 pub fn show_zero(ui: &mut Ui, zero: &mut Option<DiameterPoint>, language: Language) {
     let mut is_set = zero.is_some();
     let check = ui.checkbox(&mut is_set, say::job_zero().text(language));
@@ -284,7 +286,7 @@ pub fn show_zero(ui: &mut Ui, zero: &mut Option<DiameterPoint>, language: Langua
     }
 }
 
-/// Draws the optional true length of a tool.
+/// Draws the optional true length of the tool with this number.
 pub fn show_length(
     ui: &mut Ui,
     lengths: &mut BTreeMap<u8, DiameterPoint>,

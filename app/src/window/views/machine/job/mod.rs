@@ -16,10 +16,10 @@ use gsk_workpiece::tool::Tool;
 use crate::job;
 use crate::window::{focus, theme};
 
-/// The highest T number.
+/// The highest T number of a tool.
 const MAX_TOOL_NUMBER: u8 = 99;
 
-/// The item that is being edited.
+/// The item of the job whose fields are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum JobItem {
     #[default]
@@ -27,7 +27,7 @@ enum JobItem {
     Tool(u8),
 }
 
-/// A kind of tool that can be added: its name and its initial values.
+/// A kind of tool that can be added, as functions that return its name and its initial values.
 type ToolTemplate = (fn() -> Message, fn() -> Tool);
 
 const TOOL_TEMPLATES: [ToolTemplate; 5] = [
@@ -38,41 +38,42 @@ const TOOL_TEMPLATES: [ToolTemplate; 5] = [
     (say::tool_kind_drill, || Tool::drill(10.0)),
 ];
 
-/// What the job panel shows of the lathe.
+/// What the job panel needs to know of the lathe.
 pub struct JobContext<'a> {
-    /// The job that is being cut.
+    /// The job of the part that is being cut.
     pub job: &'a Arc<Job>,
-    /// The job was guessed from the program.
+    /// Whether the job was guessed from the program.
     pub is_guessed: bool,
-    /// The file of the program, if it has one.
+    /// The file of the program; `None` if the program has none.
     pub program_file: Option<&'a Path>,
-    /// T numbers that the program uses.
+    /// The T numbers that the program uses.
     pub used_tools: Vec<u8>,
     pub is_running: bool,
-    /// The error in the job file on the disk.
+    /// Why the job file on the disk cannot be used; `None` if it can.
     pub file_error: Option<&'a Message>,
 }
 
-/// The state of the job panel.
+/// The panel in which the user edits stock and tools.
 #[derive(Default)]
 pub struct JobPanel {
     selected: JobItem,
-    /// The lathe's job from which the draft was made.
+    /// The lathe's job with which the draft began.
     base_job: Option<Arc<Job>>,
     draft: Option<Job>,
-    /// The draft that was clamped last.
+    /// The draft that was clamped in the lathe last.
     clamped: Option<Job>,
-    /// The job of the lathe before any change in this panel.
+    /// The job of the lathe before the first change in this panel.
     original_job: Option<Job>,
     /// The path of the program's job file, whether the file exists or not.
     job_file: Option<PathBuf>,
-    /// The job file that was read or written, and its contents.
+    /// The job file that was read or written last, and its contents.
     saved: Option<(PathBuf, Job)>,
     message: Option<(Message, Color32)>,
 }
 
 impl JobPanel {
-    /// Draws the panel. Returns a job that must be clamped.
+    /// Draws the panel. Returns a changed job that must be clamped in the lathe, if there is
+    /// one.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -117,7 +118,8 @@ impl JobPanel {
         clamp
     }
 
-    /// Whether the edited job differs from its file or, without a file, from the lathe's job.
+    /// Whether the edited job differs from its file or, without a file, from the lathe's
+    /// original job.
     pub fn is_unsaved(&self) -> bool {
         let saved_job = self.saved.as_ref().map(|(_, saved)| saved);
         let reference_job = saved_job.or(self.original_job.as_ref());
@@ -125,12 +127,12 @@ impl JobPanel {
         jobs.is_some_and(|(draft, kept)| draft != kept)
     }
 
-    /// Whether `job` was edited in this panel.
+    /// Whether `job` was edited in this panel and then clamped.
     pub fn is_own_change(&self, job: &Job) -> bool {
         self.original_job.as_ref() != Some(job) && self.clamped.as_ref() == Some(job)
     }
 
-    /// Starts a new draft when the lathe has a job that does not come from this panel.
+    /// Starts a new draft if the lathe has a job that does not come from this panel.
     fn update_draft(&mut self, lathe: &JobContext<'_>) {
         let same = self.base_job.as_ref();
         if same.is_some_and(|base| Arc::ptr_eq(base, lathe.job)) {
@@ -153,7 +155,7 @@ impl JobPanel {
         }
     }
 
-    /// Draws where the job comes from and the button that saves it.
+    /// Draws the origin of the job (file or guess) and the button that saves it.
     fn show_origin(&mut self, ui: &mut Ui, lathe: &JobContext<'_>, job: &Job, language: Language) {
         let file = self.saved.as_ref().map(|(path, _)| file_name(path));
         let is_saved = self.saved.as_ref().is_some_and(|(_, saved)| saved == job);
@@ -206,7 +208,7 @@ impl JobPanel {
         });
     }
 
-    /// Draws the list of stock and tools, with the buttons that add and remove tools.
+    /// Draws the list of stock and tools, with buttons that add and remove tools.
     fn show_list(
         &mut self,
         ui: &mut Ui,
@@ -261,7 +263,7 @@ impl JobPanel {
         });
     }
 
-    /// Draws the fields of the selected item, and the drawing of a tool.
+    /// Draws the fields of the selected item and, if it is a tool, its picture.
     fn show_item(&self, ui: &mut Ui, job: &mut Job, language: Language) {
         match self.selected {
             JobItem::Stock => {

@@ -15,7 +15,7 @@ const HEIGHT: f32 = 170.0;
 /// Margin around the insert that shows the holder, as a share of the insert's size.
 const MARGIN_SHARE: f32 = 0.35;
 
-/// Draws the tool; an invalid one leaves the area empty.
+/// Draws the picture of a tool; for an invalid tool the area stays empty.
 pub fn show(ui: &mut Ui, tool: &Tool, language: Language) {
     let size = vec2(ui.available_width(), HEIGHT);
     let (rect, response) = ui.allocate_exact_size(size, Sense::HOVER);
@@ -49,7 +49,7 @@ pub fn show(ui: &mut Ui, tool: &Tool, language: Language) {
     }
 }
 
-/// The bounding box of a contour in camera coordinates (x is Z, y is X as a radius), mm.
+/// The bounding box of a contour in part coordinates (x is Z, y is X as a radius), mm.
 fn bounding_box(contour: &[GridPoint]) -> Rect {
     let points = contour.iter().map(|point| {
         let at = from_grid(*point);
