@@ -52,7 +52,7 @@ fn errors_name_file_step_field_and_rule() {
     for (fields, wanted) in [
         (
             "until: [], solution: [\"press AUTO\"]",
-            "lessons/mine.ron: step 1, until: no condition",
+            "lessons/mine.ron: step 1, until: the condition is missing",
         ),
         (
             "until: [\"mode auto\"], solution: [\"press AUTO\"]",
