@@ -28,7 +28,7 @@ pub struct SoundState {
     pub outputs: [u8; OUTPUTS],
     /// Absolute speed of the spindle, r/min.
     pub spindle_rpm: f32,
-    /// Position of the slides, mm: [0] X as a radius, [1] Z.
+    /// Position of the slides, mm: `[0]` X as a radius, `[1]` Z.
     pub slides: [f32; 2],
     /// Number of the active alarm; `None` without one.
     pub alarm: Option<u16>,

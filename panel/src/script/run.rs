@@ -35,7 +35,7 @@ pub enum Effect {
     /// partner, and does not fail the script.
     Receive(String),
     /// Act as the partner that sends the file with this path from its beginning whenever
-    /// [`Cnc::dnc_calls`](gsk_core::cnc::Cnc::dnc_calls) increases. `None` disconnects the
+    /// [`Cnc::dnc_request_count`](gsk_core::cnc::Cnc::dnc_request_count) increases. `None` disconnects the
     /// partner.
     Dnc(Option<String>),
     /// The partner can send ([`Cnc::dnc_free_characters`](gsk_core::cnc::Cnc::dnc_free_characters)): send data, the
