@@ -184,7 +184,8 @@ impl ProgramConnection {
     pub fn has_bytes_within(&self, time: Duration) -> io::Result<bool> {
         let nothing = |received: &mut ProgramBytes| received.bytes.is_empty() && !received.gone;
         let waited = self.0.more.wait_timeout_while(self.0.lock(), time, nothing);
-        let (_, waited) = waited.unwrap_or_else(PoisonError::into_inner);
+        let (received, waited) = waited.unwrap_or_else(PoisonError::into_inner);
+        drop(received);
         Ok(!waited.timed_out())
     }
 
