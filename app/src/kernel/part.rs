@@ -156,7 +156,9 @@ impl KernelPart {
         simulated: bool,
     ) -> Option<(CollisionFinding, bool)> {
         let finding = *self.live.as_mut()?.follow_tick(simulation).first()?;
-        let stops = self.crash_stops && simulated;
+        // By hand, with a guessed job, the position of the part is an assumption.
+        let is_certain = finding.source.is_some() || self.job.zero.is_some();
+        let stops = self.crash_stops && simulated && is_certain;
         if stops {
             let left = simulation.cnc.distance_to_go();
             let drive = match left.x.abs() > left.z.abs() {
