@@ -11,6 +11,7 @@ use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
 use gsk_runner::machining::CollisionFinding;
 use gsk_runner::machining::live_part::{LivePart, running_block};
+use gsk_workpiece::collision::TouchingPart;
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
 
@@ -156,8 +157,11 @@ impl KernelPart {
         simulated: bool,
     ) -> Option<(CollisionFinding, bool)> {
         let finding = *self.live.as_mut()?.follow_tick(simulation).first()?;
-        // By hand, with a guessed job, the position of the part is an assumption.
-        let is_certain = finding.source.is_some() || self.job.zero.is_some();
+        // With a guessed job the position of the part is an assumption by hand, and the shape of
+        // a tool behind its edge is one always: such a collision is reported and stops nothing.
+        let by_body = matches!(finding.collision.touching_part, TouchingPart::Body(_));
+        let is_given = self.job_name.is_some() || self.job.zero.is_some();
+        let is_certain = is_given || (finding.source.is_some() && !by_body);
         let stops = self.crash_stops && simulated && is_certain;
         if stops {
             let left = simulation.cnc.distance_to_go();

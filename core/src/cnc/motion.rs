@@ -83,7 +83,8 @@ impl Cnc {
         })
     }
 
-    pub(crate) const fn is_machine_locked(&self) -> bool {
+    /// Whether machine lock holds both axes: commands move and slides do not.
+    pub const fn is_machine_locked(&self) -> bool {
         self.plc.signals.machine_lock.x && self.plc.signals.machine_lock.z
     }
 

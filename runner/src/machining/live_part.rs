@@ -102,7 +102,8 @@ impl LivePart {
         self.change_stock(simulation);
         let slide = cnc.position_machine();
         // Under machine lock the commands move and the slides do not.
-        let has_moved = self.last_tick.is_some_and(|last| last.slide != slide);
+        let is_locked = cnc.is_machine_locked();
+        let has_moved = !is_locked && self.last_tick.is_some_and(|last| last.slide != slide);
         if !conditions.rapid && conditions.source.is_some() && has_moved {
             self.machining.track.mounting_mut().fix_tool(tool, &frame);
         }
@@ -121,7 +122,7 @@ impl LivePart {
         let is_located =
             conditions.source.is_some() || self.machining.mounting().is_part_located(tool);
         match before {
-            Some(before) if before.slide != slide && is_located => {
+            Some(before) if has_moved && is_located => {
                 self.add_tick(conditions, before, now);
             }
             // At standstill the pending motion shows at once.
