@@ -499,7 +499,7 @@ mod tests {
             (
                 "",
                 r#"index: "^!PC3""#,
-                "io.index: the index counts both edges: ! has no meaning",
+                "io.index: the index counts both edges: ! has no effect",
             ),
         ] {
             assert_eq!(refused(&with(x, io)), format!("link.{text}"));
