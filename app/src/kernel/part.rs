@@ -158,7 +158,8 @@ impl KernelPart {
     ) -> Option<(CollisionFinding, bool)> {
         let finding = *self.live.as_mut()?.follow_tick(simulation).first()?;
         // With a guessed job the position of the part is an assumption by hand, and the shape of
-        // a tool beyond its edge is one always: such a collision is reported and stops nothing.
+        // a tool beyond its edge is one always: such a collision is reported and stops nothing
+        // (WINDOW-29).
         let by_body = matches!(finding.collision.touching_part, TouchingPart::Body(_));
         let is_given = self.job_name.is_some() || self.job.zero.is_some();
         let is_certain = is_given || (finding.source.is_some() && !by_body);

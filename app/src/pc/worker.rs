@@ -383,7 +383,7 @@ impl PcWorkerThread {
             PcWorkerCommand::StorePushed { path, file } => {
                 self.events.send(store_pushed(&path, &file));
             }
-            // The job that asked has ended meanwhile.
+            // The task that sent the question has ended meanwhile.
             PcWorkerCommand::Answer(_) => {}
         }
     }
