@@ -1,5 +1,4 @@
-//! The edge of the program: window, kernel thread, command line, files. The only crate that
-//! does I/O.
+//! The command line: parses it and carries out its commands. The binary is built here.
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 #![allow(
@@ -8,37 +7,10 @@
 )]
 
 #[macro_use]
-pub mod output;
+extern crate gsk_host;
 
-pub mod board;
 pub mod cli;
 pub mod commands;
-pub mod dnc;
-pub mod files;
-pub mod guard;
-pub mod host_clock;
-pub mod input_watch;
-mod job;
-pub mod kernel;
-pub mod loading;
-pub mod log;
-mod message_format;
-pub mod overwrite_guard;
-pub mod pace;
-pub mod pc;
 pub mod picture;
-pub mod pitch;
-pub mod platform;
-pub mod port_io;
-pub mod ports;
-pub mod project;
-pub mod retained;
-pub mod serial;
-pub mod setup_args;
-pub mod sound;
 pub mod terminal;
-pub mod termination;
-pub mod transfer;
 pub mod usage_hint;
-pub mod window;
-pub mod work_limit;

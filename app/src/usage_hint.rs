@@ -6,10 +6,10 @@ use std::path::Path;
 
 use clap::error::{ContextKind, ContextValue};
 use clap::{CommandFactory, Error, Parser};
+use gsk_host::setup_args;
 use gsk_messages::{Language, Message, say};
 
 use crate::cli::{CommandLine, chinese, find_language};
-use crate::setup_args;
 
 /// Parses the command line of the process. Prints an error or requested help and ends the
 /// process.

@@ -7,14 +7,15 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use gsk_host::board::port_io::{PortIo, TrafficLine};
+use gsk_host::kernel::probe::Probe;
+use gsk_host::kernel::{
+    BoardConnection, Command, Console, Kernel, LinkAction, OpenedProgram, StorePolicy,
+};
+
 use crate::process::executable;
 use crate::twin::TwinProcess;
 use crossbeam::queue::ArrayQueue;
-use gsk_app::kernel::probe::Probe;
-use gsk_app::kernel::{
-    BoardConnection, Command, Console, Kernel, LinkAction, OpenedProgram, StorePolicy,
-};
-use gsk_app::port_io::{PortIo, TrafficLine};
 use gsk_core::linked::drives_from_parameters;
 use gsk_core::memory::ControlParameters;
 use gsk_core::operation::RunState;

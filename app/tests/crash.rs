@@ -2,10 +2,11 @@
 
 use std::time::Duration;
 
+use gsk_host::kernel::{Command, OpenedProgram, StorePolicy};
+use gsk_window::layout::{Layouts, WindowLayout};
+
 use crate::common::WindowBench;
 use egui_kittest::kittest::Queryable;
-use gsk_app::kernel::{Command, OpenedProgram, StorePolicy};
-use gsk_app::window::layout::{Layouts, WindowLayout};
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_panel::keys::Key;

@@ -2,11 +2,11 @@
 //! and undoes changes.
 
 use egui_kittest::kittest::Queryable as _;
-use gsk_app::kernel::Command;
 use gsk_core::cnc::{Cnc, ControlRequest};
 use gsk_core::memory::{ControlParameters, parameter};
 use gsk_core::setup::Setup;
 use gsk_core::units::Axis;
+use gsk_host::kernel::Command;
 
 use crate::common::WindowBench;
 

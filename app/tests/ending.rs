@@ -8,9 +8,9 @@ mod twin;
 
 use std::time::{Duration, Instant};
 
-use gsk_app::kernel::{BoardConnection, Command, Kernel, KernelEnvironment, LinkAction, start};
-use gsk_app::termination::TerminationFlag;
 use gsk_core::setup::Setup;
+use gsk_host::kernel::{BoardConnection, Command, Kernel, KernelEnvironment, LinkAction, start};
+use gsk_host::termination::TerminationFlag;
 use gsk_link::{LinkConfig, LinkState};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;

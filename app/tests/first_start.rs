@@ -1,10 +1,11 @@
 //! The questions of the first start, answered with mouse and keyboard.
 
+use gsk_window::layout::WindowLayout;
+use gsk_window::view::ViewId;
+
 use crate::common::WindowBench;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
-use gsk_app::window::layout::WindowLayout;
-use gsk_app::window::view::ViewId;
 use gsk_core::model::ModelId;
 use gsk_core::operation::RunState;
 use gsk_messages::Language;

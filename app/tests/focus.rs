@@ -5,9 +5,9 @@ use std::collections::HashSet;
 
 use egui::{Id, Key, Memory, Modifiers, Rect, Shape, Vec2, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
-use gsk_app::window::layout::{Layouts, WindowLayout};
-use gsk_app::window::view::{VIEWS, ViewId};
 use gsk_core::setup::Setup;
+use gsk_window::layout::{Layouts, WindowLayout};
+use gsk_window::view::{VIEWS, ViewId};
 
 use crate::common::WindowBench;
 

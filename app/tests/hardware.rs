@@ -24,10 +24,10 @@ use std::process::{Command, Stdio};
 use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, SystemTime};
 
-use gsk_app::board::BoardSession;
-use gsk_app::files::time::format_utc;
 use gsk_core::memory::ControlParameters;
 use gsk_core::units::{Axis, PerAxis, Pulses};
+use gsk_host::board::BoardSession;
+use gsk_host::files::time::format_utc;
 use gsk_link::{FINE, LinkConfig, LinkEvent, LinkState, RunTime, Sample, Stop};
 
 /// One test at a time uses the board.

@@ -12,10 +12,10 @@ use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::time::Duration;
 
-use gsk_app::files::data_dir::DataDir;
-use gsk_app::retained::{self, Keeper, Restored};
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
+use gsk_host::files::data_dir::DataDir;
+use gsk_host::retained::{self, Keeper, Restored};
 use gsk_panel::emulator::{Emulator, WaitCondition};
 use gsk_panel::keys::Key;
 

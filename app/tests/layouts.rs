@@ -1,11 +1,12 @@
 //! The layouts of the window: keys, splitters, docked views, a narrow window.
 
+use gsk_window::layout::{Layouts, WindowLayout};
+use gsk_window::view::ViewId;
+
 use crate::common::WindowBench;
 use crate::common::windows::ViewWindows;
 use egui::{Event, Modifiers, PointerButton, Pos2, Role, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable};
-use gsk_app::window::layout::{Layouts, WindowLayout};
-use gsk_app::window::view::ViewId;
 use gsk_core::model::ModelId;
 use gsk_core::setup::Setup;
 use gsk_panel::keys::KEYS;

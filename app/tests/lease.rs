@@ -2,12 +2,12 @@
 
 use std::time::{Duration, Instant};
 
-use gsk_app::input_watch::{DisplayReply, Holders, InputWatch};
-use gsk_app::kernel::{Command, Console, Kernel, KernelEnvironment, start};
-use gsk_app::platform::time_with_sleep;
-use gsk_app::termination::TerminationFlag;
 use gsk_core::cnc::ControlRequest;
 use gsk_core::setup::Setup;
+use gsk_host::input_watch::{DisplayReply, Holders, InputWatch};
+use gsk_host::kernel::{Command, Console, Kernel, KernelEnvironment, start};
+use gsk_host::platform::time_with_sleep;
+use gsk_host::termination::TerminationFlag;
 use gsk_link::LinkState;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
@@ -38,7 +38,7 @@ fn wait_for_key(console: &Console, down: bool, time_limit: Duration) -> bool {
 }
 
 /// Starts a kernel in its thread and holds a key down. `keep_alive` keeps it held.
-fn hold_key(keep_alive: impl Fn(&Console)) -> (gsk_app::kernel::KernelThread, Console) {
+fn hold_key(keep_alive: impl Fn(&Console)) -> (gsk_host::kernel::KernelThread, Console) {
     let (mut kernel, console) = Kernel::new(Emulator::new(Setup::delivered()));
     kernel.run(4000);
     let host = KernelEnvironment {

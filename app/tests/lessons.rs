@@ -3,12 +3,13 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use gsk_host::kernel::{Command, LessonAction};
+use gsk_window::layout::{Layouts, WindowLayout};
+use gsk_window::view::ViewId;
+
 use crate::common::WindowBench;
 use crate::common::mouse_operator::MouseOperator;
 use egui_kittest::kittest::Queryable;
-use gsk_app::kernel::{Command, LessonAction};
-use gsk_app::window::layout::{Layouts, WindowLayout};
-use gsk_app::window::view::ViewId;
 use gsk_core::setup::Setup;
 use gsk_panel::keys::Key;
 use gsk_panel::script::ScriptAction;

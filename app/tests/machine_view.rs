@@ -2,13 +2,14 @@
 
 use std::time::Duration;
 
+use gsk_host::kernel::{Command, OpenedProgram, StorePolicy};
+use gsk_window::layout::{Layouts, WindowLayout};
+
 use crate::common::WindowBench;
 use crate::window::request_close;
 use egui::Modifiers;
 use egui::accesskit::Role;
 use egui_kittest::kittest::{By, Queryable};
-use gsk_app::kernel::{Command, OpenedProgram, StorePolicy};
-use gsk_app::window::layout::{Layouts, WindowLayout};
 use gsk_core::operation::RunState;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;

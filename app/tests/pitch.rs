@@ -102,7 +102,7 @@ fn the_view_writes_only_in_mdi_and_can_undo() {
     bench.run(1);
     bench
         .console
-        .send(gsk_app::kernel::Command::Request(Box::new(
+        .send(gsk_host::kernel::Command::Request(Box::new(
             ControlRequest::SetParameterSwitch(true),
         )));
     bench.run(100);

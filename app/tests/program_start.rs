@@ -1,8 +1,9 @@
 //! The sentence about a program that would start away from its last start point.
 
+use gsk_host::kernel::Command;
+
 use crate::common::WindowBench;
 use egui_kittest::kittest::Queryable;
-use gsk_app::kernel::Command;
 use gsk_core::operation::RunState;
 use gsk_panel::keys::Key;
 

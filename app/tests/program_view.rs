@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use gsk_host::kernel::Command;
+
 use crate::common::WindowBench;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
-use gsk_app::kernel::Command;
 use gsk_core::cnc::ControlRequest;
 use gsk_core::command::ProgramId;
 

@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
-use gsk_app::files::data_dir::DataDir;
-use gsk_app::project::{self, ImportRequest, ImportRights};
-use gsk_app::retained;
 use gsk_core::setup::Setup;
+use gsk_host::files::data_dir::DataDir;
+use gsk_host::project::{self, ImportRequest, ImportRights};
+use gsk_host::retained;
 use gsk_panel::emulator::Emulator;
 
 use crate::common::WindowBench;

@@ -6,10 +6,10 @@ use std::path::Path;
 use std::process::{Child, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use gsk_app::kernel::{Command as Order, Kernel, KernelEnvironment, start};
-use gsk_app::serial::{SerialEnd, SerialLine};
-use gsk_app::termination::TerminationFlag;
 use gsk_core::setup::Setup;
+use gsk_host::kernel::{Command as Order, Kernel, KernelEnvironment, start};
+use gsk_host::serial::{SerialEnd, SerialLine};
+use gsk_host::termination::TerminationFlag;
 use gsk_messages::Id;
 use gsk_panel::emulator::{Emulator, WaitCondition};
 use gsk_panel::keys::Key;
@@ -273,7 +273,7 @@ fn the_out_key_sends_to_a_pc_and_the_lcd_shows_the_line_state() {
         loop {
             let remaining = end.saturating_duration_since(Instant::now());
             match console.notices.recv_timeout(remaining).expect("a notice") {
-                gsk_app::kernel::Notice::Message(message) if message.id() == id => return message,
+                gsk_host::kernel::Notice::Message(message) if message.id() == id => return message,
                 _ => {}
             }
         }

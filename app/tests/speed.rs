@@ -1,9 +1,10 @@
 //! The speed of the simulation: chosen in the top bar, used only while a program runs.
 
+use gsk_host::kernel::Command;
+use gsk_host::kernel::pace::RunSpeed;
+
 use crate::common::WindowBench;
 use egui_kittest::kittest::Queryable;
-use gsk_app::kernel::Command;
-use gsk_app::pace::RunSpeed;
 use gsk_link::LinkState;
 
 /// Chooses a speed by its name in the top bar.

@@ -4,9 +4,9 @@
 use egui::accesskit::Role;
 use egui::{Context, Key, Modifiers, Order, Rect, Vec2, ViewportId, pos2, vec2};
 use egui_kittest::kittest::Queryable as _;
-use gsk_app::window::layout::{Layouts, WindowLayout};
-use gsk_app::window::view::{VIEWS, ViewId};
 use gsk_core::setup::Setup;
+use gsk_window::layout::{Layouts, WindowLayout};
+use gsk_window::view::{VIEWS, ViewId};
 
 use crate::common::WindowBench;
 use crate::common::windows::ViewWindows;

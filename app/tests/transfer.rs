@@ -4,10 +4,10 @@
 use std::path::Path;
 use std::time::Duration;
 
-use gsk_app::kernel::{Command, Kernel, KernelEnvironment, Notice, start};
-use gsk_app::termination::TerminationFlag;
-use gsk_app::transfer;
 use gsk_core::setup::Setup;
+use gsk_host::kernel::{Command, Kernel, KernelEnvironment, Notice, start};
+use gsk_host::termination::TerminationFlag;
+use gsk_host::transfer;
 use gsk_panel::emulator::{Emulator, WaitCondition};
 use gsk_panel::keys::Key;
 

@@ -15,8 +15,8 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::Duration;
 
-use gsk_app::pc::{TransferObserver, TransferSession};
-use gsk_app::ports::{OfferedPort, Port};
+use gsk_host::pc::{TransferObserver, TransferSession};
+use gsk_host::ports::{OfferedPort, Port};
 use gsk_transfer::{FileName, Partition, RemotePath, TransferFile};
 
 use crate::process::executable;

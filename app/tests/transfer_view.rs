@@ -5,11 +5,11 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use egui_kittest::kittest::Queryable;
-use gsk_app::pc::{SendListItem, TransferSettings};
-use gsk_app::window::WindowSettings;
-use gsk_app::window::layout::{Layouts, WindowLayout};
 use gsk_core::setup::Setup;
+use gsk_host::pc::{SendListItem, TransferSettings};
 use gsk_messages::Language;
+use gsk_window::WindowSettings;
+use gsk_window::layout::{Layouts, WindowLayout};
 
 use crate::common::WindowBench;
 use crate::serial::{ControlProcess, serial_folder};

@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use gsk_app::pc::worker::{
+use gsk_host::pc::worker::{
     ConnectionStage, FileResult, NameConflict, NameConflictAnswer, NameConflictChoice, PcWorker,
     PcWorkerCommand, PcWorkerEvent, ToSend,
 };

@@ -6,11 +6,12 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use gsk_window::layout::{Layouts, WindowLayout};
+
 use crate::common::WindowBench;
 use crate::common::mouse_operator::MouseOperator;
 use egui::{Event, Pos2, pos2, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable};
-use gsk_app::window::layout::{Layouts, WindowLayout};
 use gsk_core::setup::Setup;
 use gsk_core::units::Point;
 

@@ -5,8 +5,8 @@ use std::os::unix::fs::{PermissionsExt, symlink};
 use std::path::PathBuf;
 use std::process::Command;
 
-use gsk_app::files::atomic::{self, FileAccess};
-use gsk_app::files::mirrored_files::{FileChange, MirroredFiles};
+use gsk_host::files::atomic::{self, FileAccess};
+use gsk_host::files::mirrored_files::{FileChange, MirroredFiles};
 
 fn create_folder(name: &str) -> PathBuf {
     let name = format!("gsk980td-{}-{name}", std::process::id());

@@ -3,11 +3,12 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use gsk_host::kernel::probe::{Probe, ScopeSample};
+use gsk_host::kernel::{Command, OpenedProgram, StorePolicy};
+
 use crate::common::WindowBench;
 use crossbeam::queue::ArrayQueue;
 use egui_kittest::kittest::Queryable;
-use gsk_app::kernel::probe::{Probe, ScopeSample};
-use gsk_app::kernel::{Command, OpenedProgram, StorePolicy};
 use gsk_core::machine::LatheFault;
 use gsk_core::program::Program;
 

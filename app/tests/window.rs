@@ -1,11 +1,12 @@
 //! The window without a display, operated through its accessible names as a screen reader
 //! does: names, mouse, PC keys, and the text of the LCD.
 
+use gsk_host::kernel::{Command, OpenedProgram, StorePolicy};
+
 use crate::common::WindowBench;
 use crate::common::windows::ViewWindows;
 use egui::{ViewportCommand, ViewportEvent, ViewportId};
 use egui_kittest::kittest::Queryable;
-use gsk_app::kernel::{Command, OpenedProgram, StorePolicy};
 use gsk_core::command::ProgramId;
 use gsk_core::machine::LatheFault;
 use gsk_core::operation::RunState;

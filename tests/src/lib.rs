@@ -7,6 +7,7 @@ pub mod case;
 pub mod compare;
 pub mod determinism;
 pub mod execute;
+pub mod folder;
 pub mod fuzz;
 pub mod rust_text;
 pub mod setup;
@@ -20,6 +21,7 @@ mod program;
 use std::path::{Path, PathBuf};
 
 pub use case::{ProgramPath, TestCase};
+pub use folder::{TestFolder, test_folder};
 pub use tree::case_dir;
 
 /// Returns the root folder of the repository.

@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 use crate::repository;
 
 /// The packages in which [`has_test`] searches for a test.
-const TESTED_PACKAGES: [&str; 6] = ["core", "milling", "panel", "app", "twins", "tests"];
+const TESTED_PACKAGES: [&str; 8] = [
+    "core", "milling", "panel", "host", "window", "app", "twins", "tests",
+];
 
 /// Returns the folder names of the packages of the workspace, sorted.
 pub fn packages() -> Vec<String> {
@@ -65,7 +67,7 @@ pub struct SourceFile {
 
 /// Returns the sources of control, link, mill, panel and program, without their tests.
 pub fn control_sources() -> Vec<SourceFile> {
-    package_sources(&["core", "link", "milling", "panel", "app"])
+    package_sources(&["core", "link", "milling", "panel", "host", "window", "app"])
 }
 
 /// Returns the sources of packages without their tests. `packages` are their folders.

@@ -10,17 +10,19 @@ use gsk_tests::repository;
 /// The register.
 const REGISTER: &str = "docs/decisions.md";
 /// Where decisions are cited: the packages, the documents, the tables.
-const CITING_PATHS: [&str; 10] = [
+const CITING_PATHS: [&str; 12] = [
     "app",
     "assets",
     "commission",
     "core",
     "docs",
+    "host",
     "panel",
     "plc",
     "project",
     "tests",
     "twins",
+    "window",
 ];
 /// Extensions of hand-written files.
 const TEXT_EXTENSIONS: [&str; 7] = ["il", "md", "nc", "ron", "rs", "tsv", "txt"];

@@ -13,7 +13,7 @@ use paths::{ModuleSource, sources};
 /// The modules of `core`, from leaf to root, and what each uses.
 const CORE_MODULES: &str = "tests/core-modules.tsv";
 /// The folders of the packages that have a library.
-const PACKAGES: [&str; 18] = [
+const PACKAGES: [&str; 20] = [
     "messages",
     "units",
     "plc",
@@ -29,6 +29,8 @@ const PACKAGES: [&str; 18] = [
     "runner",
     "help",
     "language",
+    "host",
+    "window",
     "app",
     "web",
     "tests",
@@ -238,7 +240,7 @@ fn packages_use_what_the_architecture_says() {
 }
 
 /// The folder of the code that differs by system.
-const PLATFORM_FOLDER: &str = "app/src/platform/";
+const PLATFORM_FOLDER: &str = "host/src/platform/";
 /// Besides it: the entry point for a browser, and the comparison with other systems.
 const PAGE_FILES: [&str; 2] = ["tests/src/bin/golden.rs", "web/src/main.rs"];
 /// How a source queries the system, or uses functions of one system alone.
@@ -292,24 +294,22 @@ fn only_the_platform_folder_queries_the_system() {
     );
 }
 
-/// Folders of `app` that also run on a page in a browser.
-const PAGE_FOLDERS: [&str; 11] = [
-    "app/src/files/",
-    "app/src/input_watch.rs",
-    "app/src/job.rs",
-    "app/src/kernel.rs",
-    "app/src/kernel/",
-    "app/src/loading.rs",
-    "app/src/pace.rs",
-    "app/src/retained/",
-    "app/src/transfer.rs",
-    "app/src/window/",
-    "app/src/work_limit.rs",
+/// Folders that also run on a page in a browser.
+const PAGE_FOLDERS: [&str; 9] = [
+    "host/src/files/",
+    "host/src/input_watch.rs",
+    "host/src/job.rs",
+    "host/src/kernel/",
+    "host/src/loading.rs",
+    "host/src/retained/",
+    "host/src/transfer.rs",
+    "window/src/",
+    "host/src/work_limit.rs",
 ];
 /// Except boards, which a page does not have.
 const BOARD_FILES: [&str; 2] = [
-    "app/src/kernel/drive.rs",
-    "app/src/kernel/headless_board.rs",
+    "host/src/kernel/drive.rs",
+    "host/src/kernel/headless_board.rs",
 ];
 /// Functions that fail on a page at run time.
 const UNAVAILABLE_ON_A_PAGE: [&str; 6] = [
@@ -325,7 +325,9 @@ const UNAVAILABLE_ON_A_PAGE: [&str; 6] = [
 fn what_runs_on_a_page_has_files_threads_and_clock_from_the_platform() {
     let mut faults = Vec::new();
     let mut seen = BTreeSet::new();
-    for source in sources(&repository().join("app/src")) {
+    let packages =
+        ["host", "window"].map(|package| sources(&repository().join(package).join("src")));
+    for source in packages.into_iter().flatten() {
         let file = source.file.replace('\\', "/");
         let Some(room) = PAGE_FOLDERS.iter().find(|room| file.starts_with(*room)) else {
             continue;

@@ -8,7 +8,7 @@ use gsk_tests::repository;
 use gsk_tests::rust_text::{RustToken, split_tokens};
 use gsk_tests::sources::{packages, rust_files};
 
-/// Names that each system defines for itself: the modules of `app/src/platform` have one
+/// Names that each system defines for itself: the modules of `host/src/platform` have one
 /// interface.
 const SYSTEM_NAMES: [&str; 8] = [
     "DisplayServer",
@@ -41,7 +41,7 @@ fn public_types(source: &str) -> Vec<(String, usize)> {
 }
 
 fn is_system_file(path: &Path) -> bool {
-    path.starts_with(repository().join("app/src/platform"))
+    path.starts_with(repository().join("host/src/platform"))
 }
 
 #[test]

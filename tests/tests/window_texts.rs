@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use gsk_tests::repository;
 
 /// The folder of the window's sources.
-const WINDOW_FOLDER: &str = "app/src/window";
+const WINDOW_FOLDER: &str = "window/src";
 /// Literals with this number of words count as a sentence.
 const SENTENCE_WORDS: usize = 3;
 

@@ -1,5 +1,5 @@
 //! The program as a page in a browser: the same window on a canvas. Differences between page
-//! and computer are in `app/src/platform/web/`.
+//! and computer are in `host/src/platform/web/`.
 
 fn main() {
     #[cfg(target_arch = "wasm32")]
@@ -10,7 +10,7 @@ fn main() {
 mod page {
     use gsk_app::cli::WindowArgs;
     use gsk_app::commands::window;
-    use gsk_app::platform;
+    use gsk_host::platform;
     use gsk_messages::Language;
 
     /// Opens the window on the page, with the options in its link.

@@ -10,12 +10,12 @@ use std::ffi::OsString;
 
 use clap::builder::{PossibleValue, Str, StyledStr};
 use clap::{Arg, Command, CommandFactory, Error};
+use gsk_host::setup_args::OptionValueError;
 use gsk_messages::{Language, Message};
 use gsk_runner::picture::InvalidPictureSize;
 use gsk_transfer::FileNameError;
 
 use super::CommandLine;
-use crate::setup_args::OptionValueError;
 
 static TABLE_TEXT: &str = include_str!("../../../assets/tables/command-line.tsv");
 

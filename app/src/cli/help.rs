@@ -16,6 +16,6 @@ pub struct HelpArgs {
     #[arg(long, conflicts_with_all = ["topic", "list"])]
     pub document: bool,
     /// The control model [default: gsk980td]
-    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::model_parser())]
+    #[arg(long, value_name = "MODEL", value_parser = gsk_host::setup_args::model_parser())]
     pub model: Option<ModelId>,
 }

@@ -33,6 +33,6 @@ pub struct LadderRunArgs {
     #[arg(long, default_value_t = 1000, value_name = "N")]
     pub slots: u32,
     /// Hold a bit, for instance X20.1=1
-    #[arg(long = "set", value_name = "ADDRESS=0|1", value_parser = crate::setup_args::parse_input_bit)]
-    pub bits: Vec<crate::setup_args::InputBit>,
+    #[arg(long = "set", value_name = "ADDRESS=0|1", value_parser = gsk_host::setup_args::parse_input_bit)]
+    pub bits: Vec<gsk_host::setup_args::InputBit>,
 }

@@ -1,8 +1,7 @@
 //! Options of `link`.
 
 use clap::{Args, Subcommand, ValueEnum};
-
-use crate::setup_args::{self, SetupArgs};
+use gsk_host::setup_args::{self, SetupArgs};
 
 /// `link`.
 #[derive(Args, Debug)]

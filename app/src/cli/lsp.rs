@@ -1,8 +1,7 @@
 //! Options of `lsp`.
 
 use clap::Args;
-
-use crate::setup_args::SetupArgs;
+use gsk_host::setup_args::SetupArgs;
 
 /// `lsp`.
 #[derive(Args, Debug)]

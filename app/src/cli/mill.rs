@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
-
-use crate::setup_args::{OptionValueError, parse_number};
+use gsk_host::setup_args::{OptionValueError, parse_number};
 
 /// `mill`.
 #[derive(Debug, Subcommand)]

@@ -54,8 +54,8 @@ pub use transfer::{
     TransferSendArgs, TransferSendTextArgs, TransferWaitArgs,
 };
 
-use crate::setup_args::{self, SetupArgs};
 use deferred::DeferredArgs;
+use gsk_host::setup_args::{self, SetupArgs};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -81,7 +81,7 @@ pub struct CommandLine {
     pub command: Option<CliCommand>,
     /// How much is written into the log: off, error, warn, info, debug or trace [default: info
     /// in the window, into `log` of the data folder; off for commands, else on standard error]
-    #[arg(long, global = true, value_name = "LEVEL", value_parser = crate::log::parse_level)]
+    #[arg(long, global = true, value_name = "LEVEL", value_parser = gsk_host::log::parse_level)]
     pub log: Option<LevelFilter>,
     /// Language of messages; the panel itself is always as printed [default: zh on a Chinese
     /// system, else English with the Chinese texts of the screen; the window as it was, `lsp`
@@ -225,7 +225,7 @@ pub enum CliCommand {
     /// Print the manual page, for `man -l`
     Man(DeferredArgs<ManArgs>),
     /// Hold the port of a board for the program at standard input
-    #[command(name = crate::guard::HOLDER_COMMAND, hide = true)]
+    #[command(name = gsk_host::guard::HOLDER_COMMAND, hide = true)]
     HoldPort(DeferredArgs<HoldPortArgs>),
 }
 

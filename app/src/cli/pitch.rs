@@ -43,10 +43,10 @@ pub struct PitchImportArgs {
     #[arg(long, value_name = "DIR", alias = "data")]
     pub into: Option<PathBuf>,
     /// The control model whose memory is written [default: as the data folder says]
-    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::lathe_model_parser())]
+    #[arg(long, value_name = "MODEL", value_parser = gsk_host::setup_args::lathe_model_parser())]
     pub model: Option<ModelId>,
     /// Slide travel from point to point, mm [default: the coarsest that leaves 0.8 µm or less]
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = crate::setup_args::parse_number)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = gsk_host::setup_args::parse_number)]
     pub interval: Option<f64>,
     /// The table was empty when it was measured: what stands in it is dropped, not added to
     #[arg(long)]
@@ -75,7 +75,7 @@ pub struct PitchShowArgs {
     #[arg(long, value_name = "DIR", alias = "into")]
     pub data: Option<PathBuf>,
     /// The control model whose memory is read [default: as the data folder says]
-    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::lathe_model_parser())]
+    #[arg(long, value_name = "MODEL", value_parser = gsk_host::setup_args::lathe_model_parser())]
     pub model: Option<ModelId>,
     /// How the table is written
     #[arg(long, value_enum, default_value_t = PitchFormat::Human)]

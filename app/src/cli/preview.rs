@@ -4,12 +4,12 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use gsk_core::preview::WorkBudget;
+use gsk_host::job::{JobArgs, PartArgs};
+use gsk_host::setup_args::{self, SetupArgs};
+use gsk_host::work_limit::WorkLimit;
 use web_time::Duration;
 
 use super::PictureArgs;
-use crate::job::{JobArgs, PartArgs};
-use crate::setup_args::{self, SetupArgs};
-use crate::work_limit::WorkLimit;
 
 /// Limits at which `check` and `plot` cancel a preview.
 #[derive(Args, Clone, Copy, Debug)]

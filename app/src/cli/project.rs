@@ -36,7 +36,7 @@ pub struct ProjectNewArgs {
     #[arg(value_name = "FOLDER")]
     pub folder: PathBuf,
     /// The control model [default: gsk980td]
-    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::lathe_model_parser())]
+    #[arg(long, value_name = "MODEL", value_parser = gsk_host::setup_args::lathe_model_parser())]
     pub model: Option<ModelId>,
     /// The lathe from a RON file, which becomes the machine file of the project
     #[arg(long, value_name = "FILE")]
@@ -53,7 +53,7 @@ pub struct ProjectExportArgs {
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
     /// The control model whose memory is written [default: as the data folder says]
-    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::lathe_model_parser())]
+    #[arg(long, value_name = "MODEL", value_parser = gsk_host::setup_args::lathe_model_parser())]
     pub model: Option<ModelId>,
     /// The lathe from a RON file, which becomes the machine file of the project
     #[arg(long, value_name = "FILE")]
@@ -93,7 +93,7 @@ pub struct ProjectDiffArgs {
     #[arg(long, value_name = "DIR", conflicts_with = "new")]
     pub data: Option<PathBuf>,
     /// The control model whose memory is compared, of data folders [default: as they say]
-    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::lathe_model_parser())]
+    #[arg(long, value_name = "MODEL", value_parser = gsk_host::setup_args::lathe_model_parser())]
     pub model: Option<ModelId>,
     /// Compare these parts alone, for instance parameters,offsets
     #[arg(long, value_name = "PART", value_delimiter = ',', value_parser = section_parser(|_| true))]

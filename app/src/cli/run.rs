@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use gsk_host::job::PartArgs;
+use gsk_host::setup_args::{self, SetupArgs};
 
 use super::PictureArgs;
-use crate::job::PartArgs;
-use crate::setup_args::{self, SetupArgs};
 
 /// `run`.
 #[derive(Args, Debug)]

@@ -3,9 +3,8 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
+use gsk_host::setup_args::{OptionValueError, SetupArgs};
 use gsk_transfer::{FileName, Partition, TextLineEnd};
-
-use crate::setup_args::{OptionValueError, SetupArgs};
 
 /// Options of the control's serial port.
 #[derive(Args, Clone, Debug, Default)]

@@ -5,6 +5,10 @@ use std::path::{Path, PathBuf};
 use gsk_core::command::ExecutedMove;
 use gsk_core::preview::PreviewProgress;
 use gsk_core::setup::Setup;
+use gsk_host::files::folders;
+use gsk_host::files::overwrite_guard::{CommandInputs, check_overwrites, collect_outputs};
+use gsk_host::job::{self, write_section};
+use gsk_host::loading;
 use gsk_messages::Language;
 use gsk_runner::curves::RapidRates;
 use gsk_runner::move_output;
@@ -13,10 +17,6 @@ use gsk_runner::report::{self, PartReport, ProgramReport};
 use super::results::{check_files, check_into_file, print_results};
 use super::{CommandError, mill, output};
 use crate::cli::CheckArgs;
-use crate::files::folders;
-use crate::job::{self, write_section};
-use crate::loading;
-use crate::overwrite_guard::{CommandInputs, check_overwrites, collect_outputs};
 
 /// Checks programs, prints the results and returns the highest exit code.
 pub fn check(args: &CheckArgs, language: Option<Language>) -> Result<u8, CommandError> {

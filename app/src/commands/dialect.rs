@@ -1,12 +1,12 @@
 //! `dialect`: compares how two control models read a program.
 
+use gsk_host::files::overwrite_guard::{CommandInputs, check_overwrites};
+use gsk_host::files::{decode, program_file};
 use gsk_messages::{Language, Message, say};
 use gsk_runner::{dialect, report};
 
 use super::{CommandError, EXIT_ALARM, EXIT_OK, output};
 use crate::cli::DialectArgs;
-use crate::files::{decode, program_file};
-use crate::overwrite_guard::{CommandInputs, check_overwrites};
 
 /// Lists the blocks that the other model reads differently. With `--output` it writes the
 /// program for the other model and lists only the remaining differences. Exit code 1 if

@@ -3,29 +3,29 @@
 use std::io;
 use std::path::PathBuf;
 
+use gsk_host::board::BoardError;
+use gsk_host::files::data_dir::DataDirError;
+use gsk_host::files::overwrite_guard::OverwriteError;
+use gsk_host::files::program_file::ProgramFileError;
+use gsk_host::guard::holder::NoProgram;
+use gsk_host::job::JobError;
+use gsk_host::loading::LoadError;
+use gsk_host::message_format::join_lines;
+use gsk_host::output::WriteError;
+use gsk_host::pc::{FilesError, PcError};
+use gsk_host::ports::PortError;
+use gsk_host::project::ProjectError;
+use gsk_host::retained::NotSaved;
+use gsk_host::setup_args::MachineStateOption;
+use gsk_host::termination::SignalError;
+use gsk_host::transfer::TransferError;
 use gsk_link::LinkConfigError;
 use gsk_messages::{Message, say};
 use gsk_panel::script::ScriptError;
 use gsk_runner::execution::ExecutionError;
 use gsk_runner::picture::{PictureError, UnknownPictureFormat};
 
-use crate::board::BoardError;
-use crate::files::data_dir::DataDirError;
-use crate::files::program_file::ProgramFileError;
-use crate::guard::holder::NoProgram;
-use crate::job::JobError;
-use crate::loading::LoadError;
-use crate::message_format::join_lines;
-use crate::output::WriteError;
-use crate::overwrite_guard::OverwriteError;
-use crate::pc::{FilesError, PcError};
 use crate::picture::PictureNameError;
-use crate::ports::PortError;
-use crate::project::ProjectError;
-use crate::retained::NotSaved;
-use crate::setup_args::MachineStateOption;
-use crate::termination::SignalError;
-use crate::transfer::TransferError;
 
 /// Why a command failed, or an error besides its main task.
 #[derive(Debug, thiserror::Error)]

@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use gsk_core::plc::{CompileError, Ladder, Plc};
 use gsk_core::setup::{STANDARD_LADDER, standard_ladder};
+use gsk_host::files::program_file;
+use gsk_host::loading;
 use gsk_messages::say;
 
 use super::{CommandError, EXIT_ALARM, EXIT_OK, output};
 use crate::cli::{LadderArgs, LadderCommand, LadderRunArgs};
-use crate::files::program_file;
-use crate::loading;
 
 pub fn ladder(command: &LadderCommand) -> Result<u8, CommandError> {
     match command {

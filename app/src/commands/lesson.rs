@@ -3,6 +3,8 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use gsk_host::files::lessons;
+use gsk_host::platform;
 use gsk_messages::{Language, say};
 use gsk_runner::lesson::Lesson;
 use gsk_runner::lesson::solution_player::{self, StepResult};
@@ -10,8 +12,6 @@ use gsk_runner::report;
 
 use super::{CommandError, EXIT_ALARM, EXIT_OK, output};
 use crate::cli::LessonCommand;
-use crate::files::lessons;
-use crate::platform;
 
 /// Lists, checks or plays lessons. Exit code 1 if a step does not reach its goal.
 ///

@@ -5,13 +5,13 @@ mod twin;
 
 use std::time::Duration;
 
+use gsk_host::board::BoardSession;
+use gsk_host::message_format::{describe_setting_difference, join_on_one_line};
+use gsk_host::{loading, platform, ports};
 use gsk_link::{LinkConfig, LinkEvent, LinkState};
 
 use super::{CommandError, EXIT_ALARM, EXIT_OK, output};
-use crate::board::BoardSession;
 use crate::cli::{LinkBoardArgs, LinkCommand, LinkMonitorArgs, LinkTestArgs};
-use crate::message_format::{describe_setting_difference, join_on_one_line};
-use crate::{loading, platform, ports};
 use gsk_core::alarm::number;
 use gsk_messages::{Message, say};
 

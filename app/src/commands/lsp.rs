@@ -21,12 +21,12 @@ mod settings;
 mod streams;
 
 use gsk_core::setup::Setup;
+use gsk_host::loading;
 use gsk_messages::Language;
 use gsk_runner::mill::MillSetup;
 
 use super::{CommandError, EXIT_OK};
 use crate::cli::LspArgs;
-use crate::loading;
 
 /// Exit code if the editor disconnected without `shutdown`.
 const EXIT_DISCONNECTED: u8 = 1;

@@ -4,10 +4,10 @@ use std::fs;
 
 use clap::CommandFactory;
 use clap_mangen::Man;
+use gsk_host::output::{self, WriteError};
 
 use super::{CommandError, EXIT_OK};
 use crate::cli::{CommandLine, CompletionsArgs, ManArgs};
-use crate::output::{self, WriteError};
 
 const NAME: &str = "gsk980td";
 

@@ -3,6 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use gsk_core::preview::{PreviewEnd, PreviewProgress};
+use gsk_host::files::folders;
+use gsk_host::files::overwrite_guard::{CommandInputs, check_overwrites, collect_outputs};
+use gsk_host::loading::{self, LoadError};
+use gsk_host::setup_args::ModelMismatch;
 use gsk_messages::{Language, say};
 use gsk_milling::{MillMove, preview_while};
 use gsk_runner::mill::{self, MillSetup};
@@ -15,11 +19,7 @@ use super::results::{check_files, check_into_file, print_results};
 use super::run::picture_title;
 use super::{CommandError, EXIT_ALARM, EXIT_OK, output};
 use crate::cli::{CheckArgs, PlotArgs};
-use crate::files::folders;
-use crate::loading::{self, LoadError};
-use crate::overwrite_guard::{CommandInputs, check_overwrites, collect_outputs};
 use crate::picture::check_name;
-use crate::setup_args::ModelMismatch;
 
 /// Creates the error for an option that applies to lathes only.
 fn lathe_option_error(option: &'static str) -> CommandError {

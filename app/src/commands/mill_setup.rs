@@ -3,6 +3,9 @@
 use std::path::Path;
 
 use gsk_commission::ImportedFile;
+use gsk_host::files::overwrite_guard::{CommandInputs, check_overwrites};
+use gsk_host::files::program_file;
+use gsk_host::loading::LoadError;
 use gsk_messages::{Language, Message, say};
 use gsk_milling::commissioning::{MillPitchTable, Teeth, backlash_rate, linear_gear, rotary_gear};
 use gsk_milling::keys::{KEYS, pressed_keys};
@@ -11,9 +14,6 @@ use gsk_runner::report;
 
 use super::{CommandError, EXIT_OK, output};
 use crate::cli::{GearArgs, HomingArgs, MILL_AXES, MillCommand, MillKeysArgs, PitchArgs};
-use crate::files::program_file;
-use crate::loading::LoadError;
-use crate::overwrite_guard::{CommandInputs, check_overwrites};
 
 /// Carries out a `mill` command and prints its result; returns the exit code.
 pub fn run_mill_command(

@@ -25,11 +25,11 @@ pub mod window;
 use std::process::ExitCode;
 
 pub use error::CommandError;
+use gsk_host::guard::holder;
+use gsk_host::{log, output};
 use gsk_messages::say;
 
 use crate::cli::{CliCommand, CommandLine, system_language};
-use crate::guard::holder;
-use crate::{log, output};
 
 /// Exit code of success.
 pub const EXIT_OK: u8 = 0;

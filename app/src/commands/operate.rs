@@ -5,6 +5,14 @@ use std::path::{Path, PathBuf};
 
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
+use gsk_host::files::data_dir::DataDir;
+use gsk_host::files::overwrite_guard::{CommandInputs, check_overwrites};
+use gsk_host::files::program_file;
+use gsk_host::kernel::headless_board::HeadlessBoard;
+use gsk_host::loading::LoadError;
+use gsk_host::ports::dnc::{self, DncSource};
+use gsk_host::termination::TERMINATED_EXIT_CODE;
+use gsk_host::{loading, retained, transfer};
 use gsk_messages::{Language, Message, say};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::SerialFile;
@@ -17,15 +25,7 @@ use gsk_runner::text_format::format_time;
 
 use super::{CommandError, EXIT_ALARM, EXIT_OK, output};
 use crate::cli::OperateArgs;
-use crate::dnc::{self, DncSource};
-use crate::files::data_dir::DataDir;
-use crate::files::program_file;
-use crate::kernel::headless_board::HeadlessBoard;
-use crate::loading::LoadError;
-use crate::overwrite_guard::{CommandInputs, check_overwrites};
 use crate::picture::check_png;
-use crate::termination::TERMINATED_EXIT_CODE;
-use crate::{loading, retained, transfer};
 
 /// Plays a script of key presses. Returns exit code 1 if an expectation is not met.
 pub fn operate(args: &OperateArgs, language: Option<Language>) -> Result<u8, CommandError> {

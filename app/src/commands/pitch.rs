@@ -9,6 +9,8 @@ use gsk_commission::{
 use gsk_core::battery::BatteryMemory;
 use gsk_core::memory::{ControlParameters, PitchTable};
 use gsk_core::units::Axis;
+use gsk_host::files::pitch::{self, EvaluatedMeasurement, axis_letter};
+use gsk_host::project::{self, ImportRights, ImportTarget};
 use gsk_messages::{Language, Message, say};
 use gsk_runner::report::message_text;
 use serde_json::{Value as Json, json};
@@ -16,8 +18,6 @@ use serde_json::{Value as Json, json};
 use super::project::{data_directory, print_differences, report_denied_changes};
 use super::{CommandError, EXIT_ALARM, EXIT_OK, output};
 use crate::cli::{PitchCommand, PitchFormat, PitchImportArgs, PitchShowArgs};
-use crate::pitch::{self, EvaluatedMeasurement, axis_letter};
-use crate::project::{self, ImportRights, ImportTarget};
 
 /// Number of the last point in the pitch error table.
 const LAST_POINT: u8 = 255;

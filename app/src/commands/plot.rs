@@ -1,6 +1,8 @@
 //! `plot`: draws the toolpath as a picture.
 
 use gsk_core::preview::{CautionKind, PreviewEnd, preview_with_progress};
+use gsk_host::files::overwrite_guard::{CommandInputs, check_overwrites};
+use gsk_host::{job, loading};
 use gsk_messages::{Language, say};
 use gsk_runner::curves::RapidRates;
 use gsk_runner::picture::{self, PathDrawing, PictureFormat};
@@ -10,9 +12,7 @@ use gsk_runner::text_format::format_time;
 use super::run::picture_title;
 use super::{CommandError, EXIT_ALARM, EXIT_COLLISION, EXIT_OK, mill, output};
 use crate::cli::PlotArgs;
-use crate::overwrite_guard::{CommandInputs, check_overwrites};
 use crate::picture::{PictureNameError, check_name};
-use crate::{job, loading};
 
 /// Draws the toolpath of a program into a picture. The moves before an alarm are drawn as
 /// well.

@@ -3,6 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use gsk_core::model::ModelId;
+use gsk_host::files::data_dir::{self, DataDirError};
+use gsk_host::project::{
+    self, ImportRequest, ImportResult, ImportRights, ProjectError, ProjectWriteCounts,
+};
+use gsk_host::retained::project::DataDirContent;
 use gsk_messages::{Language, Message, say};
 use gsk_project::{
     DataSet, ProjectDifference, ProjectSection, ProjectState, ProjectValue, describe_difference,
@@ -16,11 +21,6 @@ use crate::cli::{
     DiffFormat, ProjectDiffArgs, ProjectExportArgs, ProjectImportArgs, ProjectNewArgs,
     ProjectSubcommand,
 };
-use crate::files::data_dir::{self, DataDirError};
-use crate::project::{
-    self, ImportRequest, ImportResult, ImportRights, ProjectError, ProjectWriteCounts,
-};
-use crate::retained::project::DataDirContent;
 
 pub fn project(
     command: &ProjectSubcommand,

@@ -9,6 +9,16 @@ use gsk_core::interpreter::{Explanation, ModalState};
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
+use gsk_host::files::data_dir::DataDir;
+use gsk_host::files::overwrite_guard::{CommandInputs, check_overwrites, collect_outputs};
+use gsk_host::job::SelectedJob;
+use gsk_host::kernel::BoardConnection;
+use gsk_host::kernel::headless_board::HeadlessBoard;
+use gsk_host::loading::LoadError;
+use gsk_host::ports::dnc::{self, DncSource};
+use gsk_host::retained::Restored;
+use gsk_host::termination::TERMINATED_EXIT_CODE;
+use gsk_host::{job, loading, retained};
 use gsk_messages::{Language, Message, say};
 use gsk_runner::board::TerminalOperator;
 use gsk_runner::curves::RapidRates;
@@ -23,18 +33,8 @@ use indicatif::ProgressBar;
 
 use super::{CommandError, EXIT_ALARM, EXIT_COLLISION, EXIT_OK, output};
 use crate::cli::RunArgs;
-use crate::dnc::{self, DncSource};
-use crate::files::data_dir::DataDir;
-use crate::job::SelectedJob;
-use crate::kernel::BoardConnection;
-use crate::kernel::headless_board::HeadlessBoard;
-use crate::loading::LoadError;
-use crate::overwrite_guard::{CommandInputs, check_overwrites, collect_outputs};
 use crate::picture::check_name;
-use crate::retained::Restored;
 use crate::terminal::StdinOperator;
-use crate::termination::TERMINATED_EXIT_CODE;
-use crate::{job, loading, retained};
 
 /// Interval at which the progress line is updated, ms of machine time.
 const PROGRESS_INTERVAL_MS: u64 = 4096;

@@ -8,11 +8,11 @@ use gsk_milling::mill_parameter_rows;
 use gsk_panel::keys::{Bit, KEYS, KeyRole, STRIP};
 use gsk_panel::signals;
 use gsk_runner::report::class_name;
+use gsk_window::pc_name;
 use serde_json::{Value, json};
 
 use super::{CommandError, EXIT_OK, output};
 use crate::cli::{ParametersArgs, TableArgs};
-use crate::window::pc_name;
 
 /// A table to print: heading and rows as text, and the rows as JSON.
 struct PrintedTable {

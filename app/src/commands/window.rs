@@ -4,25 +4,26 @@ use std::path::{Path, PathBuf};
 
 use gsk_core::model::ModelId;
 use gsk_core::setup::Setup;
+use gsk_host::files::data_dir::{self, DataDir, DataDirError};
+use gsk_host::files::models;
+use gsk_host::kernel::{BoardConnection, Kernel};
+use gsk_host::loading::LoadError;
+use gsk_host::message_format::describe_io_error;
+use gsk_host::ports::dnc::{self, DncSource};
+use gsk_host::serial::{SerialEnd, SerialLine};
+use gsk_host::setup_args::SetupArgs;
+use gsk_host::{loading, log, platform, retained, transfer};
 use gsk_messages::{Language, Message, say};
 use gsk_panel::emulator::Emulator;
 use gsk_runner::report;
+use gsk_window::WindowSettings;
+use gsk_window::app::{self, WindowStart};
+use gsk_window::startup_error;
 use tracing::level_filters::LevelFilter;
 use web_time::Instant;
 
 use super::{CommandError, EXIT_OK, EXIT_USAGE};
 use crate::cli::{SerialArgs, TextEnd, WindowArgs, first_window_language, system_language};
-use crate::dnc::{self, DncSource};
-use crate::files::data_dir::{self, DataDir, DataDirError};
-use crate::files::models;
-use crate::kernel::{BoardConnection, Kernel};
-use crate::loading::LoadError;
-use crate::message_format::describe_io_error;
-use crate::serial::{SerialEnd, SerialLine};
-use crate::setup_args::SetupArgs;
-use crate::window::app::{self, WindowStart};
-use crate::window::{WindowSettings, startup_error};
-use crate::{loading, log, platform, retained, transfer};
 
 /// Opens the window and returns the exit code after it is closed.
 pub fn open(
@@ -304,7 +305,7 @@ fn no_display_message(program: Option<&Path>) -> Message {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::test_folder;
+    use gsk_tests::test_folder;
 
     fn turn_on(folder: &Path, settings: Option<&WindowSettings>, fresh: bool) -> WindowStart {
         let starter = WindowStarter {

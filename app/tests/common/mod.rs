@@ -10,12 +10,12 @@ use std::time::Duration;
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use gsk_app::kernel::{Console, Kernel};
-use gsk_app::window::layout::{Layouts, WindowLayout};
-use gsk_app::window::{Window, WindowSettings, fonts};
 use gsk_core::setup::Setup;
+use gsk_host::kernel::{Console, Kernel};
 use gsk_messages::Language;
 use gsk_panel::emulator::Emulator;
+use gsk_window::layout::{Layouts, WindowLayout};
+use gsk_window::{Window, WindowSettings, fonts};
 
 /// A window with its kernel. The kernel runs only when the test calls it.
 pub struct WindowBench {

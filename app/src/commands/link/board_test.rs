@@ -5,12 +5,12 @@ use crate::commands::CommandError;
 use std::time::Duration;
 
 use gsk_core::units::{PerAxis, Pulses};
+use gsk_host::board::BoardSession;
+use gsk_host::platform;
 use gsk_link::{FINE as PARTS, Input, LinkEvent, LinkState, MotionRefused, RunTime, Sample, Stop};
 use gsk_messages::{Message, say};
 
 use super::super::{EXIT_ALARM, EXIT_OK, output};
-use crate::board::BoardSession;
-use crate::platform;
 
 /// Time for which the idle board is measured.
 const IDLE_DURATION: Duration = Duration::from_secs(3);

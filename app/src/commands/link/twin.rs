@@ -3,6 +3,7 @@
 
 use crate::commands::CommandError;
 
+use gsk_host::ports::OfferedPort;
 use gsk_messages::{Message, say};
 use gsk_twins::grbl::{GrblSettings, GrblState, GrblTwin, Variant};
 use gsk_twins::klipper::{self, KlipperTwin, SpindleWiring, TravelSwitch};
@@ -11,7 +12,6 @@ use web_time::{Duration, Instant};
 
 use super::super::{EXIT_OK, output};
 use crate::cli::{LinkTwinArgs, TwinBoard};
-use crate::ports::OfferedPort;
 
 /// Number of bytes from the current one on for which losses are scheduled.
 const DAMAGE_AHEAD_BYTES: u64 = 4096;

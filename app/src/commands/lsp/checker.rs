@@ -10,6 +10,9 @@ use crossbeam::channel::{Receiver, Sender, unbounded};
 use gsk_core::command::ProgramId;
 use gsk_core::preview::{PreviewEnd, WorkBudget};
 use gsk_core::program::Program;
+use gsk_host::files::subprograms::{FoundSubprogram, SubprogramCalls};
+use gsk_host::loading;
+use gsk_host::work_limit::WorkLimit;
 use gsk_language::{
     Analysis, LineTimes, ProgramFinding, Severity, Structure, TextDocument, analyse, analyse_mill,
 };
@@ -17,9 +20,6 @@ use gsk_messages::{Language, Message, say};
 use lsp_types::Uri;
 
 use super::CheckedControl;
-use crate::files::subprograms::{FoundSubprogram, SubprogramCalls};
-use crate::loading;
-use crate::work_limit::WorkLimit;
 
 /// Work budget of one analysis.
 const BUDGET: WorkBudget = WorkBudget::interactive(20_000_000);

@@ -4,12 +4,12 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
+use gsk_host::files::subprograms::FoundSubprogram;
 use gsk_language::{Analysis, ReferenceTarget, Structure, TextChange, TextDocument};
 use lsp_server::RequestId;
 use lsp_types::{TextDocumentContentChangeEvent, Uri};
 
 use super::convert::ColumnEncoding;
-use crate::files::subprograms::FoundSubprogram;
 
 /// A document that is open in the editor.
 pub struct OpenDocument {

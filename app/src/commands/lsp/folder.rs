@@ -4,11 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use gsk_core::model::ControlModel;
+use gsk_host::files::program_file;
+use gsk_host::files::subprograms::{self, FoundSubprogram};
 use gsk_language::TextDocument;
 
 use super::documents::OpenDocument;
-use crate::files::program_file;
-use crate::files::subprograms::{self, FoundSubprogram};
 
 /// Size limit for files that are searched for calls, bytes.
 const MAX_SEARCHED_BYTES: usize = 4 * 1024 * 1024;

@@ -2,13 +2,13 @@
 
 use std::io::{self, IsTerminal};
 
+use gsk_host::pc::{TransferObserver, TransferSession, TransferSettings, load_window_settings};
 use gsk_transfer::{FileName, TransferProgress};
 use indicatif::{ProgressBar, ProgressStyle};
 use web_time::Duration;
 
 use super::{CommandError, output};
 use crate::cli::TransferPortArgs;
-use crate::pc::{TransferObserver, TransferSession, TransferSettings, load_window_settings};
 
 /// A progress bar for a file transfer on a terminal; holds `None` if standard error is no
 /// terminal.

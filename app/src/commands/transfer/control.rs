@@ -12,18 +12,18 @@ use gsk_messages::{Message, say};
 use gsk_panel::emulator::{Emulator, WaitCondition};
 use gsk_panel::keys::Key;
 
+use gsk_host::files::data_dir::DataDir;
+use gsk_host::files::{program_file, subprograms};
+use gsk_host::kernel::{Command, Console, Kernel, KernelEnvironment, Notice, start};
+use gsk_host::loading::{self, LoadError};
+use gsk_host::pc::FilesError;
+use gsk_host::retained::{self, Keeper};
+use gsk_host::serial::{SerialEnd, SerialLine};
+use gsk_host::termination::TerminationFlag;
 use web_time::Instant;
 
 use super::super::{CommandError, EXIT_OK, output};
 use crate::cli::{TextEnd, TransferControlArgs};
-use crate::files::data_dir::DataDir;
-use crate::files::{program_file, subprograms};
-use crate::kernel::{Command, Console, Kernel, KernelEnvironment, Notice, start};
-use crate::loading::{self, LoadError};
-use crate::pc::FilesError;
-use crate::retained::{self, Keeper};
-use crate::serial::{SerialEnd, SerialLine};
-use crate::termination::TerminationFlag;
 
 /// Limit of the machine time that the self-test may take after power-on, ms.
 const MAX_SELF_TEST_MS: u64 = 20_000;

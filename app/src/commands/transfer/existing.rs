@@ -3,13 +3,13 @@
 
 use std::io::{self, BufRead, IsTerminal, Write};
 
+use gsk_host::output;
+use gsk_host::pc::{self, FilesError, PcError, TransferSession};
 use gsk_messages::{Message, say};
 use gsk_transfer::{FileName, PcCommand, TransferFault, TransferFile};
 
 use super::CommandError;
 use crate::cli::ExistingFile;
-use crate::output;
-use crate::pc::{self, FilesError, PcError, TransferSession};
 
 /// Whether a file was sent or skipped.
 pub(super) enum SendOutcome {

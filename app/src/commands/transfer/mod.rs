@@ -8,6 +8,8 @@ mod text;
 
 use std::path::Path;
 
+use gsk_host::pc::folder::{self, PcFile};
+use gsk_host::pc::{FilesError, TransferSession};
 use gsk_messages::say;
 use gsk_transfer::{FileName, Partition, PcCommand, RemotePath, TransferFile};
 
@@ -17,8 +19,6 @@ use crate::cli::{
     TransferPortArgs, TransferReceiveArgs, TransferRenameArgs, TransferRestoreArgs,
     TransferSendArgs, TransferWaitArgs,
 };
-use crate::pc::folder::{self, PcFile};
-use crate::pc::{FilesError, TransferSession};
 use bar::{connect_to_control, print_rate};
 use existing::SendOutcome;
 

@@ -3,15 +3,15 @@
 
 use std::path::Path;
 
+use gsk_host::files::program_file;
+use gsk_host::pc::{FilesError, folder};
+use gsk_host::ports::Port;
 use gsk_messages::say;
 use gsk_transfer::{TextEvent, TextReader, TextWriter, parse_program_number, split_programs};
 use web_time::{Duration, Instant};
 
 use super::{CommandError, bar, output, print_received};
 use crate::cli::{TransferReceiveTextArgs, TransferSendTextArgs};
-use crate::files::program_file;
-use crate::pc::{FilesError, folder};
-use crate::ports::Port;
 
 /// How long to retry a port that another program has just closed.
 const PORT_RETRY_TIME: Duration = Duration::from_millis(500);

@@ -1,0 +1,368 @@
+//! The interface between the kernel and the window: commands to the kernel, snapshots and
+//! notices to the window.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use crossbeam::channel::{Receiver, Sender, bounded};
+use crossbeam::queue::ArrayQueue;
+use gsk_core::alarm::Alarm;
+use gsk_core::cnc::ControlRequest;
+use gsk_core::command::ProgramId;
+use gsk_core::machine::LatheFault;
+use gsk_core::memory::{OperationLevel, WriteRefusal};
+use gsk_core::model::ModelId;
+use gsk_core::operation::RunState;
+use gsk_core::plc::address::BitAddress;
+use gsk_core::program::Program;
+use gsk_core::setup::Setup;
+use gsk_core::units::Point;
+use gsk_link::LinkState;
+use gsk_messages::Message;
+use gsk_panel::alarm_log::AlarmRecord;
+use gsk_panel::keys::Key;
+use gsk_panel::pages::PageId;
+use gsk_panel::panel::SerialFile;
+use gsk_panel::screen::Screen;
+use gsk_project::ProjectState;
+use gsk_runner::program_summary::ProgramSummary;
+
+use super::lesson::{LessonAction, LessonState};
+use super::link_view::LinkView;
+use super::monitor::MachineView;
+use super::part::PartView;
+use super::probe::Probe;
+use super::program_start::StartDistance;
+use super::program_wait::ProgramWait;
+use crate::input_watch::InputWatch;
+use crate::job::SelectedJob;
+use crate::kernel::pace::RunSpeed;
+use crate::platform;
+
+/// A command of the window to the kernel.
+#[derive(Clone, Debug)]
+pub enum Command {
+    /// Press or release a key of the panel.
+    Key {
+        key: Key,
+        /// True if the key goes down, false if it comes up.
+        down: bool,
+    },
+    /// Press a key and release it.
+    Tap(Key),
+    /// A typed character that has no key on the panel.
+    Type(char),
+    /// Turn the handwheel by this number of detents.
+    Turn(i32),
+    /// Open a program read from a file.
+    Open(Box<OpenedProgram>),
+    /// Open a program and press 自动 and cycle start. With a pulse board the program is
+    /// opened only.
+    OpenAndStart(Box<OpenedProgram>),
+    /// Pass a file to the control through its serial port.
+    Receive(Box<SerialFile>),
+    /// The partner could not take the file that the control has sent.
+    TransferFailed,
+    /// Fit the graphic page to the range of the opened program's cuts.
+    FitGraphic {
+        /// Corner with the least coordinates, mm, X as a radius.
+        least: Point,
+        /// Corner with the greatest coordinates, mm, X as a radius.
+        greatest: Point,
+    },
+    /// Start to take samples for the scope; `None` stops the sampling.
+    Probe(Option<Probe>),
+    /// Whether to publish the state of machine and PLC with the snapshots.
+    Monitor(bool),
+    /// Set (true) or clear (false) a fault of the lathe.
+    Fault(LatheFault, bool),
+    /// Send a request to the control; a refusal becomes a notice.
+    Request(Box<ControlRequest>),
+    /// Write parameters, pitch errors, offsets and variables, all or none; a refusal
+    /// becomes a notice.
+    Write(Vec<ControlRequest>),
+    /// Switch the control off and on again.
+    PowerCycle,
+    /// Force a machine input to a value; `None` returns it to its sensor.
+    ForceInput(BitAddress, Option<bool>),
+    /// Release every forced bit of the PLC.
+    ReleaseForcedBits,
+    /// Clear every fault of the lathe and return every input to its sensor.
+    ClearFaults,
+    /// End the faults of a crash and press RESET.
+    FreeLathe,
+    /// Run programs at this speed, unless a board moves real slides.
+    Speed(RunSpeed),
+    /// Start, control or end a lesson.
+    Lesson(LessonAction),
+    /// Reconnect, set up or check the pulse board.
+    Link(LinkAction),
+    /// Whether to publish the LCD in the other language, too.
+    Translate(bool),
+    /// Whether to publish the motion for the sound of the machine.
+    PublishMotion(bool),
+    /// Whether to publish the state of the pulse board.
+    WatchLink(bool),
+    /// Store a text as a program of the memory; the channel receives its number or why it
+    /// is not stored.
+    Store(String, Sender<Result<u16, NotStored>>),
+    /// Send once the setup for a preview of the current control.
+    SendSetup(Sender<Box<Setup>>),
+    /// Send once the content of the control and the operation level in force.
+    SendState(Sender<Box<(ProjectState, OperationLevel)>>),
+    /// Set the job of the part in the simulated lathe, on fresh stock; `None` removes the
+    /// part.
+    Job(Option<Box<SelectedJob>>),
+    /// Clamp uncut stock.
+    FreshStock,
+    /// Whether the simulated lathe stops at a collision.
+    CrashStops(bool),
+    /// Whether to publish the part with the snapshots. The part is cut in either case.
+    ShowPart(bool),
+    /// Proves that the window is alive: held keys stay down.
+    Alive,
+    /// Release every key.
+    ReleaseAll,
+    Quit,
+}
+
+/// What the window requests of the pulse board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LinkAction {
+    /// Close the port and open it again.
+    Reconnect,
+    /// Write the settings that differ into the board.
+    WriteSettings,
+    /// Compare the board's count with the commanded pulses now.
+    Check,
+}
+
+/// What to do with an opened program if another program in the memory has its number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StorePolicy {
+    /// Query the operator and do not open the program yet.
+    #[default]
+    AskOperator,
+    /// Replace the stored program.
+    Replace,
+    /// Run the program without storing it.
+    RunOnly,
+}
+
+/// A program read from a file, ready to be opened.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OpenedProgram {
+    /// Name that the window shows.
+    pub name: String,
+    /// Path of the file; `None` for a sample.
+    pub path: Option<PathBuf>,
+    /// What to do if another program has its number.
+    pub store_policy: StorePolicy,
+    pub program: Program,
+    /// Subprograms from the folder of the file.
+    pub subprograms: Vec<Program>,
+}
+
+/// Where the kernel has put an opened program.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ProgramPlacement {
+    /// In the memory, under this number.
+    Stored(u16),
+    /// Outside the memory, for this reason: the program can be run and read, but not edited,
+    /// and it is lost at power-off.
+    OnlyRun(NotStored),
+}
+
+/// Why an opened program is not stored.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum NotStored {
+    /// Neither the program nor its file name has a number.
+    NoNumber,
+    /// Another program has this number and is kept.
+    NumberTaken(u16),
+    /// The program switch, a program lock or the operation level forbids it, as the payload
+    /// says.
+    Refused(WriteRefusal),
+    /// The memory refuses it with this alarm.
+    Alarm(Alarm),
+}
+
+/// What the kernel reports to the window besides snapshots; no notice is lost.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Notice {
+    /// A program was opened: its name, file and storage.
+    Opened {
+        /// Name of the program.
+        name: String,
+        /// Its file, if it has one.
+        path: Option<PathBuf>,
+        /// Where the kernel has put it.
+        placement: ProgramPlacement,
+    },
+    /// The program was not opened because another program in the memory has this number.
+    NumberTaken(Box<OpenedProgram>, u16),
+    /// A file that the control has sent was written; the payload names its location.
+    Sent(String),
+    /// A message to the operator.
+    Message(Message),
+    /// The tool has collided, as the message describes.
+    Collided(Message),
+    /// New stock is clamped: earlier collisions do not count any more.
+    FreshStock,
+    /// The control has refused a request with this alarm.
+    Refused(Alarm),
+    /// The preview of an opened program is finished; holds its file name and the findings.
+    Previewed(String, Box<ProgramSummary>),
+    /// Why a key does nothing; `None` once a key acts again.
+    KeyRefusal(Option<Message>),
+}
+
+/// The state of the panel at one moment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PanelSnapshot {
+    /// Contents of the LCD.
+    pub screen: Screen,
+    /// The LCD in the other language; `None` unless the window has requested it.
+    pub translated: Option<Box<Screen>>,
+    /// The page on the LCD.
+    pub page: PageId,
+    /// Which axis keys act in the reverse direction.
+    pub keys_reversed: KeysReversed,
+    pub model: ModelId,
+    /// Brightness of the LCD, 0 (darkest) to 15.
+    pub brightness: u8,
+    /// The Y memory of the PLC, which holds the lamps.
+    pub y_memory: [u8; 20],
+    /// Keys that are down, including the latched emergency stop.
+    pub pressed: Vec<Key>,
+    /// Position of the handwheel, detents.
+    pub wheel: i32,
+    /// Machine time divided by wall time at the speed of a real lathe, %; 100 unless the
+    /// computer is too slow.
+    pub speed_percent: u32,
+    /// The speed that the operator has selected for programs.
+    pub speed: RunSpeed,
+    /// Machine time divided by wall time; `None` unless a speed other than a real lathe's is
+    /// in force.
+    pub speed_ratio: Option<SpeedRatio>,
+    /// Number of forced bits, forced inputs and faults.
+    pub forced: ForcedState,
+    /// The newest active alarm, or the first message of the ladder.
+    pub alarm: Option<Alarm>,
+    /// Whether the slides of a pulse board need a reference return.
+    pub position_unknown: bool,
+    /// State of the pulse board that moves real slides; `None` if the lathe is simulated.
+    pub board: Option<LinkState>,
+    /// Whether a program runs or is held.
+    pub run_state: RunState,
+    /// What the running program waits for; `None` unless that takes longer than usual.
+    pub program_wait: Option<ProgramWait>,
+    /// The distance from the last start of the selected program, if its G50 would take another
+    /// start point.
+    pub start_distance: Option<StartDistance>,
+    /// A slide or the spindle moves.
+    pub is_moving: bool,
+    /// The selected program; `None` if none is selected.
+    pub program: Option<ProgramId>,
+    /// The lesson under way, whose practice machine the snapshot shows; `None` outside
+    /// lessons.
+    pub lesson: Option<LessonState>,
+    /// The alarms raised since the control was opened, the newest first.
+    pub alarm_records: Arc<Vec<AlarmRecord>>,
+    /// Motion of slides and spindle; `None` unless the window plays the sound of the machine.
+    pub motion: Option<MachineMotion>,
+}
+
+/// Motion of slides and spindle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MachineMotion {
+    /// Position of the slides, mm (X as a radius).
+    pub slides: Point,
+    /// Absolute speed of the spindle, r/min, rounded so that snapshots do not change
+    /// needlessly.
+    pub spindle_rpm: f64,
+}
+
+/// Whether the axis keys move the slides in the opposite direction from a lathe with its
+/// chuck on the left and its tool post in front.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct KeysReversed {
+    /// True if the upper axis key is X+ (parameter 175.0).
+    pub x: bool,
+    /// True if the left axis key is Z+ (parameter 175.1).
+    pub z: bool,
+}
+
+/// Machine time divided by wall time, rounded so that snapshots do not change needlessly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpeedRatio(pub f64);
+
+/// Numbers of what views have forced on control and lathe; it remains forced until it is
+/// released, also when the view is closed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ForcedState {
+    /// Number of forced bits of the PLC.
+    pub forced_bits: usize,
+    /// Number of forced machine inputs.
+    pub forced_inputs: usize,
+    /// Number of faults of the lathe.
+    pub faults: usize,
+}
+
+/// The window's ends of the channels to the kernel.
+#[derive(Clone, Debug)]
+pub struct Console {
+    /// Sends commands to the kernel.
+    pub commands: Sender<Command>,
+    /// Queue with the newest snapshot.
+    pub snapshots: Arc<ArrayQueue<PanelSnapshot>>,
+    /// Queue with the newest state of machine and PLC, while the window has requested it.
+    pub machine: Arc<ArrayQueue<MachineView>>,
+    /// Queue with the newest state of the pulse board, while the window has requested it.
+    pub link: Arc<ArrayQueue<LinkView>>,
+    /// Queue with the newest state of the part, while there is a job.
+    pub part: Arc<ArrayQueue<PartView>>,
+    /// Receives the notices of the kernel.
+    pub notices: Receiver<Notice>,
+    /// Sender for helper threads, whose notices come out of `notices`, too.
+    pub notice_sender: Sender<Notice>,
+    /// Holds the proof that held keys are still held.
+    pub input_watch: InputWatch,
+}
+
+impl Console {
+    /// Sends a command without waiting; a full queue or an ended kernel drops it.
+    pub fn send(&self, command: Command) {
+        // A full queue means that the kernel has not run for a thousand commands: one more
+        // would not help, and the window must not wait.
+        let _ = self.commands.try_send(command);
+    }
+
+    /// Returns the setup for a preview of the current control; `None` if the kernel does
+    /// not answer within 5 s. It blocks: call it from helper threads only.
+    pub fn setup(&self) -> Option<Setup> {
+        const ANSWER_TIMEOUT: Duration = Duration::from_secs(5);
+        let (to, answer) = bounded(1);
+        self.commands.send(Command::SendSetup(to)).ok()?;
+        platform::wait_for_answer(&answer, ANSWER_TIMEOUT).map(|setup| *setup)
+    }
+
+    /// Returns the content of the control and the operation level in force; `None` if the
+    /// kernel does not answer within 5 s. It blocks, as [`Self::setup`] does.
+    pub fn state(&self) -> Option<(ProjectState, OperationLevel)> {
+        const ANSWER_TIMEOUT: Duration = Duration::from_secs(5);
+        let (to, answer) = bounded(1);
+        self.commands.send(Command::SendState(to)).ok()?;
+        platform::wait_for_answer(&answer, ANSWER_TIMEOUT).map(|state| *state)
+    }
+
+    /// Stores a text as a program of the memory and selects it; returns its number. `None`
+    /// if the kernel does not answer within 5 s. It blocks, as [`Self::setup`] does.
+    pub fn store(&self, text: String) -> Option<Result<u16, NotStored>> {
+        const ANSWER_TIMEOUT: Duration = Duration::from_secs(5);
+        let (to, answer) = bounded(1);
+        self.commands.send(Command::Store(text, to)).ok()?;
+        platform::wait_for_answer(&answer, ANSWER_TIMEOUT)
+    }
+}

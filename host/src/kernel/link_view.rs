@@ -1,0 +1,69 @@
+//! The view of the link page: the board, its wire and its counts at one moment.
+
+use std::time::Duration;
+
+use gsk_core::units::{PerAxis, Pulses};
+use gsk_link::{
+    BoardInfo, BoardOutputs, Input, LinkState, Output, Protocol, SettingDifference, SpindleView,
+    Traffic,
+};
+
+use gsk_messages::Message;
+
+use crate::board::port_io::TrafficLine;
+
+/// A comparison of the board's count with the commanded pulses.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PositionCheck {
+    /// The line of the log: time, program and both counts.
+    pub message: Message,
+    /// True if both counts agree.
+    pub agrees: bool,
+}
+
+/// The state of the link at one moment, made only while the link page is open.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinkView {
+    pub state: LinkState,
+    /// True if the board is connected and has reported its settings, so that its reports are
+    /// current.
+    pub is_connected: bool,
+    /// Protocol that the board speaks.
+    pub protocol: Protocol,
+    /// Name of the board's port.
+    pub port: String,
+    /// What the board reports about itself: firmware, sizes of queue and buffer, capabilities.
+    pub board: BoardInfo,
+    /// Whether the position of the slides is known.
+    pub position_known: bool,
+    /// Median and longest of the last round trips; `None` before the first one.
+    pub round_trip: Option<(Duration, Duration)>,
+    /// Longest absences of the computer from the port: in the last 5 to 10 s, and since
+    /// the board was connected.
+    pub absence: (Duration, Duration),
+    /// Motion that the board holds and may not have made yet.
+    pub outstanding: Duration,
+    /// Longest motion that the board may hold: the limit of `outstanding`.
+    pub lookahead: Duration,
+    /// Numbers of bytes and messages on the line.
+    pub traffic: Traffic,
+    /// Inputs of the board: true if operated (contact closed), `None` if not wired.
+    pub inputs: Vec<(Input, Option<bool>)>,
+    /// Outputs that are not wired.
+    pub missing_outputs: Vec<Output>,
+    /// Outputs that the board has switched; `None` while a command to switch is under way.
+    pub outputs: Option<BoardOutputs>,
+    /// The spindle whose index the board reads; `None` if it reads none.
+    pub spindle: Option<SpindleView>,
+    /// Pulses that the control has commanded, per axis.
+    pub commanded: PerAxis<Pulses>,
+    /// Pulses that the board has counted, as last reported, per axis; `None` before the first
+    /// report.
+    pub counted: Option<PerAxis<Pulses>>,
+    /// Settings of the board that must be written before it can move.
+    pub differences: Vec<SettingDifference>,
+    /// The last 200 lines of traffic, the newest last.
+    pub traffic_lines: Vec<TrafficLine>,
+    /// The last 20 lines of the position log, the newest last.
+    pub position_checks: Vec<PositionCheck>,
+}

@@ -1,0 +1,628 @@
+//! The kernel: owns the emulator, carries out the window's commands and publishes
+//! snapshots. The same code runs in its thread and, step by step, in a test.
+
+mod alarm_history;
+mod console;
+mod drive;
+mod edges;
+pub mod headless_board;
+mod journal;
+mod key_refusals;
+mod lesson;
+pub mod link_view;
+mod linked;
+pub mod monitor;
+pub mod pace;
+pub mod part;
+mod preview_setup;
+pub mod probe;
+mod program_opening;
+mod program_start;
+mod program_wait;
+mod thread;
+
+use std::sync::Arc;
+
+use crossbeam::channel::{Receiver, Sender, bounded};
+use crossbeam::queue::ArrayQueue;
+use gsk_core::alarm::Alarm;
+use gsk_core::cnc::{ControlRequest, Event};
+use gsk_core::memory::OperationLevel;
+use gsk_core::operation::{OperatingMode, RunState};
+use gsk_core::program::Program;
+use gsk_core::simulation::Simulation;
+use gsk_messages::say;
+use gsk_panel::emulator::Emulator;
+use gsk_panel::keys::Key;
+use gsk_panel::panel::KeyEvent;
+use gsk_panel::refusal::KeyPress;
+use gsk_project::ProjectState;
+use gsk_runner::partner::{PartnerWait, ProgramPartner as _};
+use web_time::Duration;
+
+use crate::input_watch::InputWatch;
+use crate::job::SelectedJob;
+use crate::kernel::pace::RunSpeed;
+use crate::platform;
+use crate::ports::dnc::{DncPartner, DncSource};
+use crate::retained;
+use crate::serial::SerialLine;
+use alarm_history::AlarmHistory;
+pub use console::{
+    Command, Console, ForcedState, KeysReversed, LinkAction, MachineMotion, NotStored, Notice,
+    OpenedProgram, PanelSnapshot, ProgramPlacement, SpeedRatio, StorePolicy,
+};
+pub use drive::BoardConnection;
+use drive::Drive;
+use edges::{KeyEdge, KeyEdgeQueue};
+use key_refusals::{KeyRefusals, RefusalReport};
+use lesson::PracticeSession;
+pub use lesson::{LessonAction, LessonState};
+use link_view::LinkView;
+use monitor::MachineView;
+use part::KernelPart;
+use probe::{ActiveProbe, Probe};
+use program_opening::LastOpened;
+pub use program_start::StartDistance;
+use program_start::StartWatch;
+use program_wait::WaitWatch;
+pub use thread::{KernelEnvironment, KernelThread, start};
+
+/// Ticks of 1 ms between two snapshots.
+pub const SNAPSHOT_TICKS: u64 = 25;
+/// Ticks of 1 ms between two views of machine and PLC, while the window shows them.
+const MACHINE_VIEW_TICKS: u64 = 50;
+/// A handwheel that has not turned for this time is at rest.
+const WHEEL_REST_TIME: Duration = Duration::from_millis(300);
+/// Capacity of the command queue and of the notice queue.
+const QUEUE_CAPACITY: usize = 1024;
+
+/// What the kernel has published of machine and PLC, and when it publishes again.
+#[derive(Debug, Default)]
+struct MachineMonitor {
+    last_view: Option<MachineView>,
+    /// Tick at which the next view is published.
+    next_tick: u64,
+}
+
+/// Runs the control and carries out the commands of the window.
+#[derive(Debug)]
+pub struct Kernel {
+    emulator: Emulator,
+    commands: Receiver<Command>,
+    snapshots: Arc<ArrayQueue<PanelSnapshot>>,
+    machine: Arc<ArrayQueue<MachineView>>,
+    /// State of the publishing of machine and PLC; `Some` only while a view shows them.
+    machine_monitor: Option<MachineMonitor>,
+    /// The board that moves real slides, if one is connected.
+    drive: Option<Drive>,
+    /// The partner that sends programs in DNC operation.
+    partner: Option<DncPartner>,
+    /// The control's serial port, connected to a port of the computer.
+    serial: Option<SerialLine>,
+    links: Arc<ArrayQueue<LinkView>>,
+    link_watched: bool,
+    /// Whether snapshots contain the LCD in the other language, too.
+    translate_screen: bool,
+    /// Whether snapshots contain the motion, for the sound of the machine.
+    publish_motion: bool,
+    /// The lesson under way, in which a practice machine replaces the learner's own machine;
+    /// `None` outside lessons.
+    lesson: Option<PracticeSession>,
+    /// The alarms raised since the control was opened.
+    alarm_history: AlarmHistory,
+    /// The program that was opened last from a file; `None` before the first one.
+    last_opened: Option<LastOpened>,
+    notices: Sender<Notice>,
+    /// Key events that wait for their tick, and the keys that are down.
+    key_edges: KeyEdgeQueue,
+    key_refusals: KeyRefusals,
+    wait_watch: WaitWatch,
+    start_watch: StartWatch,
+    tick: u64,
+    last_snapshot: Option<PanelSnapshot>,
+    speed_percent: u32,
+    speed: RunSpeed,
+    speed_ratio: Option<SpeedRatio>,
+    /// The running scope recording; `Some` only while a scope is open.
+    active_probe: Option<ActiveProbe>,
+    /// The part in the lathe, with its job.
+    part: KernelPart,
+    /// Number of commands received so far; an increase proves that the window is alive.
+    command_count: u64,
+    /// Holds the proof that held keys are still held.
+    input_watch: InputWatch,
+    /// After the display has hung, handwheel turns are dropped until this time on the clock
+    /// with sleep; each further turn moves it by `WHEEL_REST_TIME`.
+    wheel_rests_until: Duration,
+    quit_requested: bool,
+}
+
+impl Kernel {
+    /// Creates a kernel for an emulator, and the console through which its window talks to it.
+    pub fn new(emulator: Emulator) -> (Self, Console) {
+        let (commands, from_window) = bounded(QUEUE_CAPACITY);
+        let (notices, from_kernel) = bounded(QUEUE_CAPACITY);
+        let snapshots = Arc::new(ArrayQueue::new(1));
+        let machine = Arc::new(ArrayQueue::new(1));
+        let links = Arc::new(ArrayQueue::new(1));
+        let part = Arc::new(ArrayQueue::new(1));
+        let kernel = Self {
+            emulator,
+            commands: from_window,
+            snapshots: Arc::clone(&snapshots),
+            machine: Arc::clone(&machine),
+            machine_monitor: None,
+            drive: None,
+            partner: None,
+            serial: None,
+            links: Arc::clone(&links),
+            link_watched: false,
+            translate_screen: false,
+            publish_motion: false,
+            lesson: None,
+            alarm_history: AlarmHistory::default(),
+            last_opened: None,
+            notices: notices.clone(),
+            key_edges: KeyEdgeQueue::default(),
+            key_refusals: KeyRefusals::default(),
+            wait_watch: WaitWatch::default(),
+            start_watch: StartWatch::default(),
+            tick: 0,
+            last_snapshot: None,
+            speed_percent: 100,
+            speed: RunSpeed::REAL,
+            speed_ratio: None,
+            active_probe: None,
+            part: KernelPart::new(Arc::clone(&part)),
+            command_count: 0,
+            input_watch: InputWatch::default(),
+            wheel_rests_until: Duration::ZERO,
+            quit_requested: false,
+        };
+        let watch = kernel.input_watch.clone();
+        (
+            kernel,
+            Console {
+                commands,
+                snapshots,
+                machine,
+                link: links,
+                part,
+                notices: from_kernel,
+                notice_sender: notices,
+                input_watch: watch,
+            },
+        )
+    }
+
+    /// Sets the source that sends programs in DNC operation.
+    pub fn set_dnc_source(&mut self, source: DncSource) {
+        self.partner = Some(DncPartner::new(source));
+    }
+
+    /// Connects the control's serial port to a port of the computer.
+    pub fn connect_serial_line(&mut self, line: SerialLine) {
+        self.emulator.panel.connect_port();
+        self.serial = Some(line);
+    }
+
+    pub const fn emulator(&self) -> &Emulator {
+        &self.emulator
+    }
+
+    /// Returns the speed in force: the selected one while a program runs automatically on the
+    /// simulated lathe, else that of a real lathe (decision WINDOW-9).
+    pub fn speed(&self) -> RunSpeed {
+        let runs = self.emulator.simulation.cnc.run_state() == RunState::Run;
+        match runs && self.drive.is_none() {
+            true => self.speed,
+            false => RunSpeed::REAL,
+        }
+    }
+
+    /// Carries out the window's commands and runs this number of ticks.
+    pub fn run(&mut self, ticks: u64) {
+        self.execute_commands();
+        for _ in 0..ticks {
+            self.tick();
+        }
+    }
+
+    fn execute_commands(&mut self) {
+        while let Ok(command) = self.commands.try_recv() {
+            self.execute_command(command);
+        }
+    }
+
+    fn tick(&mut self) {
+        for event in self.key_edges.take_due(self.tick) {
+            self.pass_key_event(event);
+        }
+        if let Some(partner) = &mut self.partner {
+            partner.send_text(&mut self.emulator.simulation.cnc, PartnerWait::Forbidden);
+        }
+        match &mut self.lesson {
+            Some(lesson) => lesson.tick(&mut self.emulator),
+            None => self.emulator.tick(),
+        }
+        self.tick += 1;
+        self.alarm_history.update(&self.emulator.simulation.cnc);
+        self.start_watch.update(&self.emulator.simulation.cnc);
+        if let Some(serial) = &mut self.serial {
+            // Files are exchanged with the learner's own machine, also during a lesson.
+            let own = match &mut self.lesson {
+                Some(lesson) => lesson.own(),
+                None => &mut self.emulator,
+            };
+            for message in serial.tick(own) {
+                self.notify(Notice::Message(message));
+            }
+        }
+        for event in self.emulator.simulation.cnc.events() {
+            if let Event::Advised(text) = event {
+                self.notify(Notice::Message(text.clone()));
+            }
+        }
+        let verdict = self
+            .key_refusals
+            .check_due(self.tick, &self.emulator.simulation.cnc);
+        self.report_verdict(verdict);
+        if let Some(probing) = &mut self.active_probe {
+            probing.take_sample(self.tick, &self.emulator);
+        }
+        let simulated = self.drive.is_none();
+        let simulation = &mut self.emulator.simulation;
+        if let Some((finding, stops)) = self.part.after_tick(simulation, simulated) {
+            let collision = finding.collision;
+            let (x, z) = (collision.tip.diameter().0, collision.tip.z);
+            let what = collision.message();
+            let message = match stops {
+                true => say::window_crash(what, x, z),
+                false => say::window_collision(what, x, z),
+            };
+            self.notify(Notice::Collided(message));
+        }
+    }
+
+    /// Publishes a snapshot if anything has changed since the last one; returns true if there
+    /// is something new to show.
+    pub fn publish(&mut self) -> bool {
+        let part_shown = self.part.publish(&self.emulator.simulation);
+        let views_shown = self.publish_machine() || part_shown;
+        self.wait_watch.update(self.tick, &self.emulator.simulation);
+        let snapshot = self.snapshot();
+        if self.last_snapshot.as_ref() == Some(&snapshot) {
+            return views_shown;
+        }
+        self.snapshots.force_push(snapshot.clone());
+        self.last_snapshot = Some(snapshot);
+        true
+    }
+
+    /// Publishes machine and PLC if a view shows them and they have changed; returns true if
+    /// so.
+    fn publish_machine(&mut self) -> bool {
+        let Some(monitor) = &mut self.machine_monitor else {
+            return false;
+        };
+        if self.tick < monitor.next_tick {
+            return false;
+        }
+        monitor.next_tick = self.tick + MACHINE_VIEW_TICKS;
+        let now = MachineView::from_emulator(&self.emulator);
+        if monitor.last_view.as_ref() == Some(&now) {
+            return false;
+        }
+        self.machine.force_push(now.clone());
+        monitor.last_view = Some(now);
+        true
+    }
+
+    /// Returns the current state of the panel.
+    pub fn snapshot(&self) -> PanelSnapshot {
+        let panel = &self.emulator.panel;
+        PanelSnapshot {
+            screen: self.emulator.screen(),
+            translated: self
+                .translate_screen
+                .then(|| Box::new(self.emulator.translated_screen())),
+            page: panel.page(),
+            model: self.emulator.simulation.cnc.model().id(),
+            keys_reversed: KeysReversed {
+                x: self.emulator.simulation.cnc.parameters().is_up_positive(),
+                z: self.emulator.simulation.cnc.parameters().is_left_positive(),
+            },
+            brightness: panel.view().brightness,
+            y_memory: self.emulator.lamps(),
+            pressed: panel.pressed(),
+            wheel: panel.wheel(),
+            speed_percent: self.speed_percent,
+            speed: self.speed,
+            speed_ratio: self.speed_ratio,
+            alarm: self.active_alarm(),
+            position_unknown: self.emulator.simulation.cnc.is_position_unknown(),
+            board: self.drive.as_ref().map(Drive::state),
+            run_state: self.emulator.simulation.cnc.run_state(),
+            program_wait: self
+                .wait_watch
+                .report(self.tick, self.emulator.simulation.cnc.run_state()),
+            start_distance: self.start_watch.report(&self.emulator.simulation.cnc),
+            is_moving: self.emulator.simulation.cnc.is_moving() || self.motion().spindle_rpm > 0.0,
+            program: self.emulator.simulation.cnc.programs().selected(),
+            lesson: self.lesson.as_ref().map(PracticeSession::state),
+            alarm_records: self.alarm_history.records(),
+            motion: self.publish_motion.then(|| self.motion()),
+            forced: ForcedState {
+                forced_bits: self.emulator.simulation.cnc.plc().forces().len(),
+                forced_inputs: self.emulator.simulation.lathe.forced_input_count(),
+                faults: self.emulator.simulation.lathe.fault_count(),
+            },
+        }
+    }
+
+    /// Returns slide positions and spindle speed: of the board if one is connected, else of
+    /// the simulated lathe.
+    fn motion(&self) -> MachineMotion {
+        /// Step to which the spindle speed is rounded, r/min.
+        const STEP: f64 = 10.0;
+        let Simulation { cnc, lathe, .. } = &self.emulator.simulation;
+        let (slides, spindle) = match cnc.has_board() {
+            true => (cnc.position_machine(), cnc.board_spindle_rpm()),
+            false => (lathe.slide_position(), Some(lathe.spindle_rpm())),
+        };
+        let spindle = spindle.unwrap_or_else(|| cnc.spindle_switched()).abs();
+        MachineMotion {
+            slides,
+            spindle_rpm: (spindle / STEP).round() * STEP,
+        }
+    }
+
+    fn execute_command(&mut self, command: Command) {
+        self.command_count += 1;
+        if self.is_late(&command) {
+            self.notify(Notice::Message(say::key_came_late()));
+            return;
+        }
+        if matches!(
+            command,
+            Command::Key { down: true, .. } | Command::Tap(_) | Command::Type(_) | Command::Turn(_)
+        ) {
+            self.interrupt_demonstration();
+        }
+        match command {
+            Command::Key { key, down: true } => self.press_key(key, KeyEdge::Down(key)),
+            Command::Key { key, down: false } => self.key_edges.push(KeyEdge::Up(key)),
+            Command::Tap(key) => self.press_key(key, KeyEdge::Tap(key)),
+            Command::Type(character) => self.key_edges.push(KeyEdge::Type(character)),
+            Command::Turn(detents) => self.turn_handwheel(detents),
+            Command::Open(opened) => {
+                self.open(*opened);
+            }
+            Command::OpenAndStart(opened) => self.open_and_start(*opened),
+            Command::Receive(file) => {
+                if let Err(refused) = self.emulator.receive(*file) {
+                    self.notify(Notice::Message(refused.message()));
+                }
+            }
+            Command::TransferFailed => self.emulator.panel.transfer_failed(),
+            Command::FitGraphic { least, greatest } => self.emulator.fit_graphic(least, greatest),
+            Command::Probe(probe) => self.set_probe(probe),
+            Command::Monitor(on) => self.machine_monitor = on.then(MachineMonitor::default),
+            Command::Fault(fault, on) => self.emulator.simulation.lathe.set_fault(fault, on),
+            Command::Request(request) => {
+                if let Err(alarm) = self.emulator.simulation.cnc.request(*request) {
+                    self.notify(Notice::Refused(alarm));
+                }
+            }
+            Command::Write(requests) => self.write_all_or_none(requests),
+            Command::Job(chosen) => self.set_job(chosen.map(|chosen| *chosen)),
+            Command::FreshStock => {
+                self.part.fresh_stock();
+                self.notify(Notice::FreshStock);
+            }
+            Command::CrashStops(stops) => self.part.set_crash_stops(stops),
+            Command::ShowPart(visible) => self.part.set_visible(visible),
+            Command::PowerCycle => self.emulator.power_cycle(),
+            Command::ForceInput(address, state) => {
+                self.emulator.simulation.lathe.force_input(address, state);
+            }
+            Command::ReleaseForcedBits => self.release_forced_bits(),
+            Command::Lesson(order) => self.execute_lesson_command(order),
+            Command::Speed(speed) => self.speed = speed,
+            Command::ClearFaults => self.emulator.simulation.lathe.clear_faults(),
+            Command::FreeLathe => {
+                part::end_crash_faults(&mut self.emulator.simulation);
+                self.key_edges.push(KeyEdge::Tap(Key::Reset));
+                self.notify(Notice::Message(say::window_lathe_is_free()));
+            }
+            Command::Link(order) => self.execute_link_command(order),
+            Command::Translate(on) => self.translate_screen = on,
+            Command::PublishMotion(on) => self.publish_motion = on,
+            Command::WatchLink(on) => self.watch_link(on),
+            Command::Store(text, to) => {
+                let _ = to.try_send(self.store(&Program::new(text)));
+            }
+            Command::SendSetup(to) => {
+                // The receiver may be gone.
+                let _ = to.try_send(Box::new(preview_setup::make_preview_setup(&self.emulator)));
+            }
+            Command::SendState(to) => {
+                // The receiver may be gone.
+                let _ = to.try_send(Box::new(self.project_state()));
+            }
+            Command::ReleaseAll => self.release_all_keys(),
+            Command::Alive => {}
+            Command::Quit => self.quit_requested = true,
+        }
+    }
+
+    /// Queues a key event. The emergency stop waits for no other key.
+    fn press_key(&mut self, key: Key, edge: KeyEdge) {
+        match key {
+            Key::EmergencyStop => {
+                self.emulator.key_down(Key::EmergencyStop);
+            }
+            _ => self.key_edges.push(edge),
+        }
+    }
+
+    /// Opens a program and starts it on the simulated lathe; with a board it is opened only.
+    fn open_and_start(&mut self, opened: OpenedProgram) {
+        let is_selected = self.open(opened);
+        if is_selected && self.drive.is_none() {
+            self.key_edges.push(KeyEdge::Tap(Key::Auto));
+            self.key_edges.push(KeyEdge::Tap(Key::CycleStart));
+        }
+    }
+
+    fn set_probe(&mut self, probe: Option<Probe>) {
+        match (probe, self.active_probe.as_mut()) {
+            (Some(probe), Some(probing)) => probing.replace_probe(probe),
+            (probe, _) => self.active_probe = probe.map(ActiveProbe::new),
+        }
+    }
+
+    fn set_job(&mut self, chosen: Option<SelectedJob>) {
+        let part = match &mut self.lesson {
+            Some(lesson) => lesson.own_part(),
+            None => &mut self.part,
+        };
+        part.set_job(chosen);
+    }
+
+    fn release_forced_bits(&mut self) {
+        let forces = self.emulator.simulation.cnc.plc().forces().to_vec();
+        for force in forces {
+            self.execute_command(Command::Request(Box::new(ControlRequest::ForceBit(
+                force.bit, None,
+            ))));
+        }
+    }
+
+    fn watch_link(&mut self, on: bool) {
+        self.link_watched = on;
+        if let Some(drive) = &mut self.drive {
+            drive.request_view(on);
+        }
+    }
+
+    /// Returns the state of the learner's own machine that a project stores, and its operation
+    /// level.
+    fn project_state(&self) -> (ProjectState, OperationLevel) {
+        let own = self.own_machine();
+        let level = own.simulation.cnc.battery_memory().authority.level();
+        (retained::project::state_of_emulator(own), level)
+    }
+
+    /// Whether the command would move a real machine although its age is unknown, because the
+    /// display has hung.
+    fn is_late(&mut self, command: &Command) -> bool {
+        let turns = matches!(command, Command::Turn(_));
+        let moves = match command {
+            Command::Key { key, down: true } | Command::Tap(key) => edges::starts_motion(*key),
+            _ => turns,
+        };
+        if !moves || self.drive.is_none() {
+            return false;
+        }
+        let now = platform::time_with_sleep();
+        let late = !self.input_watch.is_fresh(now) || turns && now < self.wheel_rests_until;
+        if turns && late {
+            // A wheel that keeps turning does not take the axis along again.
+            self.wheel_rests_until = now + WHEEL_REST_TIME;
+        }
+        late
+    }
+
+    /// Writes parameters, pitch errors, offsets and variables all or none: if the control
+    /// refuses one of them, it writes none.
+    fn write_all_or_none(&mut self, requests: Vec<ControlRequest>) {
+        let rights = self.emulator.simulation.cnc.rights();
+        let taken = |request: &ControlRequest| match request {
+            ControlRequest::SetOffset { .. } => rights.check_offsets(),
+            ControlRequest::SetVariable { .. } | ControlRequest::SetMacroVariable { .. } => {
+                rights.check_variables()
+            }
+            _ => rights.check_parameters(),
+        };
+        if let Err(refusal) = requests.iter().try_for_each(taken) {
+            let why = gsk_project::refusal_message(refusal);
+            self.notify(Notice::Message(say::commission_refused(why)));
+            return;
+        }
+        for request in requests {
+            if let Err(alarm) = self.emulator.simulation.cnc.request(request) {
+                self.notify(Notice::Refused(alarm));
+                return;
+            }
+        }
+    }
+
+    /// Turns the handwheel by this number of detents. In step mode nothing moves and a notice
+    /// says why.
+    fn turn_handwheel(&mut self, detents: i32) {
+        self.emulator.turn(detents);
+        let cnc = &self.emulator.simulation.cnc;
+        // An alarm takes precedence over this notice.
+        if cnc.mode().motion_mode() == OperatingMode::Step && cnc.alarms().is_empty() {
+            self.notify(Notice::Message(say::key_handwheel_in_step_mode()));
+        }
+    }
+
+    /// Passes a key event or a typed character to the panel.
+    fn pass_key_event(&mut self, event: KeyEvent) {
+        let pressed = match event {
+            KeyEvent::Down(key) => Some(KeyPress::new(key, &self.emulator.simulation.cnc)),
+            KeyEvent::Type(_) => Some(None),
+            _ => None,
+        };
+        let refused = self.emulator.key(event);
+        if let Some(press) = pressed {
+            let verdict = self.key_refusals.record_press(press, refused, self.tick);
+            self.report_verdict(verdict);
+        }
+    }
+
+    /// Notifies the window why a key does nothing, or that a key acts again.
+    fn report_verdict(&self, verdict: Option<RefusalReport>) {
+        match verdict {
+            Some(RefusalReport::Refused(why)) => self.notify(Notice::KeyRefusal(Some(why))),
+            Some(RefusalReport::KeyActs) => self.notify(Notice::KeyRefusal(None)),
+            None => {}
+        }
+    }
+
+    fn active_alarm(&self) -> Option<Alarm> {
+        let cnc = &self.emulator.simulation.cnc;
+        let alarm = cnc.alarms().first().cloned();
+        alarm.or_else(|| cnc.active_message())
+    }
+
+    /// Releases every key and drops the handwheel detents that the axis has not followed yet,
+    /// because nothing proves any more that a hand is at the machine.
+    fn release_keys_and_wheel(&mut self) {
+        self.release_all_keys();
+        self.drop_wheel();
+    }
+
+    fn drop_wheel(&mut self) {
+        // This request cannot be refused.
+        let _ = self
+            .emulator
+            .simulation
+            .cnc
+            .request(ControlRequest::DropWheel);
+    }
+
+    fn release_all_keys(&mut self) {
+        self.key_edges.clear();
+        self.emulator.key(KeyEvent::ReleaseAll);
+    }
+
+    fn notify(&self, notice: Notice) {
+        // The window reads the notices with every snapshot; a thousand unread ones mean
+        // that it is gone.
+        let _ = self.notices.try_send(notice);
+    }
+}

@@ -1,0 +1,113 @@
+//! Receives what comes from outside: snapshots and notices of the kernel, dropped files.
+
+use std::path::PathBuf;
+
+use egui::Ui;
+use gsk_host::kernel::Notice;
+use gsk_host::platform;
+
+use crate::Window;
+use crate::widgets::status_message::StatusMessage;
+
+impl Window {
+    /// Takes the snapshots and notices that the kernel has sent.
+    pub(crate) fn receive(&mut self) {
+        // The program that was selected until now.
+        let mut deselected = None;
+        if let Some(snapshot) = self.console.snapshots.pop() {
+            let previous = self.snapshot.as_ref();
+            let alarm = previous.and_then(|it| it.alarm.as_ref());
+            let is_new_alarm = snapshot.alarm.is_some() && snapshot.alarm.as_ref() != alarm;
+            let was_position_known = previous.is_some_and(|it| !it.position_unknown);
+            // The alarm of a crash says less than the crash itself.
+            let crashed = snapshot.forced.faults > 0
+                && matches!(self.message, Some(StatusMessage::Collided(_)));
+            if (is_new_alarm && !crashed) || (snapshot.position_unknown && was_position_known) {
+                // The new alarm or the lost position replaces an older message.
+                self.message = None;
+            }
+            let previous_program = previous.and_then(|it| it.program);
+            deselected = previous_program.filter(|program| snapshot.program != Some(*program));
+            if previous.is_none_or(|before| before.screen != snapshot.screen) {
+                platform::publish_screen_text(|| snapshot.screen.text());
+            }
+            self.views.lessons().take_snapshot(&snapshot);
+            self.play_machine(&snapshot);
+            self.snapshot = Some(snapshot);
+        }
+        while let Ok(notice) = self.console.notices.try_recv() {
+            match notice {
+                Notice::Message(text) => self.message = Some(StatusMessage::Text(text)),
+                Notice::Collided(what) => self.message = Some(StatusMessage::Collided(what)),
+                Notice::FreshStock => {
+                    self.message
+                        .take_if(|message| matches!(message, StatusMessage::Collided(_)));
+                }
+                Notice::Refused(alarm) => self.message = Some(StatusMessage::Refused(alarm)),
+                Notice::Sent(description) => self.message = Some(StatusMessage::Sent(description)),
+                Notice::NumberTaken(opened, number) => {
+                    self.questions.ask_about_number(opened, number);
+                }
+                Notice::Opened {
+                    name,
+                    path,
+                    placement: storage,
+                } => {
+                    self.views.program().load_opened(path.as_deref(), &storage);
+                    self.views
+                        .lathe()
+                        .report_opened_program(path.as_deref(), &storage);
+                    let file_name = PathBuf::from(name);
+                    let shown = file_name.file_name().unwrap_or_default();
+                    let shown = shown.to_string_lossy().into_owned();
+                    self.message = Some(StatusMessage::for_opened(
+                        self.message.take(),
+                        shown,
+                        storage,
+                    ));
+                    if let Some(path) = path.as_ref().filter(|path| platform::is_persistent(path)) {
+                        self.settings.add_recent(path);
+                    }
+                    self.opened_program = path;
+                }
+                // The result of a preview must not hide a current alarm.
+                Notice::Previewed(..)
+                    if self.snapshot.as_ref().is_some_and(|it| it.alarm.is_some()) => {}
+                Notice::Previewed(file, look) => {
+                    self.message =
+                        Some(StatusMessage::for_preview(self.message.take(), file, look));
+                }
+                Notice::KeyRefusal(Some(reason)) => {
+                    self.message = Some(StatusMessage::KeyRefused(reason));
+                }
+                Notice::KeyRefusal(None) => {
+                    self.message
+                        .take_if(|message| matches!(message, StatusMessage::KeyRefused(_)));
+                }
+            }
+        }
+        if let (Some(message), Some((file, time_s))) =
+            (&mut self.message, self.views.lathe().program_time())
+        {
+            message.update_time(file, time_s);
+        }
+        // The preview of the newly selected program arrived before this snapshot and stays.
+        self.message
+            .take_if(|message| deselected.is_some_and(|program| message.is_about(program)));
+    }
+
+    /// Opens files that were dropped on the window, and shows a hint while files are dragged
+    /// over it.
+    pub(crate) fn take_dropped_files(&mut self, ui: &Ui) {
+        let (dropped, hovering) = ui.input(|input| {
+            let dropped = input.raw.dropped_files.clone();
+            (dropped, !input.raw.hovered_files.is_empty())
+        });
+        if !dropped.is_empty() {
+            let (opener, context) = (self.opener.clone(), ui.ctx().clone());
+            platform::take_dropped(&dropped, move |path| opener.open(path, &context));
+        } else if hovering {
+            self.message = Some(StatusMessage::DropHere);
+        }
+    }
+}

@@ -1,0 +1,11 @@
+//! What surrounds panel and views: the bar at the top, the line of messages, the first start.
+
+pub mod first_start;
+pub mod incoming;
+pub mod message_line;
+pub mod pane_area;
+pub mod program_opener;
+pub mod startup_error;
+pub mod top_bar;
+pub mod top_bar_requests;
+pub mod zoom;

@@ -1,0 +1,285 @@
+//! The help window: shows the topic about what the operator points at or searches for, beside
+//! the panel (WINDOW-12); lists when an alarm was raised, and starts demonstrations
+//! (WINDOW-21).
+
+mod alarm_history;
+mod demonstrations;
+
+use egui::{Context, Frame, Key, Margin, RichText, ScrollArea, TextEdit, Ui};
+use gsk_core::model::ModelId;
+use gsk_help::{Subject, Topic, article, search_model, topic, topic_of};
+use gsk_host::kernel::{LessonAction, PanelSnapshot};
+use gsk_messages::{Language, say};
+use gsk_panel::alarm_log::AlarmRecord;
+
+use super::theme;
+use crate::focus;
+use crate::placement::panel_placement::PlacedArea;
+use crate::placement::stop_key_clearance;
+
+/// Size of the window, points.
+const WINDOW_SIZE: [f32; 2] = [440.0, 420.0];
+/// Width and height that frame and title add to the content, points.
+const FRAME_SIZE: egui::Vec2 = egui::vec2(20.0, 48.0);
+/// Maximum number of topics in a search result.
+const MAX_LISTED: usize = 60;
+
+/// A request from the help window.
+#[derive(Clone, Debug)]
+pub enum HelpRequest {
+    /// Carry out a command of the demonstration on the practice machine.
+    Lesson(LessonAction),
+    /// Show the program view at the block that raised this alarm.
+    Block(Box<AlarmRecord>),
+}
+
+/// The state of the help window.
+#[derive(Debug, Default)]
+pub struct HelpWindow {
+    is_open: bool,
+    query: String,
+    /// The last query with its control model, and the topics found. The search reads all texts
+    /// and would be too slow for every frame.
+    search_result: ((ModelId, String), Vec<&'static Topic>),
+    /// The topics that the operator has read; the last one is shown.
+    history: Vec<&'static Topic>,
+    /// Whether a press on the panel shows its topic instead of pressing the key.
+    explains_presses: bool,
+}
+
+impl HelpWindow {
+    /// Opens the window at a topic; `None` opens the last one. Closes the window if it already
+    /// shows that topic.
+    pub fn toggle(&mut self, topic: Option<&'static Topic>) {
+        let current = self.history.last().copied();
+        if self.is_open && (topic.is_none() || topic == current) {
+            self.is_open = false;
+            self.explains_presses = false;
+            return;
+        }
+        self.is_open = true;
+        self.query.clear();
+        if let Some(topic) = topic {
+            self.push_topic(topic);
+        }
+    }
+
+    /// Whether a press on the panel shows the topic of the key instead of pressing it.
+    pub const fn is_explaining(&self) -> bool {
+        self.is_open && self.explains_presses
+    }
+
+    /// Shows the topic of a panel part that was pressed while presses are explained.
+    pub fn show_pressed(&mut self, topic: &'static Topic) {
+        self.query.clear();
+        self.push_topic(topic);
+    }
+
+    fn push_topic(&mut self, topic: &'static Topic) {
+        if self.history.last() != Some(&topic) {
+            self.history.push(topic);
+        }
+    }
+
+    /// Draws the window, if it is open, and returns the operator's request, if any.
+    pub fn show(
+        &mut self,
+        context: &Context,
+        language: Language,
+        snapshot: Option<&PanelSnapshot>,
+        placed: &[PlacedArea],
+    ) -> Option<HelpRequest> {
+        if !self.is_open {
+            return None;
+        }
+        // The window opens below the top bar and covers no key that stops the machine.
+        let mut screen = context.content_rect();
+        screen.min.y += super::TOP_BAR_HEIGHT;
+        let wanted_size = egui::Vec2::from(WINDOW_SIZE) + FRAME_SIZE;
+        let area = stop_key_clearance::best_rect(
+            screen,
+            &stop_key_clearance::stop_key_rects(placed),
+            |room| stop_key_clearance::rate_beside_panel(room, wanted_size, placed),
+        );
+        let max_size = area.size() - FRAME_SIZE;
+        let size = egui::Vec2::from(WINDOW_SIZE).min(max_size);
+        let mut open = true;
+        let request = egui::Window::new(say::window_help_title().text(language))
+            .id(egui::Id::unique("help"))
+            .collapsible(false)
+            .default_size(size)
+            .max_size(max_size)
+            .default_pos(area.right_top() - egui::vec2(wanted_size.x.min(area.width()), 0.0))
+            .constrain_to(area)
+            .open(&mut open)
+            .show(context, |ui| self.show_content(ui, language, snapshot));
+        self.is_open &= open;
+        self.explains_presses &= self.is_open;
+        request.and_then(|response| response.inner).flatten()
+    }
+
+    fn show_content(
+        &mut self,
+        ui: &mut Ui,
+        language: Language,
+        snapshot: Option<&PanelSnapshot>,
+    ) -> Option<HelpRequest> {
+        ui.horizontal(|ui| {
+            let back = egui::Button::new("⬅");
+            let back = ui.add_enabled(self.history.len() > 1 && self.query.is_empty(), back);
+            let back = back.on_hover_text(say::window_help_back().text(language));
+            if back.clicked() {
+                self.history.pop();
+            }
+            let explain = say::window_help_explain().text(language);
+            ui.toggle_value(&mut self.explains_presses, explain)
+                .on_hover_text(say::window_help_explain_hint().text(language));
+            let hint = say::window_help_hint().text(language);
+            let field = TextEdit::singleline(&mut self.query).hint_text(hint);
+            let field = ui.add(field.desired_width(f32::INFINITY));
+            if field.has_focus() && ui.input(|input| input.key_pressed(Key::Escape)) {
+                self.query.clear();
+            }
+        });
+        ui.separator();
+        let lesson = snapshot.and_then(|picture| picture.lesson.as_ref());
+        let mut request =
+            lesson.and_then(|state| demonstrations::show_running(ui, state, language));
+        ScrollArea::vertical()
+            .auto_shrink([false, false])
+            .show(ui, |ui| {
+                let topic_request = self.show_topics(ui, language, snapshot);
+                request = request.take().or(topic_request);
+                focus::scroll_to_focus(ui);
+            });
+        request
+    }
+
+    fn show_topics(
+        &mut self,
+        ui: &mut Ui,
+        language: Language,
+        snapshot: Option<&PanelSnapshot>,
+    ) -> Option<HelpRequest> {
+        if !self.query.trim().is_empty() {
+            let model = snapshot.map(|picture| picture.model).unwrap_or_default();
+            let search = (model, self.query.clone());
+            if self.search_result.0 != search {
+                self.search_result = (search, search_model(model, &self.query));
+            }
+            match &self.search_result.1[..] {
+                [] => {
+                    ui.label(say::window_help_nothing().text(language));
+                }
+                [only] => return show_topic(ui, only, language, snapshot),
+                several => {
+                    if let Some(chosen) = show_topic_list(ui, several, language) {
+                        self.query.clear();
+                        self.push_topic(chosen);
+                    }
+                }
+            }
+            return None;
+        }
+        let Some(current) = self.history.last() else {
+            ui.label(say::window_help_begin().text(language));
+            return None;
+        };
+        // Another model may have been turned on since then: a code is explained for the
+        // current model.
+        let model = snapshot.map(|picture| picture.model).unwrap_or_default();
+        let current = topic_of(model, current.subject).unwrap_or(current);
+        let request = show_topic(ui, current, language, snapshot);
+        if let Some(chosen) = show_topic_list(ui, &related_topics(current.subject), language) {
+            self.push_topic(chosen);
+        }
+        request
+    }
+}
+
+/// Draws topics by their headings. Returns the topic that was clicked, if any.
+fn show_topic_list(
+    ui: &mut Ui,
+    topics: &[&'static Topic],
+    language: Language,
+) -> Option<&'static Topic> {
+    let name = say::window_help_list_name().text(language);
+    let count = topics.len().min(MAX_LISTED);
+    let list = focus::FocusList::begin(ui, "topics", &name, count, None);
+    let mut chosen = list.entered_row().and_then(|at| topics.get(at).copied());
+    for (at, topic) in topics.iter().take(MAX_LISTED).enumerate() {
+        let link = focus::link_row(ui, article(topic, language).heading.into());
+        if list.show_cursor(ui, at, &link) {
+            chosen = Some(*topic);
+        }
+    }
+    if topics.len() > MAX_LISTED {
+        ui.weak(say::help_more(topics.len() - MAX_LISTED).text(language));
+    }
+    chosen
+}
+
+/// Topics related to a subject: the bits of a state parameter, the parameter of a bit, the
+/// page of a field.
+fn related_topics(subject: Subject<'_>) -> Vec<&'static Topic> {
+    match subject {
+        Subject::Parameter(number) => (0..8)
+            .rev()
+            .filter_map(|bit| topic(Subject::Bit(number, bit)))
+            .collect(),
+        Subject::Bit(number, _) => topic(Subject::Parameter(number)).into_iter().collect(),
+        Subject::Field(page, _) => topic(Subject::Page(page)).into_iter().collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// Draws a topic with its demonstrations and, for an alarm, its occurrences. Returns the
+/// operator's request, if any.
+fn show_topic(
+    ui: &mut Ui,
+    topic: &Topic,
+    language: Language,
+    snapshot: Option<&PanelSnapshot>,
+) -> Option<HelpRequest> {
+    show_article(ui, topic, language);
+    // Demonstrations run on a GSK980TD only.
+    let request = match topic.model {
+        None => demonstrations::show_offers(ui, topic.subject, language),
+        Some(_) => None,
+    };
+    let history_request = match topic.subject {
+        Subject::Alarm(number) => snapshot.and_then(|picture| {
+            alarm_history::show_occurrences(ui, number, &picture.alarm_records, language)
+        }),
+        _ => None,
+    };
+    request.or(history_request)
+}
+
+/// Draws the article of a topic.
+pub fn show_article(ui: &mut Ui, topic: &Topic, language: Language) {
+    let article = article(topic, language);
+    ui.heading(article.heading);
+    ui.add_space(4.0);
+    if !article.rule.is_empty() {
+        ui.label(article.rule);
+        ui.add_space(4.0);
+    }
+    for fact in article.facts {
+        ui.label(RichText::new(fact).color(theme::NOTE_TEXT));
+    }
+    if !article.example.is_empty() {
+        ui.add_space(4.0);
+        Frame::new()
+            .fill(ui.visuals().faint_bg_color)
+            .inner_margin(Margin::same(6))
+            .show(ui, |ui| {
+                ui.label(RichText::new(say::window_help_example().text(language)).strong());
+                ui.label(article.example);
+            });
+    }
+    if !article.source.is_empty() {
+        ui.weak(article.source);
+    }
+    ui.add_space(6.0);
+}

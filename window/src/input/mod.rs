@@ -1,0 +1,7 @@
+//! Input of the window: keyboard, pointer and touch on the panel.
+
+pub mod held_keys;
+pub mod key_map;
+pub mod keyboard;
+pub mod long_press;
+pub mod panel_pointer;

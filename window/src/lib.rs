@@ -1,0 +1,502 @@
+//! Draws the main window (bars, panes, panel, dialogs) and dispatches its input. It uses
+//! neither threads nor eframe: tests drive it as the program does.
+
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+#![allow(missing_docs, reason = "internal names")]
+
+pub mod app;
+mod chrome;
+mod focus;
+pub mod fonts;
+mod frame_figures;
+mod help;
+mod input;
+pub mod layout;
+mod panel_view;
+mod placement;
+mod request;
+mod samples;
+mod screen_reader;
+mod settings;
+mod theme;
+pub mod view;
+mod views;
+mod widgets;
+
+use std::path::PathBuf;
+
+use egui::{Event, Frame, Margin, Panel, Pos2, Ui};
+use gsk_core::model::ModelId;
+use gsk_core::operation::RunState;
+use gsk_help::{Subject, Topic, topic};
+use gsk_host::files::lessons::AvailableLessons;
+use gsk_host::input_watch::QUERY_INTERVAL;
+use gsk_host::kernel::{Command, Console, KeysReversed, PanelSnapshot};
+use gsk_host::platform;
+use gsk_host::sound::MachineSound;
+use gsk_link::LinkState;
+use gsk_panel::alarm_log::AlarmRecord;
+use gsk_panel::keys::Key;
+
+use crate::chrome::first_start::FirstStart;
+use crate::chrome::program_opener::ProgramOpener;
+use crate::chrome::{top_bar, zoom};
+use crate::input::held_keys::{HeldKeys, PanelKeyChange};
+use crate::input::keyboard::PcAction;
+use crate::input::long_press::LongPress;
+use crate::input::panel_pointer::PanelPointer;
+use crate::input::{key_map, keyboard};
+use crate::panel_view::{faceplate_image, lcd};
+use crate::placement::{panel_placement, stop_key_clearance};
+use crate::widgets::files::FileBrowser;
+use crate::widgets::questions::Questions;
+use crate::widgets::real_machine_bar;
+use crate::widgets::status_message::StatusMessage;
+use help::HelpWindow;
+pub use settings::WindowSettings;
+use view::ViewId;
+use views::Views;
+pub use views::project::ProjectSelection;
+
+pub use crate::chrome::startup_error;
+pub use crate::input::key_map::pc_name;
+
+pub const TITLE: &str = "GSK980TD";
+/// Height of the bar at the top, points.
+const TOP_BAR_HEIGHT: f32 = 28.0;
+/// Height of the message line at the bottom, points.
+const MESSAGE_LINE_HEIGHT: f32 = 22.0;
+
+/// The state of the main window between two frames.
+pub struct Window {
+    console: Console,
+    snapshot: Option<PanelSnapshot>,
+    settings: WindowSettings,
+    opened_program: Option<PathBuf>,
+    message: Option<StatusMessage>,
+    held_keys: HeldKeys<Key>,
+    pointing: PanelPointer,
+    opener: ProgramOpener,
+    is_key_map_open: bool,
+    help: HelpWindow,
+    /// The areas of the panel with the positions of the last frame.
+    placed_areas: Vec<panel_placement::PlacedArea>,
+    pointer_position: Option<Pos2>,
+    questions: Questions,
+    browser: FileBrowser,
+    views: Views,
+    lcd: lcd::Lcd,
+    faceplate: faceplate_image::FaceplateImage,
+    models: Models,
+    first_start: Option<FirstStart>,
+    long_press: LongPress,
+    /// Which axis keys act in the reverse direction, for their tool tips.
+    reversed_keys: KeysReversed,
+    /// Whether the kernel is requested to send the LCD in the other language, too.
+    is_translation_requested: bool,
+    sounds: MachineSound,
+}
+
+/// The control model in use and the operator's request for another one.
+#[derive(Clone, Copy, Debug, Default)]
+struct Models {
+    current: ModelId,
+    requested: Option<ModelId>,
+    /// Whether the operator may choose another model.
+    is_changeable: bool,
+}
+
+impl Window {
+    /// Creates a window that is connected to the kernel's `console`.
+    pub fn new(console: Console, settings: WindowSettings) -> Self {
+        let opener = ProgramOpener::new(console.clone());
+        let views = Views::new(
+            &console,
+            settings.solid,
+            settings.lessons.clone(),
+            settings.transfer.clone(),
+            settings.projects.clone(),
+        );
+        Self {
+            console,
+            snapshot: None,
+            settings,
+            opened_program: None,
+            message: None,
+            held_keys: HeldKeys::default(),
+            pointing: PanelPointer::default(),
+            opener,
+            is_key_map_open: false,
+            help: HelpWindow::default(),
+            placed_areas: Vec::new(),
+            pointer_position: None,
+            questions: Questions::default(),
+            browser: FileBrowser::default(),
+            views,
+            lcd: lcd::Lcd::default(),
+            faceplate: faceplate_image::FaceplateImage::default(),
+            models: Models::default(),
+            first_start: None,
+            long_press: LongPress::default(),
+            reversed_keys: KeysReversed::default(),
+            is_translation_requested: false,
+            sounds: MachineSound::default(),
+        }
+    }
+
+    /// Sets the control model in use. `is_changeable` allows the operator to request another
+    /// one.
+    pub const fn set_model(&mut self, current: ModelId, is_changeable: bool) {
+        self.models = Models {
+            current,
+            requested: None,
+            is_changeable,
+        };
+    }
+
+    /// Takes the control model that the operator has requested since the last call, if any.
+    pub const fn take_requested_model(&mut self) -> Option<ModelId> {
+        self.models.requested.take()
+    }
+
+    /// Opens the project in `folder` and lists its differences from the control.
+    pub fn compare_project(&mut self, context: &egui::Context, folder: PathBuf) {
+        self.views.project().open(folder, true, context);
+        self.show_view(ViewId::Project);
+    }
+
+    fn show_view(&mut self, view: ViewId) {
+        let layouts = &mut self.settings.layouts;
+        if !layouts.is_open(view) {
+            layouts.toggle(view);
+        } else if layouts.docked().contains(&view) {
+            layouts.bring_to_front(Some(view));
+        }
+    }
+
+    /// Takes the values of a project that the operator chose to take over, if any. The caller
+    /// turns the control off to write them.
+    pub const fn take_project_selection(&mut self) -> Option<ProjectSelection> {
+        self.views.project().take_selection()
+    }
+
+    /// Enables the drawing of the panel. Tests without a display leave it off.
+    pub const fn paint_panel(&mut self) {
+        self.faceplate.enable();
+    }
+
+    /// The settings that are stored for the next start.
+    pub const fn settings(&self) -> &WindowSettings {
+        &self.settings
+    }
+
+    /// Stores the size and position of the window in the settings.
+    pub fn store_geometry(&mut self, context: &egui::Context) {
+        if let Some(geometry) =
+            context.input(|input| layout::floating::normal_geometry(input.viewport()))
+        {
+            self.settings.layouts.window = Some(geometry);
+        }
+    }
+
+    /// Shows `message` on the message line.
+    pub fn show_message(&mut self, message: impl Into<gsk_messages::Message>) {
+        self.message = Some(StatusMessage::Text(message.into()));
+    }
+
+    /// Sets the lessons that the window lists, those of a teacher included, and the errors in
+    /// lesson files.
+    pub fn set_lessons(&mut self, lessons: AvailableLessons) {
+        let view = self.views.lessons();
+        view.set_lessons(lessons.lessons, lessons.errors);
+    }
+
+    /// Opens a program file, or a project by its `project.gpr`. The message line shows the
+    /// result.
+    pub fn open(&mut self, context: &egui::Context, path: PathBuf) {
+        let is_project = path
+            .file_name()
+            .is_some_and(|name| name == gsk_host::project::PROJECT_FILE);
+        if let Some(folder) = path
+            .parent()
+            .filter(|_| is_project && platform::has_folders())
+        {
+            self.compare_project(context, folder.to_owned());
+            return;
+        }
+        self.opener.open(path, context);
+    }
+
+    /// Shows that the kernel has ended unexpectedly, and lets the window close.
+    pub fn report_kernel_end(&mut self) {
+        self.message = Some(StatusMessage::KernelEnded);
+        self.allow_closing();
+    }
+
+    /// Lets the window close without the question about unsaved work.
+    pub const fn allow_closing(&mut self) {
+        self.questions.allow_closing();
+    }
+
+    pub fn title(&self) -> String {
+        real_machine_bar::window_title(self.models.current.name(), self.board())
+    }
+
+    /// State of the board that moves real slides; `None` if no board is connected.
+    fn board(&self) -> Option<LinkState> {
+        self.snapshot.as_ref().and_then(|picture| picture.board)
+    }
+
+    /// The latest snapshot of the control; `None` before the first one.
+    pub const fn snapshot(&self) -> Option<&PanelSnapshot> {
+        self.snapshot.as_ref()
+    }
+
+    /// Releases all held keys, because the window is hidden or has lost the focus.
+    pub fn release_keys(&mut self) {
+        self.pointing.reset();
+        self.long_press.reset();
+        let changes = self.held_keys.release_all();
+        self.console
+            .input_watch
+            .set_holders(self.held_keys.holders());
+        self.send(&changes);
+    }
+
+    /// Draws one frame and handles its input.
+    pub fn ui(&mut self, ui: &mut Ui) {
+        // Checked here because the key that closes the menu is consumed later.
+        let menu = egui::Popup::is_any_open(ui.ctx());
+        self.receive();
+        self.update_sound();
+        let refusal = self.model_choice().refusal;
+        self.views.project().set_refusal(refusal);
+        let only_docks = ui.ctx().embed_viewports();
+        self.settings.layouts.set_single_window(only_docks);
+        if self.views.lessons().take_begun() && !self.settings.layouts.is_open(ViewId::Machine) {
+            // The learner sees what his keys do to the part.
+            self.settings.layouts.dock_beside(ViewId::Machine);
+        }
+        self.views.follow(ui.ctx(), &self.settings.layouts);
+        self.take_dropped_files(ui);
+        zoom::apply(ui.ctx(), &self.settings);
+        let language = self.settings.language;
+        real_machine_bar::show(ui, "panel", self.board(), language);
+        let slim = Frame::new()
+            .fill(theme::BAR_GROUND)
+            .inner_margin(Margin::symmetric(8, 0));
+        let bar = Panel::top("bar")
+            .exact_size(TOP_BAR_HEIGHT)
+            .frame(slim)
+            .show_separator_line(false);
+        let requests = bar
+            .show(ui, |ui| {
+                let opened = self.opened_program.as_ref();
+                let picture = self.snapshot.as_ref();
+                let models = self.model_choice();
+                top_bar::show(ui, &self.settings, opened, picture, &models)
+            })
+            .inner;
+        let status_panel = Panel::bottom("status")
+            .exact_size(MESSAGE_LINE_HEIGHT)
+            .frame(slim)
+            .show_separator_line(false);
+        status_panel.show(ui, |ui| self.show_message_line(ui));
+        // The central panel has no frame: the clear colour fills what the panel leaves free.
+        egui::CentralPanel::default()
+            .frame(Frame::NONE)
+            .show(ui, |ui| {
+                if !self.show_first_start(ui) {
+                    self.show_panes(ui);
+                }
+            });
+        stop_key_clearance::store_stop_keys(ui.ctx(), &self.placed_areas);
+        self.store_view_settings();
+        if let Some(requests) = requests {
+            if requests.needs_window_area() {
+                self.first_start = None;
+            }
+            self.handle_request(requests, ui);
+        }
+        if self.is_key_map_open {
+            self.is_key_map_open = key_map::show(ui.ctx(), language, &self.placed_areas);
+        }
+        let picture = self.snapshot.as_ref();
+        match self
+            .help
+            .show(ui.ctx(), language, picture, &self.placed_areas)
+        {
+            Some(help::HelpRequest::Lesson(order)) => self.console.send(Command::Lesson(order)),
+            Some(help::HelpRequest::Block(occurrence)) => self.show_block(*occurrence),
+            None => {}
+        }
+        let picture = self.snapshot.as_ref();
+        let unsaved = self.views.first_unsaved();
+        self.questions
+            .show(ui.ctx(), language, picture, &self.console, unsaved);
+        let (board, lcd) = (self.board(), self.lcd.bounds());
+        let browser_input = self.browser.show(ui.ctx(), language, lcd);
+        self.handle_keyboard(ui, menu);
+        self.handle_keys(&browser_input.stop_events);
+        let layouts = &mut self.settings.layouts;
+        let view_input = self
+            .views
+            .show_floating(ui.ctx(), language, board, lcd, layouts);
+        if view_input.jogs_in_list {
+            self.explain_axis_key_in_list();
+        }
+        self.handle_keys(&view_input.events);
+        if let Some(request) = self.views.take_sample() {
+            self.opener.open_sample(request, ui.ctx());
+        }
+        focus::release_cursor_keys(ui.ctx());
+        let focused =
+            view_input.has_focus || browser_input.has_focus || ui.input(|input| input.focused);
+        if !focused {
+            self.release_keys();
+        }
+        self.renew_held_keys(ui.ctx());
+    }
+
+    /// Copies what the views keep for the next start into the settings.
+    fn store_view_settings(&mut self) {
+        self.settings.solid = self.views.lathe().is_solid();
+        let finished = self.views.lessons().finished_lessons();
+        if self.settings.lessons != *finished {
+            self.settings.lessons.clone_from(finished);
+        }
+        let transfer = self.views.transfer().settings();
+        if self.settings.transfer != *transfer {
+            self.settings.transfer.clone_from(transfer);
+        }
+        let projects = self.views.project().settings();
+        if self.settings.projects != *projects {
+            self.settings.projects.clone_from(projects);
+        }
+    }
+
+    /// Reports to the kernel that the window is alive while keys are held.
+    fn renew_held_keys(&self, context: &egui::Context) {
+        self.console
+            .input_watch
+            .set_holders(self.held_keys.holders());
+        if self.held_keys.has_any() {
+            // The kernel releases all keys when it receives no `Alive` command from the
+            // window, or when the display does not show the keys as held.
+            self.console.send(Command::Alive);
+            context.request_repaint_after(QUERY_INTERVAL);
+        }
+    }
+
+    /// Number of segments of the tool path in the machine view.
+    pub fn count_path_pieces(&mut self) -> usize {
+        self.views.lathe().segment_count()
+    }
+
+    /// Whether RESET may have something to stop; true before the first snapshot.
+    fn is_running_or_unknown(&self) -> bool {
+        self.snapshot.as_ref().is_none_or(|it| {
+            let board = matches!(it.board, Some(LinkState::Moving | LinkState::Homing));
+            it.is_moving || board || matches!(it.run_state, RunState::Run | RunState::Hold)
+        })
+    }
+
+    /// Handles the keys of the PC keyboard. While a text field has the focus, only the stop
+    /// keys reach the panel. `menu`: a menu was open when the keys arrived.
+    fn handle_keyboard(&mut self, ui: &Ui, menu: bool) {
+        let events: Vec<Event> = ui.input(|input| input.events.clone());
+        if ui.ctx().text_edit_focused() || self.first_start.is_some() {
+            let stops: Vec<Event> = events
+                .into_iter()
+                .filter(keyboard::is_stop_or_release)
+                .collect();
+            self.handle_keys(&stops);
+            return;
+        }
+        zoom::handle_keys(ui.ctx(), &events, &mut self.settings);
+        let mut events = keyboard::filter_for_focus(ui.ctx(), events);
+        if keyboard::remove_axis_keys_in_list(ui.ctx(), &mut events) {
+            self.explain_axis_key_in_list();
+        }
+        if menu {
+            events = keyboard::filter_for_menu(events, self.is_running_or_unknown());
+        }
+        if let Some(view) = view::view_of_pressed_key(&events) {
+            self.settings.layouts.toggle(view);
+        }
+        if let Some(layout) = layout::layout_of_pressed_key(&events) {
+            self.settings.layouts.choose(layout);
+        }
+        self.handle_keys(&events);
+    }
+
+    /// Shows a message that an axis key has moved the cursor of a list, and no axis.
+    fn explain_axis_key_in_list(&mut self) {
+        self.message = Some(StatusMessage::KeyRefused(
+            gsk_messages::say::window_axis_key_in_list(),
+        ));
+    }
+
+    /// Opens the program view at the block in which an alarm was raised.
+    fn show_block(&mut self, occurrence: AlarmRecord) {
+        let Some(source) = occurrence.alarm.source else {
+            return;
+        };
+        let program = self.views.program();
+        program.show_block(source.program, source.line, occurrence.block);
+        self.show_view(ViewId::Program);
+    }
+
+    /// The help topic about the current alarm; `None` without an alarm.
+    fn alarm_topic(&self) -> Option<&'static Topic> {
+        let alarm = self.snapshot.as_ref()?.alarm.as_ref()?;
+        topic(Subject::Alarm(alarm.row()?.number))
+    }
+
+    fn handle_keys(&mut self, events: &[Event]) {
+        for event in events {
+            match keyboard::action_of(event) {
+                Some(PcAction::Help) => {
+                    let about = self
+                        .pointer_position
+                        .and_then(|at| self.topic_at_position(at));
+                    self.help.toggle(about.or_else(|| self.alarm_topic()));
+                }
+                Some(PcAction::Turn(graduations)) => self.console.send(Command::Turn(graduations)),
+                Some(PcAction::Type(character)) => {
+                    self.held_keys.drop_waiting_latch();
+                    self.console.send(Command::Type(character));
+                }
+                Some(PcAction::Press(holder, key)) => {
+                    let changes = self.held_keys.press(holder, key);
+                    self.send(&changes);
+                }
+                Some(PcAction::Release(holder)) => {
+                    let changes = self.held_keys.set(holder, None);
+                    self.send(&changes);
+                }
+                None => {}
+            }
+        }
+    }
+
+    fn send(&self, changes: &[PanelKeyChange<Key>]) {
+        for change in changes {
+            self.console.send(Command::Key {
+                key: change.key,
+                down: change.is_down,
+            });
+        }
+    }
+}
+
+/// Formats the printed legend of a key in brackets: `[超程解除]`.
+fn key_label(key: Key) -> String {
+    let printed = key.row().legend.iter();
+    let chinese = printed.filter(|line| !line.is_ascii()).copied();
+    let shown: String = chinese.collect();
+    match shown.is_empty() {
+        true => format!("[{}]", key.row().legend.concat()),
+        false => format!("[{shown}]"),
+    }
+}

@@ -1,0 +1,188 @@
+//! Draws the faceplate of the panel: one image of it, or of each of its areas, in which only
+//! changed parts are repainted.
+//!
+//! A software renderer pays for every pixel of every layer: painting a hundred parts in each
+//! frame takes ten times as long as one image of them all. A thread renders the whole image
+//! with the panel's own painter at the size of the window in physical pixels. Until it is
+//! finished, the last image is stretched. A key, a lamp or the wheel is repainted into the
+//! image when its look changes.
+
+use crossbeam::channel::{Receiver, Sender, TryRecvError, bounded};
+use egui::{Color32, ColorImage, Painter, Pos2, Rect, TextureHandle, TextureOptions, Vec2, pos2};
+use gsk_host::platform;
+use gsk_panel::faceplate::{self, FaceState, PanelArea, PanelColour, PanelPart, Pixmap};
+
+use crate::placement::panel_placement::PlacedArea;
+use crate::theme;
+
+/// Texture filtering of the images: none, because their pixels match the physical ones.
+const PIXEL_EXACT: TextureOptions = TextureOptions::NEAREST;
+
+/// The image of an area of the panel, and how its keys and lamps look in the image.
+struct AreaImage {
+    texture: TextureHandle,
+    /// Physical pixels per panel unit.
+    scale: f32,
+    /// The keys and lamps of the area, each with the number of its look in the image.
+    looks: Vec<(PanelPart, u32)>,
+}
+
+/// Receives an image that a thread renders, and its scale, physical pixels per panel unit.
+type RenderedImage = Receiver<(ColorImage, f32)>;
+
+/// An area of the panel with its image, which is rendered again when its size changes.
+struct AreaSlot {
+    area: PanelArea,
+    job: Option<RenderedImage>,
+    picture: Option<AreaImage>,
+}
+
+/// The images of all areas of the panel that are visible.
+#[derive(Default)]
+pub struct FaceplateImage {
+    is_enabled: bool,
+    slots: Vec<AreaSlot>,
+}
+
+impl FaceplateImage {
+    /// Enables the rendering of images. Without images the panel is a plain rectangle.
+    pub const fn enable(&mut self) {
+        self.is_enabled = true;
+    }
+
+    /// Draws the panel except for the content of the LCD.
+    pub fn paint(&mut self, painter: &Painter, placed: &[PlacedArea], state: &FaceState<'_>) {
+        self.slots
+            .retain(|piece| placed.iter().any(|view| view.area == piece.area));
+        for view in placed {
+            let existing_index = self.slots.iter().position(|it| it.area == view.area);
+            let index = existing_index.unwrap_or_else(|| {
+                self.slots.push(AreaSlot {
+                    area: view.area,
+                    job: None,
+                    picture: None,
+                });
+                self.slots.len() - 1
+            });
+            if let Some(piece) = self.slots.get_mut(index) {
+                piece.paint(painter, *view, state, self.is_enabled);
+            }
+        }
+    }
+}
+
+impl AreaSlot {
+    fn paint(
+        &mut self,
+        painter: &Painter,
+        view: PlacedArea,
+        state: &FaceState<'_>,
+        is_enabled: bool,
+    ) {
+        self.collect_image(painter.ctx());
+        let side = painter.ctx().input(|input| input.max_texture_side) as f32;
+        let longest = self.area.rect.w.max(self.area.rect.h);
+        let scale = (view.scale * view.pixels_per_point).min(side / longest);
+        let ready_scale = self.picture.as_ref().map(|picture| picture.scale);
+        let same = |ready: f32| image_size(self.area, ready) == image_size(self.area, scale);
+        if is_enabled && self.job.is_none() && !ready_scale.is_some_and(same) {
+            self.start_rendering(painter.ctx(), scale);
+        }
+        let Some(picture) = &mut self.picture else {
+            let [red, green, blue] = PanelColour::Housing.rgb();
+            let housing = Color32::from_rgb(red, green, blue);
+            theme::fill_unthemed(painter, view.bounds(), housing);
+            return;
+        };
+        picture.repaint_changed_parts(self.area, state);
+        let size = image_size(self.area, picture.scale);
+        let target = if size == image_size(self.area, view.scale * view.pixels_per_point) {
+            let size = size.map(|side| side as f32 / view.pixels_per_point);
+            Rect::from_min_size(view.bounds().min, Vec2::from(size))
+        } else {
+            view.bounds()
+        };
+        let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
+        painter.image(picture.texture.id(), target, whole, theme::NO_TINT);
+    }
+
+    fn start_rendering(&mut self, context: &egui::Context, scale: f32) {
+        let (sender, job) = bounded(1);
+        self.job = Some(job);
+        let area = self.area;
+        let waker = context.clone();
+        let thread_sender = sender.clone();
+        let started = platform::run_in_background("faceplate", move || {
+            render(area, scale, &thread_sender, &waker);
+        });
+        if started.is_err() {
+            render(area, scale, &sender, context);
+        }
+    }
+
+    fn collect_image(&mut self, context: &egui::Context) {
+        let Some(job) = &self.job else { return };
+        match job.try_recv() {
+            Ok((image, scale)) => {
+                let dark = FaceState::default();
+                let parts = self.area.parts();
+                self.picture = Some(AreaImage {
+                    texture: context.load_texture("panel", image, PIXEL_EXACT),
+                    scale,
+                    looks: parts
+                        .map(|part| (part, faceplate::part_state(&part, &dark)))
+                        .collect(),
+                });
+            }
+            Err(TryRecvError::Empty) => return,
+            Err(TryRecvError::Disconnected) => {}
+        }
+        self.job = None;
+    }
+}
+
+impl AreaImage {
+    /// Repaints those keys and lamps whose look has changed.
+    fn repaint_changed_parts(&mut self, area: PanelArea, state: &FaceState<'_>) {
+        for (part, shown_look) in &mut self.looks {
+            let look = faceplate::part_state(part, state);
+            if look == *shown_look {
+                continue;
+            }
+            *shown_look = look;
+            if let Some((piece, at)) = faceplate::paint_part(area, part, state, self.scale) {
+                let at = at.map(|side| side as usize);
+                self.texture
+                    .set_partial(at, to_color_image(&piece), PIXEL_EXACT);
+            }
+        }
+    }
+}
+
+/// Size of the image of an area at `scale` (pixels per panel unit), pixels.
+fn image_size(area: PanelArea, scale: f32) -> [u32; 2] {
+    [area.rect.w, area.rect.h].map(|units| (units * scale).round().max(1.0) as u32)
+}
+
+fn render(
+    area: PanelArea,
+    scale: f32,
+    sender: &Sender<(ColorImage, f32)>,
+    context: &egui::Context,
+) {
+    let Some(picture) = faceplate::paint(area, &FaceState::default(), scale) else {
+        return;
+    };
+    // A window that is closed by now needs no image.
+    let _ = sender.send((to_color_image(&picture), scale));
+    context.request_repaint();
+}
+
+fn to_color_image(picture: &Pixmap) -> ColorImage {
+    let size = [picture.width() as usize, picture.height() as usize];
+    let (dots, _) = picture.data().as_chunks::<4>();
+    let dots = dots
+        .iter()
+        .map(|[r, g, b, a]| Color32::from_rgba_premultiplied(*r, *g, *b, *a));
+    ColorImage::new(size, dots.collect())
+}

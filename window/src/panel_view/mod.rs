@@ -1,0 +1,336 @@
+//! Draws the panel in the window (parts, LCD, accessible names) and handles the pointer on it.
+
+pub mod faceplate_image;
+pub mod lcd;
+pub mod tips;
+
+use egui::{
+    Color32, Event, Painter, Pos2, Role, Sense, Stroke, StrokeKind, TouchPhase, Ui, WidgetInfo,
+};
+use gsk_help::{Subject, Topic, topic, topic_at};
+use gsk_panel::faceplate::{self, FaceState, Outline, PanelPart, PartKind};
+use gsk_panel::keys::{Key, STRIP};
+use gsk_panel::screen::{COLUMNS, ROWS};
+
+use super::{Command, StatusMessage, Window, theme};
+use crate::placement::panel_placement::{self, PlacedArea};
+use crate::screen_reader;
+use gsk_messages::{Language, say};
+
+/// Draws a coloured ring around a key.
+fn draw_ring(painter: &Painter, placed: PlacedArea, part: &PanelPart, colour: Color32) {
+    let rect = placed.to_window(part.rect);
+    let width = (4.0 * placed.scale).max(2.0);
+    let stroke = Stroke::new(width, colour);
+    match part.outline {
+        Outline::Round => {
+            painter.circle_stroke(rect.center(), rect.width() / 2.0 + width, stroke);
+        }
+        Outline::Rounded(radius) => {
+            let radius = radius * placed.scale;
+            painter.rect_stroke(rect, radius, stroke, StrokeKind::Outside);
+        }
+    }
+}
+
+/// The position at which a mouse button or a finger goes down in an event; `None` for other
+/// events.
+fn pressed_at(event: &Event) -> Option<Pos2> {
+    match event {
+        Event::PointerButton {
+            pos, pressed: true, ..
+        }
+        | Event::Touch {
+            pos,
+            phase: TouchPhase::Start,
+            ..
+        } => Some(*pos),
+        _ => None,
+    }
+}
+
+/// Whether a key only ever stops the machine. Such a key also works while help explains
+/// pressed keys.
+const fn is_stop_key(key: Key) -> bool {
+    matches!(key, Key::EmergencyStop | Key::Reset | Key::FeedHold)
+}
+
+impl Window {
+    /// Draws the panel and handles mouse and fingers on it.
+    pub(super) fn show_panel(&mut self, ui: &mut Ui) {
+        let placed = panel_placement::place_panel(ui.max_rect(), ui.pixels_per_point());
+        self.show_areas(ui, &placed);
+    }
+
+    /// Draws the keys that stop the machine while the panel is not visible.
+    pub(super) fn show_stop_keys(&mut self, ui: &mut Ui) {
+        let placed = panel_placement::place_stop_keys(ui.max_rect(), ui.pixels_per_point());
+        self.lcd.hide();
+        self.show_areas(ui, &placed);
+    }
+
+    /// Draws the placed areas of the panel, with the LCD if it is among them.
+    fn show_areas(&mut self, ui: &mut Ui, placed: &[PlacedArea]) {
+        self.handle_pointer(ui, placed);
+        let painter = ui.painter().clone();
+        let snapshot = self.snapshot.take();
+        self.reversed_keys = snapshot
+            .as_ref()
+            .map(|it| it.keys_reversed)
+            .unwrap_or_default();
+        let mut pressed: Vec<Key> = self.held_keys.keys().collect();
+        if let Some(picture) = &snapshot {
+            pressed.extend(&picture.pressed);
+        }
+        let state = FaceState {
+            y: snapshot
+                .as_ref()
+                .map_or(&[], |picture| &picture.y_memory[..]),
+            pressed: &pressed,
+            lcd: None,
+            wheel: snapshot.as_ref().map_or(0, |picture| picture.wheel),
+            real: snapshot.as_ref().is_some_and(|it| it.board.is_some()),
+            model: snapshot.as_ref().map(|it| it.model).unwrap_or_default(),
+        };
+        self.faceplate.paint(&painter, placed, &state);
+        let mut tapped_keys = Vec::new();
+        for view in placed {
+            for part in view.area.parts() {
+                tapped_keys.extend(self.add_part_widget(ui, &part, *view, &state));
+            }
+        }
+        for key in tapped_keys {
+            self.held_keys.drop_waiting_latch();
+            self.console.send(Command::Tap(key));
+        }
+        let lcd = faceplate::lcd();
+        let screen = placed.iter().find(|view| view.area.rect.encloses(&lcd));
+        let screen = screen.map(|view| view.to_window(lcd));
+        if let (Some(picture), Some(bounds)) = (&snapshot, screen) {
+            self.lcd
+                .paint(&painter, bounds, &picture.screen, picture.brightness);
+            let lcd = ui.interact(bounds, ui.scope_id().with("lcd"), Sense::HOVER);
+            self.request_translation(lcd.hovered());
+            lcd.widget_info(|| WidgetInfo {
+                current_text_value: Some(picture.screen.text()),
+                ..WidgetInfo::labeled(
+                    Role::Terminal,
+                    true,
+                    say::window_lcd().text(self.settings.language),
+                )
+            });
+            screen_reader::add_lcd_rows(ui, &lcd, bounds, &picture.screen);
+            let tip = self
+                .lcd_cell(self.pointer_position)
+                .map(|(row, column)| tips::lcd_tip(picture, row, column, self.settings.language));
+            if let Some(tip) = tip.filter(|tip| !tip.is_empty()) {
+                lcd.on_hover_ui_at_pointer(|ui| {
+                    for line in tip {
+                        ui.label(line);
+                    }
+                });
+            }
+        }
+        for key in self.views.lessons().marked_keys() {
+            if let Some(part) = faceplate::part_of(key)
+                && let Some(view) = panel_placement::area_of_part(placed, part)
+            {
+                draw_ring(&painter, *view, part, theme::LESSON_RING);
+            }
+        }
+        if let Some(part) = self.held_keys.latched_key().and_then(faceplate::part_of)
+            && let Some(view) = panel_placement::area_of_part(placed, part)
+        {
+            draw_ring(&painter, *view, part, theme::LATCH_RING);
+        }
+        self.snapshot = snapshot;
+    }
+
+    /// Adds the accessible name and the tool tip of a part. Returns its key if a screen reader
+    /// has pressed it.
+    fn add_part_widget(
+        &self,
+        ui: &Ui,
+        part: &PanelPart,
+        placed: PlacedArea,
+        state: &FaceState<'_>,
+    ) -> Option<Key> {
+        let language = self.settings.language;
+        let rect = placed.to_window(part.rect);
+        match part.what {
+            PartKind::Key(key) => {
+                let row = key.row();
+                // The sense has no FOCUSABLE: Tab and Space must never press a machine key.
+                let response = ui.interact(
+                    rect,
+                    ui.scope_id().with(key.id()),
+                    Sense::CLICK | Sense::DRAG,
+                );
+                let name = match language {
+                    Language::Zh => row.name_zh,
+                    Language::En => row.name_en,
+                };
+                let lit = row.lamp.map(|lamp| lamp.is_set_in(state.y));
+                let selected = if key == Key::EmergencyStop {
+                    Some(state.pressed.contains(&key))
+                } else {
+                    lit
+                };
+                let is_latched = self.held_keys.latched_key() == Some(key);
+                response.widget_info(|| WidgetInfo {
+                    selected,
+                    current_text_value: is_latched
+                        .then(|| say::window_key_is_kept().text(language)),
+                    ..WidgetInfo::labeled(Role::Button, true, name)
+                });
+                if is_latched {
+                    screen_reader::add_state(
+                        ui,
+                        &response,
+                        &say::window_key_is_kept().text(language),
+                    );
+                }
+                let by_screen_reader =
+                    response.clicked() && response.interact_pointer_pos().is_none();
+                let reversed = self.reversed_keys;
+                response.on_hover_ui(|ui| tips::show_key_tip(ui, language, row, reversed));
+                by_screen_reader.then_some(key)
+            }
+            PartKind::Strip(index) => {
+                let lamp = STRIP.get(index).filter(|lamp| lamp.fitted)?;
+                let response = ui.interact(rect, ui.scope_id().with(lamp.id), Sense::HOVER);
+                let name = match language {
+                    Language::Zh => lamp.name_zh,
+                    Language::En => lamp.name_en,
+                };
+                let name = say::window_lamp(name).text(language);
+                let lit = lamp.lamp.is_set_in(state.y);
+                let state_text = match lit {
+                    true => say::window_lamp_on(),
+                    false => say::window_lamp_off(),
+                };
+                response.widget_info(|| WidgetInfo {
+                    current_text_value: Some(state_text.text(language)),
+                    ..WidgetInfo::labeled(Role::Status, true, &name)
+                });
+                screen_reader::add_state(ui, &response, &state_text.text(language));
+                response.on_hover_ui(|ui| tips::show_lamp_tip(ui, language, lamp, lit));
+                None
+            }
+            PartKind::Handwheel => {
+                let response = ui.interact(rect, ui.scope_id().with("handwheel"), Sense::DRAG);
+                response.widget_info(|| WidgetInfo {
+                    value: Some(f64::from(state.wheel)),
+                    ..WidgetInfo::labeled(
+                        Role::Slider,
+                        true,
+                        say::window_handwheel().text(language),
+                    )
+                });
+                response.on_hover_text(say::window_handwheel_hint().text(language));
+                None
+            }
+            _ => None,
+        }
+    }
+
+    /// The help topic about what is at a position in the window: a key, a lamp or a cell of
+    /// the LCD. `None` if there is none.
+    pub(super) fn topic_at_position(&self, position: Pos2) -> Option<&'static Topic> {
+        if let Some((row, column)) = self.lcd_cell(Some(position)) {
+            let snapshot = self.snapshot.as_ref()?;
+            let (model, page) = (snapshot.model, snapshot.page);
+            return topic_at(model, page, &snapshot.screen, row, column);
+        }
+        let (x, y) = panel_placement::to_panel(&self.placed_areas, position)?;
+        match faceplate::part_at(x, y)?.what {
+            PartKind::Key(key) => topic(Subject::Key(key.id())),
+            PartKind::Strip(index) => topic(Subject::Lamp(STRIP.get(index)?.id)),
+            _ => None,
+        }
+    }
+
+    /// Row and column of the LCD, from 0, at a position in the window; `None` outside the LCD.
+    fn lcd_cell(&self, position: Option<Pos2>) -> Option<(usize, usize)> {
+        let (x, y) = panel_placement::to_panel(&self.placed_areas, position?)?;
+        let lcd = faceplate::lcd();
+        let cell = |from: f32, size: f32, count: usize| (from / size * count as f32) as usize;
+        let row = cell(y - lcd.y, lcd.h, ROWS);
+        let column = cell(x - lcd.x, lcd.w, COLUMNS);
+        lcd.contains(x, y).then_some((row, column))
+    }
+
+    /// Sets whether the kernel sends the LCD in the other language, too, for the pointer on
+    /// it.
+    fn request_translation(&mut self, is_requested: bool) {
+        if self.is_translation_requested != is_requested {
+            self.is_translation_requested = is_requested;
+            self.console.send(Command::Translate(is_requested));
+        }
+    }
+
+    /// Opens help for a long press on a key or lamp. For one on the LCD shows its tip on the
+    /// message line.
+    fn handle_long_press(&mut self, ui: &Ui, events: &[Event], is_panel: &dyn Fn(Pos2) -> bool) {
+        let now = ui.input(|input| input.time);
+        let long_pressed = self.long_press.handle_events(events, now);
+        if self.long_press.is_waiting() {
+            let soon = std::time::Duration::from_millis(100);
+            ui.ctx().request_repaint_after(soon);
+        }
+        let Some(at) = long_pressed.filter(|at| is_panel(*at)) else {
+            return;
+        };
+        let key = panel_placement::to_panel(&self.placed_areas, at);
+        let key = key.and_then(|(x, y)| faceplate::part_at(x, y)?.key());
+        if let (Some((row, column)), Some(picture)) = (self.lcd_cell(Some(at)), &self.snapshot) {
+            let lines = tips::lcd_tip(picture, row, column, self.settings.language);
+            self.message = Some(StatusMessage::Text(say::as_written(lines.join("   "))));
+        }
+        if key.is_none_or(tips::has_long_press_help)
+            && let Some(about) = self.topic_at_position(at)
+        {
+            self.help.toggle(Some(about));
+        }
+    }
+
+    fn handle_pointer(&mut self, ui: &Ui, placed: &[PlacedArea]) {
+        let own_layer = ui.layer_id();
+        let context = ui.ctx().clone();
+        let bounds = ui.max_rect();
+        let is_panel = |at: Pos2| {
+            bounds.contains(at)
+                && context
+                    .layer_id_at(at)
+                    .is_none_or(|layer| layer == own_layer)
+        };
+        let mut events = ui.input(|input| input.events.clone());
+        let pointer = ui.input(|input| input.pointer.latest_pos());
+        self.pointer_position = pointer.filter(|at| is_panel(*at));
+        self.placed_areas = placed.to_vec();
+        self.handle_long_press(ui, &events, &is_panel);
+        if self.help.is_explaining() {
+            events.retain(|event| {
+                let Some(at) = pressed_at(event).filter(|at| is_panel(*at)) else {
+                    return true;
+                };
+                if let Some(about) = self.topic_at_position(at) {
+                    self.help.show_pressed(about);
+                }
+                panel_placement::to_panel(placed, at)
+                    .and_then(|(x, y)| faceplate::part_at(x, y)?.key())
+                    .is_some_and(is_stop_key)
+            });
+        }
+        let result = self
+            .pointing
+            .handle_events(&events, placed, &mut self.held_keys, &is_panel);
+        self.send(&result.changes);
+        if let Some(key) = result.not_latched {
+            self.message = Some(StatusMessage::KeyNotLatched(key));
+        }
+        if result.detents != 0 {
+            self.console.send(Command::Turn(result.detents));
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! The sample programs that the executable contains.
+
+use std::path::Path;
+
+use gsk_core::program::{self, Program};
+
+use gsk_host::job::{self, SelectedJob};
+use gsk_host::kernel::{OpenedProgram, StorePolicy};
+use gsk_messages::{Language, Message, say};
+
+#[derive(Debug)]
+pub struct ProgramSample {
+    /// Name of the program's file.
+    pub name: &'static str,
+    /// Describes what the sample demonstrates.
+    description: fn() -> Message,
+    text: &'static str,
+    /// Text of its job file (stock and tools); `None` if it has none.
+    job: Option<&'static str>,
+    /// Texts of the subprograms that it calls.
+    subprograms: &'static [&'static str],
+}
+
+/// A sample that the operator has chosen.
+#[derive(Clone, Copy, Debug)]
+pub struct SampleRequest {
+    /// The chosen sample.
+    pub sample: &'static ProgramSample,
+    /// Whether the lathe cuts it at once.
+    pub starts: bool,
+}
+
+macro_rules! text {
+    ($name:literal) => {
+        include_str!(concat!("../../assets/programs/", $name))
+    };
+}
+
+macro_rules! sample {
+    (@job) => {
+        None
+    };
+    (@job $job:literal) => {
+        Some(text!($job))
+    };
+    ($name:literal, $shows:ident $(, job $job:literal)? $(, calls $called:literal)*) => {
+        ProgramSample {
+            name: $name,
+            description: say::$shows,
+            text: text!($name),
+            job: sample!(@job $($job)?),
+            subprograms: &[$(text!($called)),*],
+        }
+    };
+}
+
+/// The samples in the order of the menu.
+pub static SAMPLES: [ProgramSample; 7] = [
+    sample!(
+        "01-stepped-shaft.CNC",
+        sample_stepped_shaft,
+        job "01-stepped-shaft.job.ron"
+    ),
+    sample!("02-bushing.CNC", sample_bushing, job "02-bushing.job.ron"),
+    sample!(
+        "03-grooved-pin.CNC",
+        sample_grooved_pin,
+        job "03-grooved-pin.job.ron",
+        calls "O1031.CNC"
+    ),
+    sample!(
+        "04-manual-example.CNC",
+        sample_manual_example,
+        job "04-manual-example.job.ron"
+    ),
+    sample!("faulty/01-arc-too-small.CNC", sample_faulty_arc),
+    sample!("faulty/02-no-feed.CNC", sample_faulty_no_feed),
+    sample!(
+        "faulty/03-missing-subprogram.CNC",
+        sample_faulty_no_subprogram
+    ),
+];
+
+/// The samples that run to their end without an alarm.
+pub fn good_samples() -> impl Iterator<Item = &'static ProgramSample> {
+    SAMPLES
+        .iter()
+        .filter(|sample| !sample.name.starts_with("faulty/"))
+}
+
+impl ProgramSample {
+    /// Returns what the sample demonstrates, for the menu.
+    pub fn description_text(&self, language: Language) -> String {
+        (self.description)().text(language)
+    }
+
+    /// Converts the sample to a program that can be opened in the control.
+    pub fn to_opened(&self) -> OpenedProgram {
+        let called = self.subprograms.iter().map(|text| Program::new(*text));
+        let mut parts = program::split_programs(self.text).into_iter();
+        let program = parts.next();
+        OpenedProgram {
+            name: self.name.to_owned(),
+            path: None,
+            store_policy: StorePolicy::AskOperator,
+            program: program.unwrap_or_else(|| Program::new(self.text)),
+            subprograms: parts.chain(called).collect(),
+        }
+    }
+}
+
+/// Finds the job of the sample that has the same text as `program`; `None` for other programs.
+pub fn job_of(program: &Program) -> Option<SelectedJob> {
+    let is_same_text =
+        |sample: &&ProgramSample| sample.to_opened().program.text() == program.text();
+    let sample = SAMPLES.iter().find(is_same_text)?;
+    let file = sample.name.replace(".CNC", ".job.ron");
+    let job = job::parse(Path::new(&file), sample.job?).ok()?;
+    Some(SelectedJob {
+        job,
+        file: Some(file.into()),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_sample_of_the_folder_is_in_the_menu_with_a_unique_number() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/programs");
+        let mut files = BTreeSet::new();
+        for place in ["", "faulty/"] {
+            for entry in std::fs::read_dir(folder.join(place)).unwrap() {
+                let name = entry.unwrap().file_name().into_string().unwrap();
+                if name.ends_with(".CNC") && !name.starts_with('O') {
+                    files.insert(format!("{place}{name}"));
+                }
+            }
+        }
+        let names = SAMPLES.iter().map(|sample| sample.name.to_owned());
+        assert_eq!(names.collect::<BTreeSet<_>>(), files);
+        let numbers = SAMPLES.iter().map(|it| it.to_opened().program.number());
+        let numbers: BTreeSet<_> = numbers.map(Option::unwrap).collect();
+        assert_eq!(numbers.len(), SAMPLES.len());
+        for sample in good_samples() {
+            let chosen = job_of(&sample.to_opened().program).unwrap();
+            assert!(!chosen.job.tools.is_empty(), "{}", sample.name);
+        }
+        assert!(job_of(&Program::new("O0001\nM30\n")).is_none());
+        let pin = SAMPLES[2].to_opened();
+        assert_eq!(pin.subprograms[0].number(), Some(1031));
+    }
+}

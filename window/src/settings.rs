@@ -1,0 +1,77 @@
+//! The settings of the window that are stored from one start to the next.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use gsk_host::pc::TransferSettings;
+use serde::{Deserialize, Serialize};
+
+use super::layout::Layouts;
+use super::views::project::ProjectSettings;
+use gsk_messages::Language;
+
+/// Maximum number of recent programs.
+const MAX_RECENT: usize = 10;
+
+/// The stored settings of the window.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct WindowSettings {
+    /// Language of menus and messages.
+    pub language: Language,
+    /// The recently opened programs, the newest first.
+    pub recent: Vec<PathBuf>,
+    /// Layouts, and positions of windows.
+    pub layouts: Layouts,
+    /// True for the light theme, false for the dark one.
+    pub light: bool,
+    /// True if the machine view shows the part as a solid, false for a half section.
+    pub solid: bool,
+    /// Names of the finished lessons.
+    pub lessons: BTreeSet<String>,
+    /// Port, baud rate and files of the transfer view.
+    pub transfer: TransferSettings,
+    /// The open project and the recent ones.
+    pub projects: ProjectSettings,
+    /// Whether the questions of the first start are still unanswered.
+    pub first_start: bool,
+    /// The machine file that was chosen at the first start; `None`: the simulated lathe as
+    /// delivered.
+    pub machine: Option<PathBuf>,
+    /// Zoom of the whole window, per cent; `None`: chosen by the size of the monitor.
+    pub zoom: Option<u16>,
+    /// Whether the keys of the panel must be at least as large as a finger.
+    pub fingers: bool,
+    /// Volume of the machine's sound, per cent; `None`: the sound is off.
+    pub sound: Option<u8>,
+}
+
+impl Default for WindowSettings {
+    fn default() -> Self {
+        Self {
+            language: Language::Zh,
+            recent: Vec::new(),
+            layouts: Layouts::default(),
+            light: false,
+            solid: false,
+            lessons: BTreeSet::new(),
+            transfer: TransferSettings::default(),
+            projects: ProjectSettings::default(),
+            first_start: false,
+            machine: None,
+            zoom: None,
+            fingers: false,
+            sound: None,
+        }
+    }
+}
+
+impl WindowSettings {
+    /// Adds a program at the front of the recent programs; removes the oldest above the limit.
+    pub fn add_recent(&mut self, path: &Path) {
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        self.recent.retain(|known| *known != path);
+        self.recent.insert(0, path);
+        self.recent.truncate(MAX_RECENT);
+    }
+}

@@ -1,0 +1,200 @@
+//! The table of views: names, keys, sizes. `views/` draws the views; `layout/` decides where
+//! they are.
+
+use egui::{Event, Key};
+use serde::{Deserialize, Serialize};
+
+use gsk_host::platform;
+use gsk_messages::{Message, say};
+
+/// A view that can be docked beside the panel or have a separate window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum ViewId {
+    Scope,
+    Bench,
+    Ladder,
+    Link,
+    Program,
+    Machine,
+    Lesson,
+    Transfer,
+    Commission,
+    Data,
+    /// Everything that a control stores, edited and compared as a folder of text files.
+    Project,
+}
+
+impl ViewId {
+    /// Whether the view shows the live state of the machine and the PLC.
+    pub const fn is_monitor(self) -> bool {
+        matches!(
+            self,
+            Self::Bench | Self::Ladder | Self::Commission | Self::Data
+        )
+    }
+
+    /// Whether this platform has the view. A page in a browser has neither ports nor folders.
+    pub const fn is_available(self) -> bool {
+        match self {
+            Self::Transfer => platform::has_ports(),
+            Self::Project => platform::has_folders(),
+            _ => true,
+        }
+    }
+
+    pub fn row(self) -> &'static ViewRow {
+        let row = VIEWS.iter().find(|row| row.view == self);
+        row.unwrap_or(&VIEWS[0])
+    }
+}
+
+pub struct ViewRow {
+    pub view: ViewId,
+    pub name: fn() -> Message,
+    /// The key that opens and closes the view together with Shift; `None`: only the menu does.
+    pub key: Option<Key>,
+    /// True if the view is docked when it opens for the first time, false if it opens in a
+    /// separate window.
+    pub opens_docked: bool,
+    /// Initial size of the view's separate window, points.
+    pub size: [f32; 2],
+    /// Minimum size of the view's separate window, points.
+    pub min_size: [f32; 2],
+}
+
+/// The views in the order of the menu.
+pub static VIEWS: [ViewRow; 11] = [
+    ViewRow {
+        view: ViewId::Machine,
+        name: say::window_view_machine,
+        key: Some(Key::F1),
+        opens_docked: false,
+        size: [900.0, 640.0],
+        min_size: [300.0, 220.0],
+    },
+    ViewRow {
+        view: ViewId::Scope,
+        name: say::window_view_scope,
+        key: Some(Key::F2),
+        opens_docked: false,
+        size: [1120.0, 720.0],
+        min_size: [600.0, 360.0],
+    },
+    ViewRow {
+        view: ViewId::Bench,
+        name: say::window_view_bench,
+        key: Some(Key::F3),
+        opens_docked: false,
+        size: [1000.0, 640.0],
+        min_size: [600.0, 320.0],
+    },
+    ViewRow {
+        view: ViewId::Ladder,
+        name: say::window_view_ladder,
+        key: Some(Key::F4),
+        opens_docked: false,
+        size: [1240.0, 780.0],
+        min_size: [640.0, 360.0],
+    },
+    ViewRow {
+        view: ViewId::Link,
+        name: say::window_view_link,
+        key: Some(Key::F5),
+        opens_docked: false,
+        size: [1040.0, 740.0],
+        min_size: [640.0, 320.0],
+    },
+    ViewRow {
+        view: ViewId::Program,
+        name: say::window_view_program,
+        key: Some(Key::F11),
+        opens_docked: false,
+        size: [900.0, 760.0],
+        min_size: [480.0, 320.0],
+    },
+    ViewRow {
+        view: ViewId::Lesson,
+        name: say::window_view_lesson,
+        key: Some(Key::Home),
+        opens_docked: true,
+        size: [420.0, 520.0],
+        min_size: [220.0, 260.0],
+    },
+    ViewRow {
+        view: ViewId::Transfer,
+        name: say::window_view_transfer,
+        key: None,
+        opens_docked: false,
+        size: [860.0, 560.0],
+        min_size: [520.0, 360.0],
+    },
+    ViewRow {
+        view: ViewId::Commission,
+        name: say::window_view_commission,
+        key: Some(Key::End),
+        opens_docked: false,
+        size: [860.0, 700.0],
+        min_size: [520.0, 320.0],
+    },
+    ViewRow {
+        view: ViewId::Data,
+        name: say::window_view_data,
+        key: None,
+        opens_docked: false,
+        size: [1000.0, 700.0],
+        min_size: [520.0, 400.0],
+    },
+    ViewRow {
+        view: ViewId::Project,
+        name: say::window_view_project,
+        key: None,
+        opens_docked: false,
+        size: [1000.0, 700.0],
+        min_size: [280.0, 260.0],
+    },
+];
+
+/// The view whose key is pressed in `events`; `None` if there is none.
+pub fn view_of_pressed_key(events: &[Event]) -> Option<ViewId> {
+    let mut rows = VIEWS.iter().filter(|row| row.view.is_available());
+    let row = rows.find(|row| {
+        row.key
+            .is_some_and(|key| is_pressed_with_shift(events, key))
+    });
+    row.map(|row| row.view)
+}
+
+/// Whether `wanted` is pressed with Shift as the only modifier.
+pub fn is_pressed_with_shift(events: &[Event], wanted: Key) -> bool {
+    events.iter().any(|event| {
+        matches!(
+            event,
+            Event::Key { key, pressed: true, repeat: false, modifiers, .. }
+                if *key == wanted && modifiers.shift && !modifiers.ctrl && !modifiers.alt
+        )
+    })
+}
+
+/// Formats the key of a view or a layout: `Shift+F6`.
+pub fn key_name(key: Key) -> String {
+    format!("Shift+{}", key.name())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::LAYOUTS;
+
+    #[test]
+    fn every_view_key_is_unique() {
+        let views = VIEWS.iter().filter_map(|row| row.key);
+        let layouts = LAYOUTS.iter().filter_map(|row| row.key);
+        let mut seen = Vec::new();
+        for key in views.chain(layouts) {
+            let name = key_name(key);
+            assert!(!seen.contains(&key), "{name} opens two of them");
+            assert_eq!(gsk_panel::keys::Key::from_pc_key(&name), None, "{name}");
+            seen.push(key);
+        }
+    }
+}

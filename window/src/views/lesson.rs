@@ -1,0 +1,393 @@
+//! The lesson view: the list of lessons, and the current step beside the panel.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use egui::{CentralPanel, Color32, Panel, RichText, ScrollArea, Sense, Stroke, Ui, vec2};
+use gsk_help::{Subject, article, topic};
+use gsk_host::kernel::{Command, Console, LessonAction, LessonState, PanelSnapshot};
+use gsk_messages::{Language, Message, say};
+use gsk_panel::keys::Key;
+use gsk_runner::lesson::{Lesson, LessonRemark, LessonStep, built_in_lessons, find_demonstration};
+
+use crate::focus;
+use crate::samples::{SampleRequest, good_samples};
+use crate::theme;
+
+/// Seconds without progress after which the hint appears.
+const HINT_DELAY_S: f64 = 40.0;
+/// Diameter of the mark of a step, points.
+const MARK_DIAMETER: f32 = 12.0;
+
+pub struct LessonView {
+    console: Console,
+    lessons: Vec<Arc<Lesson>>,
+    /// Errors in the lesson files of a teacher.
+    load_errors: Vec<Message>,
+    /// Names of the lessons that were completed.
+    finished: BTreeSet<String>,
+    state: Option<LessonState>,
+    /// Start of the current step, seconds of the window's clock; `None` until the first frame
+    /// of the step.
+    step_start_s: Option<f64>,
+    hint_requested: bool,
+    /// A sample program that the user has chosen, until the window takes it.
+    sample: Option<SampleRequest>,
+    /// Whether a lesson has begun since the window last queried it.
+    has_begun: bool,
+}
+
+impl LessonView {
+    /// Creates the view with the built-in lessons. `finished`: names of lessons that were
+    /// completed earlier.
+    pub fn new(console: Console, finished: BTreeSet<String>) -> Self {
+        Self {
+            console,
+            lessons: built_in_lessons().into_iter().map(Arc::new).collect(),
+            load_errors: Vec::new(),
+            finished,
+            state: None,
+            step_start_s: None,
+            hint_requested: false,
+            sample: None,
+            has_begun: false,
+        }
+    }
+
+    /// Takes the sample program that the user has chosen since the last call, if any.
+    pub const fn take_sample(&mut self) -> Option<SampleRequest> {
+        self.sample.take()
+    }
+
+    /// Whether a lesson has begun since the last call.
+    pub const fn take_begun(&mut self) -> bool {
+        core::mem::replace(&mut self.has_begun, false)
+    }
+
+    /// Replaces the listed lessons. `errors`: those in lesson files.
+    pub fn set_lessons(&mut self, lessons: Vec<Lesson>, errors: Vec<Message>) {
+        self.lessons = lessons.into_iter().map(Arc::new).collect();
+        self.load_errors = errors;
+    }
+
+    /// Names of the lessons that were completed.
+    pub const fn finished_lessons(&self) -> &BTreeSet<String> {
+        &self.finished
+    }
+
+    /// Takes the state of the current lesson from a snapshot and records a completed lesson.
+    pub fn take_snapshot(&mut self, snapshot: &PanelSnapshot) {
+        let step = |state: &Option<LessonState>| {
+            let state = state.as_ref();
+            state.map(|state| (state.name.clone(), state.view.step))
+        };
+        if step(&self.state) != step(&snapshot.lesson) {
+            self.step_start_s = None;
+            self.hint_requested = false;
+        }
+        let name = |state: &Option<LessonState>| state.as_ref().map(|state| state.name.clone());
+        self.has_begun |= snapshot.lesson.is_some() && name(&self.state) != name(&snapshot.lesson);
+        self.state.clone_from(&snapshot.lesson);
+        if let Some((lesson, state)) = self.current_lesson()
+            && state.view.step == lesson.steps.len()
+        {
+            let name = lesson.name.clone();
+            self.finished.insert(name);
+        }
+    }
+
+    /// The current lesson and its state; `None` outside lessons and in a demonstration.
+    fn current_lesson(&self) -> Option<(&Arc<Lesson>, &LessonState)> {
+        let state = self.state.as_ref()?;
+        let lesson = self.lessons.iter().find(|it| it.name == state.name)?;
+        Some((lesson, state))
+    }
+
+    /// The keys that the panel marks: those of the current step of a lesson or demonstration.
+    pub fn marked_keys(&self) -> Vec<Key> {
+        let demonstration = self.state.as_ref().and_then(|state| {
+            let demonstration = find_demonstration(&state.name)?;
+            Some((&demonstration.lesson, state))
+        });
+        let step = self
+            .current_lesson()
+            .or(demonstration)
+            .and_then(|(lesson, state)| lesson.steps.get(state.view.step));
+        step.map(|step| step.keys.clone()).unwrap_or_default()
+    }
+
+    fn send_order(&self, order: LessonAction) {
+        self.console.send(Command::Lesson(order));
+    }
+
+    /// Draws the view and handles its input.
+    pub fn show(&mut self, ui: &mut Ui, language: Language) {
+        let lesson = self.current_lesson().map(|(lesson, _)| Arc::clone(lesson));
+        if let Some(lesson) = &lesson {
+            // The buttons keep their position, whatever the length of the text above.
+            Panel::bottom("lesson buttons")
+                .frame(super::bar_frame())
+                .show(ui, |ui| self.show_buttons(ui, language, lesson));
+        }
+        CentralPanel::default()
+            .frame(super::side_frame())
+            .show(ui, |ui| {
+                ScrollArea::vertical()
+                    .id_salt("lesson")
+                    .auto_shrink([false, false])
+                    .show(ui, |ui| {
+                        match lesson {
+                            Some(lesson) => self.show_lesson(ui, language, &lesson),
+                            None => self.list(ui, language),
+                        }
+                        focus::scroll_to_focus(ui);
+                    });
+            });
+    }
+
+    fn list(&mut self, ui: &mut Ui, language: Language) {
+        ui.label(RichText::new(say::lesson_samples().text(language)).size(theme::READING_SIZE));
+        ui.horizontal_wrapped(|ui| {
+            for sample in good_samples() {
+                let button = ui.button(sample.description_text(language));
+                let hint = say::lesson_sample_hint().text(language);
+                if button.on_hover_text(hint).clicked() {
+                    let starts = true;
+                    self.sample = Some(SampleRequest { sample, starts });
+                }
+            }
+        });
+        ui.add_space(8.0);
+        ui.label(say::lesson_intro().text(language));
+        ui.add_space(8.0);
+        for lesson in &self.lessons {
+            let done = self.finished.contains(&lesson.name);
+            ui.horizontal(|ui| {
+                draw_mark(
+                    ui,
+                    if done {
+                        theme::SUCCESS
+                    } else {
+                        theme::LESSON_OPEN
+                    },
+                    done,
+                );
+                let title =
+                    RichText::new(lesson.title.in_language(language)).size(theme::READING_SIZE);
+                let button = ui.button(title);
+                if button
+                    .on_hover_text(lesson.about.in_language(language))
+                    .clicked()
+                {
+                    self.send_order(LessonAction::Begin(Arc::clone(lesson)));
+                }
+            });
+        }
+        for error in &self.load_errors {
+            ui.add_space(4.0);
+            ui.label(RichText::new(error.text(language)).color(theme::ERROR_TEXT));
+        }
+    }
+
+    fn show_lesson(&mut self, ui: &mut Ui, language: Language, lesson: &Arc<Lesson>) {
+        let Some(state) = self.state.clone() else {
+            return;
+        };
+        let view = &state.view;
+        let practice =
+            RichText::new(say::lesson_practice().text(language)).color(theme::LESSON_HINT_TEXT);
+        ui.label(practice)
+            .on_hover_text(say::lesson_practice_hint().text(language));
+        ui.heading(lesson.title.in_language(language));
+        ui.horizontal_wrapped(|ui| {
+            for step in 0..lesson.steps.len() {
+                let colour = match step.cmp(&view.step) {
+                    core::cmp::Ordering::Less => theme::SUCCESS,
+                    core::cmp::Ordering::Equal => theme::LESSON_STEP,
+                    core::cmp::Ordering::Greater => theme::LESSON_OPEN,
+                };
+                draw_mark(ui, colour, step < view.step);
+            }
+        });
+        ui.add_space(6.0);
+        let Some(step) = lesson.steps.get(view.step) else {
+            self.show_end(ui, language, lesson);
+            return;
+        };
+        let number = say::lesson_step_of(view.step + 1, lesson.steps.len());
+        ui.label(RichText::new(number.text(language)).color(theme::LESSON_STEP));
+        ui.label(
+            RichText::new(step.text.in_language(language))
+                .size(theme::LARGE_SIZE)
+                .color(theme::BRIGHT_TEXT),
+        );
+        if !step.keys.is_empty() {
+            let keys = step.keys.iter().map(|key| format_key_legend(*key));
+            let keys = keys.collect::<Vec<_>>().join("  ");
+            ui.add_space(4.0);
+            let words = say::lesson_keys(keys).text(language);
+            ui.label(
+                RichText::new(words)
+                    .size(theme::READING_SIZE)
+                    .color(theme::LESSON_STEP),
+            );
+        }
+        if let Some(why) = &view.sent_back {
+            let reason = say::lesson_back_here(why.clone()).text(language);
+            ui.add_space(6.0);
+            ui.label(
+                RichText::new(reason)
+                    .size(theme::READING_SIZE)
+                    .color(theme::ERROR_TEXT),
+            );
+        }
+        if let Some(remark_text) = describe_remark(step, view.remark, language) {
+            ui.add_space(6.0);
+            ui.label(
+                RichText::new(remark_text)
+                    .size(theme::READING_SIZE)
+                    .color(theme::ERROR_TEXT),
+            );
+        }
+        let note = match (view.showing, view.replaced) {
+            (_, true) => Some(say::lesson_replaced()),
+            (true, false) => Some(say::lesson_showing()),
+            (false, false) => None,
+        };
+        if let Some(note) = note {
+            ui.add_space(6.0);
+            ui.label(RichText::new(note.text(language)).color(theme::NOTE_TEXT));
+        }
+        let now = ui.input(|input| input.time);
+        let start_s = *self.step_start_s.get_or_insert(now);
+        let is_hint_due = now - start_s >= HINT_DELAY_S;
+        if !is_hint_due {
+            let remaining =
+                core::time::Duration::from_secs_f64(HINT_DELAY_S - (now - start_s) + 0.05);
+            ui.ctx().request_repaint_after(remaining);
+        }
+        if self.hint_requested || is_hint_due {
+            ui.add_space(6.0);
+            let words = say::lesson_hint_is(step.hint.in_language(language)).text(language);
+            ui.label(
+                RichText::new(words)
+                    .size(theme::READING_SIZE)
+                    .color(theme::LESSON_HINT_TEXT),
+            );
+        }
+    }
+
+    fn show_buttons(&mut self, ui: &mut Ui, language: Language, lesson: &Arc<Lesson>) {
+        let step = self.state.as_ref().map_or(0, |state| state.view.step);
+        let has_step = step < lesson.steps.len();
+        ui.horizontal_wrapped(|ui| {
+            let hint = egui::Button::new(say::lesson_hint().text(language));
+            if ui.add_enabled(has_step, hint).clicked() {
+                self.hint_requested = true;
+            }
+            let orders = [
+                (
+                    has_step,
+                    say::lesson_show_me(),
+                    say::lesson_show_me_hint(),
+                    LessonAction::ShowMe,
+                ),
+                (
+                    step > 0,
+                    say::lesson_back(),
+                    say::lesson_back_hint(),
+                    LessonAction::Back,
+                ),
+                (
+                    true,
+                    say::lesson_again(),
+                    say::lesson_again_hint(),
+                    LessonAction::Restart,
+                ),
+                (
+                    true,
+                    say::lesson_leave(),
+                    say::lesson_leave_hint(),
+                    LessonAction::Leave,
+                ),
+            ];
+            for (enabled, name, hint, order) in orders {
+                let button = egui::Button::new(name.text(language));
+                let button = ui.add_enabled(enabled, button);
+                if button.on_hover_text(hint.text(language)).clicked() {
+                    self.send_order(order);
+                }
+            }
+        });
+    }
+
+    /// Draws the end of a lesson whose steps are all done, with a button for the next lesson.
+    fn show_end(&self, ui: &mut Ui, language: Language, lesson: &Arc<Lesson>) {
+        let done = RichText::new(say::lesson_done().text(language));
+        ui.label(done.size(theme::LESSON_END_SIZE).color(theme::SUCCESS));
+        ui.label(lesson.about.in_language(language));
+        ui.add_space(10.0);
+        let at = self.lessons.iter().position(|it| it.name == lesson.name);
+        let next = at.and_then(|at| self.lessons.get(at + 1));
+        if let Some(next) = next {
+            let words = say::lesson_next(next.title.in_language(language)).text(language);
+            if ui.button(words).clicked() {
+                self.send_order(LessonAction::Begin(Arc::clone(next)));
+            }
+        }
+    }
+}
+
+/// Formats the legend of a key in brackets, without its English words: `[X 手轮]`.
+fn format_key_legend(key: Key) -> String {
+    let legend = key.row().legend;
+    let english = |line: &str| line.len() > 1 && line.is_ascii();
+    let is_ascii_only = legend.iter().all(|line| line.is_ascii());
+    let lines = legend
+        .iter()
+        .filter(|line| is_ascii_only || !english(line))
+        .copied();
+    let lines: Vec<&str> = lines.collect();
+    let needs_blank = lines.iter().any(|line| line.len() == 1);
+    format!("[{}]", lines.join(if needs_blank { " " } else { "" }))
+}
+
+/// Draws the mark of a step or lesson. `done` adds a tick to it.
+fn draw_mark(ui: &mut Ui, colour: Color32, done: bool) {
+    let (rect, _) =
+        ui.allocate_exact_size(vec2(MARK_DIAMETER + 2.0, MARK_DIAMETER + 4.0), Sense::HOVER);
+    let (centre, radius) = (rect.center(), MARK_DIAMETER / 2.0);
+    let painter = ui.painter();
+    painter.circle_stroke(centre, radius, Stroke::new(1.5, colour));
+    if done {
+        let stroke = Stroke::new(2.0, colour);
+        let corner = centre + vec2(-0.1, 0.5) * radius;
+        painter.line_segment([centre + vec2(-0.55, 0.0) * radius, corner], stroke);
+        painter.line_segment([corner, centre + vec2(0.6, -0.5) * radius], stroke);
+    }
+}
+
+/// Formats the remark about the state of the machine; `None` if there is none.
+fn describe_remark(step: &LessonStep, remark: LessonRemark, language: Language) -> Option<String> {
+    let message = match remark {
+        LessonRemark::None => return None,
+        LessonRemark::Mistake(index) => {
+            return Some(
+                step.mistakes
+                    .get(index)?
+                    .text
+                    .in_language(language)
+                    .to_owned(),
+            );
+        }
+        LessonRemark::PowerOff => say::lesson_power_off(),
+        LessonRemark::EmergencyStop => say::lesson_emergency_stop(),
+        LessonRemark::Alarm(number) => {
+            let about = topic(Subject::Alarm(number));
+            let about = about.map(|topic| article(topic, language).heading);
+            say::lesson_alarm(about.unwrap_or_else(|| number.to_string()))
+        }
+        LessonRemark::Stuck => say::lesson_stuck(),
+    };
+    Some(message.text(language))
+}

@@ -1,0 +1,260 @@
+//! The tool bar above the picture, and the state lines, findings and clock below it.
+
+use egui::text::LayoutJob;
+use egui::{Label, RichText, ScrollArea, TextFormat, TextStyle, Ui};
+use gsk_core::command::ProgramId;
+use gsk_host::kernel::Command;
+use gsk_messages::{Language, Message, say};
+use gsk_runner::narration::describe_pass;
+use gsk_runner::times::TimeUse;
+
+use super::path::BlockRef;
+use super::xray::{self, TrialAction};
+use super::{Instrument, LatheView, ProgramViewRequest, SelectedBlock, to_block_ref, to_pos2};
+use crate::focus;
+use crate::theme;
+use crate::widgets::alarm_text;
+
+/// Maximum height of the list of collisions, points.
+const LIST_HEIGHT: f32 = 72.0;
+
+impl LatheView {
+    pub(super) fn show_toolbar(&mut self, ui: &mut Ui, language: Language) {
+        ui.horizontal_wrapped(|ui| {
+            let button = |ui: &mut Ui, words: Message, hint: Message| {
+                let button = ui.button(words.text(language));
+                button.on_hover_text(hint.text(language)).clicked()
+            };
+            if button(ui, say::lathe_fit(), say::lathe_fit_hint()) {
+                self.picture.camera = None;
+                self.picture.follows_tool = false;
+            }
+            for (solid, words, hint) in [
+                (false, say::lathe_section(), say::lathe_section_hint()),
+                (true, say::lathe_solid(), say::lathe_solid_hint()),
+            ] {
+                let chosen = self.picture.is_solid == solid;
+                let button = ui.selectable_label(chosen, words.text(language));
+                if button.on_hover_text(hint.text(language)).clicked() && !chosen {
+                    self.picture.is_solid = solid;
+                    self.picture.camera = None;
+                }
+            }
+            ui.checkbox(
+                &mut self.picture.follows_tool,
+                say::lathe_follow().text(language),
+            )
+            .on_hover_text(say::lathe_follow_hint().text(language));
+            ui.separator();
+            if button(ui, say::lathe_new_stock(), say::lathe_new_stock_hint()) {
+                self.console.send(Command::FreshStock);
+            }
+            let words = say::lathe_crash_stops().text(language);
+            let stops = ui.checkbox(&mut self.stops_on_crash, words);
+            let hint = say::lathe_crash_stops_hint().text(language);
+            if stops.on_hover_text(hint).changed() {
+                self.console.send(Command::CrashStops(self.stops_on_crash));
+            }
+            ui.separator();
+            for (instrument, words, hint) in [
+                (Instrument::Path, say::lathe_path(), say::lathe_path_hint()),
+                (Instrument::Caliper, say::caliper(), say::caliper_hint()),
+                (
+                    Instrument::Microscope,
+                    say::microscope(),
+                    say::microscope_hint(),
+                ),
+                (Instrument::Job, say::job_view(), say::job_view_hint()),
+            ] {
+                let chosen = self.instruments.selected == instrument;
+                let button = ui.selectable_label(chosen, words.text(language));
+                if button.on_hover_text(hint.text(language)).clicked() {
+                    self.instruments.selected = instrument;
+                }
+            }
+            ui.separator();
+            draw_legend(ui, language);
+        });
+    }
+
+    /// Draws the pointer's position, the block, the text of the instrument in use, the clock,
+    /// what is guessed about the job, and the collisions.
+    pub(super) fn show_state(&mut self, ui: &mut Ui, language: Language) {
+        ui.horizontal(|ui| {
+            let pointer = self.pointer.map_or_else(String::new, |at| {
+                say::lathe_pointer(f64::from(at.y) * 2.0, f64::from(at.x)).text(language)
+            });
+            // A fixed width, so that the label beside it does not move.
+            ui.label(RichText::new(format!("{pointer:<24}")).monospace());
+            let running = self.part.as_ref().and_then(|part| part.block);
+            let chosen = self.selected.as_ref().map(|chosen| chosen.block);
+            if let Some(block) = chosen.or(running.map(to_block_ref)) {
+                let words = RichText::new(self.describe_block(block)).monospace();
+                let words = Label::new(words).truncate().sense(egui::Sense::click());
+                let hint = say::lathe_show_text().text(language);
+                if ui.add(words).on_hover_text(hint).clicked() {
+                    self.program_text.request = Some(self.make_show_request(block, true));
+                }
+            }
+        });
+        match self.instruments.selected {
+            Instrument::Job => {}
+            Instrument::Path => self.show_xray(ui, language),
+            Instrument::Caliper => {
+                let messages = self.instruments.caliper.messages();
+                let texts = messages.iter().map(|words| words.text(language));
+                // Always three rows: the picture under the pointer must not move.
+                for words in texts.chain(std::iter::repeat(String::new())).take(3) {
+                    ui.label(RichText::new(words).monospace());
+                }
+            }
+            Instrument::Microscope => {
+                let partial = self.preview.path.is_partial;
+                let clicked = self.instruments.microscope.show_bar(ui, partial, language);
+                if let Some(at) = clicked {
+                    self.show_enlarged(at);
+                }
+            }
+        }
+        let running = self.part.as_ref().and_then(|part| {
+            let block = part.block.map(to_block_ref)?;
+            Some((block, to_pos2(part.tip)))
+        });
+        let made = (&self.preview.times, &self.preview.path);
+        self.time_bar.show(ui, made, running, language);
+        let (words, color) = match &self.part {
+            Some(part) => match &part.job_name {
+                Some(name) => (say::lathe_job(name), theme::STATE_TEXT),
+                None if self.instruments.job.is_own_change(&part.job) => {
+                    (say::lathe_changed(), theme::STATE_TEXT)
+                }
+                None if self.preview.is_practice_job => (say::lathe_practice(), theme::STATE_TEXT),
+                None => (say::lathe_guessed(), theme::WARNING),
+            },
+            None if self.preview.is_practice_job => (say::lathe_no_path(), theme::STATE_TEXT),
+            None if self.preview.program_count > 0 => (say::lathe_nothing_cut(), theme::WARNING),
+            None => (say::window_one_moment(), theme::STATE_TEXT),
+        };
+        ui.label(RichText::new(words.text(language)).color(color));
+        if let Some(trouble) = &self.preview.job_file_error {
+            ui.label(RichText::new(trouble.text(language)).color(theme::COLLISION));
+        }
+        if let Some(alarm) = &self.preview.alarm {
+            let alarm = alarm_text::one_line(alarm, language);
+            let words = say::lathe_path_ends(alarm).text(language);
+            ui.label(RichText::new(words).color(theme::COLLISION));
+            if self.preview.fault_block.is_some() {
+                let words = say::xray_profile().text(language);
+                ui.label(RichText::new(words).color(theme::COLLISION));
+            }
+        } else if self.preview.path.is_partial {
+            let words = say::lathe_path_partial().text(language);
+            ui.label(RichText::new(words).color(theme::WARNING));
+        }
+        self.show_collisions(ui, language);
+    }
+
+    /// Draws the reason for the position of the selected cycle pass, and the words of its
+    /// cycle.
+    fn show_xray(&mut self, ui: &mut Ui, language: Language) {
+        let pass = self
+            .selected
+            .as_ref()
+            .and_then(|chosen| chosen.pass.as_ref());
+        if let Some(why) = pass.and_then(|pass| pass.explanation.as_ref()) {
+            let (sentence, formula) = describe_pass(why, language);
+            ui.label(RichText::new(sentence).color(theme::PASS_PATH));
+            ui.label(RichText::new(formula).monospace());
+        }
+        let block = self.selected.as_ref().map(|chosen| chosen.block);
+        let trial = self.program_text.trial.as_ref();
+        match xray::show(ui, &self.preview.path, block, trial, language) {
+            Some(TrialAction::Try(trial)) => self.set_trial(Some(trial)),
+            Some(TrialAction::Discard) => self.set_trial(None),
+            Some(TrialAction::TakeOver(trial)) => {
+                self.program_text.request = Some(ProgramViewRequest::ReplaceText {
+                    program: trial.program_id,
+                    control_text: trial.control_text.text().to_owned(),
+                    new_text: trial.trial_text.text().to_owned(),
+                });
+            }
+            None => {}
+        }
+    }
+
+    fn show_collisions(&mut self, ui: &mut Ui, language: Language) {
+        let findings = self.part.as_ref().map_or(&[][..], |part| &part.findings);
+        if findings.is_empty() {
+            return;
+        }
+        let words = say::lathe_collisions(findings.len()).text(language);
+        ui.label(RichText::new(words).color(theme::COLLISION));
+        let mut clicked = None;
+        // A solid scroll bar shows that the list is longer.
+        ui.spacing_mut().scroll = egui::style::ScrollStyle::solid();
+        ScrollArea::vertical()
+            .max_height(LIST_HEIGHT)
+            .auto_shrink([false, true])
+            .show(ui, |ui| {
+                let name = say::lathe_collisions(findings.len()).text(language);
+                let count = findings.len();
+                let list = focus::FocusList::begin(ui, "collisions", &name, count, None);
+                // The newest one first.
+                for (at, finding) in findings.iter().rev().enumerate() {
+                    let collision = &finding.collision;
+                    let (x, z) = (collision.tip.diameter().0, collision.tip.z);
+                    let block = finding.source.map(to_block_ref);
+                    let words = match block {
+                        Some(block) => {
+                            let block = Self::format_block_name(block);
+                            say::lathe_collision(block, collision.message(), x, z)
+                        }
+                        None => say::window_collision(collision.message(), x, z),
+                    };
+                    let words = RichText::new(words.text(language)).color(theme::COLLISION);
+                    let link = focus::link_row(ui, words);
+                    if list.show_cursor(ui, at, &link) || list.entered_row() == Some(at) {
+                        clicked = Some((block, to_pos2(collision.contact)));
+                    }
+                }
+            });
+        if let Some((block, position)) = clicked {
+            self.selected = block.map(|block| SelectedBlock { block, pass: None });
+            self.show_centred(position);
+        }
+    }
+
+    fn describe_block(&self, block: BlockRef) -> String {
+        let text = self.preview.path.block_text(block).trim();
+        format!("{}  {text}", Self::format_block_name(block))
+    }
+
+    /// Formats the program and the line of a block.
+    fn format_block_name(block: BlockRef) -> String {
+        let line = block.line;
+        match block.program {
+            ProgramId::Stored(number) => format!("O{number:04}:{line}"),
+            ProgramId::External | ProgramId::Mdi | ProgramId::Dnc => line.to_string(),
+        }
+    }
+}
+
+/// Draws the names of the kinds of moves in the colours of their paths, in one row.
+fn draw_legend(ui: &mut Ui, language: Language) {
+    let font_id = TextStyle::Body.resolve(ui.style());
+    let mut job = LayoutJob::default();
+    for (what, color) in [
+        (TimeUse::Rapid, theme::RAPID_PATH),
+        (TimeUse::Feed, theme::FEED_PATH),
+        (TimeUse::Thread, theme::THREAD_PATH),
+    ] {
+        let gap = match job.text.is_empty() {
+            true => "",
+            false => "  ",
+        };
+        let words = what.message().text(language);
+        let format = TextFormat::simple(font_id.clone(), color);
+        job.append(&format!("{gap}{words}"), 0.0, format);
+    }
+    ui.add(Label::new(job).extend());
+}

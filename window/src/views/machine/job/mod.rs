@@ -1,0 +1,291 @@
+//! The job panel beside the picture: stock and tools. A change is clamped at once and can be
+//! saved as the job file of the program.
+
+mod fields;
+mod tool_drawing;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use egui::{Color32, ScrollArea, Ui};
+use gsk_host::job;
+use gsk_messages::{Language, Message, say};
+use gsk_runner::text_format::short_description;
+use gsk_workpiece::job::Job;
+use gsk_workpiece::tool::Tool;
+
+use crate::focus;
+use crate::theme;
+
+/// The highest T number of a tool.
+const MAX_TOOL_NUMBER: u8 = 99;
+
+/// The item of the job whose fields are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum JobItem {
+    #[default]
+    Stock,
+    Tool(u8),
+}
+
+/// A kind of tool that can be added, as functions that return its name and its initial values.
+type ToolTemplate = (fn() -> Message, fn() -> Tool);
+
+const TOOL_TEMPLATES: [ToolTemplate; 5] = [
+    (say::tool_kind_turning, Tool::turning),
+    (say::tool_kind_boring, Tool::boring),
+    (say::tool_kind_grooving, || Tool::grooving(3.0)),
+    (say::tool_kind_threading, || Tool::threading(60.0)),
+    (say::tool_kind_drill, || Tool::drill(10.0)),
+];
+
+/// What the job panel needs to know of the lathe.
+pub struct JobContext<'a> {
+    /// The job of the part that is being cut.
+    pub job: &'a Arc<Job>,
+    /// Whether the job was guessed from the program.
+    pub is_guessed: bool,
+    /// The file of the program; `None` if the program has none.
+    pub program_file: Option<&'a Path>,
+    /// The T numbers that the program uses.
+    pub used_tools: Vec<u8>,
+    pub is_running: bool,
+    /// Why the job file on the disk cannot be used; `None` if it can.
+    pub file_error: Option<&'a Message>,
+}
+
+/// The panel in which the user edits stock and tools.
+#[derive(Default)]
+pub struct JobPanel {
+    selected: JobItem,
+    /// The lathe's job with which the draft began.
+    base_job: Option<Arc<Job>>,
+    draft: Option<Job>,
+    /// The draft that was clamped in the lathe last.
+    clamped: Option<Job>,
+    /// The job of the lathe before the first change in this panel.
+    original_job: Option<Job>,
+    /// The path of the program's job file, whether the file exists or not.
+    job_file: Option<PathBuf>,
+    /// The job file that was read or written last, and its contents.
+    saved: Option<(PathBuf, Job)>,
+    message: Option<(Message, Color32)>,
+}
+
+impl JobPanel {
+    /// Draws the panel. Returns a changed job that must be clamped in the lathe, if there is
+    /// one.
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        context: &JobContext<'_>,
+        language: Language,
+    ) -> Option<Job> {
+        self.update_draft(context);
+        let path = context.program_file.map(job::job_path);
+        if self.job_file != path {
+            let read = path.as_deref().and_then(|path| job::read(path).ok());
+            self.saved = path.clone().zip(read);
+            self.job_file = path;
+        }
+        let mut job = self.draft.take()?;
+        self.show_origin(ui, context, &job, language);
+        if context.is_running {
+            let words = say::job_while_running().text(language);
+            ui.colored_label(theme::WARNING, words);
+        }
+        ui.add_enabled_ui(!context.is_running, |ui| {
+            self.show_list(ui, &mut job, context, language);
+            ui.separator();
+            ScrollArea::vertical()
+                .auto_shrink([false, false])
+                .show(ui, |ui| {
+                    self.show_item(ui, &mut job, language);
+                    focus::scroll_to_focus(ui);
+                });
+        });
+        let rule = job.check();
+        // Nothing is clamped while the pointer drags a value.
+        let is_released = !ui.input(|input| input.pointer.any_down());
+        let needs_clamping = rule.is_ok()
+            && is_released
+            && !context.is_running
+            && self.clamped.as_ref() != Some(&job);
+        let clamp = needs_clamping.then(|| job.clone());
+        if clamp.is_some() {
+            self.clamped.clone_from(&clamp);
+        }
+        self.draft = Some(job);
+        clamp
+    }
+
+    /// Whether the edited job differs from its file or, without a file, from the lathe's
+    /// original job.
+    pub fn is_unsaved(&self) -> bool {
+        let saved_job = self.saved.as_ref().map(|(_, saved)| saved);
+        let reference_job = saved_job.or(self.original_job.as_ref());
+        let jobs = self.draft.as_ref().zip(reference_job);
+        jobs.is_some_and(|(draft, kept)| draft != kept)
+    }
+
+    /// Whether `job` was edited in this panel and then clamped.
+    pub fn is_own_change(&self, job: &Job) -> bool {
+        self.original_job.as_ref() != Some(job) && self.clamped.as_ref() == Some(job)
+    }
+
+    /// Starts a new draft if the lathe has a job that does not come from this panel.
+    fn update_draft(&mut self, lathe: &JobContext<'_>) {
+        let same = self.base_job.as_ref();
+        if same.is_some_and(|base| Arc::ptr_eq(base, lathe.job)) {
+            return;
+        }
+        self.base_job = Some(Arc::clone(lathe.job));
+        let job = lathe.job.as_ref();
+        if self.clamped.as_ref() == Some(job) {
+            return;
+        }
+        self.draft = Some(job.clone());
+        self.clamped = Some(job.clone());
+        self.original_job = Some(job.clone());
+        (self.job_file, self.saved) = (None, None);
+        self.message = None;
+        if let JobItem::Tool(number) = self.selected
+            && !job.tools.contains_key(&number)
+        {
+            self.selected = JobItem::Stock;
+        }
+    }
+
+    /// Draws the origin of the job (file or guess) and the button that saves it.
+    fn show_origin(&mut self, ui: &mut Ui, lathe: &JobContext<'_>, job: &Job, language: Language) {
+        let file = self.saved.as_ref().map(|(path, _)| file_name(path));
+        let is_saved = self.saved.as_ref().is_some_and(|(_, saved)| saved == job);
+        let (words, color) = match file {
+            Some(file) if is_saved => (say::job_from_file(file), theme::JOB_VALID),
+            Some(file) => (say::job_differs(file), theme::WARNING),
+            None if self.original_job.as_ref() != Some(job) => (say::job_unsaved(), theme::WARNING),
+            None if lathe.is_guessed => (say::job_guessed(), theme::WARNING),
+            None => (say::job_of_sample(), theme::JOB_VALID),
+        };
+        ui.colored_label(color, words.text(language));
+        let rule = job.check().err();
+        ui.horizontal_wrapped(|ui| {
+            let can_save = rule.is_none() && !is_saved;
+            let button =
+                ui.add_enabled(can_save, egui::Button::new(say::job_save().text(language)));
+            if button
+                .on_hover_text(say::job_save_hint().text(language))
+                .clicked()
+            {
+                self.save(lathe, job);
+            }
+        });
+        if let Some(rule) = rule {
+            ui.colored_label(theme::JOB_ERROR, rule.text(language));
+        } else if let Some((message, color)) = &self.message {
+            ui.colored_label(*color, message.text(language));
+        }
+        ui.separator();
+    }
+
+    fn save(&mut self, lathe: &JobContext<'_>, job: &Job) {
+        let Some(program) = lathe.program_file else {
+            self.message = Some((say::job_without_program_file(), theme::JOB_ERROR));
+            return;
+        };
+        if let Some(error) = lathe.file_error {
+            // Saving would overwrite a misspelt file that a user has written.
+            self.message = Some((say::job_file_in_trouble(error.clone()), theme::JOB_ERROR));
+            return;
+        }
+        let path = job::job_path(program);
+        self.message = Some(match job::write(&path, job) {
+            Ok(()) => {
+                let message = say::window_saved(path.display());
+                self.saved = Some((path, job.clone()));
+                (message, theme::JOB_VALID)
+            }
+            Err(error) => (error.message(), theme::JOB_ERROR),
+        });
+    }
+
+    /// Draws the list of stock and tools, with buttons that add and remove tools.
+    fn show_list(
+        &mut self,
+        ui: &mut Ui,
+        job: &mut Job,
+        lathe: &JobContext<'_>,
+        language: Language,
+    ) {
+        let stock = say::job_stock().text(language);
+        if ui
+            .selectable_label(self.selected == JobItem::Stock, stock)
+            .clicked()
+        {
+            self.selected = JobItem::Stock;
+        }
+        for (number, tool) in &job.tools {
+            let words = format!("T{number:02}  {}", short_description(tool).text(language));
+            let chosen = self.selected == JobItem::Tool(*number);
+            if ui.selectable_label(chosen, words).clicked() {
+                self.selected = JobItem::Tool(*number);
+            }
+        }
+        let missing = lathe
+            .used_tools
+            .iter()
+            .find(|it| !job.tools.contains_key(it));
+        if let Some(number) = missing {
+            let words = say::job_tool_missing(*number).text(language);
+            ui.colored_label(theme::WARNING, words);
+        }
+        ui.horizontal_wrapped(|ui| {
+            let free = (1..=MAX_TOOL_NUMBER).find(|number| !job.tools.contains_key(number));
+            let number = missing.copied().or(free);
+            ui.menu_button(say::job_tool_add().text(language), |ui| {
+                for (name, tool) in &TOOL_TEMPLATES {
+                    let Some(number) = number else { return };
+                    if ui.button(name().text(language)).clicked() {
+                        job.tools.insert(number, tool());
+                        self.selected = JobItem::Tool(number);
+                        ui.close();
+                    }
+                }
+            });
+            if let JobItem::Tool(number) = self.selected
+                && ui
+                    .button(say::job_tool_remove(number).text(language))
+                    .clicked()
+            {
+                job.tools.remove(&number);
+                job.lengths.remove(&number);
+                self.selected = JobItem::Stock;
+            }
+        });
+    }
+
+    /// Draws the fields of the selected item and, if it is a tool, its picture.
+    fn show_item(&self, ui: &mut Ui, job: &mut Job, language: Language) {
+        match self.selected {
+            JobItem::Stock => {
+                fields::show_stock(ui, &mut job.stock, language);
+                ui.separator();
+                fields::show_zero(ui, &mut job.zero, language);
+            }
+            JobItem::Tool(number) => {
+                let Some(tool) = job.tools.get_mut(&number) else {
+                    return;
+                };
+                tool_drawing::show(ui, tool, language);
+                fields::show_tool(ui, tool, language);
+                ui.separator();
+                fields::show_length(ui, &mut job.lengths, number, language);
+            }
+        }
+    }
+}
+
+fn file_name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default();
+    name.to_string_lossy().into_owned()
+}

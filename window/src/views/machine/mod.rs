@@ -1,0 +1,629 @@
+//! The machine view: the half section of the part with its clamping, or the same as a lit
+//! solid; the tool at its current position; and the path of the selected program.
+
+mod animation;
+mod bars;
+mod caliper;
+mod camera;
+mod grid;
+mod job;
+mod microscope;
+mod overlay;
+mod path;
+mod path_dots;
+mod path_lines;
+mod path_renderer;
+mod preview_worker;
+mod repeat_limit;
+mod section_drawing;
+mod solid_drawing;
+mod time_bar;
+mod xray;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use egui::{
+    Context, Panel, PointerButton, Pos2, Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo, pos2,
+    vec2,
+};
+use gsk_core::command::{ProgramId, SourcePosition};
+use gsk_core::units::Point;
+use gsk_host::kernel::part::PartView;
+use gsk_host::kernel::{Command, Console, ProgramPlacement};
+use gsk_messages::{Language, say};
+
+use super::program::{ProgramDocument, TextOrigin, with_line_feeds};
+use super::{bar_frame, plain_frame, side_frame};
+use crate::focus;
+use caliper::Caliper;
+use camera::{Camera, PictureState};
+use job::JobPanel;
+use microscope::Microscope;
+use path::BlockRef;
+use path_renderer::PathRenderer;
+use preview_worker::{PreviewResult, PreviewWorker};
+use section_drawing::SectionDrawing;
+use solid_drawing::SolidDrawing;
+use time_bar::TimeBar;
+use xray::Trial;
+
+/// Maximum distance of a click from the path to select a block, points.
+const CLICK_REACH: f32 = 8.0;
+/// Exponent of the zoom factor per point that the wheel scrolls.
+const ZOOM_PER_POINT: f32 = 0.004;
+/// Length of the chuck that the fitted picture shows, mm from the jaws' front.
+const VISIBLE_CHUCK_MM: f32 = 35.0;
+/// Margin around a part that no program cuts, mm.
+const TOOL_MARGIN_MM: Vec2 = vec2(22.0, 14.0);
+/// Minimum scale at which a single position is shown, points per millimetre.
+const CLOSE_SCALE: f32 = 120.0;
+
+/// The instrument in use, which determines what the pointer does in the picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Instrument {
+    #[default]
+    /// The pointer selects blocks of the path.
+    Path,
+    /// The pointer measures the part with the caliper.
+    Caliper,
+    /// The pointer reads the deviations of the surface from the intended one.
+    Microscope,
+    /// The user changes tools and stock in the job panel.
+    Job,
+}
+
+/// The block of the path that the user has selected, and the pass of its cycle.
+#[derive(Clone, Debug)]
+struct SelectedBlock {
+    block: BlockRef,
+    pass: Option<path::CyclePass>,
+}
+
+/// What the machine view requests from the program view.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ProgramViewRequest {
+    /// Show a block. Its `text` lets the program view recognize it.
+    ShowBlock {
+        program: ProgramId,
+        /// Line of the text, from 1.
+        line: u32,
+        /// Text of the block.
+        text: String,
+        /// Whether to open the program view if it is closed.
+        open_view: bool,
+    },
+    /// Replace the text of a program.
+    ReplaceText {
+        program: ProgramId,
+        /// The text of the program in the control.
+        control_text: String,
+        /// The text that replaces it.
+        new_text: String,
+    },
+}
+
+/// The view that shows the lathe: path, part and tool, with instruments to examine them.
+pub struct LatheView {
+    console: Console,
+    /// The preview worker, from the first frame on, because the part is cut without the view,
+    /// too.
+    worker: Option<PreviewWorker>,
+    /// Whether the view is open.
+    is_open: bool,
+    preview: PreviewResult,
+    part: Option<PartView>,
+    program_text: ProgramTextState,
+    section_drawing: SectionDrawing,
+    solid_drawing: SolidDrawing,
+    path_renderer: PathRenderer,
+    time_bar: TimeBar,
+    picture: PictureState,
+    stops_on_crash: bool,
+    /// The block that the user has selected; `None` without one.
+    selected: Option<SelectedBlock>,
+    /// Position of the pointer, part coordinates; `None` outside the picture.
+    pointer: Option<Pos2>,
+    instruments: Instruments,
+    /// Jobs that the user has changed, by their programs.
+    changed_jobs: preview_worker::ChangedJobs,
+}
+
+/// What the machine view needs to know of the text of the program.
+#[derive(Default)]
+struct ProgramTextState {
+    /// The program that was opened last from a file, and the path of this file.
+    file: Option<(ProgramId, PathBuf)>,
+    /// The text that is executed instead of the control's; `None`: the control's.
+    trial: Option<Trial>,
+    /// A request to the program view that it has not taken yet.
+    request: Option<ProgramViewRequest>,
+}
+
+/// All instruments of the view, and which one is in use.
+#[derive(Default)]
+struct Instruments {
+    selected: Instrument,
+    caliper: Caliper,
+    microscope: Microscope,
+    job: JobPanel,
+}
+
+impl LatheView {
+    /// Creates the view closed. `solid`: it shows the part as a solid.
+    pub fn new(console: Console, solid: bool) -> Self {
+        Self {
+            console,
+            worker: None,
+            is_open: false,
+            preview: PreviewResult::default(),
+            part: None,
+            program_text: ProgramTextState::default(),
+            section_drawing: SectionDrawing::default(),
+            solid_drawing: SolidDrawing::default(),
+            path_renderer: PathRenderer::default(),
+            time_bar: TimeBar::default(),
+            picture: PictureState {
+                is_solid: solid,
+                ..PictureState::default()
+            },
+            stops_on_crash: true,
+            selected: None,
+            pointer: None,
+            instruments: Instruments::default(),
+            changed_jobs: preview_worker::ChangedJobs::default(),
+        }
+    }
+
+    /// Number of segments of the drawn path.
+    pub fn segment_count(&self) -> usize {
+        self.preview.path.segment_count()
+    }
+
+    /// Whether the user has changed tools or stock and has not saved them.
+    pub fn is_unsaved(&self) -> bool {
+        self.instruments.job.is_unsaved()
+    }
+
+    /// Whether the part is shown as a solid.
+    pub const fn is_solid(&self) -> bool {
+        self.picture.is_solid
+    }
+
+    /// Opens the view: the part is shown from now on.
+    pub fn open(&mut self) {
+        self.set_open(true);
+    }
+
+    /// Closes the view. The part is still cut.
+    pub fn close(&mut self) {
+        self.part = None;
+        self.set_open(false);
+    }
+
+    fn set_open(&mut self, is_open: bool) {
+        self.is_open = is_open;
+        if let Some(worker) = &self.worker {
+            worker.flags.visible.store(is_open, Ordering::Relaxed);
+        }
+        self.console.send(Command::ShowPart(is_open));
+    }
+
+    /// Reports to the worker a program that was opened in the window. Its job may be in a file
+    /// beside it.
+    pub fn report_opened_program(
+        &mut self,
+        path: Option<&std::path::Path>,
+        location: &ProgramPlacement,
+    ) {
+        let program = match location {
+            ProgramPlacement::Stored(number) => ProgramId::Stored(*number),
+            ProgramPlacement::OnlyRun(_) => ProgramId::External,
+        };
+        self.program_text.file = path.map(|path| (program, path.to_owned()));
+        self.set_trial(None);
+        if let (Some(worker), Some((program, file))) = (&self.worker, &self.program_text.file) {
+            worker.report_opened_file(*program, file.clone());
+        }
+    }
+
+    /// The path of the program's file, and its machine time, s; `None` unless the view is open
+    /// and a preview of the control's text has ended without an alarm.
+    pub fn program_time(&self) -> Option<(&std::path::Path, f64)> {
+        let preview = &self.preview;
+        let complete = self.is_open
+            && !preview.path.is_partial
+            && preview.alarm.is_none()
+            && !preview.is_trial;
+        let file = preview.program_file.as_deref().filter(|_| complete)?;
+        Some((file, preview.times.spent().total_s()))
+    }
+
+    /// Draws the view and handles its input.
+    pub fn show(&mut self, ui: &mut Ui, language: Language) {
+        self.receive_part(ui);
+        let tools = Panel::top("lathe bar").frame(bar_frame());
+        tools.show(ui, |ui| self.show_toolbar(ui, language));
+        let state = Panel::bottom("lathe state").frame(side_frame());
+        state.show(ui, |ui| self.show_state(ui, language));
+        if self.instruments.selected == Instrument::Job {
+            self.show_job(ui, language);
+        }
+        egui::CentralPanel::default()
+            .frame(plain_frame())
+            .show(ui, |ui| self.show_picture(ui, language));
+    }
+
+    /// Draws the job panel beside the picture.
+    fn show_job(&mut self, ui: &mut Ui, language: Language) {
+        let Some(part) = &self.part else { return };
+        let tools = self.preview.times.tools();
+        // The job file must not be that of a program that is not selected.
+        let selected = self.preview.path.programs.selected();
+        let file = self.program_text.file.as_ref();
+        let file = file.filter(|(program, _)| selected == Some(*program));
+        let lathe = job::JobContext {
+            job: &part.job,
+            is_guessed: part.job_name.is_none(),
+            program_file: file.map(|(_, path)| path.as_path()),
+            used_tools: tools
+                .iter()
+                .map(|it| it.tool)
+                .filter(|it| *it > 0)
+                .collect(),
+            is_running: part.block.is_some(),
+            file_error: self.preview.job_file_error.as_ref(),
+        };
+        focus::skip_resize_edge(ui, "job");
+        let panel = Panel::right("job").frame(side_frame());
+        let clamped = panel
+            .default_size(300.0)
+            .size_range(220.0..=420.0)
+            .show(ui, |ui| self.instruments.job.show(ui, &lathe, language))
+            .inner;
+        if let (Some(job), Some(worker)) = (clamped, &self.worker) {
+            worker.clamp(job);
+        }
+    }
+
+    /// Receives the results of the worker. Called in every frame, so that a program has its
+    /// job and its part before the view is opened.
+    pub fn receive(&mut self, context: &Context) {
+        let worker = self.worker.get_or_insert_with(|| {
+            let worker = PreviewWorker::start(&self.console, context, &self.changed_jobs);
+            worker.flags.visible.store(self.is_open, Ordering::Relaxed);
+            if let Some(trial) = &self.program_text.trial {
+                worker.set_trial(Some(trial.to_program()));
+            }
+            if let Some((program, file)) = &self.program_text.file {
+                worker.report_opened_file(*program, file.clone());
+            }
+            worker
+        });
+        if let Some(preview) = worker.take_result() {
+            if preview.program_count != self.preview.program_count {
+                self.picture.camera = None;
+                self.selected = None;
+                self.instruments.microscope.clear();
+            }
+            // The control has stored the text that was tried out: the trial ends.
+            if let Some(trial) = &self.program_text.trial
+                && !preview.is_trial
+                && preview
+                    .path
+                    .programs
+                    .get(trial.program_id)
+                    .is_some_and(|own| {
+                        with_line_feeds(own.text()) == with_line_feeds(trial.trial_text.text())
+                    })
+            {
+                self.program_text.trial = None;
+                worker.set_trial(None);
+            }
+            // The passes have moved.
+            if let Some(chosen) = &mut self.selected {
+                chosen.pass = preview.path.find_same_pass(chosen.pass.take());
+            }
+            self.preview = preview;
+        }
+    }
+
+    /// Receives the state of the part and passes it to the instrument in use.
+    fn receive_part(&mut self, ui: &Ui) {
+        if let Some(part) = self.console.part.pop() {
+            self.part = Some(part);
+        }
+        let Some(worker) = &self.worker else { return };
+        let is_running = self.part.as_ref().is_some_and(|part| part.block.is_some());
+        worker
+            .flags
+            .program_runs
+            .store(is_running, Ordering::Relaxed);
+        if let Some(compared) = worker.take_comparison() {
+            self.instruments.microscope.set_comparison(compared);
+        }
+        if let Some(part) = &self.part {
+            match self.instruments.selected {
+                Instrument::Path | Instrument::Job => {}
+                Instrument::Caliper => self.instruments.caliper.update(&part.section, ui.ctx()),
+                Instrument::Microscope => {
+                    // A growing path is compared once it is complete.
+                    let is_complete = !is_running && !self.preview.path.is_partial;
+                    if is_complete
+                        && self
+                            .instruments
+                            .microscope
+                            .needs_comparison(&self.preview.path, &part.job)
+                    {
+                        worker.compare(Arc::clone(&part.job));
+                    }
+                    let clamped = part.job.stock.jaw_front();
+                    self.instruments
+                        .microscope
+                        .update_deviations(&part.section, clamped, ui.ctx());
+                }
+            }
+        }
+    }
+
+    fn show_picture(&mut self, ui: &mut Ui, language: Language) {
+        let rect = ui.available_rect_before_wrap();
+        let sense = Sense::CLICK | Sense::DRAG;
+        let response = ui.interact(rect, ui.scope_id().with("lathe"), sense);
+        response.widget_info(|| {
+            let name = say::lathe_picture().text(language);
+            WidgetInfo::labeled(Role::Canvas, true, name)
+        });
+        if rect.width() < 20.0 || rect.height() < 20.0 {
+            return;
+        }
+        let mut camera = self.current_camera(rect);
+        self.handle_pointer(ui, &response, &mut camera);
+        let tip = self.part.as_ref().map(|part| to_pos2(part.tip));
+        if let (true, Some(tip)) = (self.picture.follows_tool, tip) {
+            camera.keep_visible(tip);
+            self.picture.camera = Some(camera);
+        }
+        let painter = ui.painter().with_clip_rect(rect);
+        let solid = self.part.as_ref().filter(|_| self.picture.is_solid);
+        let mut is_tool_drawn = false;
+        if let Some(part) = solid {
+            is_tool_drawn = self.solid_drawing.draw(&painter, &camera, part);
+        } else {
+            grid::draw_lines(&painter, &camera);
+            if let Some(part) = &self.part {
+                self.section_drawing.draw(&painter, &camera, part);
+            }
+        }
+        let path = &self.preview.path;
+        if self.instruments.selected == Instrument::Microscope {
+            self.instruments.microscope.draw(&painter, &camera);
+        } else {
+            self.path_renderer.draw(&painter, &camera, path);
+        }
+        if let Some(fault) = self.preview.fault_block {
+            path_lines::mark_wrong(&painter, &camera, &self.preview.path, fault);
+        }
+        if let Some(SelectedBlock { block, pass }) = &self.selected {
+            // Highlighting all passes of a cycle would hide the part.
+            match pass {
+                Some(pass) => {
+                    path_lines::highlight_pass(&painter, &camera, &path.pass_segments(pass));
+                }
+                None => path_lines::highlight_block(&painter, &camera, path, *block, false),
+            }
+        }
+        if let Some(part) = &self.part {
+            let tip = to_pos2(part.tip);
+            if let Some(block) = part.block.map(to_block_ref) {
+                match path.running_pass(block, tip) {
+                    Some(pass) => {
+                        path_lines::highlight_pass(&painter, &camera, &path.pass_segments(pass));
+                    }
+                    None => path_lines::highlight_block(&painter, &camera, path, block, true),
+                }
+            }
+            if solid.is_none() {
+                is_tool_drawn = self
+                    .section_drawing
+                    .draw_job_tool(&painter, &camera, part, tip);
+            }
+            if !is_tool_drawn {
+                section_drawing::draw_tip_cross(&painter, &camera, tip);
+            }
+            if part.coolant {
+                animation::draw_coolant(&painter, &camera, tip);
+            }
+            overlay::draw_hits(&painter, &camera, part);
+        }
+        if self.instruments.selected == Instrument::Caliper {
+            self.instruments.caliper.draw(&painter, &camera, language);
+        }
+        if solid.is_none() {
+            grid::draw_figures(&painter, &camera);
+        }
+        if let Some(part) = &self.part {
+            overlay::draw_states(&painter, rect, part, language);
+        }
+    }
+
+    /// The camera that the user has moved; if there is none, a camera that shows everything.
+    fn current_camera(&self, rect: Rect) -> Camera {
+        if let Some(camera) = self.picture.camera {
+            return camera.with_rect(rect);
+        }
+        if let Some(part) = self.part.as_ref().filter(|_| self.picture.is_solid) {
+            let stock = &part.job.stock;
+            let (_, jaws) = stock.chuck_section();
+            let shown = [&stock.section(), &jaws, &stock.tailstock_section()];
+            return Camera::fit_solid(&shown, self.is_rear(), rect);
+        }
+        let part = self.part.as_ref().map(|part| {
+            let stock = &part.job.stock;
+            let (radius, front) = (stock.radius() as f32, stock.front() as f32);
+            let back = stock.jaw_front() as f32 - VISIBLE_CHUCK_MM;
+            Rect::from_min_max(pos2(back, -radius), pos2(front, radius))
+        });
+        let bounds = match (part, self.preview.path.bounds) {
+            (Some(part), Some(path)) => part.union(path),
+            // The path shows where the tool is. Without a path the tool needs a margin.
+            (Some(part), None) => part.expand2(TOOL_MARGIN_MM),
+            (one, other) => one
+                .or(other)
+                .unwrap_or(Rect::from_center_size(Pos2::ZERO, vec2(200.0, 120.0))),
+        };
+        Camera::fit(bounds, self.is_rear(), rect)
+    }
+
+    /// Whether the tool post is on the far side of the spindle; false until the first result
+    /// of the worker.
+    const fn is_rear(&self) -> bool {
+        self.preview.rear_tool_post
+    }
+
+    /// Handles mouse and touch input in the picture; moves `camera` accordingly.
+    fn handle_pointer(&mut self, ui: &Ui, response: &Response, camera: &mut Camera) {
+        let before = *camera;
+        let hover = response.hover_pos();
+        self.pointer = hover.map(|at| camera.part_position(at));
+        if let Some(at) = hover {
+            let (scrolled, pinched) =
+                ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+            let factor = (scrolled * ZOOM_PER_POINT).exp() * pinched;
+            if factor != 1.0 {
+                camera.zoom(factor, at);
+            }
+        }
+        if response.dragged() {
+            let is_turn = response.dragged_by(PointerButton::Primary)
+                && ui.input(|input| !input.modifiers.shift);
+            if is_turn && self.picture.is_solid && self.part.is_some() {
+                camera.orbit(response.drag_delta());
+            } else {
+                camera.pan(response.drag_delta());
+            }
+        }
+        if *camera != before {
+            self.picture.camera = Some(*camera);
+        }
+        if response.double_clicked() {
+            self.picture.camera = None;
+            *camera = self.current_camera(camera.rect);
+        } else if response.clicked()
+            && let Some(at) = response.interact_pointer_pos()
+        {
+            let path = &self.preview.path;
+            match self.instruments.selected {
+                Instrument::Caliper => self.instruments.caliper.toggle_kept(),
+                Instrument::Path | Instrument::Microscope | Instrument::Job => {
+                    let piece = path.nearest_segment(
+                        camera.part_position(at),
+                        CLICK_REACH / camera.points_per_mm,
+                    );
+                    self.selected = piece.and_then(|piece| {
+                        let pass = path.pass_at(piece).cloned();
+                        let block = path.block_at(piece)?;
+                        Some(SelectedBlock { block, pass })
+                    });
+                    let block = self.selected.as_ref().map(|chosen| chosen.block);
+                    self.program_text.request =
+                        block.map(|block| self.make_show_request(block, false));
+                }
+            }
+        }
+        match self.instruments.selected {
+            Instrument::Path | Instrument::Job => {}
+            Instrument::Caliper => self.instruments.caliper.set_pointer(self.pointer, camera),
+            Instrument::Microscope => self
+                .instruments
+                .microscope
+                .set_pointer(self.pointer, camera),
+        }
+    }
+
+    /// Takes the request to the program view, if there is one.
+    pub const fn take_program_request(&mut self) -> Option<ProgramViewRequest> {
+        self.program_text.request.take()
+    }
+
+    /// Executes a text of the program view instead of the control's, if it belongs to the
+    /// selected program and differs from the control's text.
+    pub fn try_typed_text(&mut self, document: &ProgramDocument) {
+        let id = match &document.origin {
+            TextOrigin::Memory(number) => ProgramId::Stored(*number),
+            TextOrigin::File(path, _) => match &self.program_text.file {
+                Some((id, file)) if file == path => *id,
+                _ => return,
+            },
+            TextOrigin::New => return,
+        };
+        let programs = &self.preview.path.programs;
+        let own = match &self.program_text.trial {
+            Some(trial) if trial.program_id == id => Some(&trial.control_text),
+            _ => programs.get(id),
+        };
+        let own = own.filter(|_| self.is_open && programs.selected() == Some(id));
+        let Some(own) = own.cloned() else {
+            return;
+        };
+        let tried = document.to_program();
+        let is_same = with_line_feeds(own.text()) == tried.text();
+        let trial = (!is_same).then_some(Trial {
+            program_id: id,
+            control_text: own,
+            trial_text: tried,
+        });
+        if trial != self.program_text.trial {
+            self.set_trial(trial);
+        }
+    }
+
+    fn make_show_request(&self, block: BlockRef, open_view: bool) -> ProgramViewRequest {
+        ProgramViewRequest::ShowBlock {
+            program: block.program,
+            line: block.line,
+            text: self.preview.path.block_text(block).to_owned(),
+            open_view,
+        }
+    }
+
+    /// Executes the text of `trial` instead of the control's; `None`: the control's text
+    /// again.
+    fn set_trial(&mut self, trial: Option<Trial>) {
+        if let Some(worker) = &self.worker {
+            let text = trial.as_ref();
+            worker.set_trial(text.map(Trial::to_program));
+        }
+        self.program_text.trial = trial;
+    }
+
+    /// Moves a position, part coordinates, to the centre and enlarges the picture to a close
+    /// view.
+    fn show_enlarged(&mut self, at: Pos2) {
+        self.show_centred(at);
+        if let Some(camera) = &mut self.picture.camera {
+            camera.points_per_mm = camera.points_per_mm.max(CLOSE_SCALE);
+        }
+    }
+
+    /// Moves a position, part coordinates, to the centre at the current scale.
+    fn show_centred(&mut self, at: Pos2) {
+        let rect = Rect::from_center_size(Pos2::ZERO, vec2(600.0, 400.0));
+        let camera = self.current_camera(rect);
+        self.picture.camera = Some(camera.with_centre(at));
+    }
+}
+
+/// Converts a point of the control to part coordinates of the view: x is Z, y is X as a
+/// radius, mm.
+fn to_pos2(point: Point) -> Pos2 {
+    pos2(point.z as f32, point.x as f32)
+}
+
+const fn to_block_ref(source: SourcePosition) -> BlockRef {
+    BlockRef {
+        program: source.program,
+        line: source.line,
+    }
+}

@@ -1,0 +1,529 @@
+//! Executes the selected program in a background thread: its path, its times, and the job of
+//! its part. Runs again when the program, an offset or a parameter has changed.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, unbounded};
+use crossbeam::queue::ArrayQueue;
+use egui::Context;
+use gsk_core::alarm::Alarm;
+use gsk_core::command::ProgramId;
+use gsk_core::memory::{ControlParameters, Offsets};
+use gsk_core::preview::{PreviewEnd, WorkBudget, preview_explained, preview_with_progress};
+use gsk_core::program::{Program, ProgramMemory};
+use gsk_core::setup::Setup;
+use gsk_core::units::Point;
+use gsk_host::job::{self, SelectedJob};
+use gsk_host::kernel::{Command, Console};
+use gsk_host::platform;
+use gsk_host::work_limit::WorkLimit;
+use gsk_messages::Message;
+use gsk_runner::curves::RapidRates;
+use gsk_runner::machining::part_comparison::{self, PartComparison};
+use gsk_runner::machining::{Machining, guess};
+use gsk_runner::times::ProgramTimes;
+use gsk_workpiece::job::Job;
+use web_time::{Duration, Instant};
+
+use super::path::{BlockRef, DrawnPath, PathBuilder};
+use super::xray;
+use crate::samples;
+
+/// Interval at which the worker checks the control for changes.
+const CHECK_INTERVAL: Duration = Duration::from_millis(100);
+/// Time until a growing path is sent for the first time. The constant after it is the interval
+/// of the further times.
+const FIRST_UPDATE_DELAY: Duration = Duration::from_millis(30);
+const UPDATE_INTERVAL: Duration = Duration::from_millis(200);
+/// Limit of the work of one execution of a program.
+const WORK_BUDGET: WorkBudget = WorkBudget::interactive(5_000_000);
+
+/// The result of executing a program for the machine view.
+#[derive(Clone, Debug, Default)]
+pub struct PreviewResult {
+    /// The path of the program, partial while the execution runs.
+    pub path: Arc<DrawnPath>,
+    /// The machine time of the program by its uses and tools.
+    pub times: ProgramTimes,
+    /// The alarm that ends the program; `None` if it ends without one.
+    pub alarm: Option<Alarm>,
+    /// The block of a profile that breaks a rule of its cycle; `None` if there is none. With
+    /// such a block the path is the profile without the cycle.
+    pub fault_block: Option<BlockRef>,
+    /// Whether the executed text is a trial that differs from the control's.
+    pub is_trial: bool,
+    /// Whether the job is a practice job, because no program defines what is cut.
+    pub is_practice_job: bool,
+    /// Why the program's job file cannot be used; `None` if it can or does not exist.
+    pub job_file_error: Option<Message>,
+    /// The path of the program's file; `None` without one.
+    pub program_file: Option<PathBuf>,
+    /// Whether the tool post is on the far side of the spindle.
+    pub rear_tool_post: bool,
+    /// Number of programs so far. The picture is fitted again when it changes.
+    pub program_count: u64,
+}
+
+/// Flags that the window sets for the worker.
+#[derive(Debug)]
+pub struct WorkerFlags {
+    /// Whether the view is open, so that it needs the path of the program as well as its job.
+    pub visible: AtomicBool,
+    /// Whether a program runs. Offsets and parameters that it writes then start no execution.
+    pub program_runs: AtomicBool,
+    /// Incremented by the window when the execution in progress is out of date.
+    pub cancel_count: AtomicU64,
+}
+
+/// A request of the window to the worker.
+enum PreviewRequest {
+    /// This program was opened from this file.
+    Opened(ProgramId, PathBuf),
+    /// Compare the part that the program makes with the intended part.
+    Compare(Arc<Job>),
+    /// Clamp the stock and mount the tools of a job that the user has changed.
+    Clamp(Box<Job>),
+    /// Execute this text of a program instead of the control's; `None`: the control's text
+    /// again.
+    SetTrial(Option<(ProgramId, Program)>),
+}
+
+/// The window's handle of the preview worker, which ends when the handle is dropped.
+pub struct PreviewWorker {
+    requests: Sender<PreviewRequest>,
+    results: Arc<ArrayQueue<PreviewResult>>,
+    compared: Arc<ArrayQueue<Arc<PartComparison>>>,
+    /// Flags that the window sets for the worker.
+    pub flags: Arc<WorkerFlags>,
+}
+
+impl PreviewWorker {
+    /// Starts the worker thread. `changed` holds the jobs that the user has changed.
+    pub fn start(console: &Console, context: &Context, changed: &ChangedJobs) -> Self {
+        let (requests, from_view) = unbounded();
+        let results = Arc::new(ArrayQueue::new(1));
+        let compared = Arc::new(ArrayQueue::new(1));
+        let flags = Arc::new(WorkerFlags {
+            visible: AtomicBool::new(false),
+            program_runs: AtomicBool::new(false),
+            cancel_count: AtomicU64::new(0),
+        });
+        let mut work = PreviewThread {
+            console: console.clone(),
+            context: context.clone(),
+            requests: from_view,
+            results: Arc::clone(&results),
+            compared: Arc::clone(&compared),
+            flags: Arc::clone(&flags),
+            file: None,
+            tried: None,
+            changed_jobs: Arc::clone(changed),
+            last_inputs: None,
+            job_owner: None,
+            program_count: 0,
+        };
+        // Without a thread there is no path in the picture. Nothing else depends on it.
+        let _ = platform::start_task("lathe view", move || work.run_once());
+        Self {
+            requests,
+            results,
+            compared,
+            flags,
+        }
+    }
+
+    /// Reports to the worker that a program was opened from a file.
+    pub fn report_opened_file(&self, program: ProgramId, file: PathBuf) {
+        self.flags.cancel_count.fetch_add(1, Ordering::Relaxed);
+        let _ = self.requests.send(PreviewRequest::Opened(program, file));
+    }
+
+    /// Requests a comparison of the intended part with the part that the program makes.
+    pub fn compare(&self, job: Arc<Job>) {
+        let _ = self.requests.send(PreviewRequest::Compare(job));
+    }
+
+    /// Requests that the stock and the tools of `job` are used. The job belongs to the
+    /// selected program until that program gets another one.
+    pub fn clamp(&self, job: Job) {
+        let _ = self.requests.send(PreviewRequest::Clamp(Box::new(job)));
+    }
+
+    /// Requests the execution of another text of a program than the control's; `None`: the
+    /// control's text again.
+    pub fn set_trial(&self, text: Option<(ProgramId, Program)>) {
+        self.flags.cancel_count.fetch_add(1, Ordering::Relaxed);
+        let _ = self.requests.send(PreviewRequest::SetTrial(text));
+    }
+
+    /// Takes the newest comparison, if there is a new one.
+    pub fn take_comparison(&self) -> Option<Arc<PartComparison>> {
+        self.compared.pop()
+    }
+
+    /// Takes the newest result, if there is a new one.
+    pub fn take_result(&self) -> Option<PreviewResult> {
+        self.results.pop()
+    }
+}
+
+impl Drop for PreviewWorker {
+    fn drop(&mut self) {
+        self.flags.cancel_count.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
+/// The inputs of an execution. The worker executes the program again when one of them changes.
+#[derive(Clone, Debug, PartialEq)]
+struct PreviewInputs {
+    program: Option<(ProgramId, Program)>,
+    tried: Option<(ProgramId, Program)>,
+    /// The job that the user has changed; `None` if it is unchanged.
+    changed_job: Option<Job>,
+    file: Option<PathBuf>,
+    offsets: Offsets,
+    parameters: ControlParameters,
+}
+
+struct PreviewThread {
+    console: Console,
+    context: Context,
+    requests: Receiver<PreviewRequest>,
+    results: Arc<ArrayQueue<PreviewResult>>,
+    compared: Arc<ArrayQueue<Arc<PartComparison>>>,
+    flags: Arc<WorkerFlags>,
+    /// The program that was opened last from a file, and the path of this file.
+    file: Option<(ProgramId, PathBuf)>,
+    /// The program that is executed with another text than the control's, and this text.
+    tried: Option<(ProgramId, Program)>,
+    /// Jobs that the user has changed, by their programs.
+    changed_jobs: ChangedJobs,
+    /// The inputs of the path that was sent to the window last.
+    last_inputs: Option<PreviewInputs>,
+    /// The program and the file whose job the kernel has; `None` before the first job.
+    job_owner: Option<ProgramAndFile>,
+    program_count: u64,
+}
+
+/// A program with its text, and the file from which it was opened.
+type ProgramAndFile = (Option<(ProgramId, Program)>, Option<PathBuf>);
+
+/// The program to which a job belongs, and its file if it has one.
+type JobOwner = (Option<ProgramId>, Option<PathBuf>);
+
+/// Jobs that the user has changed. They are kept while the view is closed.
+pub type ChangedJobs = Arc<Mutex<Vec<(JobOwner, SelectedJob)>>>;
+
+impl PreviewThread {
+    /// Executes the program if its inputs have changed, and waits for the next request.
+    /// Returns `false` when the window's handle is dropped.
+    fn run_once(&mut self) -> bool {
+        if !self.flags.program_runs.load(Ordering::Relaxed)
+            && let Some(setup) = self.console.setup()
+        {
+            self.preview_if_changed(setup);
+        }
+        match platform::receive(&self.requests, Some(Instant::now() + CHECK_INTERVAL)) {
+            Ok(request) => self.handle_request(request),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return false,
+        }
+        // Requests that arrived in the meantime take effect before the next execution.
+        while let Ok(request) = self.requests.try_recv() {
+            self.handle_request(request);
+        }
+        true
+    }
+
+    fn handle_request(&mut self, request: PreviewRequest) {
+        match request {
+            PreviewRequest::Opened(program, file) => self.file = Some((program, file)),
+            PreviewRequest::Compare(job) => self.compare(&job),
+            PreviewRequest::SetTrial(tried) => self.tried = tried,
+            PreviewRequest::Clamp(job) => self.clamp(*job),
+        }
+    }
+
+    fn preview_if_changed(&mut self, mut setup: Setup) {
+        let programs = &setup.memory.programs;
+        let program = programs
+            .selected()
+            .and_then(|id| Some((id, programs.get(id)?.clone())));
+        let file = self.file.as_ref().filter(|(id, _)| {
+            let current = program.as_ref();
+            current.is_some_and(|(current, _)| current == id)
+        });
+        let file = file.map(|(_, path)| path.clone());
+        let owner = (program.as_ref().map(|(id, _)| *id), file.clone());
+        let basis = PreviewInputs {
+            program,
+            tried: self.tried.clone(),
+            changed_job: self.find_changed_job(&owner),
+            file,
+            offsets: setup.memory.offsets.clone(),
+            parameters: setup.memory.parameters.clone(),
+        };
+        if self.last_inputs.as_ref() == Some(&basis) {
+            return;
+        }
+        let job_owner = (basis.program.clone(), basis.file.clone());
+        let another = self.job_owner.as_ref() != Some(&job_owner);
+        let visible = self.flags.visible.load(Ordering::Relaxed);
+        if !another && !visible {
+            return;
+        }
+        if another {
+            self.program_count += 1;
+        }
+        self.apply_trial(&mut setup);
+        if !visible && let (Some(chosen), _) = job_of_basis(&basis) {
+            self.send_job(Some(chosen));
+            self.job_owner = Some(job_owner);
+        } else if self.run_preview(&setup, &basis, another) {
+            self.job_owner = Some(job_owner);
+            self.last_inputs = Some(basis);
+        }
+    }
+
+    /// Executes a program and sends its path to the window; returns `false` if a newer request
+    /// has cancelled it.
+    fn run_preview(&self, setup: &Setup, inputs: &PreviewInputs, is_other_program: bool) -> bool {
+        let start_count = self.flags.cancel_count.load(Ordering::Relaxed);
+        let is_newest = || self.flags.cancel_count.load(Ordering::Relaxed) == start_count;
+        let (mut chosen, trouble) = job_of_basis(inputs);
+        let machining = chosen.as_ref().map(SelectedJob::create_machining);
+        if is_other_program && let Some(chosen) = &chosen {
+            self.send_job(Some(chosen.clone()));
+        }
+        let rates = RapidRates::from_memory(&setup.memory);
+        let limit = WorkLimit::new(WORK_BUDGET);
+        let (mut last_update, mut update_interval) = (Instant::now(), FIRST_UPDATE_DELAY);
+        let tried = inputs.tried.as_ref().is_some_and(|(id, tried)| {
+            let own = inputs.program.as_ref().filter(|(own, _)| own == id);
+            own.is_some_and(|(_, own)| own.text() != tried.text())
+        });
+        let mut result = PreviewResult {
+            is_trial: tried,
+            job_file_error: trouble,
+            program_file: inputs.file.clone(),
+            rear_tool_post: setup.lathe.rear_tool_post,
+            program_count: self.program_count,
+            ..PreviewResult::default()
+        };
+        let programs = &setup.memory.programs;
+        let (mut builder, mut first_moves) = (PathBuilder::default(), Vec::new());
+        let mut times = ProgramTimes::default();
+        let preview = preview_explained(
+            setup,
+            programs,
+            &mut |executed, why| {
+                builder.begin_pass(executed, why);
+                builder.add_move(executed, part_shift(machining.as_ref(), executed), rates);
+                times.add_move(executed);
+                if chosen.is_none() && first_moves.len() < guess::MAX_GUESS_MOVES {
+                    first_moves.push(*executed);
+                }
+                if last_update.elapsed() > update_interval {
+                    (last_update, update_interval) = (Instant::now(), UPDATE_INTERVAL);
+                    result.path = Arc::new(builder.build(programs, true));
+                    result.times = times.clone();
+                    self.results.force_push(result.clone());
+                    self.context.request_repaint();
+                }
+            },
+            &mut |progress| limit.allows(progress) && is_newest(),
+        );
+        if !is_newest() {
+            return false;
+        }
+        times.end_at(preview.time_s);
+        let partial = preview.end == PreviewEnd::Limit;
+        result.path = Arc::new(builder.build(programs, partial));
+        result.times = times;
+        // The empty program of a control without one must not report an alarm.
+        result.is_practice_job = inputs.program.is_none();
+        result.alarm = preview.alarm.filter(|_| !result.is_practice_job);
+        result.is_practice_job |=
+            first_moves.is_empty() && chosen.is_none() && result.alarm.is_none();
+        let practice = result.is_practice_job;
+        let fault = result.alarm.as_ref().and_then(|alarm| {
+            let program = alarm.source?.program;
+            let line = xray::profile_line(alarm, programs.get(program)?)?;
+            Some(BlockRef { program, line })
+        });
+        if let Some(fault) = fault {
+            result.path = Arc::new(build_profile_path(
+                setup,
+                fault.program,
+                machining.as_ref(),
+                rates,
+            ));
+            result.fault_block = Some(fault);
+        }
+        self.results.force_push(result);
+        self.context.request_repaint();
+        if is_other_program && chosen.is_none() {
+            let job = match practice {
+                true => Some(guess::practice_job()),
+                false => guess::guess_job(&first_moves, &setup.memory.offsets, rates),
+            };
+            chosen = job.map(|job| SelectedJob { job, file: None });
+            self.send_job(chosen);
+        }
+        true
+    }
+
+    fn find_changed_job(&self, owner: &JobOwner) -> Option<Job> {
+        let all = self
+            .changed_jobs
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        let entry = all.iter().find(|(of, _)| of == owner);
+        entry.map(|(_, chosen)| chosen.job.clone())
+    }
+
+    fn clamp(&mut self, job: Job) {
+        // Only the open view clamps, and it has been handed a path.
+        let Some(last) = &self.last_inputs else {
+            return;
+        };
+        let owner: JobOwner = (last.program.as_ref().map(|(id, _)| *id), last.file.clone());
+        let chosen = to_chosen_job(job, last);
+        let mut all = self
+            .changed_jobs
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        all.retain(|(of, _)| *of != owner);
+        all.push((owner, chosen.clone()));
+        drop(all);
+        self.send_job(Some(chosen));
+    }
+
+    /// Replaces the text of the program in the setup with the text of the trial, if there is
+    /// one.
+    fn apply_trial(&self, setup: &mut Setup) {
+        if let Some((id, text)) = &self.tried {
+            replace_program_text(&mut setup.memory.programs, *id, text);
+        }
+    }
+
+    fn compare(&self, job: &Job) {
+        let Some(mut setup) = self.console.setup() else {
+            return;
+        };
+        self.apply_trial(&mut setup);
+        let start_count = self.flags.cancel_count.load(Ordering::Relaxed);
+        let limit = WorkLimit::new(WORK_BUDGET);
+        let rates = RapidRates::from_memory(&setup.memory);
+        let compared = part_comparison::compare_parts(&setup, job, rates, &mut |progress| {
+            limit.allows(progress) && self.flags.cancel_count.load(Ordering::Relaxed) == start_count
+        });
+        if let Some(compared) = compared {
+            self.compared.force_push(Arc::new(compared));
+            self.context.request_repaint();
+        }
+    }
+
+    fn send_job(&self, chosen: Option<SelectedJob>) {
+        self.console.send(Command::Job(chosen.map(Box::new)));
+    }
+}
+
+/// Builds the path of a program with the profile cycles removed, for a profile that breaks a
+/// rule.
+fn build_profile_path(
+    setup: &Setup,
+    program: ProgramId,
+    machining: Option<&Machining>,
+    rates: RapidRates,
+) -> DrawnPath {
+    let mut setup = setup.clone();
+    let programs = &mut setup.memory.programs;
+    if let Some(text) = programs.get(program).map(xray::remove_profile_cycles) {
+        replace_program_text(programs, program, &text);
+    }
+    let limit = WorkLimit::new(WORK_BUDGET);
+    let mut builder = PathBuilder::default();
+    preview_with_progress(
+        &setup,
+        &setup.memory.programs,
+        &mut |executed| builder.add_move(executed, part_shift(machining, executed), rates),
+        &mut |progress| limit.allows(progress),
+    );
+    builder.build(&setup.memory.programs, false)
+}
+
+/// Replaces the text of the program `id` in the memory if that program is selected.
+fn replace_program_text(programs: &mut ProgramMemory, id: ProgramId, text: &Program) {
+    if programs.selected() != Some(id) {
+        return;
+    }
+    match id {
+        ProgramId::Stored(number) => {
+            let before = programs.clone();
+            // A text with another number would be stored as another program.
+            if programs.store(text.text()).ok() != Some(number) {
+                *programs = before;
+            }
+        }
+        ProgramId::External => programs.open_external(text.clone()),
+        ProgramId::Mdi | ProgramId::Dnc => {}
+    }
+    programs.select(id);
+}
+
+/// Selects a job that the user has changed. It gets the name of the job file if the file
+/// exists.
+fn to_chosen_job(job: Job, basis: &PreviewInputs) -> SelectedJob {
+    let file = basis.file.as_deref().map(job::job_path);
+    SelectedJob {
+        job,
+        file: file.filter(|path| path.exists()),
+    }
+}
+
+/// The job as changed by the user, else that of the file beside the program. The second value
+/// is the error in that file.
+fn job_of_basis(basis: &PreviewInputs) -> (Option<SelectedJob>, Option<Message>) {
+    let (read, trouble) = read_job(basis);
+    let changed = basis
+        .changed_job
+        .clone()
+        .map(|job| to_chosen_job(job, basis));
+    (changed.or(read), trouble)
+}
+
+/// Reads the job file beside the program, or the built-in job of a sample; `None` if there is
+/// neither. The second value is the error in the file.
+fn read_job(basis: &PreviewInputs) -> (Option<SelectedJob>, Option<Message>) {
+    let job_file = basis.file.as_deref().map(job::job_path);
+    let Some(path) = job_file.filter(|path| path.exists()) else {
+        let program = basis.program.as_ref();
+        return (
+            program.and_then(|(_, program)| samples::job_of(program)),
+            None,
+        );
+    };
+    match job::read(&path) {
+        Ok(job) => {
+            let file = Some(path);
+            (Some(SelectedJob { job, file }), None)
+        }
+        Err(error) => (None, Some(error.message())),
+    }
+}
+
+/// The shift from program to part coordinates of a move, mm. It is zero without a job that
+/// defines the position of the part.
+fn part_shift(machining: Option<&Machining>, executed: &gsk_core::command::ExecutedMove) -> Point {
+    let Some(machining) = machining else {
+        return Point::default();
+    };
+    let conditions = &executed.conditions;
+    let zero = machining
+        .mounting()
+        .slide_at_part_zero(conditions.tool, &conditions.frame);
+    conditions.frame.to_machine(Point::default()) - zero
+}

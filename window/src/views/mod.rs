@@ -1,0 +1,523 @@
+//! The views beside the panel: machine, program, scope, fault bench, ladder, link page,
+//! lessons, commissioning, transfer, parameters and offsets, project. Each is drawn in a pane
+//! of the window or in a separate window. A closed view costs no time, except that the machine
+//! view still finds the job of the selected program: the kernel always cuts the part.
+
+mod bench;
+mod commission;
+mod data;
+pub mod header;
+mod ladder;
+mod lesson;
+mod link;
+mod machine;
+pub mod program;
+pub mod project;
+mod scope;
+mod text_files;
+mod transfer;
+mod undo_panel;
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use egui::{
+    Context, Event, Frame, Margin, Pos2, Rect, ScrollArea, Sense, Ui, UiBuilder, Vec2,
+    ViewportBuilder, ViewportId,
+};
+use gsk_host::kernel::monitor::MachineView;
+use gsk_host::kernel::{Command, Console};
+use gsk_host::pc::TransferSettings;
+use gsk_host::platform;
+use gsk_link::LinkState;
+
+use super::layout::floating::{self, WindowScreen};
+use super::layout::{self, Layouts, WindowGeometry, WindowLayout};
+use super::view::{VIEWS, ViewId, ViewRow, view_of_pressed_key};
+use crate::focus;
+use crate::input::keyboard;
+use crate::samples::SampleRequest;
+use crate::theme;
+use crate::widgets::questions::Unsaved;
+use crate::widgets::real_machine_bar;
+use bench::Bench;
+use commission::CommissionView;
+use data::DataView;
+use gsk_messages::Language;
+use ladder::LadderView;
+use lesson::LessonView;
+use link::LinkPage;
+use machine::{LatheView, ProgramViewRequest};
+use program::ProgramView;
+use project::{ProjectSettings, ProjectView};
+use scope::Scope;
+use transfer::TransferView;
+
+/// All views of the window, and which of them are open.
+pub struct Views {
+    /// The views that were open in the last frame.
+    open_views: Vec<ViewId>,
+    /// Initial corner and size of each open separate window, points.
+    window_geometry: Vec<(ViewId, Option<Pos2>, Vec2)>,
+    scope: Scope,
+    bench: Bench,
+    ladder: LadderView,
+    link: LinkPage,
+    program: ProgramView,
+    lathe: LatheView,
+    lessons: LessonView,
+    transfer: TransferView,
+    commission: CommissionView,
+    data: DataView,
+    project: ProjectView,
+    console: Console,
+    machine: Option<Arc<MachineView>>,
+    /// The view that another view has requested to open; `None` without a request.
+    view_to_open: Option<ViewId>,
+}
+
+impl Views {
+    /// Creates all views closed. `solid`: the machine view shows the part as a solid.
+    /// `finished`: names of the lessons that were completed earlier. `transfer`: port, speed
+    /// and files of the last session. `projects`: the projects of the last session.
+    pub fn new(
+        console: &Console,
+        solid: bool,
+        finished: BTreeSet<String>,
+        transfer: TransferSettings,
+        projects: ProjectSettings,
+    ) -> Self {
+        Self {
+            open_views: Vec::new(),
+            window_geometry: Vec::new(),
+            scope: Scope::new(console.clone()),
+            bench: Bench::new(console.clone()),
+            ladder: LadderView::new(console.clone()),
+            link: LinkPage::new(console.clone()),
+            program: ProgramView::new(console.clone()),
+            lathe: LatheView::new(console.clone(), solid),
+            lessons: LessonView::new(console.clone(), finished),
+            transfer: TransferView::new(console.clone(), transfer),
+            commission: CommissionView::new(console.clone()),
+            data: DataView::new(console.clone()),
+            project: ProjectView::new(console.clone(), projects),
+            console: console.clone(),
+            machine: None,
+            view_to_open: None,
+        }
+    }
+
+    /// Opens and closes views to match `layouts`. Starts or stops the kernel's reports of the
+    /// machine state and receives the newest one.
+    pub fn follow(&mut self, context: &Context, layouts: &Layouts) {
+        self.lathe.receive(context);
+        let was_monitoring = self.needs_machine_state();
+        for row in &VIEWS {
+            let view = row.view;
+            let open = layouts.is_open(view);
+            if open == self.open_views.contains(&view) {
+                continue;
+            }
+            if open {
+                self.open_views.push(view);
+            } else {
+                self.open_views.retain(|shown| *shown != view);
+            }
+            match (view, open) {
+                (ViewId::Scope, true) => self.scope.open(),
+                (ViewId::Scope, false) => self.scope.close(),
+                (ViewId::Ladder, false) => self.ladder.close(),
+                (ViewId::Link, true) => self.link.open(),
+                (ViewId::Link, false) => self.link.close(),
+                (ViewId::Machine, true) => self.lathe.open(),
+                (ViewId::Machine, false) => self.lathe.close(),
+                (ViewId::Transfer, false) => self.transfer.close(),
+                (
+                    ViewId::Bench
+                    | ViewId::Ladder
+                    | ViewId::Program
+                    | ViewId::Lesson
+                    | ViewId::Transfer
+                    | ViewId::Commission
+                    | ViewId::Data
+                    | ViewId::Project,
+                    _,
+                ) => {}
+            }
+        }
+        let is_monitoring = self.needs_machine_state();
+        if is_monitoring != was_monitoring {
+            self.machine = None;
+            self.console.send(Command::Monitor(is_monitoring));
+        }
+        if let Some(machine) = self.console.machine.pop() {
+            self.machine = Some(Arc::new(machine));
+        }
+    }
+
+    /// Takes the sample that the operator has chosen among the lessons, if any.
+    pub const fn take_sample(&mut self) -> Option<SampleRequest> {
+        self.lessons.take_sample()
+    }
+
+    pub const fn program(&mut self) -> &mut ProgramView {
+        &mut self.program
+    }
+
+    pub const fn lathe(&mut self) -> &mut LatheView {
+        &mut self.lathe
+    }
+
+    pub const fn lessons(&mut self) -> &mut LessonView {
+        &mut self.lessons
+    }
+
+    /// The view for file transfers between the PC and a control.
+    pub const fn transfer(&self) -> &TransferView {
+        &self.transfer
+    }
+
+    pub const fn project(&mut self) -> &mut ProjectView {
+        &mut self.project
+    }
+
+    /// The first kind of unsaved work that closing the window would lose: program text, then
+    /// job, then project. `None` if there is none.
+    pub fn first_unsaved(&self) -> Option<Unsaved> {
+        let text = self.program.is_unsaved().then_some(Unsaved::Text);
+        let job = || self.lathe.is_unsaved().then_some(Unsaved::Job);
+        let project = || self.project.is_unsaved().then_some(Unsaved::Project);
+        text.or_else(job).or_else(project)
+    }
+
+    /// Whether an open view shows the state of the machine and the PLC.
+    fn needs_machine_state(&self) -> bool {
+        self.open_views.iter().any(|view| view.is_monitor())
+    }
+
+    /// Draws the content of a view. `native`: the view is in a separate window and receives
+    /// all keys.
+    fn draw_content(&mut self, ui: &mut Ui, view: ViewId, language: Language, native: bool) {
+        match view {
+            ViewId::Scope => self.scope.show(ui, language, native),
+            ViewId::Link => self.link.show(ui, language),
+            ViewId::Program => {
+                self.program.show(ui, language, native);
+                if let Some(document) = self.program.take_changed_document() {
+                    self.lathe.try_typed_text(document);
+                }
+            }
+            ViewId::Machine => {
+                self.lathe.show(ui, language);
+                self.handle_program_request();
+            }
+            ViewId::Lesson => self.lessons.show(ui, language),
+            // The web page has no ports: this arm lets the compiler drop the transfer view's
+            // code.
+            ViewId::Transfer if !platform::has_ports() => {}
+            ViewId::Transfer => self.transfer.show(ui, language),
+            ViewId::Commission => {
+                let machine = self.machine.as_ref();
+                if self.commission.show(ui, language, machine)
+                    && !self.open_views.contains(&ViewId::Scope)
+                {
+                    self.view_to_open = Some(ViewId::Scope);
+                }
+            }
+            // The web page has no folders: this arm lets the compiler drop the project view's
+            // code.
+            ViewId::Project if !platform::has_folders() => {}
+            ViewId::Project => self.project.show(ui, language),
+            ViewId::Data => self.data.show(ui, language, self.machine.as_ref()),
+            ViewId::Bench => self.bench.show(ui, language, self.machine.as_ref()),
+            ViewId::Ladder => {
+                let machine = self.machine.as_ref();
+                self.ladder.show(ui, language, machine, native);
+            }
+        }
+    }
+
+    /// Passes a request of the machine view to the program view.
+    fn handle_program_request(&mut self) {
+        let Some(request) = self.lathe.take_program_request() else {
+            return;
+        };
+        let is_open = self.open_views.contains(&ViewId::Program);
+        match request {
+            ProgramViewRequest::ShowBlock {
+                open_view: false, ..
+            } if !is_open => return,
+            ProgramViewRequest::ShowBlock {
+                program,
+                line,
+                text,
+                ..
+            } => self.program.show_block(program, line, text),
+            ProgramViewRequest::ReplaceText {
+                program,
+                control_text: own,
+                new_text: text,
+            } => self.program.replace_text(program, own, text),
+        }
+        if !is_open {
+            self.view_to_open = Some(ViewId::Program);
+        }
+    }
+
+    /// Takes the view that another view has requested to open, if any.
+    pub const fn take_view_to_open(&mut self) -> Option<ViewId> {
+        self.view_to_open.take()
+    }
+
+    /// Draws a docked view into its pane, with scroll bars if it is larger than the pane.
+    /// Returns the action of its header, if any.
+    pub fn show_docked(
+        &mut self,
+        ui: &mut Ui,
+        view: ViewId,
+        language: Language,
+    ) -> Option<header::HeaderAction> {
+        let row = view.row();
+        let placement = match ui.ctx().embed_viewports() {
+            true => header::ViewPlacement::SingleWindow,
+            false => header::ViewPlacement::Docked,
+        };
+        let action = header::show(ui, row, language, placement);
+        let mut content_rect = ui.max_rect();
+        content_rect.min.y = content_rect
+            .bottom()
+            .min(content_rect.top() + header::HEIGHT);
+        let size = content_rect.size().max(Vec2::from(row.min_size));
+        ui.scope_builder(UiBuilder::new().max_rect(content_rect), |ui| {
+            ScrollArea::both()
+                .id_salt(("docked", row.view))
+                .auto_shrink([false, false])
+                .show(ui, |ui| {
+                    let (rect, _) = ui.allocate_exact_size(size, Sense::HOVER);
+                    let mut inside = ui.new_child(UiBuilder::new().max_rect(rect));
+                    inside.set_clip_rect(inside.clip_rect().intersect(rect));
+                    self.draw_content(&mut inside, view, language, false);
+                    focus::scroll_to_focus(ui);
+                });
+        });
+        action
+    }
+
+    /// Draws the views in separate windows. Returns the keyboard input that they leave to the
+    /// panel, and whether one of them has the focus.
+    pub fn show_floating(
+        &mut self,
+        context: &Context,
+        language: Language,
+        board: Option<LinkState>,
+        lcd: Option<Rect>,
+        layouts: &mut Layouts,
+    ) -> PanelInput {
+        self.follow(context, layouts);
+        let mut panel_input = PanelInput::default();
+        let floating = layouts.floating();
+        self.window_geometry
+            .retain(|(view, ..)| floating.contains(view));
+        for view in floating {
+            let row = view.row();
+            let opened = self.window_geometry.iter().find(|(open, ..)| *open == view);
+            let opened = opened.map(|(_, corner, size)| (*corner, *size));
+            let (corner, size) = opened.unwrap_or_else(|| {
+                let screen = WindowScreen::of_main_window(context, lcd);
+                let header = Vec2::new(0.0, header::HEIGHT);
+                let [wanted, least] = [row.size, row.min_size].map(|it| Vec2::from(it) + header);
+                let (corner, size) =
+                    screen.place_window(layouts.stored_geometry(view), wanted, least);
+                self.window_geometry.push((view, corner, size));
+                (corner, size)
+            });
+            let window = ViewWindow {
+                row,
+                language,
+                board,
+                corner,
+                size,
+            };
+            let report = window.show(context, &mut panel_input, |ui| {
+                let action = header::show(ui, row, language, header::ViewPlacement::Floating);
+                self.draw_content(ui, view, language, true);
+                action
+            });
+            if let Some(geometry) = report.geometry {
+                layouts.store_geometry(view, geometry);
+            }
+            match report.header_action {
+                Some(header::HeaderAction::Dock) => layouts.dock(view),
+                Some(header::HeaderAction::Close) => layouts.toggle(view),
+                Some(header::HeaderAction::Float) | None => {}
+            }
+        }
+        if let Some(view) = panel_input.toggled_view {
+            layouts.toggle(view);
+        }
+        if let Some(layout) = panel_input.chosen_layout {
+            layouts.choose(layout);
+        }
+        panel_input
+    }
+}
+
+/// Keyboard input in the windows of views, and what it requests of the main window.
+#[derive(Debug, Default)]
+pub struct PanelInput {
+    /// Whether a window of a view has the focus.
+    pub has_focus: bool,
+    pub events: Vec<Event>,
+    /// Whether a jog key was suppressed because a list uses the cursor keys.
+    pub jogs_in_list: bool,
+    /// The view whose key was pressed in the window of another view, if any.
+    toggled_view: Option<ViewId>,
+    /// The layout whose key was pressed in the window of a view, if any.
+    chosen_layout: Option<WindowLayout>,
+}
+
+/// The separate window of one view, while it is drawn.
+struct ViewWindow {
+    row: &'static ViewRow,
+    language: Language,
+    board: Option<LinkState>,
+    /// Initial upper left corner, points; `None` if the window manager places the window.
+    corner: Option<Pos2>,
+    size: Vec2,
+}
+
+/// What happened in a view's separate window during a frame.
+#[derive(Debug, Default)]
+struct ViewWindowReport {
+    header_action: Option<header::HeaderAction>,
+    /// The current position and size of the window; `None` if they must not be stored.
+    geometry: Option<WindowGeometry>,
+}
+
+impl ViewWindow {
+    fn show(
+        &self,
+        context: &Context,
+        panel_input: &mut PanelInput,
+        mut add: impl FnMut(&mut Ui) -> Option<header::HeaderAction>,
+    ) -> ViewWindowReport {
+        let row = self.row;
+        let title = (row.name)().text(self.language);
+        let id = format!("{:?}", row.view);
+        let mut report = ViewWindowReport::default();
+        let mut builder = ViewportBuilder::default()
+            .with_title(real_machine_bar::window_title(
+                &format!("{title} - GSK980TD"),
+                self.board,
+            ))
+            .with_app_id("gsk980td")
+            .with_inner_size(self.size)
+            .with_min_inner_size(Vec2::from(row.min_size).min(self.size));
+        if let Some(corner) = self.corner {
+            builder = builder.with_position(corner);
+        }
+        let viewport = ViewportId::from_hash_of(&id);
+        context.show_viewport_immediate(viewport, builder, |ui, _| {
+            real_machine_bar::show(ui, &id, self.board, self.language);
+            report.header_action = add(ui);
+            let typing = ui.ctx().egui_wants_keyboard_input();
+            let mut events = ui.input(|input| input.events.clone());
+            panel_input.jogs_in_list |= keyboard::remove_axis_keys_in_list(ui.ctx(), &mut events);
+            ui.input(|input| {
+                panel_input.has_focus |= input.focused;
+                let toggled = view_of_pressed_key(&input.events);
+                let closes_itself = toggled == Some(row.view);
+                if closes_itself || input.viewport().close_requested() {
+                    report.header_action = Some(header::HeaderAction::Close);
+                }
+                if !closes_itself {
+                    panel_input.toggled_view = panel_input.toggled_view.or(toggled);
+                }
+                panel_input.chosen_layout = panel_input
+                    .chosen_layout
+                    .or(layout::layout_of_pressed_key(&input.events));
+                report.geometry = floating::normal_geometry(input.viewport());
+            });
+            events.retain(|event| is_for_panel(event, row.view, typing));
+            panel_input.events.extend(events);
+        });
+        report
+    }
+}
+
+/// Whether a key pressed in a view's window is meant for the panel. Feed hold, emergency stop
+/// and every release always are. Function keys and combinations with Ctrl or Alt are, unless
+/// the view uses these keys itself or a text field is being filled.
+fn is_for_panel(event: &Event, view: ViewId, typing: bool) -> bool {
+    let Event::Key { key, modifiers, .. } = event else {
+        return false;
+    };
+    if keyboard::is_stop_or_release(event) {
+        return true;
+    }
+    let number = key.name().strip_prefix('F');
+    let is_function_key = number.is_some_and(|number| !number.is_empty());
+    let has_ctrl_or_alt = modifiers.ctrl || modifiers.alt;
+    let view_uses_keys = matches!(view, ViewId::Ladder | ViewId::Program);
+    !view_uses_keys && !typing && !modifiers.shift && (is_function_key || has_ctrl_or_alt)
+}
+
+fn bar_frame() -> Frame {
+    Frame::new()
+        .fill(theme::BAR_GROUND)
+        .inner_margin(Margin::symmetric(8, 5))
+}
+
+fn side_frame() -> Frame {
+    Frame::new()
+        .fill(theme::SIDE_GROUND)
+        .inner_margin(Margin::symmetric(8, 6))
+}
+
+fn plain_frame() -> Frame {
+    Frame::new().fill(theme::DRAWING_GROUND)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::{Key, Modifiers};
+
+    fn press(key: Key, modifiers: Modifiers) -> Event {
+        Event::Key {
+            key,
+            physical_key: None,
+            pressed: true,
+            repeat: false,
+            modifiers,
+        }
+    }
+
+    #[test]
+    fn stops_reach_the_panel_from_everywhere_and_a_start_never_by_mistake() {
+        let plain = Modifiers::NONE;
+        for view in [ViewId::Scope, ViewId::Bench, ViewId::Ladder, ViewId::Link] {
+            for typing in [false, true] {
+                for key in [Key::F10, Key::F12] {
+                    assert!(is_for_panel(&press(key, plain), view, typing));
+                    assert!(is_for_panel(&press(key, Modifiers::SHIFT), view, typing));
+                }
+                assert!(!is_for_panel(&press(Key::X, plain), view, typing));
+            }
+            assert!(!is_for_panel(&press(Key::F9, plain), view, true));
+        }
+        // F9 saves in the ladder view, Ctrl+Z undoes.
+        assert!(!is_for_panel(&press(Key::F9, plain), ViewId::Ladder, false));
+        assert!(!is_for_panel(
+            &press(Key::Z, Modifiers::CTRL),
+            ViewId::Ladder,
+            false
+        ));
+        assert!(is_for_panel(&press(Key::F9, plain), ViewId::Scope, false));
+        assert!(is_for_panel(
+            &press(Key::ArrowLeft, Modifiers::CTRL),
+            ViewId::Scope,
+            false
+        ));
+    }
+}

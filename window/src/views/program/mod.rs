@@ -1,0 +1,504 @@
+//! The program view: a text editor for users at a PC, with colours, the alarms of the text
+//! while it is typed, and the meaning of its words. The control's edit page is separate.
+
+mod bar;
+mod check;
+mod document;
+mod document_store;
+mod editor;
+mod paint;
+mod targets;
+pub use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use egui::{Context, Panel, RichText, ScrollArea, Ui};
+use gsk_core::command::ProgramId;
+use gsk_host::kernel::{Console, ProgramPlacement};
+use gsk_messages::{Language, Message, say};
+
+use super::{bar_frame, plain_frame, side_frame};
+use crate::focus;
+use crate::theme;
+use crate::widgets::status_message::not_stored_reason;
+use bar::{EditorCommand, ProgramBar};
+use check::{TextCheck, TextChecker};
+use document::file_name;
+pub use document::{ProgramDocument, TextOrigin, with_line_feeds};
+use document_store::{DocumentEvent, DocumentStore};
+use editor::EditorInputs;
+use paint::TextColorizer;
+use targets::JumpTarget;
+
+/// Which text to load into the editor.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum TextToLoad {
+    /// An empty new text.
+    New,
+    /// The file that the user chooses in a dialog.
+    Choose,
+    File(PathBuf),
+    /// This program of the control's memory; `None`: the selected one.
+    Memory(Option<u16>),
+}
+
+pub struct ProgramView {
+    document: ProgramDocument,
+    document_store: DocumentStore,
+    checker: TextChecker,
+    last_check: Option<TextCheck>,
+    painter: TextColorizer,
+    bar: ProgramBar,
+    /// The range of characters to select and scroll to in the next frame; `None`: none.
+    selection_to_show: Option<Range<usize>>,
+    /// Byte offset of the end of the last search match, where the search continues in a
+    /// read-only text, which has no cursor.
+    search_start: usize,
+    /// The text to load once the current one is saved or discarded; `None`: none.
+    text_to_load: Option<TextToLoad>,
+    /// Whether a text was requested and has not arrived yet.
+    is_loading: bool,
+    /// A request of another view that waits for its text.
+    request: Option<EditorRequest>,
+    /// The revision of the document that was passed to other views last.
+    reported_revision: u64,
+    /// The last message of the view; `None` without one.
+    message: Option<EditorMessage>,
+}
+
+/// What another view requests of the program view.
+enum EditorRequest {
+    /// Show the block that is identified by its line and text.
+    ShowBlock { line: u32, text: String },
+    /// Replace the text `own` of the control with `text`.
+    ReplaceText {
+        control_text: String,
+        new_text: String,
+    },
+}
+
+impl EditorRequest {
+    /// Whether the editor contains the text to which the request applies.
+    fn applies_to(&self, document: &ProgramDocument) -> bool {
+        match self {
+            Self::ShowBlock { line, text } => {
+                let index = line.checked_sub(1).map(|index| index as usize);
+                index.is_some_and(|index| document.line(index).trim() == text.trim())
+            }
+            Self::ReplaceText {
+                control_text: own, ..
+            } => document.text.trim() == with_line_feeds(own).trim(),
+        }
+    }
+}
+
+/// A message that the view shows below the text.
+enum EditorMessage {
+    Good(Message),
+    Bad(Message),
+    NotStored(gsk_host::kernel::NotStored),
+}
+
+impl ProgramView {
+    /// Creates the view, which loads the selected program of the control first.
+    pub fn new(console: Console) -> Self {
+        Self {
+            document: ProgramDocument::new(TextOrigin::New, ""),
+            checker: TextChecker::new(&console),
+            document_store: DocumentStore::new(console),
+            last_check: None,
+            painter: TextColorizer::default(),
+            bar: ProgramBar::default(),
+            selection_to_show: None,
+            search_start: 0,
+            text_to_load: Some(TextToLoad::Memory(None)),
+            is_loading: false,
+            request: None,
+            reported_revision: 0,
+            message: None,
+        }
+    }
+
+    /// Loads a program that was opened in the window, from its file or from the control.
+    pub fn load_opened(&mut self, path: Option<&Path>, location: &ProgramPlacement) {
+        self.text_to_load = Some(match (path, location) {
+            (Some(path), _) => TextToLoad::File(path.to_owned()),
+            (None, ProgramPlacement::Stored(number)) => TextToLoad::Memory(Some(*number)),
+            (None, ProgramPlacement::OnlyRun(_)) => return,
+        });
+    }
+
+    /// Returns the document if its revision has changed since the last call; else `None`.
+    pub fn take_changed_document(&mut self) -> Option<&ProgramDocument> {
+        let revision = self.document.revision;
+        (std::mem::replace(&mut self.reported_revision, revision) != revision)
+            .then_some(&self.document)
+    }
+
+    /// Loads a program and shows one of its blocks. `text` is the text of the block in another
+    /// view.
+    pub fn show_block(&mut self, program: ProgramId, line: u32, text: String) {
+        self.request = Some(EditorRequest::ShowBlock { line, text });
+        self.load_program(program);
+    }
+
+    /// Replaces the control's text `own` with `text` in the editor. The change can be undone
+    /// and is not saved.
+    pub fn replace_text(&mut self, program: ProgramId, own: String, text: String) {
+        self.request = Some(EditorRequest::ReplaceText {
+            control_text: own,
+            new_text: text,
+        });
+        self.load_program(program);
+    }
+
+    /// Loads a program from the memory, unless the editor contains its text.
+    fn load_program(&mut self, program: ProgramId) {
+        let ProgramId::Stored(number) = program else {
+            return;
+        };
+        let request = self.request.as_ref();
+        if !request.is_some_and(|wanted| wanted.applies_to(&self.document))
+            && self.text_to_load.is_none()
+        {
+            self.text_to_load = Some(TextToLoad::Memory(Some(number)));
+        }
+    }
+
+    /// Carries out the request of another view once the text is loaded.
+    fn handle_request(&mut self, context: &Context) {
+        let Some(request) = self.request.take_if(|_| self.text_to_load.is_none()) else {
+            return;
+        };
+        if !request.applies_to(&self.document) {
+            // The text has not arrived yet.
+            if self.is_loading {
+                self.request = Some(request);
+                return;
+            }
+            self.message = Some(EditorMessage::Bad(say::program_other_text()));
+            return;
+        }
+        match request {
+            EditorRequest::ShowBlock { line, .. } => self.go_to(JumpTarget::Line(line), 0, context),
+            EditorRequest::ReplaceText { new_text: text, .. } => {
+                self.document.text = with_line_feeds(&text);
+                self.document.update_after_change();
+                self.message = Some(EditorMessage::Good(say::program_taken_over()));
+            }
+        }
+    }
+
+    /// Whether the text has unsaved changes that closing the window would lose.
+    pub const fn is_unsaved(&self) -> bool {
+        self.document.is_unsaved()
+    }
+
+    /// Draws the view. `native`: the view is in a separate window and receives all keys.
+    pub fn show(&mut self, ui: &mut Ui, language: Language, native: bool) {
+        self.receive_events(ui.ctx());
+        self.handle_keys(ui, language, native);
+        let document = &self.document;
+        let memory = self
+            .last_check
+            .as_ref()
+            .map_or(&[][..], |checked| &checked.stored_programs);
+        let tools = Panel::top("program bar").frame(bar_frame());
+        let command = tools
+            .show(ui, |ui| self.bar.show(ui, document, memory, language))
+            .inner;
+        if let Some(command) = command {
+            self.execute(command, ui.ctx(), language);
+        }
+        focus::skip_resize_edge(ui, "program findings");
+        Panel::bottom("program findings")
+            .frame(side_frame())
+            .resizable(true)
+            .default_size(124.0)
+            .min_size(60.0)
+            .show(ui, |ui| self.show_findings(ui, language));
+        egui::CentralPanel::default()
+            .frame(plain_frame())
+            .show(ui, |ui| self.show_text(ui, language));
+        self.show_unsaved_question(ui.ctx(), language);
+        let document = &self.document;
+        self.checker.request_check(document.revision, ui.ctx(), || {
+            (document.name(), document.text.clone())
+        });
+    }
+
+    fn show_text(&mut self, ui: &mut Ui, language: Language) {
+        let checked = self.last_check.as_ref();
+        let marks = checked.map_or((None, &[][..]), |checked| {
+            (Some(checked.revision), &checked.findings[..])
+        });
+        let line = self.selection_to_show.as_ref().map(|range| {
+            self.document
+                .line_at(self.document.byte_of_character(range.start))
+        });
+        let edited = self.document.is_editable();
+        let sheet = EditorInputs {
+            document: &mut self.document,
+            marks,
+            language,
+        };
+        if !edited {
+            self.selection_to_show = None;
+            return editor::show_read_only(ui, &sheet, line);
+        }
+        let done = editor::show_editable(ui, sheet, &mut self.painter, &mut self.selection_to_show);
+        if done.is_changed {
+            self.message = None;
+        }
+        if let Some((target, line)) = done.clicked_target {
+            self.go_to(target, line, ui.ctx());
+        }
+    }
+
+    /// Receives texts from files and memory, and the result of the check.
+    fn receive_events(&mut self, context: &Context) {
+        if let Some(checked) = self.checker.take_result() {
+            self.last_check = Some(checked);
+        }
+        while let Some(arrived) = self.document_store.next_event() {
+            self.is_loading = false;
+            self.message = match arrived {
+                DocumentEvent::Loaded(document) => {
+                    self.set_document(*document, context);
+                    None
+                }
+                DocumentEvent::Saved { text, origin } => {
+                    let TextOrigin::File(path, _) = &origin else {
+                        continue;
+                    };
+                    let message = say::window_saved(path.display());
+                    self.document.mark_saved(text, origin);
+                    Some(EditorMessage::Good(message))
+                }
+                DocumentEvent::Stored { text, number } => {
+                    // A text that has a file is saved only when it is written there.
+                    if !matches!(self.document.origin, TextOrigin::File(..)) {
+                        self.document.mark_saved(text, TextOrigin::Memory(number));
+                    }
+                    self.checker.force_next_check();
+                    Some(EditorMessage::Good(say::program_stored(number)))
+                }
+                DocumentEvent::NotStored(why) => Some(EditorMessage::NotStored(why)),
+                DocumentEvent::Failed(why) => Some(EditorMessage::Bad(why)),
+            };
+        }
+        // Unsaved changes are kept: `show_unsaved_question` asks the user first.
+        if !self.document.is_unsaved()
+            && let Some(next) = self.text_to_load.take()
+        {
+            self.load_text(next, context);
+        }
+        self.handle_request(context);
+    }
+
+    /// Puts another document into the editor. Its revision number continues that of the last
+    /// one.
+    fn set_document(&mut self, document: ProgramDocument, context: &Context) {
+        let revision = self.document.revision + 1;
+        self.document = document;
+        self.document.revision = revision;
+        self.last_check = None;
+        self.selection_to_show = None;
+        self.search_start = 0;
+        editor::clear_undo(context);
+    }
+
+    fn load_text(&mut self, next: TextToLoad, context: &Context) {
+        self.is_loading = matches!(next, TextToLoad::File(_) | TextToLoad::Memory(_));
+        match next {
+            TextToLoad::New => {
+                self.set_document(ProgramDocument::new(TextOrigin::New, ""), context);
+            }
+            TextToLoad::Choose => self.document_store.choose_file(self.bar.language, context),
+            TextToLoad::File(path) => self.document_store.load_file(path, context),
+            TextToLoad::Memory(number) => self.document_store.load_program(number, context),
+        }
+    }
+
+    fn execute(&mut self, command: EditorCommand, context: &Context, language: Language) {
+        match command {
+            EditorCommand::LoadText(next) => self.text_to_load = Some(next),
+            EditorCommand::Save => self.document_store.save(&self.document, language, context),
+            EditorCommand::SaveAs => self
+                .document_store
+                .save_as(&self.document, language, context),
+            EditorCommand::Store => self.document_store.store(&self.document, context),
+            EditorCommand::Undo => self.undo_or_redo(context, false),
+            EditorCommand::Redo => self.undo_or_redo(context, true),
+            EditorCommand::Find => self.find_next(context),
+            EditorCommand::GoTo => {
+                let typed = self.bar.target_text.clone();
+                match JumpTarget::parse(&typed) {
+                    Some(target) => self.go_to(target, 0, context),
+                    None => {
+                        self.message = Some(EditorMessage::Bad(say::program_go_to_nothing(typed)));
+                    }
+                }
+            }
+        }
+    }
+
+    fn undo_or_redo(&mut self, context: &Context, redo: bool) {
+        if let Some(text) = editor::undo_or_redo(context, &self.document.text, redo) {
+            self.document.text = text;
+            self.document.update_after_change();
+        }
+    }
+
+    /// Selects the next match of the search text after the cursor.
+    fn find_next(&mut self, context: &Context) {
+        let sought = self.bar.search_text.clone();
+        let cursor = editor::cursor_range(context).filter(|_| self.document.is_editable());
+        let from = cursor.map_or(self.search_start, |range| {
+            self.document.byte_of_character(range.end)
+        });
+        match targets::find_text(&self.document.text, &sought, from) {
+            Some(found) => {
+                self.search_start = found.end;
+                self.select_bytes(&found);
+            }
+            None => self.message = Some(EditorMessage::Bad(say::program_find_nothing(sought))),
+        }
+    }
+
+    /// Goes to a block after `from_line`, a program of this text or of the memory, or a line.
+    fn go_to(&mut self, target: JumpTarget, from_line: usize, context: &Context) {
+        if let Some(line) = target.find_line(&self.document.text, from_line) {
+            let start = self.document.line_start(line);
+            let end = start + self.document.line(line).len();
+            return self.select_bytes(&(start..end));
+        }
+        let known = |number| {
+            let checked = self.last_check.as_ref();
+            checked.is_some_and(|checked| checked.stored_programs.contains(&number))
+        };
+        match target {
+            JumpTarget::Program(number) if known(number) => {
+                self.text_to_load = Some(TextToLoad::Memory(Some(number)));
+                context.request_repaint();
+            }
+            JumpTarget::Program(number) => self.report_missing_target(format!("O{number:04}")),
+            JumpTarget::Sequence(number) => self.report_missing_target(format!("N{number}")),
+            JumpTarget::Line(line) => self.report_missing_target(line.to_string()),
+        }
+    }
+
+    fn report_missing_target(&mut self, target: String) {
+        self.message = Some(EditorMessage::Bad(say::program_go_to_nothing(target)));
+    }
+
+    /// Selects a range of bytes of the text and scrolls there.
+    fn select_bytes(&mut self, bytes: &Range<usize>) {
+        let characters = |byte| self.document.character_at_byte(byte);
+        self.selection_to_show = Some(characters(bytes.start)..characters(bytes.end));
+        self.message = None;
+    }
+
+    /// Handles the keys of the view except undo and redo, which the text field handles.
+    fn handle_keys(&mut self, ui: &mut Ui, language: Language, native: bool) {
+        self.bar.language = language;
+        let typing = ui.ctx().text_edit_focused();
+        if let Some(command) = self.bar.handle_keys(ui, typing || native) {
+            self.execute(command, &ui.ctx().clone(), language);
+        }
+    }
+
+    /// Draws the last message and the findings of the check.
+    fn show_findings(&mut self, ui: &mut Ui, language: Language) {
+        let shown_message = self.message.as_ref().map(|message| match message {
+            EditorMessage::Good(message) => (message.text(language), None),
+            EditorMessage::Bad(message) => (message.text(language), Some(theme::CODE_ALARM_TEXT)),
+            EditorMessage::NotStored(why) => (
+                not_stored_reason(why, language).text(language),
+                Some(theme::CODE_ALARM_TEXT),
+            ),
+        });
+        if let Some((text, color)) = shown_message {
+            let text = RichText::new(text);
+            ui.label(color.map_or(text.clone(), |color| text.color(color)));
+        }
+        if !self.document.is_editable() {
+            let limit = document::MAX_EDITABLE_BYTES / 1000;
+            ui.label(say::program_large(limit).text(language));
+        }
+        let newest = self.last_check.as_ref();
+        let Some(checked) = newest.filter(|it| it.revision == self.document.revision) else {
+            ui.weak(say::program_checking().text(language));
+            return;
+        };
+        let mut clicked_finding = None;
+        ScrollArea::vertical()
+            .auto_shrink([false, false])
+            .show(ui, |ui| {
+                if checked.is_incomplete() {
+                    let words = say::program_given_up().text(language);
+                    ui.label(RichText::new(words).color(theme::CODE_ALARM_TEXT));
+                } else if checked.findings.is_empty() {
+                    ui.label(checked.first_look.summary_line(language));
+                }
+                let name = say::program_findings_name().text(language);
+                let count = checked.findings.len();
+                let list = focus::FocusList::begin(ui, "findings", &name, count, None);
+                for (at, finding) in checked.findings.iter().enumerate() {
+                    let report = finding.report(language);
+                    let sentence = RichText::new(report.sentence(Some(language)))
+                        .color(theme::CODE_ALARM_TEXT);
+                    let link = focus::link_row(ui, sentence);
+                    if list.show_cursor(ui, at, &link) || list.entered_row() == Some(at) {
+                        clicked_finding = finding.line.map(|line| (line, finding.columns.clone()));
+                    }
+                    let helps = [
+                        report.cause.map(say::window_alarm_cause),
+                        report.way_out.map(say::window_alarm_way_out),
+                    ];
+                    for help in helps.into_iter().flatten() {
+                        ui.label(help.text(language));
+                    }
+                }
+                for warning in &checked.warnings {
+                    ui.label(warning.text(language));
+                }
+            });
+        if let Some((line, columns)) = clicked_finding {
+            let start = self
+                .document
+                .character_at_byte(self.document.line_start(line));
+            self.selection_to_show = Some(start + columns.start..start + columns.end);
+        }
+    }
+
+    /// Draws the question what to do with an unsaved text before another one is loaded, and
+    /// carries out the answer.
+    fn show_unsaved_question(&mut self, context: &Context, language: Language) {
+        if self.text_to_load.is_none() || !self.document.is_unsaved() {
+            return;
+        }
+        let name = match &self.document.origin {
+            TextOrigin::File(path, _) => file_name(path),
+            TextOrigin::New => say::program_new_name().text(language),
+            TextOrigin::Memory(_) => self.document.name(),
+        };
+        match bar::ask_to_save(context, &name, language) {
+            Some(bar::UnsavedAnswer::Save) => {
+                let document = &self.document;
+                match document.origin {
+                    TextOrigin::Memory(_) => self.document_store.store(document, context),
+                    TextOrigin::File(..) | TextOrigin::New => {
+                        self.document_store.save(document, language, context);
+                    }
+                }
+            }
+            Some(bar::UnsavedAnswer::Discard) => {
+                if let Some(next) = self.text_to_load.take() {
+                    self.load_text(next, context);
+                }
+            }
+            Some(bar::UnsavedAnswer::Cancel) => self.text_to_load = None,
+            None => {}
+        }
+    }
+}

@@ -1,0 +1,8 @@
+//! Pieces that several views and bars draw: dialogs, messages, marks.
+
+pub mod alarm_text;
+pub mod files;
+pub mod questions;
+pub mod real_machine_bar;
+pub mod right_aligned;
+pub mod status_message;
