@@ -12,6 +12,7 @@ pub struct TestFolder(PathBuf);
 ///
 /// # Panics
 /// The folder cannot be created.
+#[expect(clippy::expect_used, reason = "a test without its folder has failed")]
 pub fn test_folder(name: &str) -> TestFolder {
     let folder = std::env::temp_dir().join(format!("gsk980td-{name}-{}", std::process::id()));
     let _ = fs::remove_dir_all(&folder);
