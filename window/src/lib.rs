@@ -56,6 +56,7 @@ use help::HelpWindow;
 pub use settings::WindowSettings;
 use view::ViewId;
 use views::Views;
+use views::interface::ViewStart;
 pub use views::project::ProjectSelection;
 
 pub use crate::chrome::startup_error;
@@ -110,13 +111,10 @@ impl Window {
     /// Creates a window that is connected to the kernel's `console`.
     pub fn new(console: Console, settings: WindowSettings) -> Self {
         let opener = ProgramOpener::new(console.clone());
-        let views = Views::new(
-            &console,
-            settings.solid,
-            settings.lessons.clone(),
-            settings.transfer.clone(),
-            settings.projects.clone(),
-        );
+        let views = Views::new(ViewStart {
+            console: &console,
+            settings: &settings,
+        });
         Self {
             console,
             snapshot: None,

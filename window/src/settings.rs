@@ -7,11 +7,20 @@ use gsk_host::pc::TransferSettings;
 use serde::{Deserialize, Serialize};
 
 use super::layout::Layouts;
-use super::views::project::ProjectSettings;
 use gsk_messages::Language;
 
 /// Maximum number of recent programs.
 const MAX_RECENT: usize = 10;
+
+/// The projects that the settings store for the next start.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ProjectSettings {
+    /// The folder of the open project; `None` if none is open.
+    pub open: Option<PathBuf>,
+    /// The folders of the last projects, the newest first.
+    pub recent: Vec<PathBuf>,
+}
 
 /// The stored settings of the window.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -7,47 +7,21 @@ use serde::{Deserialize, Serialize};
 use gsk_host::platform;
 use gsk_messages::{Message, say};
 
-/// A view that can be docked beside the panel or have a separate window.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum ViewId {
-    Scope,
-    Bench,
-    Ladder,
-    Link,
-    Program,
-    Machine,
-    Lesson,
-    Transfer,
-    Commission,
-    Data,
-    /// Everything that a control stores, edited and compared as a folder of text files.
-    Project,
-}
-
-impl ViewId {
-    /// Whether the view shows the live state of the machine and the PLC.
-    pub const fn is_monitor(self) -> bool {
-        matches!(
-            self,
-            Self::Bench | Self::Ladder | Self::Commission | Self::Data
-        )
-    }
-
-    /// Whether this platform has the view. A page in a browser has neither ports nor folders.
-    pub const fn is_available(self) -> bool {
-        match self {
-            Self::Transfer => platform::has_ports(),
-            Self::Project => platform::has_folders(),
-            _ => true,
+/// Declares the table of views: [`ViewId`] with a variant for each row, and [`VIEWS`].
+macro_rules! views {
+    ($($(#[$comment:meta])* $view:ident => $row:expr,)*) => {
+        /// A view that can be docked beside the panel or have a separate window.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+        pub enum ViewId {
+            $($(#[$comment])* $view,)*
         }
-    }
 
-    pub fn row(self) -> &'static ViewRow {
-        let row = VIEWS.iter().find(|row| row.view == self);
-        row.unwrap_or(&VIEWS[0])
-    }
+        /// The views in the order of the menu.
+        pub static VIEWS: [ViewRow; [$(ViewId::$view),*].len()] = [$($row),*];
+    };
 }
 
+/// What the window knows of a view without drawing it.
 pub struct ViewRow {
     pub view: ViewId,
     pub name: fn() -> Message,
@@ -60,99 +34,150 @@ pub struct ViewRow {
     pub size: [f32; 2],
     /// Minimum size of the view's separate window, points.
     pub min_size: [f32; 2],
+    /// Whether this platform has the view. A page in a browser has neither ports nor folders.
+    pub is_available: fn() -> bool,
+    /// Whether the view shows the live state of the machine and the PLC.
+    pub is_monitor: bool,
+    /// Whether the view handles function keys and combinations with Ctrl or Alt itself.
+    pub uses_keys: bool,
 }
 
-/// The views in the order of the menu.
-pub static VIEWS: [ViewRow; 11] = [
-    ViewRow {
+views! {
+    Machine => ViewRow {
         view: ViewId::Machine,
         name: say::window_view_machine,
         key: Some(Key::F1),
         opens_docked: false,
         size: [900.0, 640.0],
         min_size: [300.0, 220.0],
+        is_available: || true,
+        is_monitor: false,
+        uses_keys: false,
     },
-    ViewRow {
+    Scope => ViewRow {
         view: ViewId::Scope,
         name: say::window_view_scope,
         key: Some(Key::F2),
         opens_docked: false,
         size: [1120.0, 720.0],
         min_size: [600.0, 360.0],
+        is_available: || true,
+        is_monitor: false,
+        uses_keys: false,
     },
-    ViewRow {
+    Bench => ViewRow {
         view: ViewId::Bench,
         name: say::window_view_bench,
         key: Some(Key::F3),
         opens_docked: false,
         size: [1000.0, 640.0],
         min_size: [600.0, 320.0],
+        is_available: || true,
+        is_monitor: true,
+        uses_keys: false,
     },
-    ViewRow {
+    Ladder => ViewRow {
         view: ViewId::Ladder,
         name: say::window_view_ladder,
         key: Some(Key::F4),
         opens_docked: false,
         size: [1240.0, 780.0],
         min_size: [640.0, 360.0],
+        is_available: || true,
+        is_monitor: true,
+        uses_keys: true,
     },
-    ViewRow {
+    Link => ViewRow {
         view: ViewId::Link,
         name: say::window_view_link,
         key: Some(Key::F5),
         opens_docked: false,
         size: [1040.0, 740.0],
         min_size: [640.0, 320.0],
+        is_available: || true,
+        is_monitor: false,
+        uses_keys: false,
     },
-    ViewRow {
+    Program => ViewRow {
         view: ViewId::Program,
         name: say::window_view_program,
         key: Some(Key::F11),
         opens_docked: false,
         size: [900.0, 760.0],
         min_size: [480.0, 320.0],
+        is_available: || true,
+        is_monitor: false,
+        uses_keys: true,
     },
-    ViewRow {
+    Lesson => ViewRow {
         view: ViewId::Lesson,
         name: say::window_view_lesson,
         key: Some(Key::Home),
         opens_docked: true,
         size: [420.0, 520.0],
         min_size: [220.0, 260.0],
+        is_available: || true,
+        is_monitor: false,
+        uses_keys: false,
     },
-    ViewRow {
+    Transfer => ViewRow {
         view: ViewId::Transfer,
         name: say::window_view_transfer,
         key: None,
         opens_docked: false,
         size: [860.0, 560.0],
         min_size: [520.0, 360.0],
+        is_available: platform::has_ports,
+        is_monitor: false,
+        uses_keys: false,
     },
-    ViewRow {
+    Commission => ViewRow {
         view: ViewId::Commission,
         name: say::window_view_commission,
         key: Some(Key::End),
         opens_docked: false,
         size: [860.0, 700.0],
         min_size: [520.0, 320.0],
+        is_available: || true,
+        is_monitor: true,
+        uses_keys: false,
     },
-    ViewRow {
+    Data => ViewRow {
         view: ViewId::Data,
         name: say::window_view_data,
         key: None,
         opens_docked: false,
         size: [1000.0, 700.0],
         min_size: [520.0, 400.0],
+        is_available: || true,
+        is_monitor: true,
+        uses_keys: false,
     },
-    ViewRow {
+    Project => ViewRow {
         view: ViewId::Project,
         name: say::window_view_project,
         key: None,
         opens_docked: false,
         size: [1000.0, 700.0],
         min_size: [280.0, 260.0],
+        is_available: platform::has_folders,
+        is_monitor: false,
+        uses_keys: false,
     },
-];
+}
+
+impl ViewId {
+    /// Whether this platform has the view.
+    pub fn is_available(self) -> bool {
+        (self.row().is_available)()
+    }
+
+    /// The row of the view in [`VIEWS`].
+    pub fn row(self) -> &'static ViewRow {
+        let row = VIEWS.iter().find(|row| row.view == self);
+        row.unwrap_or(&VIEWS[0])
+    }
+}
 
 /// The view whose key is pressed in `events`; `None` if there is none.
 pub fn view_of_pressed_key(events: &[Event]) -> Option<ViewId> {

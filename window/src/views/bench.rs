@@ -12,6 +12,7 @@ use gsk_host::kernel::monitor::MachineView;
 use gsk_host::kernel::{Command, Console};
 use gsk_panel::pages::{signal_meaning, signal_name};
 
+use super::interface::{View, ViewFrame, ViewStart};
 use crate::theme;
 use crate::widgets::right_aligned;
 use crate::{focus, screen_reader};
@@ -45,6 +46,16 @@ pub struct Bench {
     added_inputs: Vec<BitAddress>,
 }
 
+impl View for Bench {
+    fn create(start: ViewStart<'_>) -> Self {
+        Self::new(start.console.clone())
+    }
+
+    fn show(&mut self, ui: &mut Ui, frame: ViewFrame<'_>) {
+        self.draw(ui, frame.language, frame.machine);
+    }
+}
+
 impl Bench {
     /// Creates the fault bench; no fault is set.
     pub fn new(console: Console) -> Self {
@@ -58,7 +69,7 @@ impl Bench {
 
     /// Draws the bench and handles its input. `machine` is the newest state, `None` before the
     /// first one.
-    pub fn show(&mut self, ui: &mut Ui, language: Language, machine: Option<&Arc<MachineView>>) {
+    fn draw(&mut self, ui: &mut Ui, language: Language, machine: Option<&Arc<MachineView>>) {
         let Some(machine) = machine else {
             ui.centered_and_justified(|ui| ui.label(say::window_one_moment().text(language)));
             return;

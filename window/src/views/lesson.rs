@@ -10,6 +10,7 @@ use gsk_messages::{Language, Message, say};
 use gsk_panel::keys::Key;
 use gsk_runner::lesson::{Lesson, LessonRemark, LessonStep, built_in_lessons, find_demonstration};
 
+use super::interface::{View, ViewFrame, ViewStart};
 use crate::focus;
 use crate::samples::{SampleRequest, good_samples};
 use crate::theme;
@@ -35,6 +36,16 @@ pub struct LessonView {
     sample: Option<SampleRequest>,
     /// Whether a lesson has begun since the window last queried it.
     has_begun: bool,
+}
+
+impl View for LessonView {
+    fn create(start: ViewStart<'_>) -> Self {
+        Self::new(start.console.clone(), start.settings.lessons.clone())
+    }
+
+    fn show(&mut self, ui: &mut Ui, frame: ViewFrame<'_>) {
+        self.draw(ui, frame.language);
+    }
 }
 
 impl LessonView {
@@ -121,7 +132,7 @@ impl LessonView {
     }
 
     /// Draws the view and handles its input.
-    pub fn show(&mut self, ui: &mut Ui, language: Language) {
+    fn draw(&mut self, ui: &mut Ui, language: Language) {
         let lesson = self.current_lesson().map(|(lesson, _)| Arc::clone(lesson));
         if let Some(lesson) = &lesson {
             // The buttons keep their position, whatever the length of the text above.

@@ -9,6 +9,7 @@ use gsk_host::kernel::{Command, Console, LinkAction};
 use gsk_host::message_format::describe_setting_difference;
 use gsk_link::LinkState;
 
+use super::interface::{View, ViewFrame, ViewStart};
 use super::text_files;
 use crate::focus;
 use crate::widgets::real_machine_bar::state_name;
@@ -23,6 +24,25 @@ pub struct LinkPage {
     rates: figures::TrafficRates,
 }
 
+impl View for LinkPage {
+    fn create(start: ViewStart<'_>) -> Self {
+        Self::new(start.console.clone())
+    }
+
+    fn open(&mut self) {
+        self.console.send(Command::WatchLink(true));
+    }
+
+    fn close(&mut self) {
+        self.console.send(Command::WatchLink(false));
+        self.view = None;
+    }
+
+    fn show(&mut self, ui: &mut Ui, frame: ViewFrame<'_>) {
+        self.draw(ui, frame.language);
+    }
+}
+
 impl LinkPage {
     /// Creates the page; it is empty until the kernel reports about the board.
     pub fn new(console: Console) -> Self {
@@ -33,18 +53,7 @@ impl LinkPage {
         }
     }
 
-    /// Requests the kernel's reports about the board.
-    pub fn open(&self) {
-        self.console.send(Command::WatchLink(true));
-    }
-
-    /// Ends the kernel's reports about the board.
-    pub fn close(&mut self) {
-        self.console.send(Command::WatchLink(false));
-        self.view = None;
-    }
-
-    pub fn show(&mut self, ui: &mut Ui, language: Language) {
+    fn draw(&mut self, ui: &mut Ui, language: Language) {
         if let Some(view) = self.console.link.pop() {
             self.rates
                 .update(&view.traffic, ui.input(|input| input.time));

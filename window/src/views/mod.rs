@@ -7,18 +7,19 @@ mod bench;
 mod commission;
 mod data;
 pub mod header;
+pub mod interface;
 mod ladder;
 mod lesson;
 mod link;
 mod machine;
 pub mod program;
 pub mod project;
+mod registry;
 mod scope;
 mod text_files;
 mod transfer;
 mod undo_panel;
 
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use egui::{
@@ -27,8 +28,6 @@ use egui::{
 };
 use gsk_host::kernel::monitor::MachineView;
 use gsk_host::kernel::{Command, Console};
-use gsk_host::pc::TransferSettings;
-use gsk_host::platform;
 use gsk_link::LinkState;
 
 use super::layout::floating::{self, WindowScreen};
@@ -40,17 +39,13 @@ use crate::samples::SampleRequest;
 use crate::theme;
 use crate::widgets::questions::Unsaved;
 use crate::widgets::real_machine_bar;
-use bench::Bench;
-use commission::CommissionView;
-use data::DataView;
 use gsk_messages::Language;
-use ladder::LadderView;
+use interface::{ViewFrame, ViewStart};
 use lesson::LessonView;
-use link::LinkPage;
 use machine::{LatheView, ProgramViewRequest};
 use program::ProgramView;
-use project::{ProjectSettings, ProjectView};
-use scope::Scope;
+use project::ProjectView;
+use registry::AllViews;
 use transfer::TransferView;
 
 /// All views of the window, and which of them are open.
@@ -59,17 +54,7 @@ pub struct Views {
     open_views: Vec<ViewId>,
     /// Initial corner and size of each open separate window, points.
     window_geometry: Vec<(ViewId, Option<Pos2>, Vec2)>,
-    scope: Scope,
-    bench: Bench,
-    ladder: LadderView,
-    link: LinkPage,
-    program: ProgramView,
-    lathe: LatheView,
-    lessons: LessonView,
-    transfer: TransferView,
-    commission: CommissionView,
-    data: DataView,
-    project: ProjectView,
+    all: AllViews,
     console: Console,
     machine: Option<Arc<MachineView>>,
     /// The view that another view has requested to open; `None` without a request.
@@ -77,31 +62,13 @@ pub struct Views {
 }
 
 impl Views {
-    /// Creates all views closed. `solid`: the machine view shows the part as a solid.
-    /// `finished`: names of the lessons that were completed earlier. `transfer`: port, speed
-    /// and files of the last session. `projects`: the projects of the last session.
-    pub fn new(
-        console: &Console,
-        solid: bool,
-        finished: BTreeSet<String>,
-        transfer: TransferSettings,
-        projects: ProjectSettings,
-    ) -> Self {
+    /// Creates all views closed.
+    pub fn new(start: ViewStart<'_>) -> Self {
         Self {
             open_views: Vec::new(),
             window_geometry: Vec::new(),
-            scope: Scope::new(console.clone()),
-            bench: Bench::new(console.clone()),
-            ladder: LadderView::new(console.clone()),
-            link: LinkPage::new(console.clone()),
-            program: ProgramView::new(console.clone()),
-            lathe: LatheView::new(console.clone(), solid),
-            lessons: LessonView::new(console.clone(), finished),
-            transfer: TransferView::new(console.clone(), transfer),
-            commission: CommissionView::new(console.clone()),
-            data: DataView::new(console.clone()),
-            project: ProjectView::new(console.clone(), projects),
-            console: console.clone(),
+            all: AllViews::create(start),
+            console: start.console.clone(),
             machine: None,
             view_to_open: None,
         }
@@ -110,7 +77,7 @@ impl Views {
     /// Opens and closes views to match `layouts`. Starts or stops the kernel's reports of the
     /// machine state and receives the newest one.
     pub fn follow(&mut self, context: &Context, layouts: &Layouts) {
-        self.lathe.receive(context);
+        self.all.lathe.receive(context);
         let was_monitoring = self.needs_machine_state();
         for row in &VIEWS {
             let view = row.view;
@@ -123,26 +90,10 @@ impl Views {
             } else {
                 self.open_views.retain(|shown| *shown != view);
             }
-            match (view, open) {
-                (ViewId::Scope, true) => self.scope.open(),
-                (ViewId::Scope, false) => self.scope.close(),
-                (ViewId::Ladder, false) => self.ladder.close(),
-                (ViewId::Link, true) => self.link.open(),
-                (ViewId::Link, false) => self.link.close(),
-                (ViewId::Machine, true) => self.lathe.open(),
-                (ViewId::Machine, false) => self.lathe.close(),
-                (ViewId::Transfer, false) => self.transfer.close(),
-                (
-                    ViewId::Bench
-                    | ViewId::Ladder
-                    | ViewId::Program
-                    | ViewId::Lesson
-                    | ViewId::Transfer
-                    | ViewId::Commission
-                    | ViewId::Data
-                    | ViewId::Project,
-                    _,
-                ) => {}
+            match self.all.get(view) {
+                Some(drawn) if open => drawn.open(),
+                Some(drawn) => drawn.close(),
+                None => {}
             }
         }
         let is_monitoring = self.needs_machine_state();
@@ -157,89 +108,69 @@ impl Views {
 
     /// Takes the sample that the operator has chosen among the lessons, if any.
     pub const fn take_sample(&mut self) -> Option<SampleRequest> {
-        self.lessons.take_sample()
+        self.all.lessons.take_sample()
     }
 
     pub const fn program(&mut self) -> &mut ProgramView {
-        &mut self.program
+        &mut self.all.program
     }
 
     pub const fn lathe(&mut self) -> &mut LatheView {
-        &mut self.lathe
+        &mut self.all.lathe
     }
 
     pub const fn lessons(&mut self) -> &mut LessonView {
-        &mut self.lessons
+        &mut self.all.lessons
     }
 
     /// The view for file transfers between the PC and a control.
     pub const fn transfer(&self) -> &TransferView {
-        &self.transfer
+        &self.all.transfer
     }
 
     pub const fn project(&mut self) -> &mut ProjectView {
-        &mut self.project
+        &mut self.all.project
     }
 
     /// The first kind of unsaved work that closing the window would lose: program text, then
     /// job, then project. `None` if there is none.
     pub fn first_unsaved(&self) -> Option<Unsaved> {
-        let text = self.program.is_unsaved().then_some(Unsaved::Text);
-        let job = || self.lathe.is_unsaved().then_some(Unsaved::Job);
-        let project = || self.project.is_unsaved().then_some(Unsaved::Project);
-        text.or_else(job).or_else(project)
+        self.all.first_unsaved()
     }
 
     /// Whether an open view shows the state of the machine and the PLC.
     fn needs_machine_state(&self) -> bool {
-        self.open_views.iter().any(|view| view.is_monitor())
+        self.open_views.iter().any(|view| view.row().is_monitor)
     }
 
     /// Draws the content of a view. `native`: the view is in a separate window and receives
     /// all keys.
     fn draw_content(&mut self, ui: &mut Ui, view: ViewId, language: Language, native: bool) {
-        match view {
-            ViewId::Scope => self.scope.show(ui, language, native),
-            ViewId::Link => self.link.show(ui, language),
-            ViewId::Program => {
-                self.program.show(ui, language, native);
-                if let Some(document) = self.program.take_changed_document() {
-                    self.lathe.try_typed_text(document);
-                }
-            }
-            ViewId::Machine => {
-                self.lathe.show(ui, language);
-                self.handle_program_request();
-            }
-            ViewId::Lesson => self.lessons.show(ui, language),
-            // The web page has no ports: this arm lets the compiler drop the transfer view's
-            // code.
-            ViewId::Transfer if !platform::has_ports() => {}
-            ViewId::Transfer => self.transfer.show(ui, language),
-            ViewId::Commission => {
-                let machine = self.machine.as_ref();
-                if self.commission.show(ui, language, machine)
-                    && !self.open_views.contains(&ViewId::Scope)
-                {
-                    self.view_to_open = Some(ViewId::Scope);
-                }
-            }
-            // The web page has no folders: this arm lets the compiler drop the project view's
-            // code.
-            ViewId::Project if !platform::has_folders() => {}
-            ViewId::Project => self.project.show(ui, language),
-            ViewId::Data => self.data.show(ui, language, self.machine.as_ref()),
-            ViewId::Bench => self.bench.show(ui, language, self.machine.as_ref()),
-            ViewId::Ladder => {
-                let machine = self.machine.as_ref();
-                self.ladder.show(ui, language, machine, native);
-            }
+        let frame = ViewFrame {
+            language,
+            owns_keys: native,
+            machine: self.machine.as_ref(),
+        };
+        if let Some(drawn) = self.all.get(view) {
+            drawn.show(ui, frame);
+        }
+        self.pass_requests_on();
+    }
+
+    /// Passes requests of one view to another.
+    fn pass_requests_on(&mut self) {
+        if let Some(document) = self.all.program.take_changed_document() {
+            self.all.lathe.try_typed_text(document);
+        }
+        self.handle_program_request();
+        if self.all.commission.take_scope_request() && !self.open_views.contains(&ViewId::Scope) {
+            self.view_to_open = Some(ViewId::Scope);
         }
     }
 
     /// Passes a request of the machine view to the program view.
     fn handle_program_request(&mut self) {
-        let Some(request) = self.lathe.take_program_request() else {
+        let Some(request) = self.all.lathe.take_program_request() else {
             return;
         };
         let is_open = self.open_views.contains(&ViewId::Program);
@@ -252,12 +183,12 @@ impl Views {
                 line,
                 text,
                 ..
-            } => self.program.show_block(program, line, text),
+            } => self.all.program.show_block(program, line, text),
             ProgramViewRequest::ReplaceText {
                 program,
                 control_text: own,
                 new_text: text,
-            } => self.program.replace_text(program, own, text),
+            } => self.all.program.replace_text(program, own, text),
         }
         if !is_open {
             self.view_to_open = Some(ViewId::Program);
@@ -458,7 +389,7 @@ fn is_for_panel(event: &Event, view: ViewId, typing: bool) -> bool {
     let number = key.name().strip_prefix('F');
     let is_function_key = number.is_some_and(|number| !number.is_empty());
     let has_ctrl_or_alt = modifiers.ctrl || modifiers.alt;
-    let view_uses_keys = matches!(view, ViewId::Ladder | ViewId::Program);
+    let view_uses_keys = view.row().uses_keys;
     !view_uses_keys && !typing && !modifiers.shift && (is_function_key || has_ctrl_or_alt)
 }
 

@@ -21,6 +21,7 @@ use gsk_host::kernel::{Command, Console};
 use gsk_messages::{Language, Message, say};
 use gsk_project::refusal_message;
 
+use super::interface::{View, ViewFrame, ViewStart};
 use super::undo_panel;
 use crate::focus;
 use crate::theme;
@@ -35,6 +36,8 @@ const CHANGES_HEIGHT: f32 = 160.0;
 /// The view for commissioning a machine step by step.
 pub struct CommissionView {
     console: Console,
+    /// Whether the operator has requested to see the scope.
+    wants_scope: bool,
     step: CommissioningStep,
     axis: Axis,
     fields: CommissionInputs,
@@ -45,11 +48,27 @@ pub struct CommissionView {
     max_following_error: PerAxis<f64>,
 }
 
+impl View for CommissionView {
+    fn create(start: ViewStart<'_>) -> Self {
+        Self::new(start.console.clone())
+    }
+
+    fn show(&mut self, ui: &mut Ui, frame: ViewFrame<'_>) {
+        self.wants_scope = self.draw(ui, frame.language, frame.machine);
+    }
+}
+
 impl CommissionView {
+    /// Takes the operator's request to see the scope, if any.
+    pub const fn take_scope_request(&mut self) -> bool {
+        std::mem::replace(&mut self.wants_scope, false)
+    }
+
     /// Creates the view at its first step.
     pub fn new(console: Console) -> Self {
         Self {
             console,
+            wants_scope: false,
             step: CommissioningStep::Direction,
             axis: Axis::Z,
             fields: CommissionInputs::default(),
@@ -61,7 +80,7 @@ impl CommissionView {
     }
 
     /// Draws the view. Returns true when the operator requests to see the scope.
-    pub fn show(
+    fn draw(
         &mut self,
         ui: &mut Ui,
         language: Language,

@@ -15,6 +15,7 @@ use egui::Ui;
 use gsk_core::memory::ParameterGroup;
 use gsk_messages::{Language, Message, say};
 
+use super::interface::{View, ViewFrame, ViewStart};
 pub use data_values::{DataValues, MemoryTables};
 #[cfg(test)]
 pub use edit::DataField;
@@ -73,6 +74,16 @@ pub struct DataView {
     sheets: DataSheets,
 }
 
+impl View for DataView {
+    fn create(start: ViewStart<'_>) -> Self {
+        Self::new(start.console.clone())
+    }
+
+    fn show(&mut self, ui: &mut Ui, frame: ViewFrame<'_>) {
+        self.draw(ui, frame.language, frame.machine);
+    }
+}
+
 impl DataView {
     /// Creates the view at the page of all parameters.
     pub fn new(console: Console) -> Self {
@@ -82,7 +93,7 @@ impl DataView {
         }
     }
 
-    pub fn show(&mut self, ui: &mut Ui, language: Language, machine: Option<&Arc<MachineView>>) {
+    fn draw(&mut self, ui: &mut Ui, language: Language, machine: Option<&Arc<MachineView>>) {
         let Some(machine) = machine else {
             ui.label(say::commission_waits().text(language));
             return;

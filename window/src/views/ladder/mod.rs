@@ -25,6 +25,7 @@ use gsk_core::plc::{Ladder, PlcAddress, Statement};
 use gsk_host::kernel::monitor::MachineView;
 use gsk_host::kernel::{Command, Console};
 
+use super::interface::{View, ViewFrame, ViewStart};
 use crate::focus;
 use crate::theme;
 use draft::LadderDraft;
@@ -99,6 +100,20 @@ pub struct LadderView {
     opened_lists: Arc<ArrayQueue<String>>,
 }
 
+impl View for LadderView {
+    fn create(start: ViewStart<'_>) -> Self {
+        Self::new(start.console.clone())
+    }
+
+    fn close(&mut self) {
+        self.send_request(ControlRequest::HaltLadder(false));
+    }
+
+    fn show(&mut self, ui: &mut Ui, frame: ViewFrame<'_>) {
+        self.draw(ui, frame.language, frame.machine, frame.owns_keys);
+    }
+}
+
 impl LadderView {
     /// Creates the view, scrolled to the first rung.
     pub fn new(console: Console) -> Self {
@@ -124,18 +139,13 @@ impl LadderView {
         }
     }
 
-    /// Closes the view: a halted ladder runs again.
-    pub fn close(&mut self) {
-        self.send_request(ControlRequest::HaltLadder(false));
-    }
-
     fn send_request(&self, request: ControlRequest) {
         self.console.send(Command::Request(Box::new(request)));
     }
 
     /// Draws the view and handles its input. `own_keys`: the view is in a separate window and
     /// handles editing keys.
-    pub fn show(
+    fn draw(
         &mut self,
         ui: &mut Ui,
         language: Language,

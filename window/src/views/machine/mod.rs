@@ -34,9 +34,11 @@ use gsk_host::kernel::part::PartView;
 use gsk_host::kernel::{Command, Console, ProgramPlacement};
 use gsk_messages::{Language, say};
 
+use super::interface::{View, ViewFrame, ViewStart};
 use super::program::{ProgramDocument, TextOrigin, with_line_feeds};
 use super::{bar_frame, plain_frame, side_frame};
 use crate::focus;
+use crate::widgets::questions::Unsaved;
 use caliper::Caliper;
 use camera::{Camera, PictureState};
 use job::JobPanel;
@@ -150,6 +152,29 @@ struct Instruments {
     job: JobPanel,
 }
 
+impl View for LatheView {
+    fn create(start: ViewStart<'_>) -> Self {
+        Self::new(start.console.clone(), start.settings.solid)
+    }
+
+    fn open(&mut self) {
+        self.set_open(true);
+    }
+
+    fn close(&mut self) {
+        self.part = None;
+        self.set_open(false);
+    }
+
+    fn show(&mut self, ui: &mut Ui, frame: ViewFrame<'_>) {
+        self.draw(ui, frame.language);
+    }
+
+    fn unsaved(&self) -> Option<Unsaved> {
+        self.instruments.job.is_unsaved().then_some(Unsaved::Job)
+    }
+}
+
 impl LatheView {
     /// Creates the view closed. `solid`: it shows the part as a solid.
     pub fn new(console: Console, solid: bool) -> Self {
@@ -181,25 +206,9 @@ impl LatheView {
         self.preview.path.segment_count()
     }
 
-    /// Whether the user has changed tools or stock and has not saved them.
-    pub fn is_unsaved(&self) -> bool {
-        self.instruments.job.is_unsaved()
-    }
-
     /// Whether the part is shown as a solid.
     pub const fn is_solid(&self) -> bool {
         self.picture.is_solid
-    }
-
-    /// Opens the view: the part is shown from now on.
-    pub fn open(&mut self) {
-        self.set_open(true);
-    }
-
-    /// Closes the view. The part is still cut.
-    pub fn close(&mut self) {
-        self.part = None;
-        self.set_open(false);
     }
 
     fn set_open(&mut self, is_open: bool) {
@@ -241,7 +250,7 @@ impl LatheView {
     }
 
     /// Draws the view and handles its input.
-    pub fn show(&mut self, ui: &mut Ui, language: Language) {
+    fn draw(&mut self, ui: &mut Ui, language: Language) {
         self.receive_part(ui);
         let tools = Panel::top("lathe bar").frame(bar_frame());
         tools.show(ui, |ui| self.show_toolbar(ui, language));

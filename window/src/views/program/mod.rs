@@ -16,9 +16,11 @@ use gsk_core::command::ProgramId;
 use gsk_host::kernel::{Console, ProgramPlacement};
 use gsk_messages::{Language, Message, say};
 
+use super::interface::{View, ViewFrame, ViewStart};
 use super::{bar_frame, plain_frame, side_frame};
 use crate::focus;
 use crate::theme;
+use crate::widgets::questions::Unsaved;
 use crate::widgets::status_message::not_stored_reason;
 use bar::{EditorCommand, ProgramBar};
 use check::{TextCheck, TextChecker};
@@ -96,6 +98,20 @@ enum EditorMessage {
     Good(Message),
     Bad(Message),
     NotStored(gsk_host::kernel::NotStored),
+}
+
+impl View for ProgramView {
+    fn create(start: ViewStart<'_>) -> Self {
+        Self::new(start.console.clone())
+    }
+
+    fn show(&mut self, ui: &mut Ui, frame: ViewFrame<'_>) {
+        self.draw(ui, frame.language, frame.owns_keys);
+    }
+
+    fn unsaved(&self) -> Option<Unsaved> {
+        self.document.is_unsaved().then_some(Unsaved::Text)
+    }
 }
 
 impl ProgramView {
@@ -188,13 +204,8 @@ impl ProgramView {
         }
     }
 
-    /// Whether the text has unsaved changes that closing the window would lose.
-    pub const fn is_unsaved(&self) -> bool {
-        self.document.is_unsaved()
-    }
-
     /// Draws the view. `native`: the view is in a separate window and receives all keys.
-    pub fn show(&mut self, ui: &mut Ui, language: Language, native: bool) {
+    fn draw(&mut self, ui: &mut Ui, language: Language, native: bool) {
         self.receive_events(ui.ctx());
         self.handle_keys(ui, language, native);
         let document = &self.document;

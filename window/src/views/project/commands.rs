@@ -15,6 +15,7 @@ use super::comparison::{ComparedWith, Comparison, ComparisonBasis, TakeoverTarge
 use super::document::{ProjectDocument, project_folder};
 use super::project_sheets::ProjectSheets;
 use super::{MAX_RECENT, NodePage, ProjectView};
+use crate::views::interface::View;
 use crate::widgets::files::{self, FileChoice};
 use crate::widgets::questions;
 
@@ -89,7 +90,7 @@ pub enum ProjectQuestion {
 impl ProjectView {
     /// Carries out a command. If unsaved changes would be lost, opens a question first.
     pub fn command(&mut self, command: ProjectViewCommand, language: Language, context: &Context) {
-        match self.is_unsaved() {
+        match self.unsaved().is_some() {
             true => self.question = Some(ProjectQuestion::Discard(command)),
             false => self.carry_out(command, language, context),
         }

@@ -9,7 +9,6 @@ mod document;
 mod project_sheets;
 mod tree;
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use crossbeam::channel::{Receiver, Sender, unbounded};
@@ -19,10 +18,12 @@ use egui::{
 use gsk_host::kernel::Console;
 use gsk_host::project::Encodings;
 use gsk_messages::{Language, Message, say};
-use serde::{Deserialize, Serialize};
 
+use super::interface::{View, ViewFrame, ViewStart};
 use crate::focus;
+use crate::settings::ProjectSettings;
 use crate::theme;
+use crate::widgets::questions::Unsaved;
 pub use commands::{COMMANDS, ProjectViewCommand};
 use commands::{ComparisonCounter, ProjectEvent, ProjectQuestion};
 pub use comparison::ProjectSelection;
@@ -41,16 +42,6 @@ const NARROW_WIDTH: f32 = 520.0;
 const LIST_MARGIN: f32 = 50.0;
 /// Maximum number of recent projects (manual PLC-V 3: four).
 const MAX_RECENT: usize = 4;
-
-/// The projects that the settings store for the next start.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct ProjectSettings {
-    /// The folder of the open project; `None` if none is open.
-    pub open: Option<PathBuf>,
-    /// The folders of the last projects, the newest first.
-    pub recent: Vec<PathBuf>,
-}
 
 /// The tab that shows the selected node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,6 +72,23 @@ pub struct ProjectView {
     comparison_counter: ComparisonCounter,
 }
 
+impl View for ProjectView {
+    fn create(start: ViewStart<'_>) -> Self {
+        Self::new(start.console.clone(), start.settings.projects.clone())
+    }
+
+    fn show(&mut self, ui: &mut Ui, frame: ViewFrame<'_>) {
+        self.draw(ui, frame.language);
+    }
+
+    fn unsaved(&self) -> Option<Unsaved> {
+        let document = self.document.as_ref();
+        document
+            .is_some_and(|document| document.is_changed || self.editing.has_drafts())
+            .then_some(Unsaved::Project)
+    }
+}
+
 impl ProjectView {
     /// Creates the view, which reads no project before it is shown.
     pub fn new(console: Console, settings: ProjectSettings) -> Self {
@@ -106,12 +114,6 @@ impl ProjectView {
         &self.settings
     }
 
-    /// Whether the project has changes that are not in its folder.
-    pub fn is_unsaved(&self) -> bool {
-        let document = self.document.as_ref();
-        document.is_some_and(|document| document.is_changed || self.editing.has_drafts())
-    }
-
     /// Stores why the control cannot be turned off now; `None` if it can.
     pub fn set_refusal(&mut self, refusal: Option<Message>) {
         self.why_not = refusal;
@@ -122,7 +124,7 @@ impl ProjectView {
         self.selection.take()
     }
 
-    pub fn show(&mut self, ui: &mut Ui, language: Language) {
+    fn draw(&mut self, ui: &mut Ui, language: Language) {
         self.reopen_last(ui.ctx());
         let bottom = ui.max_rect().bottom();
         self.receive(ui.ctx());

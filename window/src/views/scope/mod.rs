@@ -18,6 +18,7 @@ use gsk_core::plc::address::BitAddress;
 use gsk_host::kernel::probe::{MAX_BITS, Probe};
 use gsk_host::kernel::{Command, Console};
 
+use super::interface::{View, ViewFrame, ViewStart};
 use super::text_files;
 use gsk_messages::{Language, say};
 use pointer::Drag;
@@ -74,6 +75,31 @@ pub struct Scope {
     entry_error: Option<String>,
 }
 
+impl View for Scope {
+    fn create(start: ViewStart<'_>) -> Self {
+        Self::new(start.console.clone())
+    }
+
+    fn open(&mut self) {
+        self.record = Some(SampleRecord::new());
+        self.is_running = true;
+        self.stop_tick = None;
+        self.origin_tick = 0;
+        self.cursors = None;
+        self.trigger.arm();
+        self.start_probe();
+    }
+
+    fn close(&mut self) {
+        self.record = None;
+        self.console.send(Command::Probe(None));
+    }
+
+    fn show(&mut self, ui: &mut Ui, frame: ViewFrame<'_>) {
+        self.draw(ui, frame.language, frame.owns_keys);
+    }
+}
+
 impl Scope {
     /// Creates the scope closed, without sampling in the kernel.
     pub fn new(console: Console) -> Self {
@@ -98,23 +124,6 @@ impl Scope {
         }
     }
 
-    /// Starts the sampling in the kernel with an empty record.
-    pub fn open(&mut self) {
-        self.record = Some(SampleRecord::new());
-        self.is_running = true;
-        self.stop_tick = None;
-        self.origin_tick = 0;
-        self.cursors = None;
-        self.trigger.arm();
-        self.start_probe();
-    }
-
-    /// Stops the sampling in the kernel.
-    pub fn close(&mut self) {
-        self.record = None;
-        self.console.send(Command::Probe(None));
-    }
-
     fn start_probe(&self) {
         let Some(record) = &self.record else { return };
         let mut bits = vec![None; MAX_BITS];
@@ -130,7 +139,7 @@ impl Scope {
 
     /// Draws the scope and handles its input. `own_keys`: the scope is in a separate window
     /// and handles its keys.
-    pub fn show(&mut self, ui: &mut Ui, language: Language, own_keys: bool) {
+    fn draw(&mut self, ui: &mut Ui, language: Language, own_keys: bool) {
         self.take_samples();
         if own_keys {
             self.handle_keys(ui);

@@ -20,6 +20,7 @@ use gsk_messages::{Language, Message, say};
 use gsk_transfer::{BLOCK_BYTES, DirectoryEntry, FileName, Partition, RemotePath, TransferFile};
 use web_time::Duration;
 
+use super::interface::{View, ViewFrame, ViewStart};
 use crate::focus;
 use crate::theme;
 use dialogs::TransferDialog;
@@ -89,6 +90,21 @@ pub struct TransferView {
     bounds: Rect,
 }
 
+impl View for TransferView {
+    fn create(start: ViewStart<'_>) -> Self {
+        Self::new(start.console.clone(), start.settings.transfer.clone())
+    }
+
+    fn close(&mut self) {
+        self.send_order(PcWorkerCommand::Close);
+        self.dialog = None;
+    }
+
+    fn show(&mut self, ui: &mut Ui, frame: ViewFrame<'_>) {
+        self.draw(ui, frame.language);
+    }
+}
+
 impl TransferView {
     /// Creates the view with the stored settings; the port is closed.
     pub fn new(console: Console, settings: TransferSettings) -> Self {
@@ -113,12 +129,6 @@ impl TransferView {
     /// Port, rate and list, to be stored for the next start.
     pub const fn settings(&self) -> &TransferSettings {
         &self.settings
-    }
-
-    /// Closes the port after the running job has ended.
-    pub fn close(&mut self) {
-        self.send_order(PcWorkerCommand::Close);
-        self.dialog = None;
     }
 
     fn send_order(&self, order: PcWorkerCommand) {
@@ -150,7 +160,7 @@ impl TransferView {
         self.send_order(PcWorkerCommand::Measure(paths.collect()));
     }
 
-    pub fn show(&mut self, ui: &mut Ui, language: Language) {
+    fn draw(&mut self, ui: &mut Ui, language: Language) {
         self.bounds = ui.max_rect();
         self.start_worker(ui);
         self.receive();

@@ -1,0 +1,51 @@
+//! The interface of a view: what it starts with, what it is drawn with, what it does.
+
+use std::sync::Arc;
+
+use egui::Ui;
+use gsk_host::kernel::Console;
+use gsk_host::kernel::monitor::MachineView;
+use gsk_messages::Language;
+
+use crate::settings::WindowSettings;
+use crate::widgets::questions::Unsaved;
+
+/// What views start with: the kernel's console and the settings of the last session.
+#[derive(Clone, Copy)]
+pub struct ViewStart<'a> {
+    pub console: &'a Console,
+    pub settings: &'a WindowSettings,
+}
+
+/// What a view is drawn with.
+#[derive(Clone, Copy)]
+pub struct ViewFrame<'a> {
+    pub language: Language,
+    /// Whether the view is in a separate window and receives all keys.
+    pub owns_keys: bool,
+    /// The newest state of the machine, for views whose row has `is_monitor`; `None` before
+    /// the first one.
+    pub machine: Option<&'a Arc<MachineView>>,
+}
+
+/// A view beside the panel.
+pub trait View {
+    /// Creates the view closed.
+    fn create(start: ViewStart<'_>) -> Self
+    where
+        Self: Sized;
+
+    /// Called when the view opens.
+    fn open(&mut self) {}
+
+    /// Called when the view closes.
+    fn close(&mut self) {}
+
+    /// Draws the view and handles its input.
+    fn show(&mut self, ui: &mut Ui, frame: ViewFrame<'_>);
+
+    /// The unsaved work that closing the window would lose; `None` if there is none.
+    fn unsaved(&self) -> Option<Unsaved> {
+        None
+    }
+}
