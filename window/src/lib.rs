@@ -39,6 +39,7 @@ use gsk_panel::alarm_log::AlarmRecord;
 use gsk_panel::keys::Key;
 
 use crate::chrome::first_start::FirstStart;
+use crate::chrome::message_history::MessageHistory;
 use crate::chrome::program_opener::ProgramOpener;
 use crate::chrome::{top_bar, zoom};
 use crate::input::held_keys::{HeldKeys, PanelKeyChange};
@@ -75,6 +76,7 @@ pub struct Window {
     settings: WindowSettings,
     opened_program: Option<PathBuf>,
     message: Option<StatusMessage>,
+    message_history: MessageHistory,
     held_keys: HeldKeys<Key>,
     pointing: PanelPointer,
     opener: ProgramOpener,
@@ -121,6 +123,7 @@ impl Window {
             settings,
             opened_program: None,
             message: None,
+            message_history: MessageHistory::default(),
             held_keys: HeldKeys::default(),
             pointing: PanelPointer::default(),
             opener,
@@ -466,6 +469,10 @@ impl Window {
                     self.console.send(Command::Type(character));
                 }
                 Some(PcAction::Press(holder, key)) => {
+                    if key == Key::Reset {
+                        self.message =
+                            Some(StatusMessage::Done(gsk_messages::say::window_reset_by_key()));
+                    }
                     let changes = self.held_keys.press(holder, key);
                     self.send(&changes);
                 }

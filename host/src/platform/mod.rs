@@ -41,7 +41,7 @@ mod windows;
 
 #[cfg(any(unix, windows))]
 pub use computer::*;
-pub use day_time::day_time;
+pub use day_time::{clock_text, day_time};
 #[cfg(unix)]
 pub use unix::*;
 #[cfg(target_arch = "wasm32")]

@@ -1,107 +1,208 @@
-//! Chooses the most important message for the message line.
+//! The message line: what is most dangerous now, with its sign; beside it the newest message,
+//! and at the right the history.
 
-use egui::{Align, Layout, Ui};
+use egui::{Align, Label, Layout, RichText, Ui};
 use gsk_core::command::ProgramId;
 use gsk_host::kernel::{Command, StartDistance};
 use gsk_messages::{Language, Message, say};
 use gsk_panel::keys::Key;
 
+use super::message_history::{HistoryRequest, LineMessage, LineText};
 use super::top_bar;
 use crate::focus;
+use crate::fonts;
+use crate::theme;
+use crate::view::ViewId;
 use crate::widgets::alarm_text;
+use crate::widgets::severity::Severity;
 use crate::widgets::status_message::StatusMessage;
 use crate::{Window, key_label};
 
+/// Minimum width for a second message beside the first, points.
+const SECOND_MESSAGE_WIDTH: f32 = 240.0;
+
 impl Window {
-    /// Draws the line at the bottom of the window with what is most important now: a latched
-    /// key, a crash, an alarm, a message or a hint.
-    pub(crate) fn show_message_line(&self, ui: &mut Ui) {
-        let speed = self.snapshot.as_ref().map(|it| it.speed_percent);
-        let Some(speed) = speed.filter(|speed| *speed < 100) else {
-            return self.show_top_message(ui);
-        };
+    /// Draws the line at the bottom of the window.
+    pub(crate) fn show_message_line(&mut self, ui: &mut Ui) {
+        let top = self.top_message(focus::are_cursor_keys_reserved(ui.ctx()));
+        self.message_history.record(top.as_ref());
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            top_bar::show_slow_computer(ui, speed, self.settings.language);
+            self.show_history_button(ui);
+            let speed = self.snapshot.as_ref().map(|it| it.speed_percent);
+            if let Some(speed) = speed.filter(|speed| *speed < 100) {
+                top_bar::show_slow_computer(ui, speed, self.settings.language);
+            }
             let rest = ui.available_size();
             ui.allocate_ui_with_layout(rest, Layout::left_to_right(Align::Center), |ui| {
-                self.show_top_message(ui);
+                self.show_messages(ui, top.as_ref());
             });
         });
     }
 
-    /// Draws the most important message.
-    fn show_top_message(&self, ui: &mut Ui) {
+    fn show_history_button(&mut self, ui: &mut Ui) {
         let language = self.settings.language;
-        if let Some(key) = self.held_keys.latched_key() {
-            let text = say::window_key_is_kept_hint(key_label(key)).text(language);
-            return top_bar::show_message(ui, Some(&text), true, "");
+        let records = self.snapshot.as_ref().map(|it| it.alarm_records.clone());
+        let records = records.as_deref().map_or(&[][..], Vec::as_slice);
+        let history = &self.message_history;
+        let name = say::window_history(history.len()).text(language);
+        let menu = ui.menu_button(name, |ui| {
+            ui.set_min_width(520.0);
+            history.show(ui, records, language)
+        });
+        match menu.inner.flatten() {
+            Some(HistoryRequest::ShowBlock(record)) => self.show_block(*record),
+            Some(HistoryRequest::ShowCollisions) => self.show_view(ViewId::Machine),
+            None => {}
         }
-        let faults = self.snapshot.as_ref().map_or(0, |it| it.forced.faults);
-        if let Some(crash @ StatusMessage::Collided(_)) = &self.message
-            && faults > 0
-        {
-            if top_bar::show_crash(ui, &crash.text(language), language) {
+    }
+
+    /// Draws the most dangerous message and, if there is space, a newer one beside it.
+    fn show_messages(&self, ui: &mut Ui, top: Option<&LineMessage>) {
+        let language = self.settings.language;
+        let Some(LineMessage { severity, text }) = top else {
+            let hint = self.next_step().map(|hint| hint.text(language));
+            return top_bar::show_hint(ui, &hint.unwrap_or_default());
+        };
+        severity.show_sign(ui, severity.name().text(language));
+        if self.is_stopped_by_crash() {
+            if top_bar::show_crash(ui, &text.text(language), language) {
                 self.console.send(Command::FreeLathe);
             }
             return;
         }
-        let pressed = self
-            .snapshot
-            .as_ref()
-            .is_some_and(|picture| picture.pressed.contains(&Key::EmergencyStop));
-        let alarm = self.snapshot.as_ref().and_then(|it| it.alarm.as_ref());
-        // With a board the alarm's detail reports the position of the slides.
-        if pressed && alarm.is_none_or(|alarm| alarm.detail.is_none()) {
-            return top_bar::show_message(
-                ui,
-                Some(&say::window_hint_emergency_stop().text(language)),
-                true,
-                "",
-            );
+        let words = text.text(language);
+        let font = egui::TextStyle::Body.resolve(ui.style());
+        let width = ui.available_width();
+        let second = self.message.as_ref().map(StatusMessage::severity);
+        let second =
+            second.filter(|second| second < severity && width > 2.0 * SECOND_MESSAGE_WIDTH);
+        if let LineText::Alarm(alarm) = text {
+            let width = if second.is_some() {
+                width - SECOND_MESSAGE_WIDTH
+            } else {
+                width
+            };
+            ui.scope(|ui| {
+                ui.set_max_width(width);
+                top_bar::show_alarm(ui, alarm, language, self.lcd.bounds());
+            });
+        } else {
+            let label = Label::new(fonts::layout_text(&words, font, severity.color())).truncate();
+            ui.add(label).on_hover_text(&words);
         }
-        if let Some(alarm) = alarm
-            && self.message.is_none()
-        {
-            return top_bar::show_alarm(ui, alarm, language, self.lcd.bounds());
+        if let (Some(severity), Some(message)) = (second, &self.message) {
+            let words = message.text(language);
+            severity.show_sign(ui, severity.name().text(language));
+            let newer = RichText::new(&words).color(theme::HINT_TEXT);
+            ui.add(Label::new(newer).truncate()).on_hover_text(words);
         }
-        let warned = self.message.as_ref().is_some_and(StatusMessage::is_warning);
-        if focus::are_cursor_keys_reserved(ui.ctx()) && !warned {
-            let text = say::window_hint_list().text(language);
-            return top_bar::show_message(ui, Some(&text), false, "");
+    }
+
+    /// Whether a crash has stopped the lathe and its faults last.
+    fn is_stopped_by_crash(&self) -> bool {
+        matches!(self.message, Some(StatusMessage::Collided(_)))
+            && (self.snapshot.as_ref()).is_some_and(|it| it.forced.faults > 0)
+    }
+
+    /// What is most dangerous now; `None` if there is only a hint. `in_list`: the cursor keys
+    /// move in a list.
+    fn top_message(&self, in_list: bool) -> Option<LineMessage> {
+        let status = self.message.as_ref().map(|message| LineMessage {
+            severity: message.severity(),
+            text: LineText::Status(message.clone()),
+        });
+        let candidates = [
+            self.safety_message(),
+            self.crash_message(),
+            self.alarm_message(),
+            status,
+            self.state_message(in_list),
+        ];
+        // Of two equal ones the first counts.
+        let mut top: Option<LineMessage> = None;
+        for candidate in candidates.into_iter().flatten() {
+            if (top.as_ref()).is_none_or(|top| top.severity < candidate.severity) {
+                top = Some(candidate);
+            }
         }
-        let wait = self
-            .snapshot
-            .as_ref()
-            .and_then(|it| it.program_wait.as_ref());
-        if let Some(waits) = wait.filter(|_| !warned) {
+        top
+    }
+
+    /// A key that stays down, or the emergency stop. With a board the alarm's detail reports
+    /// the position of the slides and says more than the emergency stop.
+    fn safety_message(&self) -> Option<LineMessage> {
+        let fixed = |message| LineMessage {
+            severity: Severity::Safety,
+            text: LineText::Fixed(message),
+        };
+        if let Some(key) = self.held_keys.latched_key() {
+            return Some(fixed(say::window_key_is_kept_hint(key_label(key))));
+        }
+        let snapshot = self.snapshot.as_ref()?;
+        let is_pressed = snapshot.pressed.contains(&Key::EmergencyStop);
+        let alarm = snapshot.alarm.as_ref();
+        let says_position = alarm.is_some_and(|alarm| alarm.detail.is_some());
+        (is_pressed && !says_position && !self.is_stopped_by_crash())
+            .then(|| fixed(say::window_hint_emergency_stop()))
+    }
+
+    /// The crash that has stopped the lathe. Its alarm and its fault are the same event.
+    fn crash_message(&self) -> Option<LineMessage> {
+        let crash = self
+            .message
+            .clone()
+            .filter(|_| self.is_stopped_by_crash())?;
+        Some(LineMessage {
+            severity: Severity::Alarm,
+            text: LineText::Status(crash),
+        })
+    }
+
+    fn alarm_message(&self) -> Option<LineMessage> {
+        let alarm = self.snapshot.as_ref()?.alarm.clone()?;
+        Some(LineMessage {
+            severity: Severity::Alarm,
+            text: LineText::Alarm(alarm),
+        })
+    }
+
+    /// What the state of the control means for the next key.
+    fn state_message(&self, in_list: bool) -> Option<LineMessage> {
+        let language = self.settings.language;
+        let hint = |severity, message| {
+            let text = LineText::Fixed(message);
+            Some(LineMessage { severity, text })
+        };
+        if in_list {
+            return hint(Severity::Hint, say::window_hint_list());
+        }
+        let snapshot = self.snapshot.as_ref()?;
+        if let Some(waits) = &snapshot.program_wait {
             let block = waits.block.as_ref();
             let place = block.map(|it| alarm_text::source_text(it, language));
             let condition = waits.condition.clone();
-            let text = say::window_waits(place.unwrap_or_default(), condition).text(language);
-            return top_bar::show_message(ui, Some(&text), false, "");
+            let text = say::window_waits(place.unwrap_or_default(), condition);
+            return hint(Severity::Hint, text);
         }
-        let start = self.snapshot.as_ref().and_then(|it| it.start_distance);
-        if let Some(start) = start.filter(|_| !warned) {
-            let text = Self::start_distance_text(start, language).text(language);
-            return top_bar::show_message(ui, Some(&text), true, "");
+        let start = snapshot.start_distance?;
+        hint(Severity::Hint, Self::start_distance_text(start, language))
+    }
+
+    /// What the operator could do next; `None` in a lesson, which has its own instructions.
+    fn next_step(&self) -> Option<Message> {
+        let snapshot = self.snapshot.as_ref();
+        if snapshot.is_some_and(|it| it.lesson.is_some()) {
+            return None;
         }
-        let is_position_unknown = self.snapshot.as_ref().is_some_and(|it| it.position_unknown);
-        let program = self.snapshot.as_ref().and_then(|it| it.program);
-        // A lesson shows its own instructions.
-        let in_lesson = self.snapshot.as_ref().is_some_and(|it| it.lesson.is_some());
-        if in_lesson && self.message.is_none() {
-            return top_bar::show_message(ui, None, false, "");
-        }
-        let hint = match (is_position_unknown, program) {
+        let is_position_unknown = snapshot.is_some_and(|it| it.position_unknown);
+        let program = snapshot.and_then(|it| it.program);
+        Some(match (is_position_unknown, program) {
             (true, _) => say::window_hint_machine_zero(),
             (false, Some(_)) => say::window_hint_start(),
             (false, None) => say::window_hint(),
-        };
-        let message = self.message.as_ref();
-        let text = message.map(|message| message.text(language));
-        let warning = message.is_some_and(StatusMessage::is_warning);
-        top_bar::show_message(ui, text.as_deref(), warning, &hint.text(language));
+        })
     }
+
     /// The sentence about a program that would start away from its last start point.
     fn start_distance_text(start: StartDistance, language: Language) -> Message {
         let name = match start.program {

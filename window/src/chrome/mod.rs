@@ -2,6 +2,7 @@
 
 pub mod first_start;
 pub mod incoming;
+pub mod message_history;
 pub mod message_line;
 pub mod pane_area;
 pub mod program_opener;

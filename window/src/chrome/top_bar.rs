@@ -293,16 +293,11 @@ fn show_imposed_sign(
 }
 
 /// Draws a message in the message line, or the hint if there is none.
-pub fn show_message(ui: &mut Ui, message: Option<&str>, warning: bool, hint: &str) {
+pub fn show_hint(ui: &mut Ui, hint: &str) {
     ui.horizontal_centered(|ui| {
-        let (text, colour) = match message {
-            Some(message) if warning => (message, theme::WARNING),
-            Some(message) => (message, theme::MESSAGE_TEXT),
-            None => (hint, theme::HINT_TEXT),
-        };
         let font = egui::TextStyle::Body.resolve(ui.style());
-        let label = egui::Label::new(fonts::layout_text(text, font, colour)).truncate();
-        ui.add(label).on_hover_text(text);
+        let label = egui::Label::new(fonts::layout_text(hint, font, theme::HINT_TEXT)).truncate();
+        ui.add(label).on_hover_text(hint);
     });
 }
 

@@ -5,4 +5,5 @@ pub mod files;
 pub mod questions;
 pub mod real_machine_bar;
 pub mod right_aligned;
+pub mod severity;
 pub mod status_message;

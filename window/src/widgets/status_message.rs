@@ -12,6 +12,7 @@ use gsk_panel::keys::Key;
 use gsk_runner::program_summary::ProgramSummary;
 
 use super::alarm_text;
+use super::severity::Severity;
 use crate::key_label;
 use gsk_messages::{Language, say};
 
@@ -20,6 +21,8 @@ use gsk_messages::{Language, say};
 pub enum StatusMessage {
     /// A finished message of another module.
     Text(gsk_messages::Message),
+    /// What has happened, with no need to act.
+    Done(gsk_messages::Message),
     /// The tool has collided, as the message describes; cleared by new stock.
     Collided(gsk_messages::Message),
     /// A key had no effect for this reason; cleared by the next key that acts.
@@ -89,23 +92,31 @@ impl StatusMessage {
         }
     }
 
-    /// Whether the message is drawn as a warning.
-    pub fn is_warning(&self) -> bool {
+    /// How dangerous the message is.
+    pub fn severity(&self) -> Severity {
         match self {
-            Self::Sent(_) | Self::DropHere | Self::Opened(_, ProgramPlacement::Stored(_)) => false,
-            Self::Previewed(_, place, look) => {
-                look.has_alarm() || matches!(place, Some(ProgramPlacement::OnlyRun(_)))
+            Self::KernelEnded => Severity::Safety,
+            Self::Collided(_) => Severity::Collision,
+            Self::Done(_)
+            | Self::Sent(_)
+            | Self::DropHere
+            | Self::Opened(_, ProgramPlacement::Stored(_)) => Severity::Information,
+            Self::Previewed(_, place, look)
+                if !look.has_alarm() && !matches!(place, Some(ProgramPlacement::OnlyRun(_))) =>
+            {
+                Severity::Information
             }
-            _ => true,
+            _ => Severity::Refusal,
         }
     }
 
     /// Formats the message for the message line.
     pub fn text(&self, language: Language) -> String {
         match self {
-            Self::Text(message) | Self::Collided(message) | Self::KeyRefused(message) => {
-                message.text(language)
-            }
+            Self::Text(message)
+            | Self::Done(message)
+            | Self::Collided(message)
+            | Self::KeyRefused(message) => message.text(language),
             Self::Refused(alarm) => alarm_text::one_line(alarm, language),
             Self::Sent(what) => say::window_sent(what).text(language),
             Self::Opened(name, ProgramPlacement::Stored(number)) => {
