@@ -151,21 +151,21 @@ pub enum ProgrammedX {
     /// Programmed X changes linearly along a straight move.
     #[serde(rename = "Even")]
     Linear {
-        /// Programmed X at the start of the move.
+        /// Programmed X at the start of the move, mm.
         from: f64,
-        /// Programmed X at the end of the move.
+        /// Programmed X at the end of the move, mm.
         to: f64,
     },
     /// Tip and programmed point move on arcs at the same angle.
     #[serde(rename = "Round")]
     Circular {
-        /// X of the centre of the tip's arc.
+        /// X of the centre of the tip's arc, mm.
         tip_center: f64,
-        /// X of the centre of the programmed arc.
+        /// X of the centre of the programmed arc, mm.
         center: f64,
         /// Programmed radius divided by the radius of the tip's arc.
         ratio: f64,
-        /// Programmed X at the end of the move.
+        /// Programmed X at the end of the move, mm.
         to: f64,
     },
 }
@@ -192,7 +192,7 @@ impl ProgrammedX {
         }
     }
 
-    /// Programmed X at the end of the move.
+    /// Programmed X at the end of the move, mm.
     pub const fn x_at_end(&self) -> f64 {
         match *self {
             Self::Linear { to, .. } | Self::Circular { to, .. } => to,

@@ -23,9 +23,9 @@ pub struct BoardInfo {
 /// The greatest pulse rates of a board, pulses per second.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PulseRates {
-    /// Rates of X and of Z.
+    /// Greatest rates of X [0] and of Z [1] alone, pulses per second.
     pub each: [f64; 2],
-    /// Greatest rate of both axes together.
+    /// Greatest sum of the rates of both axes, pulses per second.
     pub both: f64,
 }
 

@@ -160,7 +160,7 @@ impl Default for HomeConfig {
 pub struct LinkIo {
     /// Output: enable of the drives.
     pub enable: String,
-    /// Input: sense of the emergency stop chain.
+    /// Pin of the input that reads the emergency stop chain; empty if not wired.
     pub estop: String,
     /// Input: alarm of the drives.
     pub drive_alarm: String,

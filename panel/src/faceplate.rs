@@ -25,9 +25,9 @@ pub(crate) const LINE_HEIGHT: f32 = 16.0;
 /// A rectangle in panel units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rect {
-    /// X of the left edge, increasing to the right.
+    /// X of the left edge, panel units, increasing to the right.
     pub x: f32,
-    /// Y of the top edge, increasing downwards.
+    /// Y of the top edge, panel units, increasing downwards.
     pub y: f32,
     /// Width, panel units.
     pub w: f32,
@@ -36,12 +36,13 @@ pub struct Rect {
 }
 
 impl Rect {
-    /// Creates a rectangle from its upper left corner (`x`, `y`), width and height.
+    /// Creates a rectangle from its upper left corner (`x`, `y`), width and height, all in
+    /// panel units.
     pub const fn new(x: f32, y: f32, w: f32, h: f32) -> Self {
         Self { x, y, w, h }
     }
 
-    /// Creates the square around a circle with centre (`x`, `y`).
+    /// Creates the square around a circle with centre (`x`, `y`); all lengths in panel units.
     pub const fn around(x: f32, y: f32, diameter: f32) -> Self {
         Self::new(x - diameter / 2.0, y - diameter / 2.0, diameter, diameter)
     }

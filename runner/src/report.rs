@@ -216,7 +216,8 @@ pub struct ProgramReport {
     /// Probable mistakes that raise no alarm.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<WarningReport>,
-    /// Results of the command `check` alone; `None` from `run`.
+    /// Path lengths, bounds, tools and further alarms, which only the command `check` finds;
+    /// `None` from `run`.
     #[serde(flatten)]
     pub path: Option<PathReport>,
     /// The machined part, if the program ran on a part.

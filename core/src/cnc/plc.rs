@@ -62,7 +62,7 @@ impl Cnc {
         self.input_level(input) == high
     }
 
-    /// Level of an input of the model, by its number from 0.
+    /// Whether an input of the model, by its number from 0, is on.
     fn input_level(&self, input: u8) -> bool {
         let contact = self.memory.model.record().first_input + input;
         let byte = self.plc.engine.memory().x(u16::from(contact / 8));
@@ -389,7 +389,8 @@ impl Cnc {
         }
     }
 
-    /// SA: the drives are enabled and ready, and none has an alarm.
+    /// Signal SA: true while no emergency stop and no servo alarm is active, both drives are
+    /// ready, and the position of a connected board is known.
     fn is_servo_ready(&self) -> bool {
         !self.emergency_stop
             && !self.is_not_ready()

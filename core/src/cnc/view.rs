@@ -300,12 +300,12 @@ impl Cnc {
         &self.memory.disks
     }
 
-    /// Whether 参数开关 is on.
+    /// Whether 参数开关 (parameter switch) is on.
     pub const fn is_parameter_switch_on(&self) -> bool {
         self.switches.parameters
     }
 
-    /// Whether 程序开关 is on.
+    /// Whether 程序开关 (program switch) is on.
     pub const fn is_program_switch_on(&self) -> bool {
         self.switches.programs
     }

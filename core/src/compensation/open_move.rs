@@ -161,7 +161,8 @@ pub(super) struct NextMove<'a> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum MoveEnd<'a> {
     Vectors(&'a CornerVectors),
-    /// On the programmed point, without a vector.
+    /// The move cancels the compensation: the tool nose centre ends on the programmed point,
+    /// without an offset vector.
     Cancelled,
 }
 

@@ -383,7 +383,8 @@ fn change_word(words: &SortedWords, letter: u8, change: WordChange) -> SortedWor
 }
 
 /// Finds a later G code of the block that replaces the word at index `at`: the last code of a
-/// group is valid (decision TEXT-4).
+/// group is valid (decision TEXT-4). Returns its number; `None` if no other code of the group
+/// follows.
 fn find_later_code(block: &EvaluatedBlock<'_>, at: usize) -> Option<i64> {
     let code = |word: &ProgramWord| {
         let number = word.value.integer();

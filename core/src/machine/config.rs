@@ -260,9 +260,9 @@ pub struct ScrewError {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LimitSwitches {
-    /// Coordinate of the switch at the negative end.
+    /// Machine coordinate of the switch at the negative end, mm.
     pub minus: f64,
-    /// Coordinate of the switch at the positive end.
+    /// Machine coordinate of the switch at the positive end, mm.
     pub plus: f64,
 }
 
@@ -270,9 +270,9 @@ pub struct LimitSwitches {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SlideEnds {
-    /// Coordinate of the negative end.
+    /// Machine coordinate of the negative end, mm.
     pub minus: f64,
-    /// Coordinate of the positive end.
+    /// Machine coordinate of the positive end, mm.
     pub plus: f64,
 }
 
@@ -280,9 +280,9 @@ pub struct SlideEnds {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Dog {
-    /// Coordinate of the negative end of the range.
+    /// Machine coordinate of the negative end of the range, mm.
     pub from: f64,
-    /// Coordinate of the positive end of the range.
+    /// Machine coordinate of the positive end of the range, mm.
     pub to: f64,
 }
 

@@ -266,7 +266,8 @@ impl SimulatedLathe {
         self.faults.has(fault) || self.axes.get(axis).is_tripped()
     }
 
-    /// Level of a drive's alarm line; a line that is not wired stays at rest.
+    /// Level of a drive's alarm line: true = high. A line that is not wired keeps the level
+    /// without an alarm.
     fn alarm_signal(&self, axis: Axis, failed: bool) -> bool {
         let wired = match axis {
             Axis::X => self.config.x.alarm_line,
@@ -275,7 +276,8 @@ impl SimulatedLathe {
         (wired && failed) == *self.wiring.drive_alarm_level.get(axis)
     }
 
-    /// Level of a drive's ready line; the drive is ready when enabled and not failed.
+    /// Level of a drive's ready line: true = high. The drive is ready when enabled and not
+    /// failed.
     fn ready_signal(&self, axis: Axis, failed: bool) -> bool {
         let ready = *self.enable.get(axis) && !failed;
         ready == self.wiring.drive_ready_level

@@ -14,7 +14,8 @@ impl ControlParameters {
         })
     }
 
-    /// A bit of a state parameter: bit 0 for X, bit 1 for Z.
+    /// Whether the bit of an axis is 1 in the state parameter `number`: bit 0 for X, bit 1 for
+    /// Z.
     pub(super) fn axis_bit(&self, number: u16, axis: Axis) -> bool {
         self.bit(
             number,

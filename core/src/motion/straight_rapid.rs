@@ -34,7 +34,8 @@ struct SpeedChange {
     /// Total and elapsed time of the change, s.
     span: f64,
     elapsed: f64,
-    /// Whether the change ends at the end point: it is then never replanned.
+    /// Whether this change of speed brakes to standstill at the end point of the rapid. Such a
+    /// change is never replanned.
     #[serde(rename = "last")]
     is_last: bool,
 }

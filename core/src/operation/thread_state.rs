@@ -77,8 +77,9 @@ impl SpindleWatch {
         (rpm - before).abs() * 200.0 <= rpm + before
     }
 
-    /// Compares the speed at the same intervals. Returns whether its change, `|n - n0| ·
-    /// 200 / (n + n0)`, exceeds `limit` %.
+    /// Compares the spindle speed `rpm` at intervals of [`FLUCTUATION_TICKS`]. Returns true at
+    /// the end of an interval in which the speed changed by more than `limit` %: `|n - n0| ·
+    /// 200 / (n + n0)`. Always returns false if `limit` is 0 or less.
     pub(crate) fn check_fluctuation(&mut self, rpm: f64, limit: f64) -> bool {
         let before = *self.rpm.get_or_insert(rpm);
         self.ticks += 1;

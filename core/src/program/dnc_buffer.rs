@@ -22,7 +22,7 @@ const BLOCKS_AHEAD: u32 = 17;
 /// Number of lines kept before the current one, for the display.
 const LINES_BEFORE: u32 = 8;
 
-/// Device controls of a punched tape, which are not text: NUL, DC1 to DC4, DEL.
+/// Whether a byte is a device control of a punched tape and no text: NUL, DC1 to DC4, DEL.
 const fn is_tape_control(byte: u8) -> bool {
     matches!(byte, 0 | 0x11..=0x14 | 0x7f)
 }

@@ -32,7 +32,8 @@ pub struct PortIo {
     /// The connection to the guard process; `None` after the port was closed.
     guard: Option<PortGuard>,
     clock: HostClock,
-    /// Time of the last read of the port.
+    /// Time of the last read of the port, since the port was opened; zero before the first
+    /// read.
     last_read: Duration,
     lookahead: Duration,
     /// Bytes of texts that are not complete yet: [0] to the board, [1] from the board.

@@ -32,8 +32,8 @@ pub(super) struct Segments {
     at: PerAxis<Pulses>,
     /// The newest sample after the end of the last segment; `None` without one.
     newest: Option<Sample>,
-    /// Least duration of the next segment, which ends with its first pulse; 0 for a segment of
-    /// usual duration.
+    /// Least duration of the first segment of a motion; that segment ends with the first pulse
+    /// of the motion. 0 once that segment is made: later segments have the usual duration.
     run_up: RunTime,
 }
 

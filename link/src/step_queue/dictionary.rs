@@ -207,7 +207,8 @@ impl Dictionary {
         bytes
     }
 
-    /// Returns the text of a message by its number; `outward`: the message goes to the board.
+    /// Returns the format text of a message by its number; `None` for an unknown number.
+    /// `outward`: the message goes to the board.
     pub(super) fn form(&self, outward: bool, id: u32) -> Option<&str> {
         self.forms[usize::from(!outward)]
             .get(&id)

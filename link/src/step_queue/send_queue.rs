@@ -192,7 +192,8 @@ impl SendQueue {
         self.waiting.iter().any(|message| message.motion)
     }
 
-    /// Returns the time for sending all waiting messages and `more` further ones.
+    /// Returns the time for sending all waiting messages and a number `more` of further
+    /// messages of usual length.
     pub(super) fn time_for(&self, more: f64) -> Duration {
         let bytes = self.backlog() as f64 + more * USUAL_MESSAGE;
         let windows = bytes / self.window.saturating_sub(KEPT_BYTES).max(1) as f64;

@@ -42,7 +42,8 @@ impl Sequence {
         self.resync.is_none()
     }
 
-    /// Returns the number of queries for the expected number; 0 if it is known.
+    /// Returns how many queries for the expected block number have been due since it became
+    /// unknown; 0 if it is known.
     pub(super) const fn tries(&self) -> u32 {
         match self.resync {
             Some((tries, _)) => tries,

@@ -19,9 +19,9 @@ const LINE_TURNS: i64 = 4;
 const LINE_TIME: f64 = 0.4;
 /// Least number of index pulses for a line.
 const LEAST_POINTS: usize = 3;
-/// Least number of turns for the variation.
+/// Least number of turns over which the variation of the spindle speed is calculated.
 const STEADY_TURNS: i64 = 20;
-/// Least time for the variation, s.
+/// Least time over which the variation of the spindle speed is calculated, s.
 const STEADY_TIME: f64 = 2.0;
 /// Time over which periods are compared, s; a poll is a small share of this time.
 const PERIOD_TIME: f64 = 0.1;
@@ -250,7 +250,8 @@ impl SpindleEstimator {
         Some(line.turn + (clock as f64 - line.clock) * line.rate)
     }
 
-    /// Returns the turns in a number of ticks; 0 without a line.
+    /// Returns the turns that the spindle makes in a number of board ticks at the estimated
+    /// speed; 0 if the speed is unknown.
     pub(super) fn in_ticks(&self, ticks: Ticks) -> f64 {
         self.line.map_or(0.0, |line| ticks as f64 * line.rate)
     }

@@ -22,7 +22,7 @@ const USUAL_FULL: u32 = 255;
 pub(super) struct Switch {
     pub(super) input: Input,
     pub(super) oid: i64,
-    /// Level of the pin when the switch is operated.
+    /// Level of the pin when the switch is operated, 0 or 1.
     pub(super) level: i64,
 }
 

@@ -13,7 +13,7 @@ use crate::keys::{self, Key};
 use crate::pages::{PAGES, PageId};
 use crate::screen::ROWS;
 
-/// Greatest difference of two values that the display shows alike.
+/// Greatest difference of two values that the display shows alike, mm or the value's own unit.
 const TOLERANCE: f64 = 0.000_500_1;
 
 /// The forms of expected states, for help and messages.

@@ -152,8 +152,8 @@ pub fn tool_bodies(tool: &Tool, fineness: BodyResolution) -> Vec<SolidBody> {
     vec![gold, steel, turret]
 }
 
-/// Adds a round bar along Z, turned about the middle of the bar. `contour` is the outline of
-/// its section.
+/// Adds a round bar parallel to Z. `contour` is the outline of its section along its own axis;
+/// its upper half is turned about that axis.
 fn add_round_bar(body: &mut SolidBody, contour: &GridContour, fineness: BodyResolution) {
     let Some(GridBounds { low, high }) = GridBounds::from_points(contour) else {
         return;

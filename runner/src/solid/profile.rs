@@ -15,7 +15,7 @@ const AXIS_TOLERANCE_MM: f32 = 0.000_5;
 /// A straight piece of an outline; its coordinates are Z and X, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ProfileEdge {
-    /// Start and end of the piece.
+    /// Start and end of the piece, Z and X, mm.
     pub ends: [Vec2; 2],
     /// Outward directions at start and end, length 1. Along a smooth curve they differ.
     pub normals: [Vec2; 2],

@@ -6,7 +6,8 @@ use gsk_panel::screen::{HEIGHT, Screen, WIDTH};
 
 use crate::theme;
 
-/// Minimum share of the width or height that a whole zoom must fill to be used.
+/// Minimum ratio of a zoom by whole pixels to the greatest zoom that fits; below this ratio the
+/// image uses the greatest zoom.
 const MIN_FILL: f32 = 0.88;
 
 /// Position and resolution of the image of the LCD.

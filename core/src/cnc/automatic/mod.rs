@@ -306,8 +306,8 @@ impl Cnc {
         self.read_ahead();
     }
 
-    /// Advances the dwell by one tick. The wait for an input starts again while the input
-    /// has the other level.
+    /// Counts the remaining dwell down by one tick. While a command waits for an input that has
+    /// the wrong level, restarts its debounce time instead.
     fn advance_dwell(&mut self) {
         let left = self.run.automatic.dwell_left_ms.saturating_sub(1);
         self.run.automatic.dwell_left_ms = match self.run.automatic.current_action() {

@@ -23,7 +23,8 @@ pub struct Explanation {
     pub depth: f64,
     /// Depth left for the following passes, mm; a radius in X.
     pub remaining: f64,
-    /// The formula of the depth or position, with its numbers.
+    /// The formula by which the cycle calculates the depth or position of the pass, with the
+    /// numbers inserted.
     pub formula: Message,
     /// The words and parameters that the formula reads.
     pub words: &'static str,
@@ -92,7 +93,8 @@ pub(crate) enum PassNote {
         axis: Axis,
         number: i64,
         levels: i64,
-        /// Coordinate from which the levels count, finishing allowance included.
+        /// Coordinate from which the levels count, finishing allowance included, in units of
+        /// [`ExactPoint`].
         from: i64,
         /// Signed step from one level to the next.
         step: i64,

@@ -42,10 +42,11 @@ pub(crate) struct SteppedCycle {
     /// Direction in which the passes get deeper, 1 or -1.
     #[serde(rename = "way")]
     direction: i64,
-    /// Distance from the start A to the deeper one of B and C, along `axis`.
+    /// Distance from the start A to the deeper one of B and C, along `axis`, in units of
+    /// [`ExactPoint`].
     #[serde(rename = "whole")]
     total_depth: i64,
-    /// Depth of a roughing pass (I).
+    /// Depth of a roughing pass (I), in units of [`ExactPoint`].
     step: i64,
     /// Depth of the finishing pass (K); 0 for none.
     finish: i64,

@@ -204,7 +204,8 @@ fn evaluate_assignment(
     Ok(StatementEffect::Assign(variable, value))
 }
 
-/// The alarm 3000 + n that `#3000=n (text)` raises.
+/// The alarm 3000 + n with `text` that `#3000=n (text)` raises; an empty `value` counts as 0.
+/// If n is out of range, the alarm for a value out of range.
 fn program_alarm(value: Option<f64>, text: &str) -> Alarm {
     let value = formula::round_half_away(value.unwrap_or(0.0));
     if !(0.0..=MAX_ALARM_NUMBER).contains(&value) {

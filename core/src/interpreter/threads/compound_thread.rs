@@ -43,7 +43,7 @@ struct ThreadGeometry {
     a: ExactPoint,
     /// X of B, the crest of the thread, from which the depths count.
     b_x: i64,
-    /// Z of D, the end of the thread.
+    /// Z of D, the end of the thread, in units of [`ExactPoint`].
     end_z: i64,
     /// X of D, the end at full depth, minus X of C, the begin at full depth.
     rise: i64,
@@ -67,11 +67,11 @@ pub(crate) struct CompoundThread {
     /// Δd, the depth of the first pass. This depth and the next three are radii in units of
     /// [`ExactPoint`].
     first: i64,
-    /// Δdmin, the least infeed of a pass.
+    /// Δdmin, the least infeed of a pass, in units of [`ExactPoint`].
     least: i64,
-    /// k - d, the depth at which roughing ends.
+    /// k - d, the depth at which roughing ends, in units of [`ExactPoint`].
     rough: i64,
-    /// k, the height of the thread.
+    /// k, the height of the thread, in units of [`ExactPoint`].
     height: i64,
     finishing: u32,
     /// The pass whose moves the cycle makes at present.

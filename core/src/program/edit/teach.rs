@@ -28,8 +28,8 @@ impl ProgramEditor {
         true
     }
 
-    /// The axis whose letter is at or before the cursor, and the column of that letter, from
-    /// 0.
+    /// The axis whose letter, X or Z, is at or directly before the cursor, and the column of
+    /// that letter, from 0. `None` without such a letter, in a comment or on the end mark.
     fn axis_letter(&self) -> Option<(Axis, u32)> {
         if self.is_in_comment() || self.is_on_end_mark() {
             return None;

@@ -183,7 +183,8 @@ pub(super) fn is_name(letters: &str, name: &str) -> bool {
 }
 
 /// The value of the first keyword of `of` with which `letters` begin, and the number of its
-/// letters: all or two. Only a function may follow directly, as in `ANDABS[#1]`.
+/// letters: all or two. Only a function may follow directly, as in `ANDABS[#1]`. `None` if no
+/// keyword matches.
 fn find_leading_name<'n, T: Copy>(letters: &str, of: &'n [(&'n str, T)]) -> Option<(T, usize)> {
     let fits = |name: &str, taken: usize| {
         let (head, rest) = letters.split_at_checked(taken)?;

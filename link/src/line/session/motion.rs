@@ -91,7 +91,8 @@ impl LineMotion {
         self.stand_at(kernel);
     }
 
-    /// Sets the position of the axes at standstill.
+    /// Stores `kernel`, in the kernel's pulses, as the commanded and the executed position of
+    /// the axes at standstill, and restarts the segments there.
     pub(super) fn stand_at(&mut self, kernel: PerAxis<Pulses>) {
         self.commanded = kernel;
         self.made = kernel;

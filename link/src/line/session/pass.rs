@@ -34,7 +34,8 @@ const SLOWER: f64 = 1.5;
 const LEAST_RPM: f64 = 30.0;
 /// Greatest relative change of a constant spindle speed.
 const STEADY: f64 = 0.01;
-/// Time for which the spindle speed must be constant.
+/// Time for which the reported spindle speed must have been constant before the link accepts a
+/// thread pass.
 const STEADY_FOR: Duration = Duration::from_millis(600);
 /// Relative deviation of the speed that shows that the board has misread the pass.
 const MISREAD: f64 = 0.1;

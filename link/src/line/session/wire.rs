@@ -68,7 +68,8 @@ impl LineWire {
         self.outgoing.clear();
     }
 
-    /// Drops all bytes that the port has not taken. Returns whether they contain lines.
+    /// Drops all bytes that the port has not taken. Returns true if they contained more than
+    /// status queries.
     pub(super) fn withdraw(&mut self) -> bool {
         let lines = self.outgoing.iter().any(|byte| *byte != STATUS_QUERY);
         self.outgoing.clear();
@@ -123,7 +124,7 @@ impl LineWire {
         self.unanswered.iter().map(|line| line.bytes).sum()
     }
 
-    /// Forgets the unanswered lines.
+    /// Stops waiting for the board's answers to the lines sent so far.
     pub(super) fn forget_unanswered(&mut self) {
         self.unanswered.clear();
     }

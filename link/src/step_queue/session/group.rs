@@ -74,7 +74,7 @@ pub(super) struct Wait {
     pub(super) awaited: AwaitedInput,
     /// When the pending query for the pin's level was sent; `None` without a query.
     queried_at: Option<HostTime>,
-    /// The level of the pin that stops the axes.
+    /// The level of the pin that stops the axes, 0 or 1.
     pub(super) level: i64,
     /// The board clock from which on the board watches the pin.
     from: u64,
@@ -142,7 +142,8 @@ impl Group {
         self.is_armed() && now.saturating_sub(self.reported) >= SILENT
     }
 
-    /// Removes and returns the awaited inputs after a stop.
+    /// Removes and returns the awaited input of X [0] and of Z [1] after a stop; `None` for an
+    /// axis that awaits no input.
     pub(super) fn take_waits(&mut self) -> [Option<Wait>; 2] {
         core::mem::take(&mut self.waits)
     }

@@ -62,7 +62,8 @@ pub(super) enum Phase {
 #[derive(Clone, Debug)]
 pub(super) struct StepQueueOpening {
     pub(super) phase: Phase,
-    /// When the port was opened, or when the board last sent something new.
+    /// Start of the time limit for an answer: when the opening began, the board was reset or
+    /// another part of the dictionary was queried, whichever is latest.
     opened: HostTime,
     pub(super) info: BoardInfo,
     pub(super) dictionary_cache: DictionaryCache,
@@ -404,7 +405,8 @@ impl StepLink {
         true
     }
 
-    /// Resets a board that has another configuration or is shut down.
+    /// Resets a board that has another configuration or is shut down (`shut_down`). `restarts`
+    /// is the number of this restart; above [`MOST_RESTARTS`] the link refuses the board.
     fn restart_board(&mut self, restarts: u32, shut_down: bool) {
         if restarts > MOST_RESTARTS {
             self.refuse(alarm::BOARD_SETTINGS, say::board_configuration_stays());

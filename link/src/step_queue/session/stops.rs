@@ -184,7 +184,8 @@ impl StepLink {
         self.query.pending = None;
     }
 
-    /// Resumes after an intended stop: accepts motion if the position is known.
+    /// Resumes after an intended stop: enters the state `Ready`, which accepts motion, if the
+    /// position is known; otherwise the state `Locked`.
     fn resume(&mut self) {
         if self.session.knows_position() {
             self.arm_group();

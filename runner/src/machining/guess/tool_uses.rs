@@ -164,7 +164,8 @@ pub(super) fn tool_uses(
     uses
 }
 
-/// Whether a move cuts straight towards the chuck, off the axis.
+/// Whether a move is a feed parallel to Z towards the chuck, farther from the spindle axis than
+/// [`AXIS_TOLERANCE_MM`].
 fn is_along_inwards(executed: &ExecutedMove) -> bool {
     let (from, to) = (executed.from, executed.to);
     executed.kind == MoveKind::Feed

@@ -165,7 +165,7 @@ pub fn show_variables(
         });
 }
 
-/// Draws a text in a column of `width` points.
+/// Draws a text in a table cell of `width` by `height` points.
 fn show_cell(ui: &mut Ui, width: f32, height: f32, text: &str) {
     let layout = egui::Layout::left_to_right(egui::Align::Center);
     ui.allocate_ui_with_layout(vec2(width, height), layout, |ui| {

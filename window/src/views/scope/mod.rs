@@ -325,8 +325,9 @@ impl Scope {
         }
     }
 
-    /// The index in the samples that has been unused for the longest time, so that old samples
-    /// of another bit do not appear under the new name.
+    /// Reserves the position in the samples for a new bit channel: the one that has been unused
+    /// for the longest time, because old samples of another bit must not appear in the new
+    /// channel.
     fn free_bit_index(&mut self) -> usize {
         while self
             .bit_channels
