@@ -15,7 +15,7 @@ pub(super) mod state;
 pub(super) mod words;
 
 use crate::alarm::Alarm;
-use crate::command::SourcePosition;
+use crate::command::{MotionCode, SourcePosition};
 use crate::interpreter::context::code_calls::CodeCalls;
 use crate::interpreter::context::exact::CoordinateRange;
 use crate::interpreter::context::machine_codes::MachineCodes;
@@ -52,7 +52,7 @@ pub(crate) struct BlockContext<'a> {
     pub(crate) compensation: CompensationMode,
     /// Reads the words of a block of this program, by its index and the code of group 01
     /// before it; `None` for a skipped block.
-    pub(crate) read_words: &'a dyn Fn(u32, u8) -> Result<Option<SortedWords>, Alarm>,
+    pub(crate) read_words: &'a dyn Fn(u32, MotionCode) -> Result<Option<SortedWords>, Alarm>,
     /// The words of the next block; `None` unless the block has a corner and a block follows
     /// it.
     pub(crate) next: Option<&'a SortedWords>,

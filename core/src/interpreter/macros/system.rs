@@ -99,7 +99,7 @@ impl VariableSources<'_> {
     fn read_modal(&self, number: u32, host: &impl Host) -> Option<f64> {
         let modal = &self.state.modal;
         Some(match number {
-            4001 => modal.motion.into(),
+            4001 => modal.motion.number().into(),
             4002 => {
                 if modal.surface_speed {
                     96.0

@@ -1,7 +1,7 @@
 //! Evaluates the sorted words of a block into its plan, and audits them in a preview.
 
 use crate::alarm::Alarm;
-use crate::command::SourcePosition;
+use crate::command::{MotionCode, SourcePosition};
 use crate::interpreter::block;
 use crate::interpreter::codes::nose_radius::check_call;
 use crate::interpreter::context::code_calls::CodeCalls;
@@ -122,7 +122,7 @@ pub(super) fn build_context<'a, H: Host>(
     position: ProgramPosition,
     calls: &'a [ProgramCall],
     mdi: bool,
-    read_words: &'a dyn Fn(u32, u8) -> Result<Option<SortedWords>, Alarm>,
+    read_words: &'a dyn Fn(u32, MotionCode) -> Result<Option<SortedWords>, Alarm>,
 ) -> BlockContext<'a> {
     let parameters = host.parameters();
     BlockContext {
