@@ -21,18 +21,18 @@ use crate::interpreter::codes::scale;
 use crate::interpreter::codes::spindle_speed;
 use crate::interpreter::codes::tool::{self, OffsetExecution, ToolWord};
 use crate::interpreter::compound;
-use crate::interpreter::context::exact::{CoordinateRange, ExactPoint};
-use crate::interpreter::context::flow::Flow;
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{ArcWords, AxisWords, OneShot, SortedWords};
 use crate::interpreter::context::{BlockContext, CompensationMode};
 use crate::interpreter::cycles::facing_cycle;
 use crate::interpreter::cycles::turning_cycle;
+use crate::interpreter::exact::{CoordinateRange, ExactPoint};
+use crate::interpreter::flow::Flow;
 use crate::interpreter::one_shot;
 use crate::interpreter::plan::{Plan, PlannedMotion};
+use crate::interpreter::state::State;
 use crate::interpreter::threads::tapping;
 use crate::interpreter::threads::thread;
 use crate::interpreter::threads::thread_cycle;
+use crate::interpreter::words::{ArcWords, AxisWords, OneShot, SortedWords};
 use crate::model::ModelRecord;
 
 /// The kind of motion that a block commands.

@@ -7,9 +7,9 @@ use crate::command::{Action, MotionCode};
 use crate::interpreter::block;
 use crate::interpreter::codes::positioning;
 use crate::interpreter::context::CompensationMode;
-use crate::interpreter::context::exact::CoordinateRange;
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{ArcWords, AxisTarget, AxisWords};
+use crate::interpreter::exact::CoordinateRange;
+use crate::interpreter::state::State;
+use crate::interpreter::words::{ArcWords, AxisTarget, AxisWords};
 use crate::model::{GCode, ModelRecord};
 use crate::program::ProgramBlock;
 

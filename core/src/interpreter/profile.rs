@@ -12,16 +12,14 @@ use serde::{Deserialize, Serialize};
 
 use crate::alarm::{Alarm, number};
 use crate::command::{Action, MotionCode, ProgramId, SourcePosition};
-use crate::interpreter::block;
 use crate::interpreter::calls::special_call;
 use crate::interpreter::codes::corner;
-use crate::interpreter::context::exact::ExactPoint;
-use crate::interpreter::context::moves::FrameShift;
-use crate::interpreter::context::program_position::ProgramPosition;
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{OneShot, SortedWords};
 use crate::interpreter::context::{BlockContext, CompensationMode};
-use crate::interpreter::plan::Plan;
+use crate::interpreter::exact::ExactPoint;
+use crate::interpreter::flow::program_position::ProgramPosition;
+use crate::interpreter::moves::FrameShift;
+use crate::interpreter::state::State;
+use crate::interpreter::words::{OneShot, SortedWords};
 use crate::program::Program;
 use crate::units::Point;
 
@@ -338,12 +336,8 @@ pub(crate) fn evaluate_profile(
                 next: next.as_ref(),
                 ..*context
             };
-            let mut plan = Plan::new(inner.source, profile_state.modal);
-            block::evaluate(&mut profile_state, &inner, &words, &mut plan)?;
-            let mut planned_motion = plan.motion;
-            while let Some(planned_action) = planned_motion.next_action() {
-                let Some(step) =
-                    step_from_action(&planned_action.action, shift, profile_state.position, line)
+            for action in (context.plan_profile_block)(&mut profile_state, &inner, &words)? {
+                let Some(step) = step_from_action(&action, shift, profile_state.position, line)
                 else {
                     continue;
                 };

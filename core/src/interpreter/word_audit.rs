@@ -10,10 +10,10 @@ use std::collections::BTreeSet;
 
 use crate::alarm::Alarm;
 use crate::command::{MotionCode, SourcePosition};
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{OneShot, SortedWords};
 use crate::interpreter::macros::arithmetic::Operation;
 use crate::interpreter::plan::Plan;
+use crate::interpreter::state::State;
+use crate::interpreter::words::{OneShot, SortedWords};
 use crate::model::{GCode, ModelRecord};
 use crate::program::{Program, ProgramBlock, ProgramWord};
 

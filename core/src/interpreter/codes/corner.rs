@@ -23,11 +23,11 @@ use crate::interpreter::ModalState;
 use crate::interpreter::codes::positioning::{current_feed, plan_line};
 use crate::interpreter::codes::scale;
 use crate::interpreter::context::BlockContext;
-use crate::interpreter::context::exact::length_on_axis;
-use crate::interpreter::context::exact::{ExactPoint, to_mm};
-use crate::interpreter::context::moves::{FrameShift, MovePair};
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisTarget, AxisWords, SortedWords};
+use crate::interpreter::exact::length_on_axis;
+use crate::interpreter::exact::{ExactPoint, to_mm};
+use crate::interpreter::moves::{FrameShift, MovePair};
+use crate::interpreter::state::State;
+use crate::interpreter::words::{AxisTarget, AxisWords, SortedWords};
 use crate::units::Axis;
 
 /// How a corner connects its two cuts: by a chamfer or by a tangent arc.

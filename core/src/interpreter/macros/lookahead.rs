@@ -5,10 +5,10 @@ use gsk_messages::say;
 use crate::alarm::{Alarm, number};
 use crate::command::MotionCode;
 use crate::interpreter::codes::inch;
-use crate::interpreter::context::host::Host;
-use crate::interpreter::context::words::SortedWords;
+use crate::interpreter::host::Host;
 use crate::interpreter::macros::system::VariableSources;
 use crate::interpreter::macros::variable::{self, ReadError};
+use crate::interpreter::words::SortedWords;
 use crate::program::{Program, ProgramBlock, Syntax};
 
 /// Greatest number of blocks that the search for the next block that is not skipped reads.

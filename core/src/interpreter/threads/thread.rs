@@ -14,12 +14,12 @@ use gsk_messages::{Message, say};
 use crate::alarm::{Alarm, number};
 use crate::command::{Action, MotionCode, ThreadStart};
 use crate::interpreter::codes::positioning::check_stroke;
-use crate::interpreter::context::exact::{
+use crate::interpreter::exact::{
     CoordinateRange, ExactPoint, UNITS_PER_MM, length_on_axis, scale_rounded, to_mm,
 };
-use crate::interpreter::context::moves::{FrameShift, MovePair};
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisWords, OneShot, SortedWords};
+use crate::interpreter::moves::{FrameShift, MovePair};
+use crate::interpreter::state::State;
+use crate::interpreter::words::{AxisWords, OneShot, SortedWords};
 use crate::units::{Axis, Point};
 
 /// Allowed leads of threads, mm per revolution.

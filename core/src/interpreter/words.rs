@@ -5,7 +5,7 @@ use gsk_messages::say;
 use crate::alarm::{Alarm, number};
 use crate::command::MotionCode;
 use crate::dialect;
-use crate::interpreter::context::exact::ExactPoint;
+use crate::interpreter::exact::ExactPoint;
 use crate::model::{GCode, ModelRecord};
 use crate::program::ProgramBlock;
 use crate::units::Axis;
