@@ -2,8 +2,10 @@
 //! coordinates, with its source block.
 
 mod modal;
+mod motion_code;
 
 pub use modal::ModalState;
+pub use motion_code::MotionCode;
 
 use core::num::NonZeroU32;
 

@@ -356,7 +356,7 @@ impl ProgramReport {
 /// The names of the G codes in force, one of each group.
 pub(crate) fn modal_codes(modal: &ModalState) -> Vec<String> {
     vec![
-        format!("G{:02}", modal.motion),
+        format!("G{:02}", modal.motion.number()),
         if modal.surface_speed { "G96" } else { "G97" }.to_owned(),
         if modal.feed_per_revolution {
             "G99"

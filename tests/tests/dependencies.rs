@@ -1,6 +1,7 @@
 //! Checks the directions of dependencies: between packages according to the table in
 //! ARCHITECTURE.md, between the modules of `core` according to `tests/core-modules.tsv`. No
-//! two neighbours use each other. Only one module queries the system.
+//! two neighbours use each other, and in `core` no neighbours form a circle. Only one module
+//! queries the system.
 
 mod paths;
 
@@ -140,6 +141,58 @@ fn neighbours_use_each_other_one_way() {
         }
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn neighbours_of_core_form_no_circle() {
+    let mut folders: BTreeMap<String, BTreeMap<String, BTreeSet<String>>> = BTreeMap::new();
+    for (folder, user, used) in package_uses("core").into_keys() {
+        let users = folders.entry(folder).or_default();
+        users.entry(user).or_default().insert(used);
+    }
+    assert!(folders.contains_key("core/interpreter"));
+    let circles: Vec<String> = folders
+        .iter()
+        .map(|(folder, uses)| (folder, modules_in_circles(uses)))
+        .filter(|(_, circle)| !circle.is_empty())
+        .map(|(folder, circle)| format!("{folder}: {circle:?}"))
+        .collect();
+    assert!(circles.is_empty(), "{}", circles.join("\n"));
+}
+
+/// The modules that are left when those without uses are removed until none is left to
+/// remove: the members of circles and their users.
+fn modules_in_circles(uses: &BTreeMap<String, BTreeSet<String>>) -> Vec<&str> {
+    let mut left: Vec<&str> = uses.keys().map(String::as_str).collect();
+    loop {
+        let count = left.len();
+        let before = left.clone();
+        left.retain(|user| {
+            uses[*user]
+                .iter()
+                .any(|used| before.contains(&used.as_str()))
+        });
+        if left.len() == count {
+            return left;
+        }
+    }
+}
+
+#[test]
+fn a_circle_of_three_is_found() {
+    let uses = |pairs: &[(&str, &str)]| {
+        let mut uses: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+        for (user, used) in pairs {
+            uses.entry((*user).into())
+                .or_default()
+                .insert((*used).into());
+        }
+        uses
+    };
+    let chain = [("a", "b"), ("b", "c")];
+    assert!(modules_in_circles(&uses(&chain)).is_empty());
+    let circle = uses(&[("a", "b"), ("b", "c"), ("c", "a"), ("c", "d")]);
+    assert_eq!(modules_in_circles(&circle), ["a", "b", "c"]);
 }
 
 /// The allowed uses of each package, according to the table in ARCHITECTURE.md.

@@ -2,11 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::command::MotionCode;
+
 /// Codes and words that stay in force from block to block, as the pages show them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModalState {
-    /// Group 01: G00 G01 G02 G03 G32 G33 G34 G90 G92 G94, by number.
-    pub motion: u8,
+    /// Group 01: the code of motion.
+    pub motion: MotionCode,
     /// Group 02: constant surface speed on (G96) or off (G97).
     pub surface_speed: bool,
     /// Group 03: feed per revolution (G99) or per minute (G98).
@@ -31,7 +33,7 @@ impl Default for ModalState {
     /// The state at power-on (manual I-3.2, table 3-7).
     fn default() -> Self {
         Self {
-            motion: 0,
+            motion: MotionCode::Rapid,
             surface_speed: false,
             feed_per_revolution: false,
             nose_compensation: 40,

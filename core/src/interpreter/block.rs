@@ -5,7 +5,7 @@
 //! motion waits for a tool change, but not for S and M; then M00, M30, M98, M99.
 
 use crate::alarm::Alarm;
-use crate::command::{Action, SpindleCommand};
+use crate::command::{Action, MotionCode, SpindleCommand};
 use crate::interpreter::ModalState;
 use crate::interpreter::calls::block_call;
 use crate::interpreter::calls::special_call::{self, SpecialCall};
@@ -21,18 +21,18 @@ use crate::interpreter::codes::scale;
 use crate::interpreter::codes::spindle_speed;
 use crate::interpreter::codes::tool::{self, OffsetExecution, ToolWord};
 use crate::interpreter::compound;
-use crate::interpreter::context::exact::{CoordinateRange, ExactPoint};
-use crate::interpreter::context::flow::Flow;
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{ArcWords, AxisWords, OneShot, SortedWords};
 use crate::interpreter::context::{BlockContext, CompensationMode};
 use crate::interpreter::cycles::facing_cycle;
 use crate::interpreter::cycles::turning_cycle;
+use crate::interpreter::exact::{CoordinateRange, ExactPoint};
+use crate::interpreter::flow::Flow;
 use crate::interpreter::one_shot;
 use crate::interpreter::plan::{Plan, PlannedMotion};
+use crate::interpreter::state::State;
 use crate::interpreter::threads::tapping;
 use crate::interpreter::threads::thread;
 use crate::interpreter::threads::thread_cycle;
+use crate::interpreter::words::{ArcWords, AxisWords, OneShot, SortedWords};
 use crate::model::ModelRecord;
 
 /// The kind of motion that a block commands.
@@ -214,7 +214,7 @@ fn plan_thread_travel(context: &BlockContext<'_>, plan: &mut Plan) {
 fn apply_modal_codes(state: &mut State, words: &SortedWords) -> Result<(), Alarm> {
     if let Some(code) = words.motion {
         state.modal.motion = code;
-        if !matches!(code, 90 | 92 | 94) {
+        if !code.is_canned_cycle() {
             state.cycle.clear_end();
         }
     }
@@ -257,21 +257,30 @@ fn find_motion(state: &State, words: &SortedWords, axes: &AxisWords) -> BlockMot
         return BlockMotion::OneShot(code);
     }
     match state.modal.motion {
-        0 if axes.has_any() => BlockMotion::Rapid,
-        1 if axes.has_any() => BlockMotion::Line,
-        2 | 3 if axes.has_any() || words.i.is_some() || words.k.is_some() => BlockMotion::Arc,
-        32 | 34 if axes.has_any() => BlockMotion::Thread,
-        33 if axes.has_any() => BlockMotion::Tap,
-        code @ (90 | 92 | 94) => {
-            let has_run_out = code == 92 && words.j.or(words.k).or(words.l).is_some();
+        MotionCode::Rapid if axes.has_any() => BlockMotion::Rapid,
+        MotionCode::Line if axes.has_any() => BlockMotion::Line,
+        code if code.is_arc() && (axes.has_any() || words.i.is_some() || words.k.is_some()) => {
+            BlockMotion::Arc
+        }
+        code if code.is_thread_pass() && axes.has_any() => BlockMotion::Thread,
+        MotionCode::Tapping if axes.has_any() => BlockMotion::Tap,
+        code if code.is_canned_cycle() => {
+            let has_run_out =
+                code == MotionCode::ThreadCycle && words.j.or(words.k).or(words.l).is_some();
             let is_programmed = axes.has_any() || words.r.is_some() || has_run_out;
             // An empty block repeats the cycle, and so does its bare G code.
             let is_repetition =
                 (words.count == 0 || words.motion.is_some()) && state.cycle.is_set();
             match code {
-                90 if is_programmed || is_repetition => BlockMotion::TurningCycle,
-                92 if is_programmed || is_repetition => BlockMotion::ThreadCycle,
-                94 if is_programmed || is_repetition => BlockMotion::FacingCycle,
+                MotionCode::TurningCycle if is_programmed || is_repetition => {
+                    BlockMotion::TurningCycle
+                }
+                MotionCode::ThreadCycle if is_programmed || is_repetition => {
+                    BlockMotion::ThreadCycle
+                }
+                MotionCode::FacingCycle if is_programmed || is_repetition => {
+                    BlockMotion::FacingCycle
+                }
                 _ => BlockMotion::Nothing,
             }
         }
@@ -404,7 +413,7 @@ pub(super) fn plan_arc(
     end: ExactPoint,
 ) -> Result<Option<Action>, Alarm> {
     check_arc_block(state, compensation, end, words)?;
-    let clockwise = state.modal.motion == 2;
+    let clockwise = state.modal.motion == MotionCode::ArcClockwise;
     let turn = arc::ArcTurn::from_record(record, clockwise);
     let Some(center) = arc::find_center(state.position, end, words, turn)? else {
         return Ok(None);

@@ -13,14 +13,14 @@ use serde::{Deserialize, Serialize};
 
 use crate::alarm::{Alarm, number};
 use crate::command::{Action, ThreadPassFeature};
-use crate::interpreter::context::explanation::PassNote;
-use crate::interpreter::context::moves::Move;
-use crate::interpreter::context::planned_action::PlannedAction;
-use crate::interpreter::context::state::State;
 use crate::interpreter::cycles::pattern::PatternCycle;
 use crate::interpreter::cycles::pecking::PeckingCycle;
 use crate::interpreter::cycles::roughing::RoughingCycle;
 use crate::interpreter::cycles::stepped::SteppedCycle;
+use crate::interpreter::moves::Move;
+use crate::interpreter::moves::explanation::PassNote;
+use crate::interpreter::moves::planned_action::PlannedAction;
+use crate::interpreter::state::State;
 use crate::interpreter::threads::compound_thread::CompoundThread;
 use crate::interpreter::threads::counted_thread::CountedThread;
 use crate::interpreter::threads::single_pass::SinglePass;

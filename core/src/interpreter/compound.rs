@@ -14,18 +14,18 @@
 use crate::alarm::Alarm;
 use crate::interpreter::canned_cycle::CycleGenerator;
 use crate::interpreter::context::BlockContext;
-use crate::interpreter::context::flow::Flow;
-use crate::interpreter::context::program_position::ProgramPosition;
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisWords, ContourSource, OneShot, SortedWords};
 use crate::interpreter::cycles::contour::CutPlane;
 use crate::interpreter::cycles::finishing;
 use crate::interpreter::cycles::pattern;
 use crate::interpreter::cycles::pecking;
 use crate::interpreter::cycles::roughing;
+use crate::interpreter::flow::Flow;
+use crate::interpreter::flow::program_position::ProgramPosition;
 use crate::interpreter::plan::{Plan, PlannedMotion};
 use crate::interpreter::profile::{self, ProfileRange};
+use crate::interpreter::state::State;
 use crate::interpreter::threads::compound_thread;
+use crate::interpreter::words::{AxisWords, ContourSource, OneShot, SortedWords};
 use crate::units::Axis;
 
 /// Plans a block of G70 to G76: adds its motion, flow and parameter writes to `plan`.

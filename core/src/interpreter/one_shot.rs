@@ -10,14 +10,14 @@ use crate::interpreter::codes::scale;
 use crate::interpreter::codes::start_return;
 use crate::interpreter::codes::zero_offset;
 use crate::interpreter::context::BlockContext;
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisWords, OneShot, SortedWords};
 use crate::interpreter::cycles::pecking;
 use crate::interpreter::cycles::stepped;
 use crate::interpreter::plan::PlannedMotion;
+use crate::interpreter::state::State;
 use crate::interpreter::threads::counted_thread;
 use crate::interpreter::threads::single_pass;
 use crate::interpreter::threads::tapping;
+use crate::interpreter::words::{AxisWords, OneShot, SortedWords};
 
 /// Plans the motion of a code of group 00 and sets `state.position` to its end.
 ///

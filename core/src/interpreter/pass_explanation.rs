@@ -1,11 +1,11 @@
 //! Finds the cycle that explains a pass.
 
-use crate::interpreter::context::explanation::{Explanation, PassNote};
 use crate::interpreter::cycles::box_cycle;
 use crate::interpreter::cycles::pattern;
 use crate::interpreter::cycles::pecking;
 use crate::interpreter::cycles::roughing;
 use crate::interpreter::cycles::stepped;
+use crate::interpreter::moves::explanation::{Explanation, PassNote};
 use crate::interpreter::threads::compound_thread;
 use crate::interpreter::threads::counted_thread;
 use crate::interpreter::threads::single_pass;

@@ -3,21 +3,21 @@
 //! [`block`]; the test `a_plain_move_is_what_its_block_is` compares the two.
 
 use crate::alarm::Alarm;
-use crate::command::Action;
+use crate::command::{Action, MotionCode};
 use crate::interpreter::block;
 use crate::interpreter::codes::positioning;
 use crate::interpreter::context::CompensationMode;
-use crate::interpreter::context::exact::CoordinateRange;
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{ArcWords, AxisTarget, AxisWords};
+use crate::interpreter::exact::CoordinateRange;
+use crate::interpreter::state::State;
+use crate::interpreter::words::{ArcWords, AxisTarget, AxisWords};
 use crate::model::{GCode, ModelRecord};
 use crate::program::ProgramBlock;
 
 /// The words of a block that only moves along the contour (G00 to G03).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PlainMove {
-    /// The code of group 01 in force for the move, 0 to 3.
-    motion: u8,
+    /// The code of group 01 in force for the move, G00 to G03.
+    motion: MotionCode,
     /// Whether the block contains the code of `motion`.
     has_code: bool,
     feed: Option<f64>,
@@ -51,7 +51,7 @@ impl PlainMove {
     /// block. `None` if the block contains anything but a plain move or refers to variables.
     pub(crate) fn from_block(
         block: &ProgramBlock,
-        motion: u8,
+        motion: MotionCode,
         record: &ModelRecord,
     ) -> Option<Self> {
         if !block.has_only(b"GFXUZWRIK") || block.has_variables() {
@@ -84,8 +84,10 @@ impl PlainMove {
         }
         let has_motion = match plain.motion {
             // Blocks with corners read ahead.
-            0 | 1 => block.has_any(b"XUZW") && !block.has_any(b"RIK"),
-            2 | 3 => block.has_any(b"XUZWIK"),
+            MotionCode::Rapid | MotionCode::Line => {
+                block.has_any(b"XUZW") && !block.has_any(b"RIK")
+            }
+            MotionCode::ArcClockwise | MotionCode::ArcCounterclockwise => block.has_any(b"XUZWIK"),
             _ => false,
         };
         has_motion.then_some(plain)
@@ -109,8 +111,8 @@ impl PlainMove {
         let end = axes.resolve_end(state.position);
         let action = positioning::check_stroke(end, context.coordinate_range()).and_then(|end| {
             match self.motion {
-                0 => Ok(Some(positioning::plan_rapid(state, end))),
-                1 => positioning::plan_line(state, end).map(Some),
+                MotionCode::Rapid => Ok(Some(positioning::plan_rapid(state, end))),
+                MotionCode::Line => positioning::plan_line(state, end).map(Some),
                 _ => block::plan_arc(state, context.compensation, context.record, self.arc, end),
             }
         });
@@ -137,15 +139,7 @@ impl PlainMove {
     }
 }
 
-/// The number of a code of group 01 that moves along the contour; `None` for other codes.
-const fn contour_code(meaning: GCode) -> Option<u8> {
-    match meaning {
-        GCode::Rapid | GCode::StraightRapid => Some(0),
-        GCode::Line => Some(1),
-        GCode::ArcClockwise | GCode::LongArcClockwise | GCode::DiameterArcClockwise => Some(2),
-        GCode::ArcCounterclockwise
-        | GCode::LongArcCounterclockwise
-        | GCode::DiameterArcCounterclockwise => Some(3),
-        _ => None,
-    }
+/// The code of group 01 that moves along the contour; `None` for other codes.
+fn contour_code(meaning: GCode) -> Option<MotionCode> {
+    MotionCode::from_meaning(meaning).filter(|code| code.is_contour())
 }

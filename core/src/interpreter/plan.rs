@@ -10,13 +10,13 @@ use crate::command::{Action, ControlCommand, SourcePosition};
 use crate::interpreter::ModalState;
 use crate::interpreter::canned_cycle::{Cycle, CycleGenerator};
 use crate::interpreter::codes::reference::ReferenceReturn;
-use crate::interpreter::context::explanation::PassNote;
-use crate::interpreter::context::flow::{Finishing, Flow};
-use crate::interpreter::context::moves::{FrameShift, MovePair};
-use crate::interpreter::context::parameter_writes::ParameterWrites;
-use crate::interpreter::context::planned_action::PlannedAction;
-use crate::interpreter::context::state::State;
 use crate::interpreter::cycles::box_cycle::BoxCycle;
+use crate::interpreter::flow::{Finishing, Flow};
+use crate::interpreter::moves::explanation::PassNote;
+use crate::interpreter::moves::planned_action::PlannedAction;
+use crate::interpreter::moves::{FrameShift, MovePair};
+use crate::interpreter::parameter_writes::ParameterWrites;
+use crate::interpreter::state::State;
 
 /// The remaining motion of a block, by the way in which its moves are made.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -11,17 +11,15 @@ use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 use crate::alarm::{Alarm, number};
-use crate::command::{Action, ProgramId, SourcePosition};
-use crate::interpreter::block;
+use crate::command::{Action, MotionCode, ProgramId, SourcePosition};
 use crate::interpreter::calls::special_call;
 use crate::interpreter::codes::corner;
-use crate::interpreter::context::exact::ExactPoint;
-use crate::interpreter::context::moves::FrameShift;
-use crate::interpreter::context::program_position::ProgramPosition;
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{OneShot, SortedWords};
 use crate::interpreter::context::{BlockContext, CompensationMode};
-use crate::interpreter::plan::Plan;
+use crate::interpreter::exact::ExactPoint;
+use crate::interpreter::flow::program_position::ProgramPosition;
+use crate::interpreter::moves::FrameShift;
+use crate::interpreter::state::State;
+use crate::interpreter::words::{OneShot, SortedWords};
 use crate::program::Program;
 use crate::units::Point;
 
@@ -212,8 +210,8 @@ fn range_alarm(detail: Message) -> Alarm {
 fn visit_blocks(
     context: &BlockContext<'_>,
     range: ProfileRange,
-    motion: u8,
-    visit: &mut dyn FnMut(u32, &SortedWords, u8) -> Result<(), Alarm>,
+    motion: MotionCode,
+    visit: &mut dyn FnMut(u32, &SortedWords, MotionCode) -> Result<(), Alarm>,
 ) -> Result<(), Alarm> {
     let mut motion = motion;
     let program = find_program(context)?;
@@ -236,7 +234,11 @@ fn profile_alarm(alarm: &Alarm, line: u32) -> Alarm {
     Alarm::new(alarm.number).with_detail(say::in_profile(line, detail))
 }
 
-fn check_codes(context: &BlockContext<'_>, words: &SortedWords, motion: u8) -> Result<(), Alarm> {
+fn check_codes(
+    context: &BlockContext<'_>,
+    words: &SortedWords,
+    motion: MotionCode,
+) -> Result<(), Alarm> {
     if let Some(code @ (98 | 99)) = words.m {
         return Err(Alarm::new(number::PROFILE_CALL).with_detail(say::profile_calls(code)));
     }
@@ -245,7 +247,7 @@ fn check_codes(context: &BlockContext<'_>, words: &SortedWords, motion: u8) -> R
     }
     let is_foreign = words.one_shot.is_some_and(|code| code != OneShot::Dwell);
     let is_motion = words.motion.is_some() || (words.one_shot.is_none() && words.has_axis_words());
-    if is_foreign || (is_motion && motion > 3) {
+    if is_foreign || (is_motion && !motion.is_contour()) {
         return Err(Alarm::new(number::PROFILE_CODE).with_detail(say::profile_code_wrong()));
     }
     Ok(())
@@ -265,7 +267,8 @@ pub(crate) fn check_blocks(
         range,
         state.modal.motion,
         &mut |index, words, motion| {
-            if index == range.last && motion == 1 && corner::has_corner_words(words) {
+            if index == range.last && motion == MotionCode::Line && corner::has_corner_words(words)
+            {
                 return Err(last_corner_alarm());
             }
             Ok(())
@@ -305,8 +308,8 @@ pub(crate) fn evaluate_profile(
             let line = program.block_line(index);
             let is_begin = match range.is_after_cycle {
                 // The example in the manual of these lathes has G90 there, with G00 in force.
-                true => motion == 0,
-                false => matches!(words.motion, Some(0 | 1)),
+                true => motion == MotionCode::Rapid,
+                false => matches!(words.motion, Some(MotionCode::Rapid | MotionCode::Line)),
             };
             if index == range.first && !is_begin {
                 return Err(start_alarm(match range.is_after_cycle {
@@ -315,7 +318,7 @@ pub(crate) fn evaluate_profile(
                 }));
             }
             let words = words.path_only();
-            let next = if motion == 1 && corner::has_corner_words(&words) {
+            let next = if motion == MotionCode::Line && corner::has_corner_words(&words) {
                 find_next_words(context, index + 1..=range.last, motion)?
             } else {
                 None
@@ -333,12 +336,8 @@ pub(crate) fn evaluate_profile(
                 next: next.as_ref(),
                 ..*context
             };
-            let mut plan = Plan::new(inner.source, profile_state.modal);
-            block::evaluate(&mut profile_state, &inner, &words, &mut plan)?;
-            let mut planned_motion = plan.motion;
-            while let Some(planned_action) = planned_motion.next_action() {
-                let Some(step) =
-                    step_from_action(&planned_action.action, shift, profile_state.position, line)
+            for action in (context.plan_profile_block)(&mut profile_state, &inner, &words)? {
+                let Some(step) = step_from_action(&action, shift, profile_state.position, line)
                 else {
                     continue;
                 };
@@ -371,7 +370,7 @@ pub(crate) fn evaluate_profile(
 fn find_next_words(
     context: &BlockContext<'_>,
     mut range: core::ops::RangeInclusive<u32>,
-    motion: u8,
+    motion: MotionCode,
 ) -> Result<Option<SortedWords>, Alarm> {
     range
         .find_map(|index| (context.read_words)(index, motion).transpose())

@@ -4,10 +4,10 @@
 use serde::{Deserialize, Serialize};
 
 use crate::command::{ControlCommand, ProgramId, SequenceNumber, SourcePosition};
-use crate::interpreter::context::explanation::PassNote;
-use crate::interpreter::context::flow::{Finishing, Flow, MacroEntry};
-use crate::interpreter::context::program_position::{CallKind, ProgramCall, ProgramPosition};
+use crate::interpreter::flow::program_position::{CallKind, ProgramCall, ProgramPosition};
+use crate::interpreter::flow::{Finishing, Flow, MacroEntry};
 use crate::interpreter::macros::levels::Levels;
+use crate::interpreter::moves::explanation::PassNote;
 use crate::interpreter::plan::Plan;
 
 /// The state of a run over a program and those that it calls.

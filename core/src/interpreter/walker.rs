@@ -13,8 +13,8 @@ use crate::alarm::{Alarm, number};
 use crate::command::{ProgramId, SequenceNumber, SourcePosition};
 use crate::interpreter::calls::jump::JumpTargets;
 use crate::interpreter::calls::subprogram::MAX_CALL_DEPTH;
-use crate::interpreter::context::code_calls::{CodeCalls, PlainCall, are_ordinary};
-use crate::interpreter::context::program_position::{CallKind, ProgramCall, ProgramPosition};
+use crate::interpreter::flow::code_calls::{CodeCalls, PlainCall, are_ordinary};
+use crate::interpreter::flow::program_position::{CallKind, ProgramCall, ProgramPosition};
 use crate::interpreter::macros::formula;
 use crate::interpreter::macros::levels::{LAST_LOCAL, Levels, LocalVariables, RunningLoop};
 use crate::interpreter::macros::statement::{

@@ -9,11 +9,11 @@
 use std::collections::BTreeSet;
 
 use crate::alarm::Alarm;
-use crate::command::SourcePosition;
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{OneShot, SortedWords};
+use crate::command::{MotionCode, SourcePosition};
 use crate::interpreter::macros::arithmetic::Operation;
 use crate::interpreter::plan::Plan;
+use crate::interpreter::state::State;
+use crate::interpreter::words::{OneShot, SortedWords};
 use crate::model::{GCode, ModelRecord};
 use crate::program::{Program, ProgramBlock, ProgramWord};
 
@@ -100,7 +100,7 @@ struct BlockShape {
     zeros: u32,
     codes: Vec<u8>,
     m: Option<u8>,
-    motion: u8,
+    motion: MotionCode,
     nose: u8,
     flags: [bool; 4],
 }
@@ -306,7 +306,7 @@ fn executing_code(block: &EvaluatedBlock<'_>) -> Option<String> {
     match words.m {
         Some(m) if !words.has_axis_words() => Some(format!("M{m:02}")),
         _ if words.has_axis_words() || words.motion.is_some() => {
-            Some(format!("G{:02}", block.after.modal.motion))
+            Some(format!("G{:02}", block.after.modal.motion.number()))
         }
         _ => None,
     }
@@ -432,10 +432,13 @@ fn find_advice(block: &EvaluatedBlock<'_>, word: &ProgramWord) -> WordAdvice {
         None => Some(block.after.modal.motion),
         Some(_) => None,
     };
-    let is_cycle = matches!(motion, Some(90 | 94));
-    let is_thread =
-        matches!(motion, Some(32..=34 | 92)) || words.one_shot == Some(OneShot::CompoundThread);
-    let is_arc = matches!(motion, Some(2 | 3));
+    let is_cycle = matches!(
+        motion,
+        Some(MotionCode::TurningCycle | MotionCode::FacingCycle)
+    );
+    let is_thread = motion.is_some_and(MotionCode::is_thread)
+        || words.one_shot == Some(OneShot::CompoundThread);
+    let is_arc = motion.is_some_and(MotionCode::is_arc);
     match word.address {
         b'L' if words.m == Some(98) => call_count_advice(words),
         b'U' if words.x.is_some() && words.one_shot != Some(OneShot::Dwell) => {

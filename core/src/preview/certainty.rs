@@ -3,7 +3,7 @@
 
 use super::line_words::{WrittenWord, has_letter, numbers_of};
 use crate::alarm::number;
-use crate::command::{Action, ControlCommand};
+use crate::command::{Action, ControlCommand, MotionCode};
 
 /// Set of facts about the state of the program at a block, one bit each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -50,11 +50,13 @@ impl ProgramFacts {
 
     /// The facts that the words of a block define for this block and later ones, even if the
     /// words are wrong. `before` is the code of group 01 before the block.
-    pub(super) fn defined_by(words: &[WrittenWord], before: u8) -> Self {
+    pub(super) fn defined_by(words: &[WrittenWord], before: MotionCode) -> Self {
         let thread = is_thread(words, before);
         Self::union_all(words.iter().map(|word| match word {
             (b'F' | b'I', _) if thread => Self::LEAD,
-            (b'G', Some(code)) if is_motion(*code) => Self::MOTION.union(Self::CYCLE),
+            (b'G', Some(code)) if MotionCode::from_number(*code).is_some() => {
+                Self::MOTION.union(Self::CYCLE)
+            }
             (b'G', Some(98 | 99)) => Self::FEED_UNIT,
             (b'G', Some(40)) => Self::COMPENSATION,
             (b'F', _) => Self::FEED,
@@ -80,7 +82,7 @@ impl ProgramFacts {
             (b'G', Some(96 | 97)) | (b'M', Some(41..=44)) => Self::SPINDLE_SPEED,
             (b'G', Some(98 | 99)) => Self::FEED_UNIT,
             (b'G', _) => Self::MOTION.union(Self::CYCLE),
-            (b'S' | b'M' | b'T', _) => Self::defined_by(&[*word], 0),
+            (b'S' | b'M' | b'T', _) => Self::defined_by(&[*word], MotionCode::Rapid),
             _ => Self::NONE,
         }))
     }
@@ -92,7 +94,9 @@ impl ProgramFacts {
         let axes_if = |names: bool, axes| if names { axes } else { Self::NONE };
         let is_position_known = match &command.action {
             Action::Rapid { .. } | Action::Line { .. } | Action::Arc { .. } => {
-                command.block_end && command.modal.motion <= 3 && numbers_of(words, b'G').all(plain)
+                command.block_end
+                    && command.modal.motion.is_contour()
+                    && numbers_of(words, b'G').all(plain)
             }
             Action::Frame { program_zero, .. } => program_zero.is_some(),
             _ => false,
@@ -143,16 +147,10 @@ impl ProgramFacts {
 
 /// Whether a block cuts a thread, so that its F is a lead. `before` is the code of group 01
 /// before the block.
-pub(super) fn is_thread(words: &[WrittenWord], before: u8) -> bool {
+pub(super) fn is_thread(words: &[WrittenWord], before: MotionCode) -> bool {
     let mut codes = numbers_of(words, b'G').flatten();
-    let motion = codes.clone().rfind(|code| is_motion(*code));
-    let motion = motion.unwrap_or_else(|| u32::from(before));
-    matches!(motion, 32..=34 | 92) || codes.any(|code| code == 76)
-}
-
-/// Whether a G code belongs to group 01.
-const fn is_motion(code: u32) -> bool {
-    matches!(code, 0..=3 | 32..=34 | 90 | 92 | 94)
+    let motion = codes.clone().filter_map(MotionCode::from_number).last();
+    motion.unwrap_or(before).is_thread() || codes.any(|code| code == 76)
 }
 
 #[cfg(test)]
@@ -170,7 +168,7 @@ mod tests {
         assert_eq!(uncertain("G00 U2 F100 (Z5)").0, 1 | 4 | 8 | 256 | 512);
         assert_eq!(uncertain("G04 Q1"), ProgramFacts::NONE);
         assert_eq!(
-            ProgramFacts::defined_by(&split_line("M03 S500 G99"), 0),
+            ProgramFacts::defined_by(&split_line("M03 S500 G99"), MotionCode::Rapid),
             ProgramFacts::SPINDLE_DIRECTION
                 .union(ProgramFacts::SPINDLE_SPEED)
                 .union(ProgramFacts::FEED_UNIT)
@@ -182,9 +180,18 @@ mod tests {
         let feeds = |line, before| {
             ProgramFacts::defined_by(&split_line(line), before).intersects(ProgramFacts::FEED)
         };
-        assert!(feeds("X5 F100", 1) && feeds("G01 X5 F100", 92));
-        assert!(ProgramFacts::defined_by(&split_line("X5 F2"), 92).intersects(ProgramFacts::LEAD));
-        assert!(!feeds("X5 F2", 92) && !feeds("G32 Z5 F2", 0) && !feeds("G76 X5 F2", 0));
+        assert!(
+            feeds("X5 F100", MotionCode::Line) && feeds("G01 X5 F100", MotionCode::ThreadCycle)
+        );
+        assert!(
+            ProgramFacts::defined_by(&split_line("X5 F2"), MotionCode::ThreadCycle)
+                .intersects(ProgramFacts::LEAD)
+        );
+        assert!(
+            !feeds("X5 F2", MotionCode::ThreadCycle)
+                && !feeds("G32 Z5 F2", MotionCode::Rapid)
+                && !feeds("G76 X5 F2", MotionCode::Rapid)
+        );
     }
 
     #[test]

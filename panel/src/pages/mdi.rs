@@ -99,7 +99,7 @@ fn draw_modal(screen: &mut Screen, cnc: &Cnc) {
     let feed = if modal.feed_per_revolution { 99 } else { 98 };
     let units = if modal.inch { 20 } else { 21 };
     let codes = [
-        (3, modal.motion),
+        (3, modal.motion.number()),
         (4, surface),
         (6, modal.nose_compensation),
         (7, feed),

@@ -11,9 +11,6 @@ use super::program_text::{self, Listing};
 use super::view::PageView;
 use crate::screen::{CellStyle, Screen};
 
-/// Group-01 G codes of thread cutting, whose F word is a lead.
-const THREADS: [u8; 5] = [32, 33, 34, 76, 92];
-
 /// Screen rows of the big figures of X and Z.
 const BIG_ROWS: [usize; 2] = [3, 6];
 /// Columns of the big letters, and end columns of the big figures: in the row's text, and on
@@ -79,7 +76,7 @@ fn state_rows(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
         screen.put_right(row, 17, &value);
     }
     let group_3 = if modal.feed_per_revolution { 99 } else { 98 };
-    screen.put_message(10, 20, &say::lcd_g_codes(modal.motion, group_3));
+    screen.put_message(10, 20, &say::lcd_g_codes(modal.motion.number(), group_3));
     let counters = cnc.counters();
     screen.put_message(11, 20, &say::lcd_parts());
     screen.put_right(11, 36, &counters.parts.to_string());
@@ -113,7 +110,7 @@ fn actual_rate(cnc: &Cnc) -> String {
             format!("{:.0}", cnc.feed_actual())
         }
         _ => {
-            let factor = if threads(cnc) {
+            let factor = if cnc.modal().motion.is_thread() {
                 1.0
             } else {
                 cnc.feed_override_factor()
@@ -125,17 +122,13 @@ fn actual_rate(cnc: &Cnc) -> String {
 
 fn feed(cnc: &Cnc, factor: f64) -> String {
     let rate = cnc.feed_commanded();
-    if threads(cnc) {
+    if cnc.modal().motion.is_thread() {
         format::per_revolution(cnc.thread_lead())
     } else if cnc.modal().feed_per_revolution {
         format::per_revolution(rate * factor)
     } else {
         format::per_minute(rate * factor)
     }
-}
-
-fn threads(cnc: &Cnc) -> bool {
-    THREADS.contains(&cnc.modal().motion)
 }
 
 /// Draws the page of all coordinates: relative, absolute, machine, and distance to go.

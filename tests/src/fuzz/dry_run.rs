@@ -79,7 +79,7 @@ fn check_command(command: &ControlCommand) {
         "action",
         (
             discriminant(&command.action),
-            modal.motion,
+            modal.motion.number(),
             modal.nose_compensation,
             modal.feed_per_revolution,
             command.block_end,

@@ -28,7 +28,7 @@ pub(super) fn fuzz_simulation(input: &[u8]) {
         watch::run_unit(|| simulation.tick());
         let cnc = &simulation.cnc;
         for event in cnc.events() {
-            watch::record_event("event", (discriminant(event), cnc.modal().motion));
+            watch::record_event("event", (discriminant(event), cnc.modal().motion.number()));
             if let Event::AlarmRaised(alarm) = event {
                 watch::record_event("alarm", alarm.number);
             }

@@ -170,7 +170,7 @@ impl Cnc {
         let Some(radius) = self.run.mdi.lone_r(&self.memory.parameters) else {
             return false;
         };
-        if matches!(self.modal().motion, 90 | 92 | 94) {
+        if self.modal().motion.is_canned_cycle() {
             return false;
         }
         let (_, number) = self.tool();

@@ -15,9 +15,9 @@ use gsk_messages::say;
 use crate::alarm::{Alarm, number};
 use crate::command::ProgramId;
 use crate::interpreter::context::BlockContext;
-use crate::interpreter::context::flow::Flow;
-use crate::interpreter::context::program_position::{CallKind, ProgramCall, ProgramPosition};
-use crate::interpreter::context::words::SortedWords;
+use crate::interpreter::flow::Flow;
+use crate::interpreter::flow::program_position::{CallKind, ProgramCall, ProgramPosition};
+use crate::interpreter::words::SortedWords;
 use crate::program::{Program, Syntax, WordNumber};
 
 /// Greatest number of nested calls by G20, G25 and G26.

@@ -9,7 +9,7 @@ use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
 use crate::alarm::{Alarm, number};
-use crate::interpreter::context::program_position::ProgramPosition;
+use crate::interpreter::flow::program_position::ProgramPosition;
 use crate::program::Program;
 
 /// Number of jumps whose targets are stored, so that a loop searches its target once.

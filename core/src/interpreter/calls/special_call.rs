@@ -12,8 +12,8 @@ use gsk_messages::say;
 use crate::alarm::{Alarm, number};
 use crate::interpreter::codes::miscellaneous;
 use crate::interpreter::context::BlockContext;
-use crate::interpreter::context::code_calls::PlainCall;
-use crate::interpreter::context::words::{OneShot, SortedWords};
+use crate::interpreter::flow::code_calls::PlainCall;
+use crate::interpreter::words::{OneShot, SortedWords};
 
 /// S and T codes that may call a subprogram.
 const CALLING_CODES: core::ops::RangeInclusive<i64> = 10..=99;

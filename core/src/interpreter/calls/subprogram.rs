@@ -13,8 +13,8 @@ use crate::alarm::{Alarm, number};
 use crate::command::ProgramId;
 use crate::interpreter::calls::special_call::SpecialCall;
 use crate::interpreter::context::BlockContext;
-use crate::interpreter::context::flow::Flow;
-use crate::interpreter::context::program_position::{CallKind, ProgramCall, ProgramPosition};
+use crate::interpreter::flow::Flow;
+use crate::interpreter::flow::program_position::{CallKind, ProgramCall, ProgramPosition};
 
 /// Greatest number of nested subprogram calls (M98).
 pub(crate) const MAX_CALL_DEPTH: usize = 4;

@@ -18,8 +18,8 @@
 use gsk_messages::{Message, say};
 
 use crate::alarm::{Alarm, number};
-use crate::interpreter::context::exact::ExactPoint;
-use crate::interpreter::context::words::ArcWords;
+use crate::interpreter::exact::ExactPoint;
+use crate::interpreter::words::ArcWords;
 use crate::model::{GCode, ModelRecord};
 use crate::units::Point;
 

@@ -15,8 +15,8 @@ use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
 use crate::command::Action;
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisTarget, AxisWords, SortedWords};
+use crate::interpreter::state::State;
+use crate::interpreter::words::{AxisTarget, AxisWords, SortedWords};
 use crate::units::Axis;
 
 /// Sets the work coordinates of a G50 block. Returns the new frame, or `None` for a block with

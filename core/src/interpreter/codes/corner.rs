@@ -18,16 +18,16 @@
 use gsk_messages::{Message, say};
 
 use crate::alarm::{Alarm, number};
-use crate::command::Action;
+use crate::command::{Action, MotionCode};
 use crate::interpreter::ModalState;
 use crate::interpreter::codes::positioning::{current_feed, plan_line};
 use crate::interpreter::codes::scale;
 use crate::interpreter::context::BlockContext;
-use crate::interpreter::context::exact::length_on_axis;
-use crate::interpreter::context::exact::{ExactPoint, to_mm};
-use crate::interpreter::context::moves::{FrameShift, MovePair};
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisTarget, AxisWords, SortedWords};
+use crate::interpreter::exact::length_on_axis;
+use crate::interpreter::exact::{ExactPoint, to_mm};
+use crate::interpreter::moves::{FrameShift, MovePair};
+use crate::interpreter::state::State;
+use crate::interpreter::words::{AxisTarget, AxisWords, SortedWords};
 use crate::units::Axis;
 
 /// How a corner connects its two cuts: by a chamfer or by a tangent arc.
@@ -39,7 +39,9 @@ enum CornerJoin {
 
 /// Whether a block may have a corner, so that the reader must read the next block.
 pub(crate) fn can_be_corner(words: &SortedWords, modal: &ModalState) -> bool {
-    has_corner_words(words) && words.one_shot.is_none() && words.motion.unwrap_or(modal.motion) == 1
+    has_corner_words(words)
+        && words.one_shot.is_none()
+        && words.motion.unwrap_or(modal.motion) == MotionCode::Line
 }
 
 /// Whether a G01 block has a word of a corner (I, K or R) other than 0.
@@ -147,14 +149,16 @@ fn find_next_end(
     };
     let next = scale::apply_scale(next, state.scale, context.model.record());
     let motion = next.motion.unwrap_or(state.modal.motion);
-    let is_thread = matches!(motion, 32 | 34);
+    let is_thread = motion.is_thread_pass();
     let axes = next
         .axis_words(context.x_factor, corner)
         .with_incremental(next.incremental.unwrap_or(state.incremental));
     let target = axes.get(axis).resolve(corner.get(axis));
     let is_alone = axes.get(axis.other()) == AxisTarget::None;
     match target {
-        Some(end) if is_alone && next.one_shot.is_none() && (motion == 1 || is_thread) => {
+        Some(end)
+            if is_alone && next.one_shot.is_none() && (motion == MotionCode::Line || is_thread) =>
+        {
             if is_thread && join == CornerJoin::Arc {
                 return Err(corner_alarm(say::corner_arc_before_thread()));
             }

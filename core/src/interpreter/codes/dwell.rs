@@ -13,8 +13,8 @@ use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
 use crate::command::Action;
-use crate::interpreter::context::exact::{UNITS_PER_MM, to_mm};
-use crate::interpreter::context::words::SortedWords;
+use crate::interpreter::exact::{UNITS_PER_MM, to_mm};
+use crate::interpreter::words::SortedWords;
 use crate::model::{GCode, ModelRecord};
 
 /// Plans the dwell of a G04 block, in whole ms; 0 ms is an exact stop.

@@ -3,18 +3,18 @@
 //! Lengths and the feed are inches. Times, counts, angles and threads per inch stay as they
 //! are. P and Q of cycles count in 0.0001 inch.
 
+use crate::command::MotionCode;
 use crate::program::{ProgramBlock, WordNumber};
 
 /// Converts a block in inches to millimetres. `motion` is the code of group 01 in force before
 /// the block.
-pub(crate) fn convert_to_metric(block: &mut ProgramBlock, motion: u8) {
+pub(crate) fn convert_to_metric(block: &mut ProgramBlock, motion: MotionCode) {
     let is_dwell = block.has_g(4);
-    let motion = block.g_codes().fold(motion, |motion, code| match code {
-        0..=3 | 32..=34 | 90 | 92 | 94 => code,
-        _ => motion,
+    let motion = block.g_codes().fold(motion, |motion, code| {
+        MotionCode::from_number(code.into()).unwrap_or(motion)
     });
     let is_r_count = block.has_g(76) && block.number(b'R').is_some_and(|r| !r.has_point());
-    let is_thread = block.has_g(76) || matches!(motion, 32..=34 | 92);
+    let is_thread = block.has_g(76) || motion.is_thread();
     // R of G73 is the number of passes, in both of its blocks.
     let is_r_passes = block.has_g(73);
     let has_end = block.has(b'X') || block.has(b'U') || block.has(b'Z') || block.has(b'W');

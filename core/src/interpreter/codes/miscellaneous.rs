@@ -7,8 +7,8 @@ use crate::command::Action;
 use crate::dialect;
 use crate::interpreter::codes::tool::ToolWord;
 use crate::interpreter::context::BlockContext;
-use crate::interpreter::context::exact::UNITS_PER_MM;
-use crate::interpreter::context::words::SortedWords;
+use crate::interpreter::exact::UNITS_PER_MM;
+use crate::interpreter::words::SortedWords;
 use crate::model::{MCode, MFunction, ModelRecord, hx31, ncb08};
 
 /// What the control does for an M code.

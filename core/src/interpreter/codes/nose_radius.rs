@@ -5,10 +5,10 @@ use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
 use crate::compensation::{CompensationFault, check_arc};
-use crate::interpreter::context::exact::{ExactPoint, UNITS_PER_MM};
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{ArcWords, SortedWords};
 use crate::interpreter::context::{BlockContext, CompensationMode};
+use crate::interpreter::exact::{ExactPoint, UNITS_PER_MM};
+use crate::interpreter::state::State;
+use crate::interpreter::words::{ArcWords, SortedWords};
 use crate::memory::ControlParameters;
 use crate::units::Point;
 

@@ -14,8 +14,8 @@ use gsk_messages::say;
 use crate::alarm::{Alarm, number};
 use crate::command::Action;
 use crate::interpreter::ModalState;
-use crate::interpreter::context::exact::{CoordinateRange, ExactPoint, to_mm};
-use crate::interpreter::context::state::State;
+use crate::interpreter::exact::{CoordinateRange, ExactPoint, to_mm};
+use crate::interpreter::state::State;
 use crate::units::{Axis, Feed};
 
 /// Plans the rapid to the programmed point `to`.

@@ -14,9 +14,9 @@ use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
 use crate::interpreter::codes::miscellaneous;
-use crate::interpreter::context::exact::{UNITS_PER_MM, scale_rounded as times, to_mm};
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{LeadUnit, OneShot, SortedWords};
+use crate::interpreter::exact::{UNITS_PER_MM, scale_rounded as times, to_mm};
+use crate::interpreter::state::State;
+use crate::interpreter::words::{LeadUnit, OneShot, SortedWords};
 use crate::model::ModelRecord;
 
 /// Allowed scale factors (L of G31), in millionths.

@@ -10,9 +10,9 @@ use gsk_messages::say;
 use crate::alarm::{Alarm, number};
 use crate::command::SpindleCommand;
 use crate::interpreter::context::BlockContext;
-use crate::interpreter::context::exact::to_mm;
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::SortedWords;
+use crate::interpreter::exact::to_mm;
+use crate::interpreter::state::State;
+use crate::interpreter::words::SortedWords;
 
 /// Greatest spindle speed, r/min.
 const MAX_SPEED_RPM: f64 = 9999.0;

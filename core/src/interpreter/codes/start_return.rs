@@ -13,8 +13,8 @@ use crate::alarm::{Alarm, number};
 use crate::command::Action;
 use crate::interpreter::codes::positioning::{self, check_stroke};
 use crate::interpreter::context::BlockContext;
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisWords, StartReturn};
+use crate::interpreter::state::State;
+use crate::interpreter::words::{AxisWords, StartReturn};
 
 /// Plans the rapid back to the position that the tool had at cycle start.
 ///

@@ -13,8 +13,8 @@ use crate::alarm::{Alarm, number};
 use crate::command::Action;
 use crate::compensation::Nose;
 use crate::interpreter::context::BlockContext;
-use crate::interpreter::context::exact::ExactPoint;
-use crate::interpreter::context::state::State;
+use crate::interpreter::exact::ExactPoint;
+use crate::interpreter::state::State;
 use crate::units::PerAxis;
 
 /// Greatest offset number in a T word.

@@ -9,9 +9,9 @@
 //! ```
 
 use crate::command::Action;
-use crate::interpreter::context::exact::ExactPoint;
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisTarget, AxisWords, ZeroOffsetCode};
+use crate::interpreter::exact::ExactPoint;
+use crate::interpreter::state::State;
+use crate::interpreter::words::{AxisTarget, AxisWords, ZeroOffsetCode};
 use crate::units::Axis;
 
 /// Moves the program zero as G54 to G57 (`code`) command with the values of X and Z. Returns

@@ -7,12 +7,12 @@ use crate::alarm::{Alarm, number};
 use crate::command::Action;
 use crate::compensation::{Nose, box_corners};
 use crate::interpreter::codes::positioning;
-use crate::interpreter::context::exact::{CoordinateRange, ExactPoint, to_mm};
-use crate::interpreter::context::explanation::{
+use crate::interpreter::exact::{CoordinateRange, ExactPoint, to_mm};
+use crate::interpreter::moves::explanation::{
     Explanation, PassNote, depth_mm, format_corner_b, formula_message,
 };
-use crate::interpreter::context::planned_action::PlannedAction;
-use crate::interpreter::context::state::State;
+use crate::interpreter::moves::planned_action::PlannedAction;
+use crate::interpreter::state::State;
 use crate::units::{Axis, Feed, Point};
 
 /// The remaining moves of a G90 or G94. Single block stops after each move.

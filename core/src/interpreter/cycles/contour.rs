@@ -13,7 +13,7 @@ use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 use crate::alarm::Alarm;
-use crate::interpreter::context::exact::{ExactPoint, UNITS_PER_MM, round_to_units, scale_rounded};
+use crate::interpreter::exact::{ExactPoint, UNITS_PER_MM, round_to_units, scale_rounded};
 use crate::interpreter::profile::{Profile, ProfileSegment, StepShape, start_alarm};
 use crate::units::{Axis, Point};
 

@@ -10,11 +10,11 @@
 //! ```
 
 use crate::alarm::Alarm;
-use crate::interpreter::context::cycle_words::CycleData;
-use crate::interpreter::context::exact::{CoordinateRange, ExactPoint};
-use crate::interpreter::context::explanation::PassNote;
-use crate::interpreter::context::state::State;
 use crate::interpreter::cycles::box_cycle::{BoxCycle, check_taper};
+use crate::interpreter::exact::{CoordinateRange, ExactPoint};
+use crate::interpreter::moves::explanation::PassNote;
+use crate::interpreter::state::State;
+use crate::interpreter::state::cycle_words::CycleData;
 use crate::units::Axis;
 
 /// Plans a G94 from the current position to the end point of `data` and back.

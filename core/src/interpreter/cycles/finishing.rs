@@ -10,13 +10,13 @@ use gsk_messages::say;
 use crate::alarm::Alarm;
 use crate::command::SourcePosition;
 use crate::interpreter::context::BlockContext;
-use crate::interpreter::context::exact::to_mm;
-use crate::interpreter::context::explanation::Explanation;
-use crate::interpreter::context::flow::{Finishing, Flow};
-use crate::interpreter::context::program_position::ProgramPosition;
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::SortedWords;
+use crate::interpreter::exact::to_mm;
+use crate::interpreter::flow::program_position::ProgramPosition;
+use crate::interpreter::flow::{Finishing, Flow};
+use crate::interpreter::moves::explanation::Explanation;
 use crate::interpreter::profile::{self, ProfileRange};
+use crate::interpreter::state::State;
+use crate::interpreter::words::SortedWords;
 
 /// Plans a G70: finds and checks the profile, and returns the flow that runs it.
 ///

@@ -17,18 +17,18 @@ use crate::alarm::{Alarm, number};
 use crate::command::Action;
 use crate::interpreter::codes::positioning::{check_stroke, current_feed};
 use crate::interpreter::context::BlockContext;
-use crate::interpreter::context::exact::{CoordinateRange, ExactPoint, UNITS_PER_MM, to_mm};
-use crate::interpreter::context::explanation::{
+use crate::interpreter::cycles::contour::{ContourPoint, CutDirections, CutPlane, find_cut_end};
+use crate::interpreter::exact::{CoordinateRange, ExactPoint, UNITS_PER_MM, to_mm};
+use crate::interpreter::moves::explanation::{
     Explanation, PassNote, axis_letter, depth_mm, formula_message,
 };
-use crate::interpreter::context::moves::{FrameShift, Move};
-use crate::interpreter::context::parameter_writes::ParameterWrites;
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::SortedWords;
-use crate::interpreter::cycles::contour::{ContourPoint, CutDirections, CutPlane, find_cut_end};
+use crate::interpreter::moves::{FrameShift, Move};
+use crate::interpreter::parameter_writes::ParameterWrites;
 use crate::interpreter::profile::{
     self, Profile, ProfileRange, ProfileSegment, StepShape, start_alarm,
 };
+use crate::interpreter::state::State;
+use crate::interpreter::words::SortedWords;
 use crate::memory::parameter;
 use crate::units::{Axis, Feed, Point};
 

@@ -17,13 +17,13 @@ use serde::{Deserialize, Serialize};
 use crate::alarm::{Alarm, number};
 use crate::interpreter::codes::positioning::{check_stroke, current_feed};
 use crate::interpreter::context::BlockContext;
-use crate::interpreter::context::exact::{ExactPoint, scale_rounded, to_mm};
-use crate::interpreter::context::explanation::{
+use crate::interpreter::exact::{ExactPoint, scale_rounded, to_mm};
+use crate::interpreter::moves::explanation::{
     Explanation, PassNote, axis_letter, depth_mm, formula_message,
 };
-use crate::interpreter::context::moves::{FrameShift, Move};
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisWords, SortedWords};
+use crate::interpreter::moves::{FrameShift, Move};
+use crate::interpreter::state::State;
+use crate::interpreter::words::{AxisWords, SortedWords};
 use crate::units::{Axis, Feed};
 
 /// The remaining moves of a G81 or G82. Lengths are in units of [`ExactPoint`], diameters

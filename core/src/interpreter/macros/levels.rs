@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::command::ProgramId;
-use crate::interpreter::context::program_position::{CallKind, ProgramCall};
+use crate::interpreter::flow::program_position::{CallKind, ProgramCall};
 use crate::interpreter::macros::formula::FormulaValue;
 
 /// Greatest number of a local variable, #33.

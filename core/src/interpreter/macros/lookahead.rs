@@ -3,11 +3,12 @@
 use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
+use crate::command::MotionCode;
 use crate::interpreter::codes::inch;
-use crate::interpreter::context::host::Host;
-use crate::interpreter::context::words::SortedWords;
+use crate::interpreter::host::Host;
 use crate::interpreter::macros::system::VariableSources;
 use crate::interpreter::macros::variable::{self, ReadError};
+use crate::interpreter::words::SortedWords;
 use crate::program::{Program, ProgramBlock, Syntax};
 
 /// Greatest number of blocks that the search for the next block that is not skipped reads.
@@ -44,7 +45,7 @@ impl<H: Host> LookaheadReader<'_, H> {
     pub(crate) fn read_words_at(
         &self,
         index: u32,
-        motion: u8,
+        motion: MotionCode,
     ) -> Result<Option<SortedWords>, ReadError> {
         let mut block = ProgramBlock::default();
         if let Err(error) = self.program.read(index, self.syntax, &mut block) {
@@ -89,7 +90,8 @@ impl<H: Host> LookaheadReader<'_, H> {
             .block_count()
             .min(next.saturating_add(MAX_SKIPPED_BLOCKS));
         end.saturating_sub(next) == MAX_SKIPPED_BLOCKS
-            || (next..end).any(|index| !matches!(self.read_words_at(index, 1), Ok(None)))
+            || (next..end)
+                .any(|index| !matches!(self.read_words_at(index, MotionCode::Line), Ok(None)))
     }
 
     /// Reads the words of the next block after `index` that is not skipped. `None` at the end
@@ -98,7 +100,7 @@ impl<H: Host> LookaheadReader<'_, H> {
     pub(crate) fn read_words_after(
         &self,
         index: u32,
-        motion: u8,
+        motion: MotionCode,
     ) -> Result<Option<SortedWords>, ReadError> {
         let next = index.saturating_add(1);
         let end = self

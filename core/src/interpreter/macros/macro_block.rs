@@ -9,7 +9,7 @@
 use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
-use crate::interpreter::context::host::Host;
+use crate::interpreter::host::Host;
 use crate::interpreter::macros::arithmetic::{self, Operands, Operation};
 use crate::interpreter::macros::variable::{MacroVariable, ReadError, read_value};
 use crate::memory::Variables;

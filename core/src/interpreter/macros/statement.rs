@@ -4,7 +4,7 @@ use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
 use crate::command::ProgramId;
-use crate::interpreter::context::program_position::{CallKind, ProgramCall, ProgramPosition};
+use crate::interpreter::flow::program_position::{CallKind, ProgramCall, ProgramPosition};
 use crate::interpreter::macros::formula::{self, FormulaContext, evaluate_formula};
 use crate::interpreter::macros::levels::{LocalVariables, ModalCall, RunningLoop};
 use crate::interpreter::macros::variable::ReadError;

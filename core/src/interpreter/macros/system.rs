@@ -27,12 +27,12 @@ use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
 use crate::command::{ProgramId, SourcePosition};
-use crate::interpreter::context::exact::ExactPoint;
-use crate::interpreter::context::host::Host;
-use crate::interpreter::context::state::State;
+use crate::interpreter::exact::ExactPoint;
+use crate::interpreter::host::Host;
 use crate::interpreter::macros::formula::{self, FormulaValue};
 use crate::interpreter::macros::levels::{LAST_LOCAL, Levels};
 use crate::interpreter::macros::variable::{MacroVariable, ReadError};
+use crate::interpreter::state::State;
 use crate::memory::{Counters, Registers, SwitchedOff, Variables};
 use crate::program::{FormulaCode, Program, ProgramBlock, Syntax};
 
@@ -99,7 +99,7 @@ impl VariableSources<'_> {
     fn read_modal(&self, number: u32, host: &impl Host) -> Option<f64> {
         let modal = &self.state.modal;
         Some(match number {
-            4001 => modal.motion.into(),
+            4001 => modal.motion.number().into(),
             4002 => {
                 if modal.surface_speed {
                     96.0

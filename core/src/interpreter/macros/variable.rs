@@ -11,7 +11,7 @@
 use gsk_messages::{Message, say};
 
 use crate::alarm::{Alarm, number};
-use crate::interpreter::context::host::Host;
+use crate::interpreter::host::Host;
 use crate::memory::Variables;
 use crate::program::{BlockError, ProgramBlock, Syntax, VariableReference};
 

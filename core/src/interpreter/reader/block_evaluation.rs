@@ -1,21 +1,21 @@
 //! Evaluates the sorted words of a block into its plan, and audits them in a preview.
 
 use crate::alarm::Alarm;
-use crate::command::SourcePosition;
+use crate::command::{Action, MotionCode, SourcePosition};
 use crate::interpreter::block;
 use crate::interpreter::codes::nose_radius::check_call;
-use crate::interpreter::context::code_calls::CodeCalls;
-use crate::interpreter::context::flow::Flow;
-use crate::interpreter::context::host::Host;
-use crate::interpreter::context::machine_codes::MachineCodes;
-use crate::interpreter::context::program_position::{ProgramCall, ProgramPosition};
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::SortedWords;
 use crate::interpreter::context::{BlockContext, CompensationMode};
+use crate::interpreter::flow::Flow;
+use crate::interpreter::flow::code_calls::CodeCalls;
+use crate::interpreter::flow::program_position::{ProgramCall, ProgramPosition};
+use crate::interpreter::host::Host;
+use crate::interpreter::host::machine_codes::MachineCodes;
 use crate::interpreter::macros::lookahead::{self, LookaheadReader};
 use crate::interpreter::plan::Plan;
 use crate::interpreter::run::InterpreterRun;
+use crate::interpreter::state::State;
 use crate::interpreter::word_audit::{EvaluatedBlock, WordAudit};
+use crate::interpreter::words::SortedWords;
 use crate::memory::ControlParameters;
 use crate::model::ControlModel;
 use crate::program::ProgramBlock;
@@ -122,7 +122,7 @@ pub(super) fn build_context<'a, H: Host>(
     position: ProgramPosition,
     calls: &'a [ProgramCall],
     mdi: bool,
-    read_words: &'a dyn Fn(u32, u8) -> Result<Option<SortedWords>, Alarm>,
+    read_words: &'a dyn Fn(u32, MotionCode) -> Result<Option<SortedWords>, Alarm>,
 ) -> BlockContext<'a> {
     let parameters = host.parameters();
     BlockContext {
@@ -140,8 +140,24 @@ pub(super) fn build_context<'a, H: Host>(
         x_factor: x_factor(parameters),
         compensation: CompensationMode::Never,
         read_words,
+        plan_profile_block: plan_moves,
         next: None,
     }
+}
+
+/// Evaluates the words of a block and returns the actions of its motion alone.
+///
+/// # Errors
+/// The alarm of a word. `state` is then unusable.
+fn plan_moves(
+    state: &mut State,
+    context: &BlockContext<'_>,
+    words: &SortedWords,
+) -> Result<Vec<Action>, Alarm> {
+    let mut plan = Plan::new(context.source, state.modal);
+    block::evaluate(state, context, words, &mut plan)?;
+    let actions = core::iter::from_fn(|| plan.motion.next_action());
+    Ok(actions.map(|planned| planned.action).collect())
 }
 
 /// Factor from a programmed X to a diameter: 2 under radius programming (001.2), else 1.

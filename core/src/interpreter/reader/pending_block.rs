@@ -1,23 +1,23 @@
 //! The block at the position of a run, and the steps that read it without changing anything.
 
 use crate::alarm::Alarm;
-use crate::command::{ProgramId, SequenceNumber, SourcePosition};
+use crate::command::{MotionCode, ProgramId, SequenceNumber, SourcePosition};
 use crate::interpreter::ModalState;
 use crate::interpreter::codes::corner;
 use crate::interpreter::codes::inch;
-use crate::interpreter::context::code_calls::{self, CodeCalls};
-use crate::interpreter::context::flow::Finishing;
-use crate::interpreter::context::host::Host;
-use crate::interpreter::context::program_position::ProgramPosition;
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::SortedWords;
+use crate::interpreter::flow::Finishing;
+use crate::interpreter::flow::code_calls::{self, CodeCalls};
+use crate::interpreter::flow::program_position::ProgramPosition;
+use crate::interpreter::host::Host;
 use crate::interpreter::macros::formula::FormulaContext;
 use crate::interpreter::macros::lookahead::LookaheadReader;
 use crate::interpreter::macros::statement::{self, StatementContext, StatementEffect};
 use crate::interpreter::macros::system::VariableSources;
 use crate::interpreter::macros::variable::ReadError;
 use crate::interpreter::run::InterpreterRun;
+use crate::interpreter::state::State;
 use crate::interpreter::word_audit::{BlockRemark, WordAudit};
+use crate::interpreter::words::SortedWords;
 use crate::program::{CodeCall, MacroStatement, Program, ProgramBlock, Syntax};
 
 use super::block_read::BlockRead;
@@ -305,7 +305,7 @@ impl<'a> PendingBlock<'a> {
         &self,
         block: &ProgramBlock,
         sources: Option<&VariableSources<'_>>,
-        motion: u8,
+        motion: MotionCode,
         host: &H,
     ) -> Result<Option<ProgramBlock>, ReadError> {
         let resolved = resolve_block(block, sources, self.syntax, host)?;
@@ -334,20 +334,20 @@ impl<'a> PendingBlock<'a> {
         let may_arrive =
             !self.is_mdi && ahead.host.programs().can_bring_block(self.position.program);
         if may_arrive
-            && (is_corner || is_thread(words, modal))
+            && (is_corner || cuts_thread_pass(words, modal))
             && !ahead.has_next(self.position.block)
         {
             return Err(ReadObstacle::Starved);
         }
         match is_corner {
-            true => Ok(ahead.read_words_after(self.position.block, 1)?),
+            true => Ok(ahead.read_words_after(self.position.block, MotionCode::Line)?),
             false => Ok(None),
         }
     }
 }
 
 /// Whether a block cuts a thread that may continue in the next block.
-fn is_thread(words: &SortedWords, modal: &ModalState) -> bool {
+fn cuts_thread_pass(words: &SortedWords, modal: &ModalState) -> bool {
     let motion = words.motion.unwrap_or(modal.motion);
-    matches!(motion, 32 | 34) && words.one_shot.is_none() && words.has_axis_words()
+    motion.is_thread_pass() && words.one_shot.is_none() && words.has_axis_words()
 }

@@ -1,6 +1,7 @@
 //! The order within a block, M codes, conflicts of G groups, and blocks that wait.
 
 use super::InterpreterBench;
+use crate::command::MotionCode;
 use crate::interpreter::InterpreterStep;
 
 #[test]
@@ -97,7 +98,10 @@ fn commands_hold_the_modal_state_after_the_block() {
     bench.open("G01 G99 X1 F0.2 T0102 S500 M03;");
     let (commands, _) = bench.run_to_end();
     let modal = commands[0].modal;
-    assert_eq!((modal.motion, modal.feed, modal.spindle), (1, 0.2, 500.0));
+    assert_eq!(
+        (modal.motion, modal.feed, modal.spindle),
+        (MotionCode::Line, 0.2, 500.0)
+    );
     assert_eq!((modal.tool, modal.offset, modal.m), (1, 2, Some(3)));
     assert!(modal.feed_per_revolution);
 }

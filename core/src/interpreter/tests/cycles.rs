@@ -1,6 +1,7 @@
 //! G90 and G94.
 
 use super::InterpreterBench;
+use crate::command::MotionCode;
 
 #[test]
 fn turning_cycle_has_four_stops() {
@@ -74,7 +75,7 @@ fn reset_keeps_the_code_and_clears_the_words() {
     let mut bench = InterpreterBench::at(130.0, 5.0);
     bench.trace("G90 X120 Z-30 R-2 F50;");
     bench.reset();
-    assert_eq!(bench.interpreter.modal().motion, 90);
+    assert_eq!(bench.interpreter.modal().motion, MotionCode::TurningCycle);
     let trace = bench.trace("N10;\nX110;\n");
     assert_eq!(trace[0], "1: nothing |");
     assert_eq!(trace[2], "2: line X110 Z5 F50 |");

@@ -1,6 +1,7 @@
 //! G70 to G73.
 
 use super::InterpreterBench;
+use crate::command::MotionCode;
 
 /// The G71 program of figure 3-38 of the manual: a shaft.
 const SHAFT: &str = "G71 U4.0 R1.0;
@@ -274,14 +275,14 @@ fn words_of_the_profile_count_in_finishing_only() {
             "8: end counts false m30 false",
         ]
     );
-    assert_eq!(bench.interpreter.modal().motion, 1);
+    assert_eq!(bench.interpreter.modal().motion, MotionCode::Line);
 }
 
 #[test]
 fn roughing_keeps_group_01() {
     let mut bench = InterpreterBench::at(50.0, 2.0);
     bench.trace("G00 X50 F50;\nG71 U10;\nG71 P1 Q2;\nN1 G01 X30;\nN2 Z-20;\n");
-    assert_eq!(bench.interpreter.modal().motion, 0);
+    assert_eq!(bench.interpreter.modal().motion, MotionCode::Rapid);
 }
 
 #[test]

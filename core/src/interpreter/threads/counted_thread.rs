@@ -19,16 +19,16 @@ use crate::alarm::{Alarm, number};
 use crate::command::{Action, ThreadPassFeature, ThreadStart};
 use crate::interpreter::codes::positioning::check_stroke;
 use crate::interpreter::context::BlockContext;
-use crate::interpreter::context::exact::{ExactPoint, UNITS_PER_MM, round_to_units, to_mm};
-use crate::interpreter::context::explanation::{
+use crate::interpreter::exact::{ExactPoint, UNITS_PER_MM, round_to_units, to_mm};
+use crate::interpreter::moves::explanation::{
     Explanation, PassNote, add_start_angle, depth_mm, formula_message,
 };
-use crate::interpreter::context::moves::{FrameShift, Move};
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisWords, LeadUnit, SortedWords};
+use crate::interpreter::moves::{FrameShift, Move};
+use crate::interpreter::state::State;
 use crate::interpreter::threads::lead_word;
 use crate::interpreter::threads::tapping::start_angle_degrees;
 use crate::interpreter::threads::thread::{self, RunOut, ThreadCut, long_axis};
+use crate::interpreter::words::{AxisWords, LeadUnit, SortedWords};
 use crate::units::{Axis, Point};
 
 /// Least increment of a depth, units of [`ExactPoint`].

@@ -4,9 +4,9 @@
 use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
-use crate::interpreter::context::exact::to_mm;
-use crate::interpreter::context::words::{LeadUnit, SortedWords};
+use crate::interpreter::exact::to_mm;
 use crate::interpreter::threads::thread::{LEAD_RANGE_MM, MM_PER_INCH, PER_INCH_RANGE};
+use crate::interpreter::words::{LeadUnit, SortedWords};
 
 /// Reads the lead of a thread block, mm per revolution. `code` is the G code of the block, for
 /// messages.

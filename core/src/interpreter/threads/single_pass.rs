@@ -15,13 +15,13 @@ use crate::alarm::{Alarm, number};
 use crate::command::{Action, ThreadStart};
 use crate::interpreter::codes::positioning::check_stroke;
 use crate::interpreter::context::BlockContext;
-use crate::interpreter::context::exact::{ExactPoint, to_mm};
-use crate::interpreter::context::explanation::{Explanation, PassNote, depth_mm, formula_message};
-use crate::interpreter::context::moves::{FrameShift, Move};
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisWords, LeadUnit, SortedWords};
+use crate::interpreter::exact::{ExactPoint, to_mm};
+use crate::interpreter::moves::explanation::{Explanation, PassNote, depth_mm, formula_message};
+use crate::interpreter::moves::{FrameShift, Move};
+use crate::interpreter::state::State;
 use crate::interpreter::threads::lead_word;
 use crate::interpreter::threads::thread::{self, ThreadCut, long_axis};
+use crate::interpreter::words::{AxisWords, LeadUnit, SortedWords};
 use crate::units::{Axis, Point};
 
 /// The three moves of a G33 or G34: rapid to the depth, thread, rapid out. Machine coordinates

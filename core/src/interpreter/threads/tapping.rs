@@ -13,13 +13,13 @@ use crate::alarm::{Alarm, number};
 use crate::command::Action;
 use crate::interpreter::codes::positioning::check_stroke;
 use crate::interpreter::context::BlockContext;
-use crate::interpreter::context::exact::{CoordinateRange, to_mm};
-use crate::interpreter::context::explanation::{Explanation, PassNote, add_start_angle};
-use crate::interpreter::context::moves::{FrameShift, Move};
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisWords, LeadUnit, SortedWords};
+use crate::interpreter::exact::{CoordinateRange, to_mm};
+use crate::interpreter::moves::explanation::{Explanation, PassNote, add_start_angle};
+use crate::interpreter::moves::{FrameShift, Move};
+use crate::interpreter::state::State;
 use crate::interpreter::threads::lead_word;
 use crate::interpreter::threads::thread;
+use crate::interpreter::words::{AxisWords, LeadUnit, SortedWords};
 use crate::units::Point;
 
 /// The remaining thread starts of a tapping cycle, all at the same hole.

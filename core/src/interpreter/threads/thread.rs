@@ -12,14 +12,14 @@
 use gsk_messages::{Message, say};
 
 use crate::alarm::{Alarm, number};
-use crate::command::{Action, ThreadStart};
+use crate::command::{Action, MotionCode, ThreadStart};
 use crate::interpreter::codes::positioning::check_stroke;
-use crate::interpreter::context::exact::{
+use crate::interpreter::exact::{
     CoordinateRange, ExactPoint, UNITS_PER_MM, length_on_axis, scale_rounded, to_mm,
 };
-use crate::interpreter::context::moves::{FrameShift, MovePair};
-use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisWords, OneShot, SortedWords};
+use crate::interpreter::moves::{FrameShift, MovePair};
+use crate::interpreter::state::State;
+use crate::interpreter::words::{AxisWords, OneShot, SortedWords};
 use crate::units::{Axis, Point};
 
 /// Allowed leads of threads, mm per revolution.
@@ -32,11 +32,11 @@ const LEAD_CHANGE_RANGE: core::ops::RangeInclusive<i64> = 1_000..=500 * UNITS_PE
 pub(super) const MM_PER_INCH: f64 = 25.4;
 
 /// Whether F and I of a block set a thread lead. `motion` is the code of group 01 in force.
-pub(crate) fn is_lead_block(words: &SortedWords, motion: u8) -> bool {
+pub(crate) fn is_lead_block(words: &SortedWords, motion: MotionCode) -> bool {
     match words.one_shot {
         Some(OneShot::CompoundThread) => true,
         Some(_) => false,
-        None => matches!(motion, 32..=34 | 92),
+        None => motion.is_thread(),
     }
 }
 
@@ -219,7 +219,7 @@ pub(crate) fn plan_thread(
     axes: &AxisWords,
     range: CoordinateRange<'_>,
 ) -> Result<MovePair, Alarm> {
-    let is_variable_lead = state.modal.motion == 34;
+    let is_variable_lead = state.modal.motion == MotionCode::VariableThread;
     if words.r.is_some() && !is_variable_lead {
         return Err(Alarm::new(number::ARC_DATA).with_detail(say::thread_with_corner_arc()));
     }

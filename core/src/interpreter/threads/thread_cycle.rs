@@ -15,17 +15,15 @@ use serde::{Deserialize, Serialize};
 use crate::alarm::{Alarm, number};
 use crate::command::{Action, ThreadPassFeature, ThreadStart};
 use crate::interpreter::codes::positioning::check_stroke;
-use crate::interpreter::context::cycle_words::CycleData;
-use crate::interpreter::context::exact::length_on_axis;
-use crate::interpreter::context::exact::{
-    CoordinateRange, ExactPoint, UNITS_PER_MM, round_to_units, to_mm,
-};
-use crate::interpreter::context::explanation::{
+use crate::interpreter::cycles::box_cycle::check_taper;
+use crate::interpreter::exact::length_on_axis;
+use crate::interpreter::exact::{CoordinateRange, ExactPoint, UNITS_PER_MM, round_to_units, to_mm};
+use crate::interpreter::moves::explanation::{
     Explanation, PassNote, add_start_angle, depth_mm, format_corner_b,
 };
-use crate::interpreter::context::moves::{FrameShift, Move};
-use crate::interpreter::context::state::State;
-use crate::interpreter::cycles::box_cycle::check_taper;
+use crate::interpreter::moves::{FrameShift, Move};
+use crate::interpreter::state::State;
+use crate::interpreter::state::cycle_words::CycleData;
 use crate::interpreter::threads::tapping::start_angle_degrees;
 use crate::interpreter::threads::thread::{self, RunOut, ThreadCut, long_axis};
 use crate::memory::ControlParameters;

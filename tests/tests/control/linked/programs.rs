@@ -1,5 +1,6 @@
 //! Programs on a board end on the pulse, or are refused before anything moves.
 
+use gsk_core::command::MotionCode;
 use gsk_core::linked::LinkNote;
 use gsk_core::operation::RunState;
 use gsk_link::LinkState;
@@ -120,8 +121,8 @@ fn the_spindle_turns_before_the_cut_and_stops_with_reset() {
     machine.load(SHORT, None);
     machine.start_program();
     machine.watch = Some(|machine| {
-        let cuts =
-            machine.simulation.cnc.modal().motion == 1 && machine.twin.state() == GrblState::Run;
+        let cuts = machine.simulation.cnc.modal().motion == MotionCode::Line
+            && machine.twin.state() == GrblState::Run;
         let (way, speed, coolant) = machine.twin.outputs();
         // 500 of 9999 r/min at 10 V.
         assert!(

@@ -1,5 +1,6 @@
 //! Spindle and coolant that switch while the slides move.
 
+use gsk_core::command::MotionCode;
 use gsk_core::operation::RunState;
 
 use super::bench::config;
@@ -54,7 +55,7 @@ fn the_speed_follows_the_slide_and_not_the_kernel() {
         let made = (machine.twin.pulses()[0] - offset) as f64;
         let at = here + (made - cnc.pulses().x.0 as f64) / per_mm;
         let diameter = 2.0 * (at - cnc.frame().zero.x);
-        if (22.0..60.0).contains(&diameter) && cnc.modal().motion == 1 {
+        if (22.0..60.0).contains(&diameter) && cnc.modal().motion == MotionCode::Line {
             let rpm = 1000.0 * 120.0 / (core::f64::consts::PI * diameter);
             let duty = f64::from(machine.twin.output("PH6").unwrap());
             worst = worst.max((rpm / 9999.0 * 255.0 - duty).abs());

@@ -7,6 +7,7 @@ use gsk_twins::klipper::KlipperHardware;
 use super::lathe::{referenced_lathe, referenced_lathe_with};
 use super::machine::{StepCut, StepMachine};
 use crate::bench::keys::{CYCLE_START, FEED_HOLD, RESET};
+use gsk_core::command::MotionCode;
 
 /// A pulse of Z, mm.
 const PULSE_MM: f64 = 0.005;
@@ -432,7 +433,7 @@ fn reset_while_a_thread_waits_for_its_index() {
     lathe.start_program(&(program_head("M03 S30") + "G00 X29\nG32 Z-25 F2\nG00 X40\nM30\n"));
     assert!(lathe.run_until(120_000, |lathe| {
         let at = lathe.simulation.cnc.position_absolute();
-        at.x == 14.5 && lathe.simulation.cnc.modal().motion == 32
+        at.x == 14.5 && lathe.simulation.cnc.modal().motion == MotionCode::Thread
     }));
     lathe.run_ms(300);
     let at = lathe.simulation.cnc.position_absolute();

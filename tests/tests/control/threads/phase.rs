@@ -1,5 +1,6 @@
 //! Position of the groove: phase of passes and starts, lead-in and tail.
 
+use gsk_core::command::MotionCode;
 use gsk_core::machine::LatheFault;
 use gsk_core::operation::RunState;
 use gsk_core::plc::address::{Area, BitAddress};
@@ -58,7 +59,10 @@ fn passes_meet_the_same_groove_at_every_speed_and_start() {
             overrides.push(run.simulation.cnc.feed_override());
             run.tick();
             let slides = run.simulation.lathe.slide_position();
-            if before > -10.0 && slides.z <= -10.0 && run.simulation.cnc.modal().motion == 92 {
+            if before > -10.0
+                && slides.z <= -10.0
+                && run.simulation.cnc.modal().motion == MotionCode::ThreadCycle
+            {
                 let turns = run.simulation.lathe.spindle_degrees() / 360.0;
                 phases.push((turns + slides.z / LEAD).rem_euclid(1.0));
             }

@@ -3,8 +3,9 @@
 use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
+use crate::command::MotionCode;
 use crate::dialect;
-use crate::interpreter::context::exact::ExactPoint;
+use crate::interpreter::exact::ExactPoint;
 use crate::model::{GCode, ModelRecord};
 use crate::program::ProgramBlock;
 use crate::units::Axis;
@@ -191,8 +192,8 @@ pub(crate) enum ReturnRoute {
 pub(crate) struct SortedWords {
     /// The code of group 00 in the block.
     pub(crate) one_shot: Option<OneShot>,
-    /// Number of the code of group 01 (motion and G90, G92, G94) in the block.
-    pub(crate) motion: Option<u8>,
+    /// The code of group 01 (motion and G90, G92, G94) in the block.
+    pub(crate) motion: Option<MotionCode>,
     /// Group 04: 40, 41 or 42 for G40, G41 or G42.
     pub(crate) nose: Option<u8>,
     /// Group 02: true for G96, false for G97.
@@ -310,21 +311,11 @@ impl SortedWords {
         let Some(meaning) = record.g_code(code) else {
             return Err(unknown_g_alarm(code));
         };
+        if let Some(motion) = MotionCode::from_meaning(meaning) {
+            self.motion = Some(motion);
+            return Ok(());
+        }
         match meaning {
-            GCode::Rapid | GCode::StraightRapid => self.motion = Some(0),
-            GCode::Line => self.motion = Some(1),
-            GCode::ArcClockwise | GCode::LongArcClockwise | GCode::DiameterArcClockwise => {
-                self.motion = Some(2);
-            }
-            GCode::ArcCounterclockwise
-            | GCode::LongArcCounterclockwise
-            | GCode::DiameterArcCounterclockwise => self.motion = Some(3),
-            GCode::Thread => self.motion = Some(32),
-            GCode::Tapping => self.motion = Some(33),
-            GCode::VariableThread => self.motion = Some(34),
-            GCode::TurningCycle => self.motion = Some(90),
-            GCode::ThreadCycle => self.motion = Some(92),
-            GCode::FacingCycle => self.motion = Some(94),
             GCode::ExactStop => self.exact_stop = true,
             GCode::Absolute => self.incremental = Some(false),
             GCode::Incremental => self.incremental = Some(true),

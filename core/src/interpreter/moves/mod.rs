@@ -1,12 +1,15 @@
 //! Moves of codes and cycles, in machine coordinates.
 
+pub(super) mod explanation;
+pub(super) mod planned_action;
+
 use serde::{Deserialize, Serialize};
 
 use crate::command::Action;
-use crate::interpreter::context::exact::ExactPoint;
-use crate::interpreter::context::explanation::PassNote;
-use crate::interpreter::context::planned_action::PlannedAction;
-use crate::interpreter::context::state::State;
+use crate::interpreter::exact::ExactPoint;
+use crate::interpreter::moves::explanation::PassNote;
+use crate::interpreter::moves::planned_action::PlannedAction;
+use crate::interpreter::state::State;
 use crate::units::{Feed, Point};
 
 /// The shift from programmed to machine coordinates. A cycle stores this shift, which does not

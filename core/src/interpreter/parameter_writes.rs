@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::interpreter::context::exact::scale_rounded;
+use crate::interpreter::exact::scale_rounded;
 use crate::memory::{ControlParameters, ParameterError};
 
 /// Numbers and values of parameters to write when the reader accepts the block.

@@ -2,7 +2,7 @@
 
 use core::cell::LazyCell;
 
-use super::Host;
+use crate::interpreter::host::Host;
 use crate::memory::{ControlParameters, ControlSettings, Counters, Offsets, Registers, Variables};
 use crate::program::ProgramMemory;
 use crate::units::{PerAxis, Point};

@@ -3,7 +3,7 @@
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-use crate::interpreter::context::exact::{ExactPoint, to_mm};
+use crate::interpreter::exact::{ExactPoint, to_mm};
 use crate::units::Axis;
 
 /// Explains to a learner why a pass of a cycle is at its depth or position.

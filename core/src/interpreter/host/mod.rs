@@ -1,6 +1,9 @@
 //! The interface between the interpreter and its host: the data it reads and the answers it
 //! gives.
 
+pub(super) mod immediate_host;
+pub(super) mod machine_codes;
+
 use crate::command::ControlCommand;
 use crate::memory::{ControlParameters, ControlSettings, Counters, Offsets, Registers, Variables};
 use crate::program::ProgramMemory;

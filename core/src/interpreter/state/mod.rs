@@ -1,13 +1,15 @@
 //! The state of the interpreter after the blocks read so far.
 
+pub(super) mod cycle_words;
+
 use serde::{Deserialize, Serialize};
 
 use crate::command::{Frame, ZeroOffset};
 use crate::compensation::Nose;
 use crate::interpreter::ModalState;
-use crate::interpreter::context::cycle_words::CycleWords;
-use crate::interpreter::context::exact::ExactPoint;
-use crate::interpreter::context::words::{AxisTarget, AxisWords};
+use crate::interpreter::exact::ExactPoint;
+use crate::interpreter::state::cycle_words::CycleWords;
+use crate::interpreter::words::{AxisTarget, AxisWords};
 use crate::units::{Axis, PerAxis};
 
 /// The modal codes, position and offsets after the blocks read so far. Small and `Copy`, so

@@ -1,12 +1,15 @@
 //! Which block the reader reads after a block.
 
+pub(super) mod code_calls;
+pub(super) mod program_position;
+
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
 use crate::command::SourcePosition;
-use crate::interpreter::context::exact::ExactPoint;
-use crate::interpreter::context::program_position::{ProgramCall, ProgramPosition};
+use crate::interpreter::exact::ExactPoint;
+use crate::interpreter::flow::program_position::{ProgramCall, ProgramPosition};
 
 /// What a run does after a block.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

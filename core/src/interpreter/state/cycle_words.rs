@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::interpreter::context::exact::ExactPoint;
-use crate::interpreter::context::words::{AxisWords, SortedWords};
+use crate::interpreter::exact::ExactPoint;
+use crate::interpreter::words::{AxisWords, SortedWords};
 
 /// The words of earlier G90, G92 and G94 blocks. An increment is stored as its absolute end
 /// point, in units of [`ExactPoint`].

@@ -12,8 +12,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::interpreter::context::program_position::ProgramCall;
-use crate::interpreter::context::words::SortedWords;
+use crate::interpreter::flow::program_position::ProgramCall;
+use crate::interpreter::words::SortedWords;
 use crate::model::code_calls::{
     FIRST_G_PROGRAM, FIRST_M_PROGRAM, FIRST_PLAIN_M_PROGRAM, T_PROGRAM,
 };

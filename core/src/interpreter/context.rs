@@ -1,30 +1,21 @@
 //! The data that the evaluation of a block reads: state, words, machine and calls.
 
-pub(super) mod code_calls;
-pub(super) mod cycle_words;
-pub(super) mod exact;
-pub(super) mod explanation;
-pub(super) mod flow;
-pub(super) mod host;
-pub(super) mod machine_codes;
-pub(super) mod moves;
-pub(super) mod parameter_writes;
-pub(super) mod planned_action;
-pub(super) mod program_position;
-pub(super) mod state;
-pub(super) mod words;
-
 use crate::alarm::Alarm;
-use crate::command::SourcePosition;
-use crate::interpreter::context::code_calls::CodeCalls;
-use crate::interpreter::context::exact::CoordinateRange;
-use crate::interpreter::context::machine_codes::MachineCodes;
-use crate::interpreter::context::program_position::{ProgramCall, ProgramPosition};
-use crate::interpreter::context::words::SortedWords;
+use crate::command::{Action, MotionCode, SourcePosition};
+use crate::interpreter::exact::CoordinateRange;
+use crate::interpreter::flow::code_calls::CodeCalls;
+use crate::interpreter::flow::program_position::{ProgramCall, ProgramPosition};
+use crate::interpreter::host::machine_codes::MachineCodes;
+use crate::interpreter::state::State;
+use crate::interpreter::words::SortedWords;
 use crate::memory::{ControlParameters, Offsets};
 use crate::model::ControlModel;
 use crate::program::ProgramMemory;
 use crate::units::PerAxis;
+
+/// Evaluates the words of a block: updates the state and returns the moves.
+pub(crate) type ProfileBlockPlanner =
+    fn(&mut State, &BlockContext<'_>, &SortedWords) -> Result<Vec<Action>, Alarm>;
 
 /// The data that the evaluation of a block reads besides the words of the block and the state.
 pub(crate) struct BlockContext<'a> {
@@ -52,7 +43,10 @@ pub(crate) struct BlockContext<'a> {
     pub(crate) compensation: CompensationMode,
     /// Reads the words of a block of this program, by its index and the code of group 01
     /// before it; `None` for a skipped block.
-    pub(crate) read_words: &'a dyn Fn(u32, u8) -> Result<Option<SortedWords>, Alarm>,
+    pub(crate) read_words: &'a dyn Fn(u32, MotionCode) -> Result<Option<SortedWords>, Alarm>,
+    /// Plans the moves of a block in the profile of a cycle. A function, because a profile is
+    /// part of a block itself.
+    pub(crate) plan_profile_block: ProfileBlockPlanner,
     /// The words of the next block; `None` unless the block has a corner and a block follows
     /// it.
     pub(crate) next: Option<&'a SortedWords>,
