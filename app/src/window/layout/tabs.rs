@@ -3,8 +3,8 @@
 
 use egui::{Rect, Vec2};
 
+use super::Scales;
 use super::panes::{Arrangement, PaneTabs, WindowPane};
-use super::{Scales, UNITS_PER_DOT};
 use crate::window::panel_placement;
 use crate::window::view::ViewId;
 
@@ -22,8 +22,7 @@ pub fn is_crowded(arranged: &Arrangement, scales: Scales) -> bool {
     }
     arranged.panes.iter().any(|(pane, place)| match pane {
         WindowPane::Panel => {
-            let scale = panel_placement::scale_of_whole(place.size());
-            let dot = scale * UNITS_PER_DOT * scales.pixels_per_point;
+            let dot = panel_placement::lcd_zoom(*place, scales.pixels_per_point);
             dot < 0.98 || panel_placement::min_key_size(*place) < scales.min_key_size * 0.98
         }
         WindowPane::View(view) => {
