@@ -93,7 +93,12 @@ pub fn arrange_panes(
         return arranged;
     }
     if bounds.height() > bounds.width() {
-        let panel_height_share = bounds.width() * SIZE.1 / SIZE.0 / bounds.height();
+        // Below one view the panel has a square, for an LCD above its keys.
+        let panel_height = match views.len() {
+            1 => bounds.width(),
+            _ => bounds.width() * SIZE.1 / SIZE.0,
+        };
+        let panel_height_share = panel_height / bounds.height();
         let panel_height_share = panel_height_share.clamp(0.3, 0.7);
         let split = dragged_share(SINGLE_SPLIT).unwrap_or(1.0 - panel_height_share);
         let (above, below) = arranged.split(bounds, SINGLE_SPLIT, false, split);
