@@ -1,11 +1,14 @@
 //! Positions the panel in the window: as a whole, or split into its sections. The arrangement
 //! with the largest legends is used.
 
+mod sections;
+
 use egui::{Pos2, Rect, Vec2, pos2, vec2};
 use gsk_panel::faceplate::{self, PanelArea, PanelPart, SIZE, parts};
 use gsk_panel::keys::Key;
 
 use super::lcd;
+use sections::{ARRANGEMENTS, SectionPlan};
 
 /// Minimum side of a key for fingers, points: 9 mm at 96 points per inch.
 pub const FINGER_KEY_SIZE: f32 = 9.0 / 25.4 * 96.0;
@@ -26,11 +29,11 @@ const MAX_LCD_ZOOM: u32 = 6;
 const LCD_TEXT_GAIN: f32 = 1.4;
 const UPRIGHT_LCD_TEXT_GAIN: f32 = 2.4;
 /// Value of a larger LCD among arrangements with equal legends.
-const LCD_WEIGHT: f32 = 0.1;
+const LCD_WEIGHT: f32 = 0.2;
+/// Value of larger keys among arrangements in which the LCD limits the score.
+const KEY_WEIGHT: f32 = 0.1;
 /// Height divided by width from which the available area counts as upright.
 const UPRIGHT_RATIO: f32 = 1.25;
-/// Factor by which a section at most grows beyond the common scale to fill its cell.
-const MAX_GROWTH: f32 = 1.3;
 /// Em size of the smallest legend, panel units.
 const LEGEND_HEIGHT: f32 = 15.04;
 /// Smallest legends that are read without effort, physical pixels.
@@ -138,12 +141,11 @@ pub fn place_stop_keys(bar: Rect, pixels_per_point: f32) -> Vec<PlacedArea> {
 pub fn place_panel(bounds: Rect, pixels_per_point: f32) -> Vec<PlacedArea> {
     let whole = PlacedArea::fit(PanelArea::WHOLE, bounds, pixels_per_point);
     let is_crisp = lcd::fit(whole.to_window(faceplate::lcd()), pixels_per_point).is_crisp;
-    let whole_score = whole.scale
-        * if is_crisp {
-            CRISP_WHOLE_VALUE
-        } else {
-            BLURRED_WHOLE_VALUE
-        };
+    let whole_value = match is_crisp {
+        true => CRISP_WHOLE_VALUE,
+        false => BLURRED_WHOLE_VALUE,
+    };
+    let whole_score = whole.scale * (1.0 + LCD_WEIGHT + KEY_WEIGHT) * whole_value;
     let text_gain = match bounds.height() < bounds.width() * UPRIGHT_RATIO {
         true => LCD_TEXT_GAIN,
         false => UPRIGHT_LCD_TEXT_GAIN,
@@ -151,10 +153,16 @@ pub fn place_panel(bounds: Rect, pixels_per_point: f32) -> Vec<PlacedArea> {
     let mut best: Option<(f32, SectionPlan)> = None;
     for zoom in 1..=MAX_LCD_ZOOM {
         let lcd_scale = zoom as f32 / UNITS_PER_DOT / pixels_per_point;
-        for rows in ARRANGEMENTS {
-            let plan = SectionPlan::fit(rows, lcd_scale, bounds.size());
-            let score = plan.key_scale.min(text_gain * lcd_scale) + LCD_WEIGHT * lcd_scale;
-            let score = if plan.key_scale > 0.01 { score } else { 0.0 };
+        for arrangement in &ARRANGEMENTS {
+            let plan = SectionPlan::fit(arrangement, lcd_scale, bounds.size());
+            let score = match plan.key_scale > 0.01 {
+                true => {
+                    plan.key_scale.min(text_gain * lcd_scale)
+                        + LCD_WEIGHT * lcd_scale
+                        + KEY_WEIGHT * plan.key_scale
+                }
+                false => 0.0,
+            };
             let best_score = best.as_ref().map_or(whole_score, |(score, _)| *score);
             if score > best_score {
                 best = Some((score, plan));
@@ -184,179 +192,6 @@ pub fn lcd_zoom(bounds: Rect, pixels_per_point: f32) -> f32 {
     let screen = faceplate::lcd();
     let view = placed.iter().find(|view| view.area.rect.encloses(&screen));
     view.map_or(0.0, |view| view.scale * UNITS_PER_DOT * pixels_per_point)
-}
-
-/// Rows of columns of sections, which are stacked in a column.
-type SectionRows = &'static [&'static [&'static [usize]]];
-
-// Indices of the sections.
-const LCD: usize = 0;
-const NAME: usize = 1;
-const EDIT: usize = 2;
-const MODES: usize = 3;
-const DIRECTIONS: usize = 4;
-const RUN: usize = 5;
-const ADDITIONAL: usize = 6;
-
-/// The arrangements of the sections, from that of a wide pane to that of an upright one.
-const ARRANGEMENTS: [SectionRows; 8] = [
-    &[
-        &[&[LCD], &[NAME, EDIT]],
-        &[&[MODES], &[DIRECTIONS], &[RUN], &[ADDITIONAL]],
-    ],
-    &[
-        &[&[LCD, NAME], &[EDIT], &[ADDITIONAL, DIRECTIONS]],
-        &[&[MODES], &[RUN]],
-    ],
-    &[
-        &[&[LCD, NAME], &[MODES, RUN]],
-        &[&[EDIT], &[ADDITIONAL, DIRECTIONS]],
-    ],
-    &[
-        &[&[LCD, NAME], &[ADDITIONAL, DIRECTIONS, RUN]],
-        &[&[EDIT], &[MODES]],
-    ],
-    &[
-        &[&[LCD, NAME], &[ADDITIONAL, RUN]],
-        &[&[EDIT], &[DIRECTIONS]],
-        &[&[MODES]],
-    ],
-    &[
-        &[&[LCD, NAME], &[ADDITIONAL, RUN]],
-        &[&[EDIT]],
-        &[&[MODES], &[DIRECTIONS]],
-    ],
-    &[
-        &[&[LCD, NAME]],
-        &[&[EDIT], &[ADDITIONAL, DIRECTIONS]],
-        &[&[MODES], &[RUN]],
-    ],
-    &[
-        &[&[LCD, NAME]],
-        &[&[EDIT]],
-        &[&[MODES], &[DIRECTIONS]],
-        &[&[RUN], &[ADDITIONAL]],
-    ],
-];
-
-/// An arrangement of the sections with its scales, points per panel unit.
-struct SectionPlan {
-    rows: SectionRows,
-    lcd_scale: f32,
-    key_scale: f32,
-}
-
-impl SectionPlan {
-    /// Finds the largest keys at which the arrangement fits into `room`.
-    fn fit(rows: SectionRows, lcd_scale: f32, room: Vec2) -> Self {
-        let mut plan = Self {
-            rows,
-            lcd_scale,
-            key_scale: 0.0,
-        };
-        let (mut low, mut high) = (0.0, room.max_elem() / SIZE.1 * 2.0);
-        for _ in 0..14 {
-            plan.key_scale = f32::midpoint(low, high);
-            let size = plan.size();
-            if size.x <= room.x && size.y <= room.y {
-                low = plan.key_scale;
-            } else {
-                high = plan.key_scale;
-            }
-        }
-        plan.key_scale = low;
-        plan
-    }
-
-    fn section_size(&self, section: usize) -> Vec2 {
-        let Some(area) = PanelArea::SECTIONS.get(section) else {
-            return Vec2::ZERO;
-        };
-        let scale = match section {
-            LCD => self.lcd_scale,
-            // It has no keys, and is no wider than the LCD.
-            NAME => (self.key_scale * 0.75).min(self.lcd_scale * 1.15),
-            // It has large parts and no legends.
-            ADDITIONAL => self.key_scale * 0.8,
-            _ => self.key_scale,
-        };
-        vec2(area.rect.w, area.rect.h) * scale
-    }
-
-    fn column_size(&self, column: &[usize]) -> Vec2 {
-        let sizes = column.iter().map(|section| self.section_size(*section));
-        sizes.fold(Vec2::ZERO, |sum, size| {
-            vec2(sum.x.max(size.x), sum.y + size.y)
-        })
-    }
-
-    fn row_size(&self, row: &[&[usize]]) -> Vec2 {
-        let sizes = row.iter().map(|column| self.column_size(column));
-        sizes.fold(Vec2::ZERO, |sum, size| {
-            vec2(sum.x + size.x, sum.y.max(size.y))
-        })
-    }
-
-    fn size(&self) -> Vec2 {
-        let sizes = self.rows.iter().map(|row| self.row_size(row));
-        sizes.fold(Vec2::ZERO, |sum, size| {
-            vec2(sum.x.max(size.x), sum.y + size.y)
-        })
-    }
-
-    /// Places the sections in `bounds`. Each row and column gets an equal part of the remaining
-    /// space, into which its sections grow.
-    fn place(&self, bounds: Rect, pixels_per_point: f32) -> Vec<PlacedArea> {
-        let mut placed = Vec::new();
-        let extra_height = (bounds.height() - self.size().y) / self.rows.len() as f32;
-        let mut y = bounds.top();
-        for row in self.rows {
-            let row_size = self.row_size(row);
-            let row_height = row_size.y + extra_height;
-            let extra_width = (bounds.width() - row_size.x) / row.len() as f32;
-            let mut x = bounds.left();
-            for column in *row {
-                let width = self.column_size(column).x + extra_width;
-                let cell = Rect::from_min_size(pos2(x, y), vec2(width, row_height));
-                self.place_column(column, cell, pixels_per_point, &mut placed);
-                x += width;
-            }
-            y += row_height;
-        }
-        placed
-    }
-
-    fn place_column(
-        &self,
-        column: &[usize],
-        cell: Rect,
-        pixels_per_point: f32,
-        placed: &mut Vec<PlacedArea>,
-    ) {
-        let is_fixed = column.contains(&LCD);
-        let growth = match is_fixed {
-            true => 1.0,
-            false => cell.height() / self.column_size(column).y,
-        };
-        let sizes: Vec<Vec2> = column
-            .iter()
-            .map(|section| {
-                let size = self.section_size(*section);
-                size * growth.min(cell.width() / size.x).clamp(1.0, MAX_GROWTH)
-            })
-            .collect();
-        let used: f32 = sizes.iter().map(|size| size.y).sum();
-        let gap = (cell.height() - used).max(0.0) / (column.len() + 1) as f32;
-        let mut top = cell.top() + gap;
-        for (section, size) in column.iter().zip(sizes) {
-            if let Some(area) = PanelArea::SECTIONS.get(*section) {
-                let left = cell.center().x - size.x / 2.0;
-                let room = Rect::from_min_size(pos2(left, top), size);
-                placed.push(PlacedArea::fit(*area, room, pixels_per_point));
-            }
-            top += size.y + gap;
-        }
-    }
 }
 
 /// Converts a position in the window to panel units; `None` outside the panel.

@@ -168,6 +168,12 @@ pub const FEED_PATH: Color32 = Color32::from_rgb(90, 180, 255);
 pub const THREAD_PATH: Color32 = Color32::from_rgb(80, 225, 120);
 /// Path of the running block.
 pub const RUNNING_PATH: Color32 = Color32::from_rgb(255, 255, 140);
+
+/// Glow around the path of the running block.
+pub fn running_glow() -> Color32 {
+    RUNNING_PATH.gamma_multiply(0.3)
+}
+
 /// Path of the selected block.
 pub const SELECTED_PATH: Color32 = Color32::from_rgb(255, 110, 220);
 /// Path of the selected pass of a cycle.
@@ -197,6 +203,8 @@ pub const SPINDLE_AXIS: Color32 = Color32::from_rgb(176, 120, 120);
 pub const PICTURE_LABEL_GROUND: Color32 = Color32::from_rgba_premultiplied(12, 12, 12, 170);
 /// Fill of the cut face of the half section.
 pub const SECTION: Color32 = Color32::from_rgb(118, 116, 112);
+/// Lines on the cut face of the half section.
+pub const HATCHING: Color32 = Color32::from_rgb(158, 156, 148);
 /// Fill of the outside of the part, below the axis.
 pub const PART_OUTSIDE: Color32 = Color32::from_rgb(74, 74, 76);
 pub const PART_EDGE: Color32 = Color32::from_rgb(196, 196, 192);
@@ -356,12 +364,6 @@ pub fn set_text_style(style: &mut Style) {
 
 // The light theme.
 
-/// Lightness in the light theme as a polynomial of the lightness in the dark theme, constant
-/// term first: the darkest background (0.15) becomes white, a pale ink (0.65) half dark, white
-/// (1.0) nearly black. Each ink keeps at least its contrast to the background in the dark
-/// theme, or a contrast of 7.
-const LIGHTNESS_POLYNOMIAL: [f32; 4] = [0.9915, 0.4878, -3.1663, 1.9369];
-
 #[derive(Default)]
 struct ThemePlugin {
     light: bool,
@@ -447,59 +449,8 @@ fn to_light(color: Color32) -> Color32 {
         return light;
     }
     let [red, green, blue, cover] = color.to_srgba_unmultiplied();
-    let [red, green, blue] = light::find_counterpart([red, green, blue], cover == u8::MAX)
-        .unwrap_or_else(|| to_light_rgb([red, green, blue]));
+    let [red, green, blue] = light::to_light_rgb([red, green, blue], cover == u8::MAX);
     let light = Color32::from_rgba_unmultiplied(red, green, blue, cover);
     LAST_CONVERSION.set((color, light));
     light
-}
-
-/// Converts an sRGB colour that is not in the palette to the light theme: maps the lightness in Oklab and keeps the hue.
-/// Equal steps in Oklab look equally large, so that colours that differ in the dark theme
-/// differ in the light one.
-fn to_light_rgb(color: [u8; 3]) -> [u8; 3] {
-    let [lightness, a, b] = linear_to_oklab(color.map(gamma_to_linear));
-    let [constant, first, second, third] = LIGHTNESS_POLYNOMIAL;
-    let lightness = constant + (first + (second + third * lightness) * lightness) * lightness;
-    // A colour outside the range of sRGB becomes paler until it is inside.
-    let shades = [1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1];
-    let colors =
-        shades.map(|saturation| oklab_to_linear([lightness, a * saturation, b * saturation]));
-    let displayable = colors
-        .into_iter()
-        .find(|color| color.iter().all(|part| (0.0..=1.0).contains(part)))
-        .unwrap_or_else(|| oklab_to_linear([lightness, 0.0, 0.0]));
-    displayable.map(linear_to_gamma)
-}
-
-/// Converts linear sRGB to Oklab (B. Ottosson, 2020).
-fn linear_to_oklab([r, g, b]: [f32; 3]) -> [f32; 3] {
-    let l = (0.412_221_46 * r + 0.536_332_55 * g + 0.051_445_995 * b).cbrt();
-    let m = (0.211_903_5 * r + 0.680_699_5 * g + 0.107_396_96 * b).cbrt();
-    let s = (0.088_302_46 * r + 0.281_718_85 * g + 0.629_978_7 * b).cbrt();
-    [
-        0.210_454_26 * l + 0.793_617_8 * m - 0.004_072_047 * s,
-        1.977_998_5 * l - 2.428_592_2 * m + 0.450_593_7 * s,
-        0.025_904_037 * l + 0.782_771_77 * m - 0.808_675_77 * s,
-    ]
-}
-
-/// Converts Oklab to linear sRGB.
-fn oklab_to_linear([lightness, a, b]: [f32; 3]) -> [f32; 3] {
-    let l = (lightness + 0.396_337_78 * a + 0.215_803_76 * b).powi(3);
-    let m = (lightness - 0.105_561_346 * a - 0.063_854_17 * b).powi(3);
-    let s = (lightness - 0.089_484_18 * a - 1.291_485_5 * b).powi(3);
-    [
-        4.076_741_7 * l - 3.307_711_6 * m + 0.230_969_94 * s,
-        -1.268_438 * l + 2.609_757_4 * m - 0.341_319_38 * s,
-        -0.004_196_086 * l - 0.703_418_6 * m + 1.707_614_7 * s,
-    ]
-}
-
-fn gamma_to_linear(part: u8) -> f32 {
-    egui::ecolor::linear_f32_from_gamma_u8(part)
-}
-
-fn linear_to_gamma(part: f32) -> u8 {
-    egui::ecolor::gamma_u8_from_linear_f32(part)
 }

@@ -49,7 +49,7 @@ const ORANGE: [u8; 3] = [170, 68, 0];
 const MAGENTA: [u8; 3] = [170, 24, 130];
 
 /// Colours of the dark palette with their light counterparts.
-const COLORS: [(Color32, [u8; 3]); 69] = [
+const COLORS: [(Color32, [u8; 3]); 70] = [
     (ACCENT, BLUE),
     (ACCENT_GROUND, [206, 226, 252]),
     (SUCCESS, GREEN),
@@ -78,8 +78,9 @@ const COLORS: [(Color32, [u8; 3]); 69] = [
     (PASS_PATH, [112, 88, 0]),
     (FAULT_PATH, [200, 14, 10]),
     (SPINDLE_AXIS, [160, 70, 70]),
-    (SECTION, [202, 205, 210]),
-    (PART_OUTSIDE, [226, 228, 232]),
+    (SECTION, [222, 225, 230]),
+    (HATCHING, [132, 136, 144]),
+    (PART_OUTSIDE, [206, 209, 214]),
     (PART_EDGE, [58, 60, 64]),
     (CHUCK, [214, 220, 228]),
     (CHUCK_JAWS, [188, 198, 212]),
@@ -128,7 +129,7 @@ static LIGHT_COLORS: LazyLock<HashMap<Color32, [u8; 3]>> =
 
 /// Finds the light counterpart of a colour of the dark palette; `None` for a colour that the
 /// palette does not contain.
-pub(super) fn find_counterpart([red, green, blue]: [u8; 3], is_opaque: bool) -> Option<[u8; 3]> {
+fn find_counterpart([red, green, blue]: [u8; 3], is_opaque: bool) -> Option<[u8; 3]> {
     let least = red.min(green).min(blue);
     let most = red.max(green).max(blue);
     let color = Color32::from_rgb(red, green, blue);
@@ -159,4 +160,65 @@ fn light_grey(grey: u8) -> u8 {
     let Some((low, high)) = rows else { return grey };
     let share = f32::from(grey - low.0) / f32::from(high.0 - low.0);
     egui::lerp(f32::from(low.1)..=f32::from(high.1), share).round() as u8
+}
+
+/// Converts an sRGB colour to the light theme.
+pub(super) fn to_light_rgb(color: [u8; 3], is_opaque: bool) -> [u8; 3] {
+    find_counterpart(color, is_opaque).unwrap_or_else(|| map_lightness(color))
+}
+
+/// Lightness in the light theme as a polynomial of the lightness in the dark theme, constant
+/// term first: the darkest background (0.15) becomes white, a pale ink (0.65) half dark, white
+/// (1.0) nearly black. Each ink keeps at least its contrast to the background in the dark
+/// theme, or a contrast of 7.
+const LIGHTNESS_POLYNOMIAL: [f32; 4] = [0.9915, 0.4878, -3.1663, 1.9369];
+
+/// Converts an sRGB colour that is not in the palette to the light theme: maps the lightness in Oklab and keeps the hue.
+/// Equal steps in Oklab look equally large, so that colours that differ in the dark theme
+/// differ in the light one.
+fn map_lightness(color: [u8; 3]) -> [u8; 3] {
+    let [lightness, a, b] = linear_to_oklab(color.map(gamma_to_linear));
+    let [constant, first, second, third] = LIGHTNESS_POLYNOMIAL;
+    let lightness = constant + (first + (second + third * lightness) * lightness) * lightness;
+    // A colour outside the range of sRGB becomes paler until it is inside.
+    let shades = [1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1];
+    let colors =
+        shades.map(|saturation| oklab_to_linear([lightness, a * saturation, b * saturation]));
+    let displayable = colors
+        .into_iter()
+        .find(|color| color.iter().all(|part| (0.0..=1.0).contains(part)))
+        .unwrap_or_else(|| oklab_to_linear([lightness, 0.0, 0.0]));
+    displayable.map(linear_to_gamma)
+}
+
+/// Converts linear sRGB to Oklab (B. Ottosson, 2020).
+fn linear_to_oklab([r, g, b]: [f32; 3]) -> [f32; 3] {
+    let l = (0.412_221_46 * r + 0.536_332_55 * g + 0.051_445_995 * b).cbrt();
+    let m = (0.211_903_5 * r + 0.680_699_5 * g + 0.107_396_96 * b).cbrt();
+    let s = (0.088_302_46 * r + 0.281_718_85 * g + 0.629_978_7 * b).cbrt();
+    [
+        0.210_454_26 * l + 0.793_617_8 * m - 0.004_072_047 * s,
+        1.977_998_5 * l - 2.428_592_2 * m + 0.450_593_7 * s,
+        0.025_904_037 * l + 0.782_771_77 * m - 0.808_675_77 * s,
+    ]
+}
+
+/// Converts Oklab to linear sRGB.
+fn oklab_to_linear([lightness, a, b]: [f32; 3]) -> [f32; 3] {
+    let l = (lightness + 0.396_337_78 * a + 0.215_803_76 * b).powi(3);
+    let m = (lightness - 0.105_561_346 * a - 0.063_854_17 * b).powi(3);
+    let s = (lightness - 0.089_484_18 * a - 1.291_485_5 * b).powi(3);
+    [
+        4.076_741_7 * l - 3.307_711_6 * m + 0.230_969_94 * s,
+        -1.268_438 * l + 2.609_757_4 * m - 0.341_319_38 * s,
+        -0.004_196_086 * l - 0.703_418_6 * m + 1.707_614_7 * s,
+    ]
+}
+
+pub(super) fn gamma_to_linear(part: u8) -> f32 {
+    egui::ecolor::linear_f32_from_gamma_u8(part)
+}
+
+fn linear_to_gamma(part: f32) -> u8 {
+    egui::ecolor::gamma_u8_from_linear_f32(part)
 }

@@ -346,7 +346,7 @@ fn light_surfaces_are_neutral_and_nearly_white() {
 /// The contrast ratio of two colours by the W3C accessibility guidelines.
 fn contrast(one: Color32, other: Color32) -> f32 {
     let luminance = |color: Color32| {
-        let [r, g, b] = [color.r(), color.g(), color.b()].map(gamma_to_linear);
+        let [r, g, b] = [color.r(), color.g(), color.b()].map(light::gamma_to_linear);
         0.2126 * r + 0.7152 * g + 0.0722 * b
     };
     let (one, other) = (luminance(one) + 0.05, luminance(other) + 0.05);
@@ -354,10 +354,10 @@ fn contrast(one: Color32, other: Color32) -> f32 {
 }
 
 #[test]
-fn hues_are_kept() {
-    let [red, green, blue] = to_light_rgb([255, 110, 96]);
+fn hues_of_colors_outside_the_palette_are_kept() {
+    let [red, green, blue] = light::to_light_rgb([250, 112, 99], true);
     assert!(red > green + 60 && red > blue + 60, "{red} {green} {blue}");
-    let [red, green, blue] = to_light_rgb([110, 180, 255]);
+    let [red, green, blue] = light::to_light_rgb([112, 178, 250], true);
     assert!(blue > green + 40 && green > red, "{red} {green} {blue}");
 }
 
