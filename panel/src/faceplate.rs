@@ -282,9 +282,9 @@ impl PanelArea {
         rect: Rect::new(0.0, 0.0, SIZE.0, SIZE.1),
     };
 
-    /// The sections of the panel: LCD, name plate, edit keyboard, modes and directions,
-    /// spindle and start, additional panel.
-    pub const SECTIONS: [Self; 6] = layout::SECTIONS;
+    /// The sections of the panel: LCD, name plate, edit keyboard, modes, directions, spindle
+    /// and start, additional panel.
+    pub const SECTIONS: [Self; 7] = layout::SECTIONS;
 
     /// Returns whether the area contains a part completely. The housing is in every area.
     pub fn contains(&self, part: &PanelPart) -> bool {

@@ -11,17 +11,18 @@ const STRIP_PLATE: Rect = Rect::new(14.0, 10.0, 668.0, 30.0);
 const NAME_PLATE: Rect = Rect::new(694.0, 10.0, 572.0, 60.0);
 const EDIT_PLATE: Rect = Rect::new(694.0, 78.0, 572.0, 372.0);
 const PAGE_PLATE: Rect = Rect::new(694.0, 458.0, 572.0, 96.0);
-/// Plate of the mode, toggle and direction keys, panel units.
-const MACHINE_PLATE: Rect = Rect::new(14.0, 562.0, 592.0, 184.0);
+/// Plate of the mode, toggle and increment keys, panel units.
+const MACHINE_PLATE: Rect = Rect::new(14.0, 562.0, 388.0, 184.0);
+const DIRECTION_PLATE: Rect = Rect::new(410.0, 562.0, 196.0, 184.0);
 /// Plate of the keys of spindle, auxiliary functions, overrides, hold and start, panel units.
 const RUN_PLATE: Rect = Rect::new(614.0, 562.0, 346.0, 184.0);
 const ADDITIONAL_PLATE: Rect = Rect::new(970.0, 562.0, 296.0, 184.0);
 
-/// The sections of the panel, each with a margin: LCD, name plate, edit keyboard, modes and
+/// The sections of the panel, each with a margin: LCD, name plate, edit keyboard, modes,
 /// directions, spindle and start, additional panel.
-pub(super) const SECTIONS: [PanelArea; 6] = [
+pub(super) const SECTIONS: [PanelArea; 7] = [
     PanelArea {
-        rect: Rect::new(6.0, 2.0, 684.0, 560.0),
+        rect: Rect::new(10.0, 4.0, 676.0, 554.0),
     },
     PanelArea {
         rect: Rect::new(686.0, 2.0, 588.0, 76.0),
@@ -30,7 +31,10 @@ pub(super) const SECTIONS: [PanelArea; 6] = [
         rect: Rect::new(686.0, 72.0, 588.0, 488.0),
     },
     PanelArea {
-        rect: Rect::new(6.0, 555.0, 608.0, 198.0),
+        rect: Rect::new(9.0, 555.0, 398.0, 198.0),
+    },
+    PanelArea {
+        rect: Rect::new(405.0, 555.0, 206.0, 198.0),
     },
     PanelArea {
         rect: Rect::new(606.0, 555.0, 362.0, 198.0),
@@ -62,6 +66,7 @@ pub(super) fn parts() -> Vec<PanelPart> {
         EDIT_PLATE,
         PAGE_PLATE,
         MACHINE_PLATE,
+        DIRECTION_PLATE,
         RUN_PLATE,
         ADDITIONAL_PLATE,
     ] {

@@ -2,6 +2,8 @@
 //! divided. The settings store all of it.
 
 pub mod floating;
+#[cfg(test)]
+mod legend_tests;
 mod panes;
 mod splitters;
 mod tabs;
@@ -12,15 +14,12 @@ use egui::{Event, Key, Rect};
 use serde::{Deserialize, Serialize};
 
 use super::view::{ViewId, is_pressed_with_shift};
-use crate::placement::panel_placement;
+use crate::placement::panel_placement::{self, UNITS_PER_DOT};
 use gsk_messages::{Message, say};
 use panes::SPLITTER_WIDTH;
 pub use panes::{Arrangement, PaneTabs, WindowPane, arrange_panes};
 pub use splitters::show;
 use tabs::arrange_as_tabs;
-
-/// Panel units per dot of the LCD in the drawing of the panel.
-const UNITS_PER_DOT: f32 = 2.0;
 
 /// How a layout divides a wide window whose splitters were not dragged.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +35,7 @@ pub struct Proportions {
 
 /// The proportions in which the panel is as large as possible.
 const LARGE_PANEL: Proportions = Proportions {
-    max_panel_share: 0.75,
+    max_panel_share: 0.64,
     column_share: None,
     view_below_panel: 2,
 };
@@ -110,7 +109,7 @@ pub static LAYOUTS: [LayoutRow; 5] = [
         key: None,
         default_docked: &[ViewId::Machine, ViewId::Lesson],
         proportions: Proportions {
-            max_panel_share: 0.58,
+            max_panel_share: 0.64,
             column_share: None,
             view_below_panel: 1,
         },
@@ -388,7 +387,9 @@ fn panel_share(room: Rect, max_share: f32, scales: Scales) -> f32 {
     let share_for_keys = (panel_placement::width_for_key_size(scales.min_key_size)
         + SPLITTER_WIDTH / 2.0)
         / room.width();
-    share_for_whole_pixels(room, max_share, scales.pixels_per_point).max(share_for_keys.min(1.0))
+    share_for_whole_pixels(room, max_share, scales.pixels_per_point)
+        .max(max_share.min(0.5))
+        .max(share_for_keys.min(1.0))
 }
 
 fn share_for_whole_pixels(room: Rect, max_share: f32, pixels_per_point: f32) -> f32 {

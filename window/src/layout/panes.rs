@@ -4,6 +4,7 @@
 use egui::{Pos2, Rect, pos2};
 
 use super::{Proportions, Scales, panel_share};
+use crate::placement::panel_placement::{self, MIN_LEGEND_HEIGHT};
 use crate::view::ViewId;
 use gsk_panel::faceplate::SIZE;
 
@@ -92,7 +93,12 @@ pub fn arrange_panes(
         return arranged;
     }
     if bounds.height() > bounds.width() {
-        let panel_height_share = bounds.width() * SIZE.1 / SIZE.0 / bounds.height();
+        // Below one view the panel has a square, for an LCD above its keys.
+        let panel_height = match views.len() {
+            1 => bounds.width(),
+            _ => bounds.width() * SIZE.1 / SIZE.0,
+        };
+        let panel_height_share = panel_height / bounds.height();
         let panel_height_share = panel_height_share.clamp(0.3, 0.7);
         let split = dragged_share(SINGLE_SPLIT).unwrap_or(1.0 - panel_height_share);
         let (above, below) = arranged.split(bounds, SINGLE_SPLIT, false, split);
@@ -100,14 +106,6 @@ pub fn arrange_panes(
         arranged.stack_panes(above, &views, SINGLE_SPLIT + 1, dragged_share);
         return arranged;
     }
-    let below: Vec<WindowPane> = (views.iter().skip(proportions.view_below_panel).take(1))
-        .copied()
-        .collect();
-    let beside = views.iter().enumerate();
-    let beside: Vec<WindowPane> = beside
-        .filter(|(index, _)| *index != proportions.view_below_panel)
-        .map(|(_, pane)| *pane)
-        .collect();
     let panel_share = panel_share(bounds, proportions.max_panel_share, scales);
     let column = proportions.column_share.unwrap_or(panel_share);
     let column = match scales.min_key_size > 0.0 {
@@ -116,6 +114,22 @@ pub fn arrange_panes(
     };
     let columns = dragged_share(COLUMN_SPLIT).unwrap_or(column);
     let (left, right) = arranged.split(bounds, COLUMN_SPLIT, true, columns);
+    // Where the legends would be too small above a view, the panel has the column alone.
+    let is_readable_above_view = || {
+        let height =
+            (left.width() * SIZE.1 / SIZE.0).clamp(left.height() * 0.3, left.height() * 0.7);
+        let above = Rect::from_min_size(left.min, egui::vec2(left.width(), height));
+        let legend = |room| panel_placement::legend_height(room, scales.pixels_per_point);
+        legend(above) >= MIN_LEGEND_HEIGHT || legend(left) <= legend(above)
+    };
+    let index_below = proportions.view_below_panel;
+    let has_view_below = views.len() > index_below
+        && (dragged_share(LEFT_SPLIT).is_some() || is_readable_above_view());
+    let mut beside = views;
+    let below: Vec<WindowPane> = match has_view_below {
+        true => vec![beside.remove(index_below)],
+        false => Vec::new(),
+    };
     let panel = if below.is_empty() {
         left
     } else {
@@ -240,15 +254,12 @@ mod tests {
         for (width, height, pixels) in [
             (1366.0, 718.0, 1.0),
             (1920.0, 1030.0, 2.0),
-            (3840.0, 2110.0, 4.0),
+            (3840.0, 2110.0, 3.0),
         ] {
             let room = Rect::from_min_size(Pos2::ZERO, vec2(width, height));
             let arranged = arrange_panes(room, &VIEWS[..1], LARGE_PANEL, TEST_SCALES, &|_| None);
-            let panel = arranged.panes[0].1.width();
-            assert!(
-                (panel - 640.0 * pixels).abs() <= SPLITTER_WIDTH,
-                "{panel} of {width}"
-            );
+            let zoom = panel_placement::lcd_zoom(arranged.panes[0].1, 1.0);
+            assert!((zoom - pixels).abs() < 0.01, "{zoom} of {width}");
         }
     }
 

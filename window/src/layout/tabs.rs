@@ -3,9 +3,9 @@
 
 use egui::{Rect, Vec2};
 
+use super::Scales;
 use super::panes::{Arrangement, PaneTabs, WindowPane};
-use super::{Scales, UNITS_PER_DOT};
-use crate::placement::panel_placement;
+use crate::placement::panel_placement::{self, MIN_LEGEND_HEIGHT};
 use crate::view::ViewId;
 
 /// Height of the tab bar, points: large enough for fingers.
@@ -14,17 +14,19 @@ const TAB_BAR_HEIGHT: f32 = 42.0;
 /// a little lower scrolls.
 const MIN_SHARE: Vec2 = Vec2::new(0.95, 0.7);
 
-/// Whether a pane is too small for its content: the LCD has fewer pixels than dots, the keys
-/// are smaller than the limit, or a view is smaller than its minimum size.
+/// Whether a pane is too small for its content: the LCD has fewer pixels than dots, the
+/// legends or keys are smaller than the limit, or a view is smaller than its minimum size.
 pub fn is_crowded(arranged: &Arrangement, scales: Scales) -> bool {
     if arranged.panes.len() < 2 {
         return false;
     }
     arranged.panes.iter().any(|(pane, place)| match pane {
         WindowPane::Panel => {
-            let scale = panel_placement::scale_of_whole(place.size());
-            let dot = scale * UNITS_PER_DOT * scales.pixels_per_point;
-            dot < 0.98 || panel_placement::min_key_size(*place) < scales.min_key_size * 0.98
+            let dot = panel_placement::lcd_zoom(*place, scales.pixels_per_point);
+            let legend = panel_placement::legend_height(*place, scales.pixels_per_point);
+            dot < 0.98
+                || legend < MIN_LEGEND_HEIGHT * 0.98
+                || panel_placement::min_key_size(*place) < scales.min_key_size * 0.98
         }
         WindowPane::View(view) => {
             let least = Vec2::from(view.row().min_size) * MIN_SHARE;

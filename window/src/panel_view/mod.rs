@@ -8,7 +8,7 @@ use egui::{
     Color32, Event, Painter, Pos2, Role, Sense, Stroke, StrokeKind, TouchPhase, Ui, WidgetInfo,
 };
 use gsk_help::{Subject, Topic, topic, topic_at};
-use gsk_panel::faceplate::{self, FaceState, Outline, PanelPart, PartKind};
+use gsk_panel::faceplate::{self, FaceState, Outline, PanelColour, PanelPart, PartKind};
 use gsk_panel::keys::{Key, STRIP};
 use gsk_panel::screen::{COLUMNS, ROWS};
 
@@ -59,6 +59,10 @@ impl Window {
     /// Draws the panel and handles mouse and fingers on it.
     pub(super) fn show_panel(&mut self, ui: &mut Ui) {
         let placed = panel_placement::place_panel(ui.max_rect(), ui.pixels_per_point());
+        // The housing continues between the sections to the edges of the pane.
+        let [red, green, blue] = PanelColour::Housing.rgb();
+        let housing = Color32::from_rgb(red, green, blue);
+        theme::fill_unthemed(ui.painter(), ui.max_rect(), housing);
         self.show_areas(ui, &placed);
     }
 

@@ -1,9 +1,14 @@
-//! Positions the panel in the window: as a whole, or split into its areas where an upright
-//! window leaves the whole panel much less space.
+//! Positions the panel in the window: as a whole, or split into its sections. The arrangement
+//! with the largest legends is used.
+
+mod sections;
 
 use egui::{Pos2, Rect, Vec2, pos2, vec2};
-use gsk_panel::faceplate::{self, PanelArea, PanelPart, SIZE};
+use gsk_panel::faceplate::{self, PanelArea, PanelPart, SIZE, parts};
 use gsk_panel::keys::Key;
+
+use super::lcd_placement;
+use sections::{ARRANGEMENTS, SectionPlan};
 
 /// Minimum side of a key for fingers, points: 9 mm at 96 points per inch.
 pub const FINGER_KEY_SIZE: f32 = 9.0 / 25.4 * 96.0;
@@ -11,12 +16,28 @@ pub const FINGER_KEY_SIZE: f32 = 9.0 / 25.4 * 96.0;
 pub const STOP_KEYS: [Key; 3] = [Key::EmergencyStop, Key::FeedHold, Key::Reset];
 /// Gap between two stop keys, points.
 const STOP_KEY_GAP: f32 = 8.0;
-/// Factor by which splitting the panel must enlarge its keys to be used.
-const MIN_GAIN: f32 = 1.15;
+/// Value of the whole panel, compared with sections of equal legends: it looks as on the
+/// machine, but dots of the LCD that are no whole pixels are blurred.
+const CRISP_WHOLE_VALUE: f32 = 1.15;
+const BLURRED_WHOLE_VALUE: f32 = 0.8;
+/// Panel units per dot of the LCD in the drawing of the panel.
+pub const UNITS_PER_DOT: f32 = 2.0;
+/// Highest zoom of the LCD in a split panel, physical pixels per dot.
+const MAX_LCD_ZOOM: u32 = 6;
+/// Scale of legends up to which enlarging them is worth more than a higher zoom of the LCD,
+/// divided by the scale of the LCD. An upright window is usually touched, and needs large keys.
+const LCD_TEXT_GAIN: f32 = 1.4;
+const UPRIGHT_LCD_TEXT_GAIN: f32 = 2.4;
+/// Value of a larger LCD among arrangements with equal legends.
+const LCD_WEIGHT: f32 = 0.2;
+/// Value of larger keys among arrangements in which the LCD limits the score.
+const KEY_WEIGHT: f32 = 0.1;
 /// Height divided by width from which the available area counts as upright.
 const UPRIGHT_RATIO: f32 = 1.25;
-/// Maximum share of the width for the keys beside the LCD, 0–1.
-const MAX_SIDE_SHARE: f32 = 0.52;
+/// Em size of the smallest legend, panel units.
+const LEGEND_HEIGHT: f32 = 15.04;
+/// Smallest legends that are read without effort, physical pixels.
+pub const MIN_LEGEND_HEIGHT: f32 = 11.0;
 
 /// Position and scale of one area of the panel in the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,9 +114,7 @@ pub fn width_for_key_size(min_key_size: f32) -> f32 {
 /// The keys that must be large enough for fingers. The overtravel release is not among them:
 /// it is as small as on the machine, because it must be pressed on purpose.
 fn finger_keys() -> impl Iterator<Item = &'static PanelPart> {
-    let keys = faceplate::parts()
-        .iter()
-        .filter(|part| part.key().is_some());
+    let keys = parts().iter().filter(|part| part.key().is_some());
     keys.filter(|part| part.key() != Some(Key::OvertravelRelease))
 }
 
@@ -117,63 +136,62 @@ pub fn place_stop_keys(bar: Rect, pixels_per_point: f32) -> Vec<PlacedArea> {
     placed
 }
 
-/// Places the panel in `bounds`: as a whole, or split into its areas if that makes the keys
-/// larger.
+/// Places the panel in `bounds`: as a whole, or split into its sections if that makes the
+/// legends larger or the dots of the LCD whole pixels.
 pub fn place_panel(bounds: Rect, pixels_per_point: f32) -> Vec<PlacedArea> {
     let whole = PlacedArea::fit(PanelArea::WHOLE, bounds, pixels_per_point);
-    let (key_scale, section_bounds) = split_sections(bounds);
-    if bounds.height() < bounds.width() * UPRIGHT_RATIO || key_scale < whole.scale * MIN_GAIN {
-        return vec![whole];
+    let is_crisp = lcd_placement::fit(whole.to_window(faceplate::lcd()), pixels_per_point).is_crisp;
+    let whole_value = match is_crisp {
+        true => CRISP_WHOLE_VALUE,
+        false => BLURRED_WHOLE_VALUE,
+    };
+    let whole_score = whole.scale * (1.0 + LCD_WEIGHT + KEY_WEIGHT) * whole_value;
+    let text_gain = match bounds.height() < bounds.width() * UPRIGHT_RATIO {
+        true => LCD_TEXT_GAIN,
+        false => UPRIGHT_LCD_TEXT_GAIN,
+    };
+    let mut best: Option<(f32, SectionPlan)> = None;
+    for zoom in 1..=MAX_LCD_ZOOM {
+        let lcd_scale = zoom as f32 / UNITS_PER_DOT / pixels_per_point;
+        for arrangement in &ARRANGEMENTS {
+            let plan = SectionPlan::fit(arrangement, lcd_scale, bounds.size());
+            let score = match plan.key_scale > 0.01 {
+                true => {
+                    plan.key_scale.min(text_gain * lcd_scale)
+                        + LCD_WEIGHT * lcd_scale
+                        + KEY_WEIGHT * plan.key_scale
+                }
+                false => 0.0,
+            };
+            let best_score = best.as_ref().map_or(whole_score, |(score, _)| *score);
+            if score > best_score {
+                best = Some((score, plan));
+            }
+        }
     }
-    let areas = PanelArea::SECTIONS.into_iter().zip(section_bounds);
-    areas
-        .map(|(area, room)| PlacedArea::fit(area, room, pixels_per_point))
-        .collect()
+    match best {
+        Some((_, plan)) => plan.place(bounds, pixels_per_point),
+        None => vec![whole],
+    }
 }
 
-/// Points per panel unit of the keys, and the rectangles of the areas, in upright `bounds`.
-/// The LCD and the name plate are beside the keys that run and stop the machine; below are the
-/// edit keyboard and then the keys for modes and directions. All keys are as large as the
-/// space allows, for fingers.
-fn split_sections(bounds: Rect) -> (f32, [Rect; 6]) {
-    let [screen, name, edit, modes, run, additional] =
-        PanelArea::SECTIONS.map(|area| vec2(area.rect.w, area.rect.h));
-    let side_width = run.x.max(additional.x);
-    let total_height = run.y + additional.y + edit.y + modes.y;
-    let key_scale = (bounds.height() / total_height)
-        .min(bounds.width() / edit.x.max(modes.x))
-        .min(bounds.width() * MAX_SIDE_SHARE / side_width)
-        .max(0.01);
-    let left = bounds.width() - side_width * key_scale;
-    let (screen, name) = (screen * (left / screen.x), name * (left / name.x));
-    let upper = (run.y + additional.y) * key_scale;
-    // Space that is left in a higher rectangle goes between the rows.
-    let row_gap = (bounds.height() - total_height * key_scale).max(0.0) / 4.0;
-    let top = bounds.top() + row_gap;
-    let right = bounds.left() + left;
-    let at = |x: f32, y: f32, size: Vec2| Rect::from_min_size(pos2(x, y), size);
-    let below = |y: f32, size: Vec2| {
-        let x = bounds.center().x - size.x * key_scale / 2.0;
-        at(x, y, size * key_scale)
-    };
-    let free = (upper - screen.y - name.y).max(0.0) / 2.0;
-    let section_bounds = [
-        at(
-            bounds.left(),
-            top + free,
-            vec2(left, screen.y.min(upper - name.y)),
-        ),
-        at(bounds.left(), top + upper - free - name.y, name),
-        below(top + upper + row_gap, edit),
-        below(top + upper + edit.y * key_scale + 2.0 * row_gap, modes),
-        at(right, top + additional.y * key_scale, run * key_scale),
-        at(
-            right + (side_width - additional.x) * key_scale / 2.0,
-            top,
-            additional * key_scale,
-        ),
-    ];
-    (key_scale, section_bounds)
+/// Height of the smallest legends of keys when the panel is placed in `bounds`, physical
+/// pixels.
+pub fn legend_height(bounds: Rect, pixels_per_point: f32) -> f32 {
+    let placed = place_panel(bounds, pixels_per_point);
+    let scales = parts()
+        .iter()
+        .filter(|part| !part.legend().is_empty())
+        .filter_map(|part| Some(area_of_part(&placed, part)?.scale));
+    scales.fold(f32::INFINITY, f32::min) * LEGEND_HEIGHT * pixels_per_point
+}
+
+/// Physical pixels per dot of the LCD when the panel is placed in `bounds`.
+pub fn lcd_zoom(bounds: Rect, pixels_per_point: f32) -> f32 {
+    let placed = place_panel(bounds, pixels_per_point);
+    let screen = faceplate::lcd();
+    let view = placed.iter().find(|view| view.area.rect.encloses(&screen));
+    view.map_or(0.0, |view| view.scale * UNITS_PER_DOT * pixels_per_point)
 }
 
 /// Converts a position in the window to panel units; `None` outside the panel.
@@ -197,13 +215,13 @@ pub fn scale_of_whole(room: Vec2) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use gsk_panel::faceplate::{PartKind, parts};
+    use gsk_panel::faceplate::PartKind;
 
     #[test]
     fn the_panel_fits_and_is_centred() {
-        for (width, height) in [(1280.0, 756.0), (640.0, 480.0), (3840.0, 800.0)] {
+        for (width, height) in [(1280.0, 756.0), (640.0, 378.0), (1290.0, 770.0)] {
             let room = Rect::from_min_size(pos2(0.0, 26.0), vec2(width, height));
-            let views = place_panel(room, 2.0);
+            let views = place_panel(room, 1.0);
             assert_eq!(views.len(), 1);
             let (w, h) = SIZE;
             let whole = views[0].to_window(faceplate::Rect::new(0.0, 0.0, w, h));
@@ -237,7 +255,7 @@ mod tests {
         for (width, height) in [(400.0, 900.0), (800.0, 1230.0), (1080.0, 1870.0)] {
             let room = Rect::from_min_size(pos2(3.0, 28.0), vec2(width, height));
             let views = place_panel(room, 1.0);
-            assert_eq!(views.len(), 6, "{width} x {height}");
+            assert_eq!(views.len(), 7, "{width} x {height}");
             for (index, view) in views.iter().enumerate() {
                 let place = view.bounds();
                 assert!(room.expand(1.01).contains_rect(place), "{place:?}");
@@ -248,7 +266,9 @@ mod tests {
                 );
             }
             let used: f32 = views.iter().map(|view| view.bounds().area()).sum();
-            assert!(used > 0.5 * room.area(), "{used} of {}", room.area());
+            assert!(used > 0.65 * room.area(), "{used} of {}", room.area());
+            let zoom = lcd_zoom(room, 1.0);
+            assert!((zoom - zoom.round()).abs() < 0.01, "{zoom} pixels per dot");
             for part in parts().iter().filter(|part| part.what != PartKind::Housing) {
                 let place = area_of_part(&views, part).unwrap().to_window(part.rect);
                 let (x, y) = to_panel(&views, place.center()).unwrap();

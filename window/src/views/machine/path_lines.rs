@@ -57,7 +57,10 @@ pub fn highlight_block(
     is_running: bool,
 ) {
     let (color, width) = if is_running {
-        (theme::RUNNING_PATH, 3.0)
+        // A faint wide line below a thin one looks like a glow.
+        let glow = Stroke::new(6.0, theme::running_glow());
+        draw_block(painter, camera, path, block, glow);
+        (theme::RUNNING_PATH, 1.5)
     } else {
         (theme::SELECTED_PATH, 2.5)
     };

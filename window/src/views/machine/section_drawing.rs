@@ -17,6 +17,9 @@ use super::animation::SpindleAnimation;
 use super::camera::Camera;
 use crate::theme;
 
+/// Distance of the lines of a hatching along X and Y of the screen, points.
+const HATCHING_DISTANCE: f32 = 12.0;
+
 /// Draws half sections; keeps their trapezoids until the sections change.
 #[derive(Default)]
 pub struct SectionDrawing {
@@ -51,6 +54,7 @@ impl SectionDrawing {
         fill_trapezoids(painter, camera, &self.outside, true, theme::PART_OUTSIDE);
         draw_silhouette(painter, camera, &self.outside);
         fill_trapezoids(painter, camera, &self.material, false, theme::SECTION);
+        hatch_trapezoids(painter, camera, &self.material);
         draw_outline(
             painter,
             camera,
@@ -194,6 +198,60 @@ fn fill_trapezoids(
     painter.add(mesh);
 }
 
+/// Draws the hatching of a cut face: lines at 45 degrees, as in a drawing.
+fn hatch_trapezoids(painter: &Painter, camera: &Camera, filled: &[Trapezoid]) {
+    let stroke = Stroke::new(1.0, theme::HATCHING);
+    // The line that each number of a line has in the last trapezoids.
+    let mut lines: BTreeMap<i32, [Pos2; 2]> = BTreeMap::new();
+    for trapezoid in filled {
+        let corners = trapezoid
+            .corners()
+            .map(|(z, x)| camera.screen_position(pos2(z, x)));
+        let sums = corners.map(|at| (at.x + at.y) / HATCHING_DISTANCE);
+        let first = sums.into_iter().fold(f32::INFINITY, f32::min).ceil() as i32;
+        let last = sums.into_iter().fold(f32::NEG_INFINITY, f32::max).floor() as i32;
+        for number in first..=last {
+            let Some(piece) = clip_hatching(corners, number as f32 * HATCHING_DISTANCE) else {
+                continue;
+            };
+            match lines.get_mut(&number) {
+                Some(line) if (line[1].x - piece[0].x).abs() < 0.1 => line[1] = piece[1],
+                _ => {
+                    if let Some(line) = lines.insert(number, piece) {
+                        painter.line_segment(line, stroke);
+                    }
+                }
+            }
+        }
+    }
+    for line in lines.into_values() {
+        painter.line_segment(line, stroke);
+    }
+}
+
+/// The part of the line x + y = `sum` inside a trapezoid with these corners, from left to
+/// right; `None` if they do not meet. The corners are in the order of a triangle strip.
+fn clip_hatching(corners: [Pos2; 4], sum: f32) -> Option<[Pos2; 2]> {
+    let [left, left_other, right, right_other] = corners;
+    let (mut begin, mut end) = (left.x.min(right.x), left.x.max(right.x));
+    let mut clip = |value_left: f32, value_right: f32| {
+        // The value is linear in x; the line is inside where it is not negative.
+        let zero = left.x + (right.x - left.x) * value_left / (value_left - value_right);
+        match (value_left >= 0.0, value_right >= 0.0) {
+            (true, true) => {}
+            (true, false) => end = end.min(zero),
+            (false, true) => begin = begin.max(zero),
+            (false, false) => end = f32::NEG_INFINITY,
+        }
+    };
+    let (top_left, bottom_left) = (left.y.min(left_other.y), left.y.max(left_other.y));
+    let (top_right, bottom_right) = (right.y.min(right_other.y), right.y.max(right_other.y));
+    clip(sum - left.x - top_left, sum - right.x - top_right);
+    clip(bottom_left - sum + left.x, bottom_right - sum + right.x);
+    let at = |x: f32| pos2(x, sum - x);
+    (begin < end).then(|| [at(begin), at(end)])
+}
+
 fn draw_outline(
     painter: &Painter,
     camera: &Camera,
@@ -245,5 +303,27 @@ pub fn draw_tip_cross(painter: &Painter, camera: &Camera, tip: Pos2) {
     let (at, stroke) = (camera.screen_position(tip), Stroke::new(1.5, theme::INSERT));
     for arm in [Vec2::new(7.0, 0.0), Vec2::new(0.0, 7.0)] {
         painter.line_segment([at - arm, at + arm], stroke);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hatching_ends_at_the_edges_of_the_section() {
+        let corners = [(10.0, 10.0), (10.0, 30.0), (50.0, 10.0), (50.0, 30.0)];
+        let corners = corners.map(|(x, y)| pos2(x, y));
+        let line = clip_hatching(corners, 40.0);
+        assert_eq!(line, Some([pos2(10.0, 30.0), pos2(30.0, 10.0)]));
+        assert_eq!(clip_hatching(corners, 15.0), None);
+        assert_eq!(clip_hatching(corners, 90.0), None);
+        let cone = [(0.0, 0.0), (0.0, 40.0), (40.0, 20.0), (40.0, 20.0)].map(|(x, y)| pos2(x, y));
+        let [from, to] = clip_hatching(cone, 30.0).unwrap();
+        assert!((to.y - to.x * 0.5).abs() < 0.01, "{to:?}");
+        assert!(
+            (from.y - (40.0 - from.x * 0.5)).abs() < 0.01 || from.x == 0.0,
+            "{from:?}"
+        );
     }
 }

@@ -1,0 +1,242 @@
+//! Arranges the sections of the panel in a pane.
+
+use egui::{Rect, Vec2, pos2, vec2};
+use gsk_panel::faceplate::{PanelArea, SIZE};
+
+use super::PlacedArea;
+
+/// Factor by which a section at most grows beyond the common scale to fill its cell.
+const MAX_GROWTH: f32 = 1.3;
+
+/// An arrangement of sections: a column at the left, and beside it rows of columns.
+pub(super) struct SectionArrangement {
+    side: &'static [usize],
+    rows: &'static [&'static [&'static [usize]]],
+}
+
+// Indices of the sections.
+const LCD: usize = 0;
+const NAME: usize = 1;
+const EDIT: usize = 2;
+const MODES: usize = 3;
+const DIRECTIONS: usize = 4;
+const RUN: usize = 5;
+const ADDITIONAL: usize = 6;
+
+/// The arrangements of the sections, from that of a wide pane to that of an upright one.
+pub(super) static ARRANGEMENTS: [SectionArrangement; 11] = [
+    SectionArrangement {
+        side: &[],
+        rows: &[
+            &[&[LCD], &[NAME, EDIT]],
+            &[&[MODES], &[DIRECTIONS], &[RUN], &[ADDITIONAL]],
+        ],
+    },
+    SectionArrangement {
+        side: &[LCD, NAME],
+        rows: &[&[&[EDIT], &[ADDITIONAL, DIRECTIONS]], &[&[MODES], &[RUN]]],
+    },
+    SectionArrangement {
+        side: &[LCD, NAME, RUN, ADDITIONAL],
+        rows: &[&[&[EDIT]], &[&[MODES], &[DIRECTIONS]]],
+    },
+    SectionArrangement {
+        side: &[],
+        rows: &[
+            &[&[LCD, NAME], &[ADDITIONAL, DIRECTIONS]],
+            &[&[EDIT], &[MODES, RUN]],
+        ],
+    },
+    SectionArrangement {
+        side: &[],
+        rows: &[
+            &[&[LCD, NAME], &[EDIT], &[ADDITIONAL, DIRECTIONS]],
+            &[&[MODES], &[RUN]],
+        ],
+    },
+    SectionArrangement {
+        side: &[],
+        rows: &[
+            &[&[LCD, NAME], &[MODES, RUN]],
+            &[&[EDIT], &[ADDITIONAL, DIRECTIONS]],
+        ],
+    },
+    SectionArrangement {
+        side: &[],
+        rows: &[
+            &[&[LCD, NAME], &[ADDITIONAL, DIRECTIONS, RUN]],
+            &[&[EDIT], &[MODES]],
+        ],
+    },
+    SectionArrangement {
+        side: &[],
+        rows: &[
+            &[&[LCD, NAME], &[ADDITIONAL, RUN]],
+            &[&[EDIT], &[DIRECTIONS]],
+            &[&[MODES]],
+        ],
+    },
+    SectionArrangement {
+        side: &[],
+        rows: &[
+            &[&[LCD, NAME], &[ADDITIONAL, RUN]],
+            &[&[EDIT]],
+            &[&[MODES], &[DIRECTIONS]],
+        ],
+    },
+    SectionArrangement {
+        side: &[],
+        rows: &[
+            &[&[LCD, NAME]],
+            &[&[EDIT], &[ADDITIONAL, DIRECTIONS]],
+            &[&[MODES], &[RUN]],
+        ],
+    },
+    SectionArrangement {
+        side: &[],
+        rows: &[
+            &[&[LCD, NAME]],
+            &[&[EDIT]],
+            &[&[MODES], &[DIRECTIONS]],
+            &[&[RUN], &[ADDITIONAL]],
+        ],
+    },
+];
+
+/// An arrangement of the sections with its scales, points per panel unit.
+pub(super) struct SectionPlan {
+    arrangement: &'static SectionArrangement,
+    lcd_scale: f32,
+    pub(super) key_scale: f32,
+}
+
+impl SectionPlan {
+    /// Finds the largest keys at which the arrangement fits into `room`.
+    pub(super) fn fit(
+        arrangement: &'static SectionArrangement,
+        lcd_scale: f32,
+        room: Vec2,
+    ) -> Self {
+        let mut plan = Self {
+            arrangement,
+            lcd_scale,
+            key_scale: 0.0,
+        };
+        let (mut low, mut high) = (0.0, room.max_elem() / SIZE.1 * 2.0);
+        for _ in 0..14 {
+            plan.key_scale = f32::midpoint(low, high);
+            let size = plan.size();
+            if size.x <= room.x && size.y <= room.y {
+                low = plan.key_scale;
+            } else {
+                high = plan.key_scale;
+            }
+        }
+        plan.key_scale = low;
+        plan
+    }
+
+    fn section_size(&self, section: usize) -> Vec2 {
+        let Some(area) = PanelArea::SECTIONS.get(section) else {
+            return Vec2::ZERO;
+        };
+        let scale = match section {
+            LCD => self.lcd_scale,
+            // It has no keys, and is no wider than the LCD.
+            NAME => (self.key_scale * 0.75).min(self.lcd_scale * 1.15),
+            // It has large parts and no legends.
+            ADDITIONAL => self.key_scale * 0.8,
+            _ => self.key_scale,
+        };
+        vec2(area.rect.w, area.rect.h) * scale
+    }
+
+    fn column_size(&self, column: &[usize]) -> Vec2 {
+        let sizes = column.iter().map(|section| self.section_size(*section));
+        sizes.fold(Vec2::ZERO, |sum, size| {
+            vec2(sum.x.max(size.x), sum.y + size.y)
+        })
+    }
+
+    fn row_size(&self, row: &[&[usize]]) -> Vec2 {
+        let sizes = row.iter().map(|column| self.column_size(column));
+        sizes.fold(Vec2::ZERO, |sum, size| {
+            vec2(sum.x + size.x, sum.y.max(size.y))
+        })
+    }
+
+    fn rows_size(&self) -> Vec2 {
+        let sizes = self.arrangement.rows.iter().map(|row| self.row_size(row));
+        sizes.fold(Vec2::ZERO, |sum, size| {
+            vec2(sum.x.max(size.x), sum.y + size.y)
+        })
+    }
+
+    fn size(&self) -> Vec2 {
+        let (side, rows) = (self.column_size(self.arrangement.side), self.rows_size());
+        vec2(side.x + rows.x, side.y.max(rows.y))
+    }
+
+    /// Places the sections in `bounds`. Each row and column gets an equal part of the remaining
+    /// space, into which its sections grow.
+    pub(super) fn place(&self, bounds: Rect, pixels_per_point: f32) -> Vec<PlacedArea> {
+        let mut placed = Vec::new();
+        let SectionArrangement { side, rows } = self.arrangement;
+        let mut beside = bounds;
+        if !side.is_empty() {
+            let extra_width = (bounds.width() - self.size().x) / 2.0;
+            let at = bounds.left() + self.column_size(side).x + extra_width;
+            let (side_cell, rest) = bounds.split_left_right_at_x(at);
+            self.place_column(side, side_cell, pixels_per_point, &mut placed);
+            beside = rest;
+        }
+        let extra_height = (bounds.height() - self.rows_size().y) / rows.len() as f32;
+        let mut y = bounds.top();
+        for row in *rows {
+            let row_size = self.row_size(row);
+            let row_height = row_size.y + extra_height;
+            let extra_width = (beside.width() - row_size.x) / row.len() as f32;
+            let mut x = beside.left();
+            for column in *row {
+                let width = self.column_size(column).x + extra_width;
+                let cell = Rect::from_min_size(pos2(x, y), vec2(width, row_height));
+                self.place_column(column, cell, pixels_per_point, &mut placed);
+                x += width;
+            }
+            y += row_height;
+        }
+        placed
+    }
+
+    fn place_column(
+        &self,
+        column: &[usize],
+        cell: Rect,
+        pixels_per_point: f32,
+        placed: &mut Vec<PlacedArea>,
+    ) {
+        let is_fixed = column.contains(&LCD);
+        let growth = match is_fixed {
+            true => 1.0,
+            false => cell.height() / self.column_size(column).y,
+        };
+        let sizes: Vec<Vec2> = column
+            .iter()
+            .map(|section| {
+                let size = self.section_size(*section);
+                size * growth.min(cell.width() / size.x).clamp(1.0, MAX_GROWTH)
+            })
+            .collect();
+        let used: f32 = sizes.iter().map(|size| size.y).sum();
+        let gap = (cell.height() - used).max(0.0) / (column.len() + 1) as f32;
+        let mut top = cell.top() + gap;
+        for (section, size) in column.iter().zip(sizes) {
+            if let Some(area) = PanelArea::SECTIONS.get(*section) {
+                let left = cell.center().x - size.x / 2.0;
+                let room = Rect::from_min_size(pos2(left, top), size);
+                placed.push(PlacedArea::fit(*area, room, pixels_per_point));
+            }
+            top += size.y + gap;
+        }
+    }
+}
