@@ -321,7 +321,8 @@ pub trait Backend: Positioned + Debug {
     }
 
     /// Accepts motion off a limit switch that stopped the axes, before the operator presses
-    /// RESET.
+    /// RESET. The axes are at standstill at the position `kernel` of the kernel's count and at
+    /// the kernel time `at`.
     ///
     /// # Errors
     /// No limit switch stopped the axes, or the position is unknown.

@@ -348,7 +348,8 @@ pub enum MotionRefused {
     NotReady,
     /// The motion needs more pulses per second than the board can make.
     TooFast,
-    /// The limit switch of this axis is operated, and the motion leads towards its stop.
+    /// The limit switch of this axis is operated, and the motion leads farther onto the switch,
+    /// towards the mechanical end.
     TowardLimit(Axis),
     /// The limit switch of this axis is operated at an unknown end. The axis has moved as far
     /// as it may before the operator checks its position with RESET.

@@ -166,7 +166,7 @@ pub const CODE_MARK: Color32 = Color32::from_gray(140);
 pub const RAPID_PATH: Color32 = Color32::from_rgb(255, 150, 60);
 pub const FEED_PATH: Color32 = Color32::from_rgb(90, 180, 255);
 pub const THREAD_PATH: Color32 = Color32::from_rgb(80, 225, 120);
-/// Path of the running block.
+/// Colour of the path of the running block.
 pub const RUNNING_PATH: Color32 = Color32::from_rgb(255, 255, 140);
 
 /// Glow around the path of the running block.
@@ -174,11 +174,11 @@ pub fn running_glow() -> Color32 {
     RUNNING_PATH.gamma_multiply(0.3)
 }
 
-/// Path of the selected block.
+/// Colour of the path of the selected block.
 pub const SELECTED_PATH: Color32 = Color32::from_rgb(255, 110, 220);
-/// Path of the selected pass of a cycle.
+/// Colour of the path of the selected pass of a cycle.
 pub const PASS_PATH: Color32 = Color32::from_rgb(255, 245, 170);
-/// Path of the block that raises an alarm.
+/// Colour of the path of the block that raises an alarm.
 pub const FAULT_PATH: Color32 = Color32::from_rgb(255, 60, 50);
 /// Dwells in the time bar, and times without a known move.
 pub const DWELL: Color32 = Color32::from_gray(64);

@@ -223,7 +223,8 @@ impl Drive {
         }
     }
 
-    /// Handles the loss of the port or of its holder.
+    /// Closes the port after a read or write error or the end of the guard process, logs
+    /// `error`, and reports the failure and any stop by the guard to the link.
     fn handle_port_loss(&mut self, error: &std::io::Error) {
         let orphan = self.port_io.take().and_then(|mut it| it.take_orphan());
         let cause = ports::failure_message(error);
