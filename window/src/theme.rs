@@ -202,9 +202,9 @@ pub const SPINDLE_AXIS: Color32 = Color32::from_rgb(176, 120, 120);
 /// Ground of text over the picture.
 pub const PICTURE_LABEL_GROUND: Color32 = Color32::from_rgba_premultiplied(12, 12, 12, 170);
 /// Fill of the cut face of the half section.
-pub const SECTION: Color32 = Color32::from_rgb(118, 116, 112);
+pub const SECTION: Color32 = Color32::from_rgb(81, 81, 84);
 /// Lines on the cut face of the half section.
-pub const HATCHING: Color32 = Color32::from_rgb(158, 156, 148);
+pub const HATCHING: Color32 = Color32::from_rgb(166, 164, 156);
 /// Fill of the outside of the part, below the axis.
 pub const PART_OUTSIDE: Color32 = Color32::from_rgb(74, 74, 76);
 pub const PART_EDGE: Color32 = Color32::from_rgb(196, 196, 192);

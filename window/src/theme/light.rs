@@ -79,7 +79,7 @@ const COLORS: [(Color32, [u8; 3]); 70] = [
     (FAULT_PATH, [200, 14, 10]),
     (SPINDLE_AXIS, [160, 70, 70]),
     (SECTION, [222, 225, 230]),
-    (HATCHING, [132, 136, 144]),
+    (HATCHING, [116, 120, 128]),
     (PART_OUTSIDE, [206, 209, 214]),
     (PART_EDGE, [58, 60, 64]),
     (CHUCK, [214, 220, 228]),

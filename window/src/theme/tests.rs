@@ -266,6 +266,7 @@ fn graphics_on_grounds() -> Vec<(&'static str, Vec<Color32>, Vec<Color32>)> {
     vec![
         ("paths", paths, drawing.clone()),
         ("part and machine", part, drawing.clone()),
+        ("hatching", vec![HATCHING], vec![SECTION]),
         ("measurements", measured, drawing.clone()),
         ("traces", traces, drawing.clone()),
         ("ladder", vec![LADDER_DEAD, LADDER_SELECTED], drawing),

@@ -145,7 +145,7 @@ impl SectionPlan {
             // It has no keys, and is no wider than the LCD.
             NAME => (self.key_scale * 0.75).min(self.lcd_scale * 1.15),
             // It has large parts and no legends.
-            ADDITIONAL => self.key_scale * 0.8,
+            ADDITIONAL => self.key_scale * 0.9,
             _ => self.key_scale,
         };
         vec2(area.rect.w, area.rect.h) * scale
