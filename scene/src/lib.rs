@@ -1,0 +1,24 @@
+//! Draws a lathe in space: a description in, pixels out.
+//!
+//! Coordinates of the scene, mm: x is the spindle axis away from the chuck, with 0 at the front
+//! of the chuck's body; y points up; z points to the operator.
+//!
+//! ```text
+//!        y
+//!        |   chuck      part        tailstock
+//!   head |  ______                    ____
+//!   stock|==|    |================---<____|==   axis -> x
+//!        | z (to the operator)
+//! ```
+
+pub mod camera;
+pub mod description;
+pub mod lathe;
+pub mod mesh;
+pub mod occlusion;
+pub mod part_outline;
+pub mod placement;
+pub mod primitives;
+
+#[cfg(test)]
+mod checks;
