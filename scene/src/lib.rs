@@ -13,12 +13,20 @@
 
 pub mod camera;
 pub mod description;
+mod device;
+mod frame;
+mod gpu_meshes;
 pub mod lathe;
 pub mod mesh;
+mod objects;
 pub mod occlusion;
 pub mod part_outline;
 pub mod placement;
 pub mod primitives;
+pub mod renderer;
+mod shader;
+mod targets;
+mod viewport;
 
 #[cfg(test)]
 mod checks;

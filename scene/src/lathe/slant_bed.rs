@@ -2,7 +2,7 @@
 
 use glam::{Mat4, vec3};
 
-use super::flat_bed::{add_control_panel, add_floor, add_lamp_tower, add_spindle_nose};
+use super::flat_bed::{add_control_panel, add_lamp_tower, add_spindle_nose};
 use super::floor_y;
 use super::palette::{ACCENT, BLACK, BRIGHT_STEEL, DARK, GROUND_STEEL, LAMP, LIGHT, PANE, SHEET};
 use crate::description::{LatheDimensions, LatheKind};
@@ -41,7 +41,6 @@ impl Cabinet {
 pub fn add_fixed(mesh: &mut SceneMesh, dimensions: &LatheDimensions) {
     let cabinet = Cabinet::new(dimensions);
     let floor = floor_y(LatheKind::SlantBed, dimensions);
-    add_floor(mesh, floor);
     add_bed(mesh, dimensions, &cabinet);
     add_walls(mesh, &cabinet, floor);
     add_front(mesh, &cabinet, floor);

@@ -53,7 +53,7 @@ pub fn add_carriage(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &LatheDim
     let wheel = Mat4::from_translation(vec3(right * 0.28, foot + (top - foot) * 0.46, front))
         * Mat4::from_rotation_y(-PI / 2.0);
     mesh.within(wheel, |mesh| {
-        add_hand_wheel(mesh, if is_bench { 52.0 } else { 58.0 } * wide, scale)
+        add_hand_wheel(mesh, if is_bench { 52.0 } else { 58.0 } * wide, scale);
     });
 }
 
