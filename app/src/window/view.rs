@@ -16,6 +16,8 @@ pub enum ViewId {
     Link,
     Program,
     Machine,
+    /// The lathe in space.
+    Lathe,
     Lesson,
     Transfer,
     Commission,
@@ -63,7 +65,7 @@ pub struct ViewRow {
 }
 
 /// The views in the order of the menu.
-pub static VIEWS: [ViewRow; 11] = [
+pub static VIEWS: [ViewRow; 12] = [
     ViewRow {
         view: ViewId::Machine,
         name: say::window_view_machine,
@@ -71,6 +73,14 @@ pub static VIEWS: [ViewRow; 11] = [
         opens_docked: false,
         size: [900.0, 640.0],
         min_size: [300.0, 220.0],
+    },
+    ViewRow {
+        view: ViewId::Lathe,
+        name: say::window_view_lathe,
+        key: None,
+        opens_docked: true,
+        size: [900.0, 640.0],
+        min_size: [240.0, 180.0],
     },
     ViewRow {
         view: ViewId::Scope,

@@ -8,6 +8,7 @@ mod commission;
 mod data;
 pub mod header;
 mod ladder;
+mod lathe;
 mod lesson;
 mod link;
 mod machine;
@@ -43,6 +44,7 @@ use commission::CommissionView;
 use data::DataView;
 use gsk_messages::Language;
 use ladder::LadderView;
+use lathe::LatheSceneView;
 use lesson::LessonView;
 use link::LinkPage;
 use machine::{LatheView, ProgramViewRequest};
@@ -63,6 +65,7 @@ pub struct Views {
     link: LinkPage,
     program: ProgramView,
     lathe: LatheView,
+    scene: LatheSceneView,
     lessons: LessonView,
     transfer: TransferView,
     commission: CommissionView,
@@ -94,6 +97,7 @@ impl Views {
             link: LinkPage::new(console.clone()),
             program: ProgramView::new(console.clone()),
             lathe: LatheView::new(console.clone(), solid),
+            scene: LatheSceneView::new(),
             lessons: LessonView::new(console.clone(), finished),
             transfer: TransferView::new(console.clone(), transfer),
             commission: CommissionView::new(console.clone()),
@@ -129,6 +133,7 @@ impl Views {
                 (ViewId::Link, false) => self.link.close(),
                 (ViewId::Machine, true) => self.lathe.open(),
                 (ViewId::Machine, false) => self.lathe.close(),
+                (ViewId::Lathe, open) => self.lathe.set_scene_open(open),
                 (ViewId::Transfer, false) => self.transfer.close(),
                 (
                     ViewId::Bench
@@ -188,6 +193,11 @@ impl Views {
         text.or_else(job).or_else(project)
     }
 
+    /// Deletes the objects of OpenGL before the window closes.
+    pub fn release(&self, gl: &eframe::glow::Context) {
+        self.scene.release(gl);
+    }
+
     /// Whether an open view shows the state of the machine and the PLC.
     fn needs_machine_state(&self) -> bool {
         self.open_views.iter().any(|view| view.is_monitor())
@@ -208,6 +218,11 @@ impl Views {
             ViewId::Machine => {
                 self.lathe.show(ui, language);
                 self.handle_program_request();
+            }
+            ViewId::Lathe => {
+                self.lathe.receive_state();
+                let (part, is_rear) = (self.lathe.part(), self.lathe.is_rear());
+                self.scene.show(ui, language, part, is_rear);
             }
             ViewId::Lesson => self.lessons.show(ui, language),
             // The web page has no ports: this arm lets the compiler drop the transfer view's
