@@ -39,7 +39,14 @@ struct Bench {
 
 fn describe(kind: LatheKind, time: f32) -> LatheDescription {
     let at = (time * 0.35).sin() * 40.0 + 90.0;
-    let steps = [(-30.0, 0.0), (150.0, 0.0), (150.0, 18.0), (at, 22.0), (at, 30.0), (-30.0, 30.0)];
+    let steps = [
+        (-30.0, 0.0),
+        (150.0, 0.0),
+        (150.0, 18.0),
+        (at, 22.0),
+        (at, 30.0),
+        (-30.0, 30.0),
+    ];
     let polygon: Vec<[f32; 2]> = steps.iter().map(|&(x, r)| [x, r]).collect();
     let shank = SceneTool {
         form: ToolForm::Shank,
@@ -47,7 +54,11 @@ fn describe(kind: LatheKind, time: f32) -> LatheDescription {
         holder: vec![vec![[1.0, 5.0], [21.0, 9.0], [21.0, 60.0], [1.0, 60.0]]],
     };
     let drill = SceneTool {
-        form: ToolForm::Drill { diameter: 12.0, point: 118.0, reach: 80.0 },
+        form: ToolForm::Drill {
+            diameter: 12.0,
+            point: 118.0,
+            reach: 80.0,
+        },
         insert: vec![],
         holder: vec![],
     };
@@ -55,7 +66,10 @@ fn describe(kind: LatheKind, time: f32) -> LatheDescription {
         kind,
         spindle_angle: time * 8.0,
         jaw_radius: 30.0,
-        tip: TipPosition { x: at, radius: 22.0 },
+        tip: TipPosition {
+            x: at,
+            radius: 22.0,
+        },
         tools: vec![Some(shank.clone()), None, Some(drill), Some(shank)],
         has_coolant: true,
         part: Arc::new(PartOutline::from_polygons(&[polygon], 30.0)),
@@ -81,15 +95,25 @@ impl eframe::App for Bench {
         let callback = eframe::egui_glow::CallbackFn::new(move |info, painter| {
             let place = info.viewport_in_pixels();
             let viewport = SceneViewport {
-                pixels: [place.left_px, place.from_bottom_px, place.width_px, place.height_px],
+                pixels: [
+                    place.left_px,
+                    place.from_bottom_px,
+                    place.width_px,
+                    place.height_px,
+                ],
                 output: painter.intermediate_fbo(),
                 is_moving: trial != Trial::FullSize,
             };
             let mut shared = shared.lock().expect("the lock");
             let (renderer, figures) = &mut *shared;
-            *figures = renderer.paint(painter.gl(), &lathe, &camera, viewport).expect("a picture");
+            *figures = renderer
+                .paint(painter.gl(), &lathe, &camera, viewport)
+                .expect("a picture");
         });
-        ui.painter().add(egui::PaintCallback { rect, callback: Arc::new(callback) });
+        ui.painter().add(egui::PaintCallback {
+            rect,
+            callback: Arc::new(callback),
+        });
         ui.ctx().request_repaint();
         let figures = self.renderer.lock().expect("the lock").1;
         let is_warm = figures.triangles > 0 && !figures.is_refining;
@@ -115,9 +139,18 @@ impl eframe::App for Bench {
 
 impl Bench {
     fn report(&self, kind: LatheKind, trial: Trial, figures: SceneFigures) {
-        let mut waits: Vec<f64> = self.times.windows(2).map(|it| (it[1] - it[0]) * 1e3).collect();
+        let mut waits: Vec<f64> = self
+            .times
+            .windows(2)
+            .map(|it| (it[1] - it[0]) * 1e3)
+            .collect();
         waits.sort_by(f64::total_cmp);
-        let at = |share: f64| waits.get((waits.len() as f64 * share) as usize).copied().unwrap_or(0.0);
+        let at = |share: f64| {
+            waits
+                .get((waits.len() as f64 * share) as usize)
+                .copied()
+                .unwrap_or(0.0)
+        };
         let [width, height] = figures.size;
         println!(
             "{kind:?} {trial:?}: {:.1} frames/s, p50 {:.1} ms, p95 {:.1} ms, {width}x{height}, {} triangles, software {}",
@@ -132,7 +165,9 @@ impl Bench {
 
 fn main() {
     let options = eframe::NativeOptions {
-        viewport: egui::ViewportBuilder::default().with_inner_size(SIZE).with_position([0.0, 0.0]),
+        viewport: egui::ViewportBuilder::default()
+            .with_inner_size(SIZE)
+            .with_position([0.0, 0.0]),
         glow_options: eframe::egui_glow::GlowConfiguration {
             vsync: false,
             ..Default::default()

@@ -19,7 +19,7 @@ const LAYER_FRAMES: u32 = 15;
 /// Frames after which the shadow map is drawn again by a software renderer.
 const SHADOW_FRAMES: u32 = 3;
 /// Opacity of panes and of coolant, 0–1.
-const PANE_ALPHA: f32 = 0.07;
+const PANE_ALPHA: f32 = 0.10;
 const COOLANT_ALPHA: f32 = 0.42;
 
 /// The groups that stand still while a program runs.

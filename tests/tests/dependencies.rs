@@ -13,7 +13,7 @@ use paths::{ModuleSource, sources};
 /// The modules of `core`, from leaf to root, and what each uses.
 const CORE_MODULES: &str = "tests/core-modules.tsv";
 /// The folders of the packages that have a library.
-const PACKAGES: [&str; 18] = [
+const PACKAGES: [&str; 19] = [
     "messages",
     "units",
     "plc",
@@ -21,6 +21,7 @@ const PACKAGES: [&str; 18] = [
     "transfer",
     "twins",
     "workpiece",
+    "scene",
     "core",
     "milling",
     "commission",

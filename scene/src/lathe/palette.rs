@@ -7,7 +7,7 @@ pub const LIGHT: SceneMaterial = SceneMaterial::paint(214, 216, 214);
 /// Paint of the base.
 pub const DARK: SceneMaterial = SceneMaterial::paint(62, 68, 76);
 /// Accent of the two CNC machines.
-pub const ACCENT: SceneMaterial = SceneMaterial::paint(24, 92, 150);
+pub const ACCENT: SceneMaterial = SceneMaterial::paint(34, 70, 104);
 /// Paint of the bench lathe.
 pub const BENCH_GREEN: SceneMaterial = SceneMaterial::paint(58, 98, 84);
 /// Rubber, plastic, blackened steel.
