@@ -24,7 +24,7 @@ for needed in Xvfb xdotool import; do
 done
 read -ra languages <<<"${LANGUAGES:-zh en}"
 read -ra lights <<<"${LIGHTS:-dark light}"
-every=(first panel Machine Scope Bench Ladder Link Program Lesson Transfer Commission Data Project)
+every=(first panel Machine Lathe Scope Bench Ladder Link Program Lesson Transfer Commission Data Project)
 read -ra views <<<"${VIEWS:-${every[*]}}"
 sample=$(dirname "$0")/../assets/programs/01-stepped-shaft.CNC
 

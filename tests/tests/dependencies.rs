@@ -14,7 +14,7 @@ use paths::{ModuleSource, sources};
 /// The modules of `core`, from leaf to root, and what each uses.
 const CORE_MODULES: &str = "tests/core-modules.tsv";
 /// The folders of the packages that have a library.
-const PACKAGES: [&str; 20] = [
+const PACKAGES: [&str; 21] = [
     "messages",
     "units",
     "plc",
@@ -22,6 +22,7 @@ const PACKAGES: [&str; 20] = [
     "transfer",
     "twins",
     "workpiece",
+    "scene",
     "core",
     "milling",
     "commission",

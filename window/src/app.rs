@@ -379,7 +379,10 @@ impl eframe::App for App {
         theme::background(self.window.settings().light).to_normalized_gamma_f32()
     }
 
-    fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {
+    fn on_exit(&mut self, gl: Option<&eframe::glow::Context>) {
+        if let Some(gl) = gl {
+            self.window.release(gl);
+        }
         self.turn_control_off();
     }
 }

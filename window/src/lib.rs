@@ -359,6 +359,11 @@ impl Window {
         self.renew_held_keys(ui.ctx());
     }
 
+    /// Deletes the objects of OpenGL before the window closes.
+    pub fn release(&self, gl: &eframe::glow::Context) {
+        self.views.release(gl);
+    }
+
     /// Copies what the views keep for the next start into the settings.
     fn store_view_settings(&mut self) {
         self.settings.solid = self.views.lathe().is_solid();

@@ -393,6 +393,12 @@ pub fn set_light(context: &Context, light: bool) {
     context.with_plugin(|plugin: &mut ThemePlugin| plugin.light = light);
 }
 
+/// Whether the context draws the light theme.
+pub fn is_light(context: &Context) -> bool {
+    let light = context.with_plugin(|plugin: &mut ThemePlugin| plugin.light);
+    light.unwrap_or(false)
+}
+
 /// The background colour of a window in the light or the dark theme.
 pub fn background(light: bool) -> Color32 {
     if light {

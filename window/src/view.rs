@@ -54,6 +54,17 @@ views! {
         is_monitor: false,
         uses_keys: false,
     },
+    Lathe => ViewRow {
+        view: ViewId::Lathe,
+        name: say::window_view_lathe,
+        key: None,
+        opens_docked: true,
+        size: [900.0, 640.0],
+        min_size: [240.0, 180.0],
+        is_available: || true,
+        is_monitor: false,
+        uses_keys: false,
+    },
     Scope => ViewRow {
         view: ViewId::Scope,
         name: say::window_view_scope,

@@ -9,6 +9,7 @@ mod data;
 pub mod header;
 pub mod interface;
 mod ladder;
+mod lathe;
 mod lesson;
 mod link;
 mod machine;
@@ -95,6 +96,9 @@ impl Views {
                 Some(drawn) => drawn.close(),
                 None => {}
             }
+            if view == ViewId::Lathe {
+                self.all.lathe.set_scene_open(open);
+            }
         }
         let is_monitoring = self.needs_machine_state();
         if is_monitoring != was_monitoring {
@@ -104,6 +108,11 @@ impl Views {
         if let Some(machine) = self.console.machine.pop() {
             self.machine = Some(Arc::new(machine));
         }
+    }
+
+    /// Deletes the objects of OpenGL before the window closes.
+    pub fn release(&self, gl: &eframe::glow::Context) {
+        self.all.scene.release(gl);
     }
 
     /// Takes the sample that the operator has chosen among the lessons, if any.
@@ -151,6 +160,11 @@ impl Views {
             owns_keys: native,
             machine: self.machine.as_ref(),
         };
+        if view == ViewId::Lathe {
+            let AllViews { lathe, scene, .. } = &mut self.all;
+            lathe.receive_state();
+            scene.set_part(lathe.part().cloned(), lathe.is_rear());
+        }
         if let Some(drawn) = self.all.get(view) {
             drawn.show(ui, frame);
         }

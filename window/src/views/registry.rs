@@ -8,6 +8,7 @@ use super::commission::CommissionView;
 use super::data::DataView;
 use super::interface::{View, ViewStart};
 use super::ladder::LadderView;
+use super::lathe::LatheSceneView;
 use super::lesson::LessonView;
 use super::link::LinkPage;
 use super::machine::LatheView;
@@ -54,6 +55,7 @@ macro_rules! register {
 register! {
     Program: program = ProgramView;
     Machine: lathe = LatheView;
+    Lathe: scene = LatheSceneView;
     Project: project = ProjectView, if platform::has_folders();
     Scope: scope = Scope;
     Bench: bench = Bench;

@@ -114,6 +114,8 @@ pub struct LatheView {
     worker: Option<PreviewWorker>,
     /// Whether the view is open.
     is_open: bool,
+    /// Whether the lathe view is open, which shows the same part.
+    is_scene_open: bool,
     preview: PreviewResult,
     part: Option<PartView>,
     program_text: ProgramTextState,
@@ -182,6 +184,7 @@ impl LatheView {
             console,
             worker: None,
             is_open: false,
+            is_scene_open: false,
             preview: PreviewResult::default(),
             part: None,
             program_text: ProgramTextState::default(),
@@ -216,7 +219,23 @@ impl LatheView {
         if let Some(worker) = &self.worker {
             worker.flags.visible.store(is_open, Ordering::Relaxed);
         }
-        self.console.send(Command::ShowPart(is_open));
+        self.send_show_part();
+    }
+
+    /// Sets whether the lathe view is open, which shows the same part.
+    pub fn set_scene_open(&mut self, is_open: bool) {
+        self.is_scene_open = is_open;
+        self.send_show_part();
+    }
+
+    fn send_show_part(&self) {
+        let is_shown = self.is_open || self.is_scene_open;
+        self.console.send(Command::ShowPart(is_shown));
+    }
+
+    /// The part, as it was received last; `None` before the first one.
+    pub const fn part(&self) -> Option<&PartView> {
+        self.part.as_ref()
     }
 
     /// Reports to the worker a program that was opened in the window. Its job may be in a file
@@ -338,11 +357,16 @@ impl LatheView {
         }
     }
 
-    /// Receives the state of the part and passes it to the instrument in use.
-    fn receive_part(&mut self, ui: &Ui) {
+    /// Receives the state of the part.
+    pub fn receive_state(&mut self) {
         if let Some(part) = self.console.part.pop() {
             self.part = Some(part);
         }
+    }
+
+    /// Receives the state of the part and passes it to the instrument in use.
+    fn receive_part(&mut self, ui: &Ui) {
+        self.receive_state();
         let Some(worker) = &self.worker else { return };
         let is_running = self.part.as_ref().is_some_and(|part| part.block.is_some());
         worker
@@ -487,7 +511,7 @@ impl LatheView {
 
     /// Whether the tool post is on the far side of the spindle; false until the first result
     /// of the worker.
-    const fn is_rear(&self) -> bool {
+    pub const fn is_rear(&self) -> bool {
         self.preview.rear_tool_post
     }
 

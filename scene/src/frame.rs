@@ -1,0 +1,97 @@
+//! What the shaders need to know of one picture.
+
+use glam::{Mat4, Vec3, vec3};
+
+use crate::camera::OrbitCamera;
+use crate::description::{LatheDescription, SceneTheme};
+use crate::lathe::MeshGroup;
+use crate::placement::LathePlacement;
+
+/// Direction to the key light.
+pub const LIGHT: Vec3 = vec3(0.40, 0.80, 0.45);
+
+/// What the programs need to know of a frame.
+pub struct FrameInputs {
+    pub placement: LathePlacement,
+    pub projection: Mat4,
+    pub light_projection: Mat4,
+    pub eye: Vec3,
+    pub centre: Vec3,
+    pub fade: [f32; 2],
+    pub ground: [Vec3; 2],
+    pub sky: f32,
+    pub rows: f32,
+    pub has_coolant: bool,
+}
+
+/// What determines the layer of what stands still: camera, quill, door and colours.
+pub type LayerInputs = ([Mat4; 3], [Vec3; 2]);
+
+impl FrameInputs {
+    /// What determines the layer of what stands still.
+    pub fn layer(&self) -> LayerInputs {
+        let LathePlacement { quill, door, .. } = self.placement;
+        ([self.projection, quill, door], self.ground)
+    }
+
+    /// Computes the inputs for a picture of a size, pixels.
+    pub fn new(lathe: &LatheDescription, camera: &OrbitCamera, size: [i32; 2]) -> Self {
+        let dimensions = lathe.dimensions.sanitized();
+        let [width, height] = size.map(|it| it as f32);
+        let centre = vec3(
+            dimensions.bed_length * 0.35,
+            -dimensions.centre_height * 0.6,
+            0.0,
+        );
+        let radius = dimensions.bed_length * 0.62 + dimensions.centre_height * 2.6;
+        let light = LIGHT.normalize();
+        let (ground, sky) = match lathe.theme {
+            SceneTheme::Night => ([vec3(0.135, 0.15, 0.165), vec3(0.235, 0.26, 0.29)], 0.92),
+            SceneTheme::Day => ([vec3(0.73, 0.755, 0.775), vec3(0.885, 0.905, 0.92)], 1.12),
+        };
+        Self {
+            placement: LathePlacement::new(lathe),
+            projection: camera.projection(width / height.max(1.0)),
+            light_projection: light_projection(centre, light, radius),
+            eye: camera.eye(),
+            centre,
+            fade: [radius * 1.15, radius * 2.6],
+            ground,
+            sky,
+            rows: height,
+            has_coolant: lathe.has_coolant,
+        }
+    }
+
+    /// The model matrices with which a group is drawn.
+    pub fn models(&self, group: MeshGroup) -> Vec<Mat4> {
+        let placement = &self.placement;
+        match group {
+            MeshGroup::Floor | MeshGroup::Fixed => vec![Mat4::IDENTITY],
+            MeshGroup::Chuck => vec![placement.spindle],
+            MeshGroup::Jaw => placement.jaws.to_vec(),
+            MeshGroup::Carriage => vec![placement.carriage],
+            MeshGroup::CrossSlide => vec![placement.cross_slide],
+            MeshGroup::Carrier => vec![placement.carrier],
+            MeshGroup::Tailstock => vec![placement.tailstock],
+            MeshGroup::Quill => vec![placement.quill],
+            MeshGroup::Door | MeshGroup::Pane => vec![placement.door],
+            MeshGroup::Coolant if self.has_coolant => vec![placement.coolant],
+            MeshGroup::Coolant => Vec::new(),
+        }
+    }
+}
+
+/// Projects the scene as the key light sees it: a cube of a radius around its centre.
+fn light_projection(centre: Vec3, light: Vec3, radius: f32) -> Mat4 {
+    let right = Vec3::Y.cross(light).normalize();
+    let up = light.cross(right);
+    let rows = [right / radius, up / radius, -light / (radius * 1.4)];
+    let shift = rows.map(|row| -row.dot(centre));
+    Mat4::from_cols(
+        vec3(rows[0].x, rows[1].x, rows[2].x).extend(0.0),
+        vec3(rows[0].y, rows[1].y, rows[2].y).extend(0.0),
+        vec3(rows[0].z, rows[1].z, rows[2].z).extend(0.0),
+        Vec3::from_array(shift).extend(1.0),
+    )
+}

@@ -1,0 +1,242 @@
+//! The half section of the part as edges with normals, for a texture that the vertex shader
+//! revolves.
+
+use glam::{Vec2, vec2};
+
+/// Greatest number of edges; an outline with more is simplified.
+pub const MAX_EDGES: usize = 384;
+/// Floats of an edge: two ends, each with x, radius and a normal.
+pub const EDGE_FLOATS: usize = 8;
+/// Cosine of the angle below which two edges are shaded as one surface.
+const SMOOTH_COSINE: f32 = 0.93;
+/// Length of the normal of an edge that no tool has cut: the shader draws it as bar skin.
+const SKIN_NORMAL_LENGTH: f32 = 2.0;
+/// Distance from the stock's radius within which a surface counts as uncut, mm.
+const SKIN_TOLERANCE_MM: f32 = 0.01;
+/// First tolerance with which an outline is simplified, mm; doubled until the edges fit.
+const FIRST_TOLERANCE_MM: f32 = 0.002;
+
+/// An edge of the half section that sweeps a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutlineEdge {
+    /// Both ends as (x, radius), mm. The material is to the left.
+    pub ends: [Vec2; 2],
+    /// Outward normals at both ends.
+    pub normals: [Vec2; 2],
+    /// Whether the surface is the one of the stock.
+    pub is_skin: bool,
+}
+
+/// The surfaces of the part.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PartOutline {
+    edges: Vec<OutlineEdge>,
+}
+
+impl PartOutline {
+    /// Creates the surfaces of a half section: closed polygons of (x, radius), mm, with holes
+    /// turning the other way. `stock_radius`: radius of the stock, mm.
+    pub fn from_polygons(polygons: &[Vec<[f32; 2]>], stock_radius: f32) -> Self {
+        let mut lines: Vec<Vec<Vec2>> = polygons
+            .iter()
+            .map(|polygon| {
+                let points = polygon.iter().map(|&[x, r]| vec2(x, r.max(0.0)));
+                let mut points: Vec<Vec2> = points.filter(|it| it.is_finite()).collect();
+                points.dedup();
+                points
+            })
+            .filter(|points| points.len() > 2)
+            .collect();
+        let mut tolerance = FIRST_TOLERANCE_MM;
+        while lines.iter().map(Vec::len).sum::<usize>() > MAX_EDGES && tolerance < 1000.0 {
+            for points in &mut lines {
+                *points = simplify(points, tolerance);
+            }
+            tolerance *= 2.0;
+        }
+        // Material is to the left of a counter-clockwise polygon: the largest one decides.
+        let area = |points: &Vec<Vec2>| doubled_area(points);
+        let largest = lines
+            .iter()
+            .map(area)
+            .max_by(|a, b| a.abs().total_cmp(&b.abs()));
+        let side = if largest.unwrap_or(1.0) < 0.0 {
+            -1.0
+        } else {
+            1.0
+        };
+        let edges = lines
+            .iter()
+            .flat_map(|points| polygon_edges(points, side, stock_radius));
+        let mut edges: Vec<OutlineEdge> = edges.collect();
+        edges.truncate(MAX_EDGES);
+        Self { edges }
+    }
+
+    /// The edges that sweep a surface.
+    pub fn edges(&self) -> &[OutlineEdge] {
+        &self.edges
+    }
+
+    /// The edges as texels: two per edge, each x, radius and normal.
+    pub fn texels(&self) -> Vec<f32> {
+        let mut texels = Vec::with_capacity(self.edges.len() * EDGE_FLOATS);
+        for edge in &self.edges {
+            let length = if edge.is_skin {
+                SKIN_NORMAL_LENGTH
+            } else {
+                1.0
+            };
+            for (end, normal) in edge.ends.iter().zip(edge.normals) {
+                let normal = normal * length;
+                texels.extend([end.x, end.y, normal.x, normal.y]);
+            }
+        }
+        texels
+    }
+
+    /// Least and greatest x, and greatest radius, mm; `None` without a part.
+    pub fn bounds(&self) -> Option<(f32, f32, f32)> {
+        let mut ends = self.edges.iter().flat_map(|edge| edge.ends);
+        let first = ends.next()?;
+        Some(
+            ends.fold((first.x, first.x, first.y), |(low, high, radius), it| {
+                (low.min(it.x), high.max(it.x), radius.max(it.y))
+            }),
+        )
+    }
+}
+
+fn doubled_area(points: &[Vec2]) -> f32 {
+    let next = points.iter().cycle().skip(1);
+    points.iter().zip(next).map(|(a, b)| a.perp_dot(*b)).sum()
+}
+
+fn polygon_edges(points: &[Vec2], side: f32, stock_radius: f32) -> Vec<OutlineEdge> {
+    let count = points.len();
+    let end = |at: usize| points[at % count];
+    // To the right of the direction is outside of a counter-clockwise polygon.
+    let normal = |at: usize| -(end(at + 1) - end(at)).perp().normalize_or(Vec2::NEG_Y) * side;
+    let mut edges = Vec::new();
+    for at in 0..count {
+        let ends = [end(at), end(at + 1)];
+        if ends[0].y <= 0.0 && ends[1].y <= 0.0 {
+            continue;
+        }
+        let own = normal(at);
+        let blend = |other: Vec2| match own.dot(other) > SMOOTH_COSINE {
+            true => (own + other).normalize_or(own),
+            false => own,
+        };
+        let is_skin = ends
+            .iter()
+            .all(|it| (it.y - stock_radius).abs() < SKIN_TOLERANCE_MM);
+        edges.push(OutlineEdge {
+            ends,
+            normals: [blend(normal(at + count - 1)), blend(normal(at + 1))],
+            is_skin,
+        });
+    }
+    edges
+}
+
+/// Removes points of a closed line that are closer than `tolerance` to the line without them.
+fn simplify(points: &[Vec2], tolerance: f32) -> Vec<Vec2> {
+    let Some(&first) = points.first() else {
+        return Vec::new();
+    };
+    let mut keep = vec![false; points.len()];
+    let farthest = (0..points.len())
+        .max_by(|&a, &b| {
+            points[a]
+                .distance(first)
+                .total_cmp(&points[b].distance(first))
+        })
+        .unwrap_or(0);
+    keep[0] = true;
+    keep[farthest] = true;
+    let mut open = vec![(0, farthest), (farthest, points.len())];
+    while let Some((from, to)) = open.pop() {
+        let (a, b) = (points[from], points[to % points.len()]);
+        let along = (b - a).normalize_or_zero();
+        let distance = |at: usize| match along == Vec2::ZERO {
+            true => points[at].distance(a),
+            false => along.perp_dot(points[at] - a).abs(),
+        };
+        let worst = (from + 1..to).max_by(|&p, &q| distance(p).total_cmp(&distance(q)));
+        if let Some(at) = worst.filter(|&at| distance(at) > tolerance) {
+            keep[at] = true;
+            open.extend([(from, at), (at, to)]);
+        }
+    }
+    let kept = points.iter().zip(keep).filter(|(_, keep)| *keep);
+    kept.map(|(point, _)| *point).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TUBE: [[f32; 2]; 4] = [[0.0, 10.0], [80.0, 10.0], [80.0, 25.0], [0.0, 25.0]];
+
+    #[test]
+    fn a_tube_has_a_bore_that_faces_the_axis() {
+        let mut reversed = TUBE.to_vec();
+        reversed.reverse();
+        for polygon in [TUBE.to_vec(), reversed] {
+            let part = PartOutline::from_polygons(&[polygon], 25.0);
+            assert_eq!(part.edges().len(), 4);
+            for edge in part.edges() {
+                let is_bore = edge.ends.iter().all(|it| it.y == 10.0);
+                let is_outside = edge.ends.iter().all(|it| it.y == 25.0);
+                assert_eq!(edge.is_skin, is_outside);
+                let expected = match (is_bore, is_outside) {
+                    (true, _) => Vec2::NEG_Y,
+                    (_, true) => Vec2::Y,
+                    _ if edge.ends[0].x == 0.0 => Vec2::NEG_X,
+                    _ => Vec2::X,
+                };
+                assert_eq!(edge.normals, [expected; 2]);
+            }
+            assert_eq!(part.bounds(), Some((0.0, 80.0, 25.0)));
+            assert_eq!(part.texels().len(), 4 * EDGE_FLOATS);
+        }
+    }
+
+    #[test]
+    fn a_solid_bar_has_no_surface_on_the_axis() {
+        let bar = vec![[0.0, 0.0], [60.0, 0.0], [60.0, 20.0], [0.0, 20.0]];
+        assert_eq!(PartOutline::from_polygons(&[bar], 20.0).edges().len(), 3);
+    }
+
+    #[test]
+    fn a_long_outline_is_simplified_and_keeps_its_extent() {
+        let mut points: Vec<[f32; 2]> = (0..100_000)
+            .map(|at| {
+                let x = at as f32 * 0.002;
+                [x, 20.0 + (x * 0.2).sin() * 3.0]
+            })
+            .collect();
+        points.extend([[199.998, 0.0], [0.0, 0.0]]);
+        points.reverse();
+        let part = PartOutline::from_polygons(&[points], 40.0);
+        assert!(part.edges().len() > 40 && part.edges().len() <= MAX_EDGES);
+        let (low, high, radius) = part.bounds().unwrap();
+        assert!(low == 0.0 && (high - 199.998).abs() < 1e-3 && (radius - 23.0).abs() < 0.05);
+    }
+
+    #[test]
+    fn degenerate_outlines_are_empty_or_finite() {
+        let wrong = f32::NAN;
+        for polygon in [
+            vec![],
+            vec![[0.0, 0.0]],
+            vec![[wrong, 1.0], [2.0, wrong], [3.0, 3.0], [4.0, 4.0]],
+            vec![[0.0, 5.0], [10.0, 5.0], [20.0, 5.0]],
+            vec![[1.0, 1.0]; 500],
+        ] {
+            let part = PartOutline::from_polygons(&[polygon], wrong);
+            assert!(part.texels().iter().all(|it| it.is_finite()));
+        }
+    }
+}

@@ -1,0 +1,283 @@
+//! Where the groups of meshes are at one moment: their model matrices.
+
+use core::f32::consts::{FRAC_PI_2, TAU};
+
+use glam::{Mat4, Vec3, vec3};
+
+use crate::description::{LatheDescription, LatheDimensions, LatheKind, SceneTool, ToolForm};
+
+/// Angle about the spindle axis that turns the tool side of a flat bed to the one of a slant
+/// bed, radians: away from the operator and up at 45 degrees.
+const SLANT: f32 = -3.0 * FRAC_PI_2 / 2.0;
+/// Distance of the tailstock's body from the point of its centre, mm.
+const QUILL_OUT_MM: f32 = 95.0;
+/// Overhang of a shank without a described holder, mm.
+const USUAL_OVERHANG_MM: f32 = 30.0;
+
+/// The tool side: z points away from the axis towards the tool post.
+pub fn tool_side(kind: LatheKind) -> Mat4 {
+    match kind {
+        LatheKind::FlatBed | LatheKind::Bench => Mat4::IDENTITY,
+        LatheKind::SlantBed => Mat4::from_rotation_x(SLANT),
+    }
+}
+
+/// Scale of tool post, turret and slides relative to a lathe of 190 mm centre height.
+pub fn tool_scale(dimensions: &LatheDimensions) -> f32 {
+    (dimensions.centre_height / 190.0).clamp(0.45, 2.0)
+}
+
+/// Half the side of a tool post, or the radius of a turret, mm.
+pub fn carrier_radius(kind: LatheKind, dimensions: &LatheDimensions) -> f32 {
+    let scale = tool_scale(dimensions);
+    match kind {
+        LatheKind::FlatBed | LatheKind::Bench => 52.0 * scale,
+        LatheKind::SlantBed => 112.0 * scale,
+    }
+}
+
+/// Position of the tool tip in the scene, mm.
+pub fn tip(lathe: &LatheDescription) -> Vec3 {
+    let finite = |value: f32| {
+        if value.is_finite() {
+            value.clamp(-9000.0, 9000.0)
+        } else {
+            0.0
+        }
+    };
+    let at = vec3(finite(lathe.tip.x), 0.0, finite(lathe.tip.radius));
+    tool_side(lathe.kind).transform_point3(at)
+}
+
+/// Least x, greatest x and greatest radius of the part, mm; of the jaws without a part.
+pub fn part_bounds(lathe: &LatheDescription) -> (f32, f32, f32) {
+    let jaws = lathe.dimensions.sanitized().jaw_length;
+    lathe.part.bounds().unwrap_or((0.0, jaws, lathe.jaw_radius))
+}
+
+/// Distance of a tool's tip from the end of its holder, mm.
+fn overhang(tool: &SceneTool) -> f32 {
+    let points = tool.holder.iter().flatten();
+    let far = |axis: usize| points.clone().map(|it| it[axis]).fold(0.0, f32::max);
+    let reach = match tool.form {
+        ToolForm::Shank => far(1),
+        ToolForm::Bar => far(0),
+        ToolForm::Drill { reach, .. } => reach.max(far(0)),
+    };
+    match reach.is_finite() && reach > 1.0 {
+        true => reach.min(400.0),
+        false => USUAL_OVERHANG_MM,
+    }
+}
+
+/// Position of a tool's tip relative to the centre of post or turret while its station is in
+/// the working position, mm, in the frame of the tool side.
+pub fn mounted_tip(
+    kind: LatheKind,
+    dimensions: &LatheDimensions,
+    tool: Option<&SceneTool>,
+) -> Vec3 {
+    let radius = carrier_radius(kind, dimensions);
+    let (out, is_axial) = match tool {
+        Some(tool) => (overhang(tool), tool.form != ToolForm::Shank),
+        None => (USUAL_OVERHANG_MM, false),
+    };
+    let is_turret = kind == LatheKind::SlantBed;
+    match (is_turret, is_axial) {
+        (false, false) => vec3(-radius, 0.0, -radius - out),
+        (false, true) => vec3(-radius - out, 0.0, -radius + 14.0),
+        (true, false) => vec3(8.0, 0.0, -radius - out),
+        (true, true) => vec3(-out, 0.0, -radius + 22.0),
+    }
+}
+
+/// Turn of a station from the working position, in the frame of the tool side.
+pub fn station_turn(kind: LatheKind, station: usize) -> Mat4 {
+    let share = station as f32 / kind.station_count() as f32;
+    match kind {
+        LatheKind::FlatBed | LatheKind::Bench => Mat4::from_rotation_y(share * TAU),
+        LatheKind::SlantBed => Mat4::from_rotation_x(share * TAU),
+    }
+}
+
+/// The model matrices of a moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LathePlacement {
+    /// Chuck and part.
+    pub spindle: Mat4,
+    /// The three jaws.
+    pub jaws: [Mat4; 3],
+    /// The carriage, which moves along the axis only.
+    pub carriage: Mat4,
+    /// The cross slide.
+    pub cross_slide: Mat4,
+    /// Tool post or turret with its tools.
+    pub carrier: Mat4,
+    /// The body of the tailstock.
+    pub tailstock: Mat4,
+    /// The quill of the tailstock.
+    pub quill: Mat4,
+    /// The guard.
+    pub door: Mat4,
+    /// The coolant at the tool tip.
+    pub coolant: Mat4,
+}
+
+impl LathePlacement {
+    /// Computes where everything is.
+    pub fn new(lathe: &LatheDescription) -> Self {
+        let dimensions = lathe.dimensions.sanitized();
+        let angle = match lathe.spindle_angle.is_finite() {
+            true => lathe.spindle_angle % TAU,
+            false => 0.0,
+        };
+        let spindle = Mat4::from_rotation_x(angle);
+        let radius = match lathe.jaw_radius.is_finite() {
+            true => lathe.jaw_radius.clamp(1.0, dimensions.chuck_diameter * 0.5),
+            false => dimensions.chuck_diameter * 0.25,
+        };
+        let jaw = |at: usize| {
+            spindle
+                * Mat4::from_rotation_x(at as f32 * TAU / 3.0)
+                * Mat4::from_translation(vec3(0.0, radius, 0.0))
+        };
+        let side = tool_side(lathe.kind);
+        let tip = side.inverse().transform_point3(tip(lathe));
+        let centre = tip - mounted_tip(lathe.kind, &dimensions, lathe.current_tool());
+        let along = vec3(centre.x, 0.0, 0.0);
+        let across = vec3(centre.x, 0.0, centre.z);
+        let quill_x = match lathe.quill.map(|it| it.tip_x).filter(|it| it.is_finite()) {
+            Some(x) => x.clamp(0.0, dimensions.bed_length - 60.0),
+            None => dimensions.bed_length - 260.0 * tool_scale(&dimensions),
+        };
+        Self {
+            spindle,
+            jaws: [jaw(0), jaw(1), jaw(2)],
+            carriage: side * Mat4::from_translation(along),
+            cross_slide: side * Mat4::from_translation(across),
+            carrier: side
+                * Mat4::from_translation(across)
+                * station_turn(lathe.kind, lathe.station).inverse(),
+            tailstock: Mat4::from_translation(vec3(quill_x + QUILL_OUT_MM, 0.0, 0.0)),
+            quill: Mat4::from_translation(vec3(quill_x, 0.0, 0.0)),
+            door: door(lathe, &dimensions),
+            coolant: side * Mat4::from_translation(tip),
+        }
+    }
+
+    /// All matrices.
+    pub fn all(&self) -> [Mat4; 11] {
+        let [a, b, c] = self.jaws;
+        let Self {
+            spindle,
+            carriage,
+            cross_slide,
+            carrier,
+            ..
+        } = *self;
+        let Self {
+            tailstock,
+            quill,
+            door,
+            coolant,
+            ..
+        } = *self;
+        [
+            spindle,
+            a,
+            b,
+            c,
+            carriage,
+            cross_slide,
+            carrier,
+            tailstock,
+            quill,
+            door,
+            coolant,
+        ]
+    }
+}
+
+/// A chuck guard swings up and back; the door of a slant bed slides to the right.
+fn door(lathe: &LatheDescription, dimensions: &LatheDimensions) -> Mat4 {
+    let opening = match lathe.door_opening.is_finite() {
+        true => lathe.door_opening.clamp(0.0, 1.0),
+        false => 0.0,
+    };
+    match lathe.kind {
+        LatheKind::FlatBed | LatheKind::Bench => Mat4::from_rotation_x(-opening * 1.6),
+        LatheKind::SlantBed => {
+            Mat4::from_translation(vec3(opening * dimensions.bed_length * 0.62, 0.0, 0.0))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::description::TipPosition;
+
+    #[test]
+    fn the_tip_of_the_mounted_tool_is_where_the_control_has_it() {
+        let shank = SceneTool {
+            form: ToolForm::Shank,
+            insert: vec![vec![[0.0, 0.0], [10.0, 2.0], [2.0, 10.0]]],
+            holder: vec![vec![[1.0, 5.0], [21.0, 5.0], [21.0, 60.0], [1.0, 60.0]]],
+        };
+        let drill = SceneTool {
+            form: ToolForm::Drill {
+                diameter: 10.0,
+                point: 118.0,
+                reach: 80.0,
+            },
+            insert: vec![],
+            holder: vec![],
+        };
+        for kind in [LatheKind::FlatBed, LatheKind::SlantBed, LatheKind::Bench] {
+            for (station, tool) in [(0, &shank), (3, &drill), (1, &shank)] {
+                let mut lathe = LatheDescription {
+                    kind,
+                    station,
+                    tip: TipPosition {
+                        x: 130.0,
+                        radius: 12.5,
+                    },
+                    ..LatheDescription::default()
+                };
+                lathe.tools = vec![Some(tool.clone()); kind.station_count()];
+                let mounted = mounted_tip(kind, &lathe.dimensions, Some(tool));
+                let at = station_turn(kind, station).transform_point3(mounted);
+                let drawn = LathePlacement::new(&lathe).carrier.transform_point3(at);
+                assert!(
+                    drawn.distance(tip(&lathe)) < 1e-2,
+                    "{kind:?} {station}: {drawn}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn degenerate_input_gives_finite_matrices() {
+        let wrong = f32::NAN;
+        for kind in [LatheKind::FlatBed, LatheKind::SlantBed] {
+            let lathe = LatheDescription {
+                kind,
+                spindle_angle: wrong,
+                jaw_radius: wrong,
+                tip: TipPosition {
+                    x: wrong,
+                    radius: f32::INFINITY,
+                },
+                station: 77,
+                door_opening: wrong,
+                ..LatheDescription::default()
+            };
+            assert!(
+                LathePlacement::new(&lathe)
+                    .all()
+                    .iter()
+                    .all(Mat4::is_finite)
+            );
+        }
+    }
+}

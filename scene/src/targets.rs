@@ -1,0 +1,56 @@
+//! The framebuffers of a scene: the picture, the layer of what stands still, the shadow maps.
+
+use crate::device::{Device, DrawTarget, SceneError};
+
+/// Side of a shadow map, pixels.
+const SHADOW_SIDE: i32 = 1024;
+
+/// All framebuffers.
+#[derive(Debug)]
+pub struct SceneTargets {
+    /// The picture.
+    pub picture: DrawTarget,
+    /// What stands still, copied into each picture.
+    pub fixed: DrawTarget,
+    /// The shadow of what stands still.
+    pub fixed_shadow: DrawTarget,
+    /// The shadow of everything.
+    pub shadow: DrawTarget,
+}
+
+impl SceneTargets {
+    /// Creates framebuffers for a picture of a size, pixels.
+    pub fn create(device: Device<'_>, size: [i32; 2]) -> Result<Self, SceneError> {
+        Ok(Self {
+            picture: device.create_target(size)?,
+            fixed: device.create_target(size)?,
+            fixed_shadow: device.create_shadow_map(SHADOW_SIDE)?,
+            shadow: device.create_shadow_map(SHADOW_SIDE)?,
+        })
+    }
+
+    /// Replaces picture and layer if their size differs. Returns true if it did.
+    pub fn resize(&mut self, device: Device<'_>, size: [i32; 2]) -> Result<bool, SceneError> {
+        if self.picture.size == size {
+            return Ok(false);
+        }
+        for target in [&mut self.picture, &mut self.fixed] {
+            let resized = device.create_target(size)?;
+            device.delete_target(&core::mem::replace(target, resized));
+        }
+        Ok(true)
+    }
+
+    /// Deletes all framebuffers.
+    pub fn release(&self, device: Device<'_>) {
+        let Self {
+            picture,
+            fixed,
+            fixed_shadow,
+            shadow,
+        } = self;
+        for target in [picture, fixed, fixed_shadow, shadow] {
+            device.delete_target(target);
+        }
+    }
+}
