@@ -84,7 +84,7 @@ pub fn add_cross_slide(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &Lathe
     // The column of the post.
     let shank = (26.0 * scale).max(21.0);
     let under = -shank - 22.0 * scale;
-    mesh.material = TURNED_STEEL;
+    mesh.material = GROUND_STEEL;
     mesh.add_upright(
         vec3(0.0, top, 0.0),
         &[

@@ -112,7 +112,7 @@ fn add_post(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &LatheDimensions)
             }
         });
     }
-    mesh.material = TURNED_STEEL;
+    mesh.material = BRIGHT_STEEL;
     let boss = 17.0 * scale;
     mesh.add_upright(
         vec3(0.0, top, 0.0),
