@@ -122,7 +122,7 @@ impl MeshDesign {
             (MeshGroup::Door, kind) => chuck::add_guard_frame(&mut mesh, kind, dimensions),
             (MeshGroup::Pane, LatheKind::SlantBed) => slant_bed::add_pane(&mut mesh, dimensions),
             (MeshGroup::Pane, _) => chuck::add_guard_pane(&mut mesh, dimensions),
-            (MeshGroup::Coolant, _) => slides::add_jet(&mut mesh, dimensions),
+            (MeshGroup::Coolant, kind) => slides::add_jet(&mut mesh, kind, dimensions),
         }
         mesh
     }
