@@ -1,6 +1,6 @@
 //! Frames per second of the scene in a window, uncapped: `cargo bench -p gsk980td-scene`. It
 //! needs a display. `LIBGL_ALWAYS_SOFTWARE=1` draws with the processor.
-#![allow(missing_docs)]
+#![allow(missing_docs, clippy::expect_used)]
 
 use std::sync::{Arc, Mutex};
 
