@@ -1,12 +1,14 @@
 //! Frames per second of the scene in a window, uncapped: `cargo bench -p gsk980td-scene`. It
 //! needs a display. `LIBGL_ALWAYS_SOFTWARE=1` draws with the processor.
-#![allow(missing_docs)]
+#![allow(missing_docs, clippy::expect_used)]
 
 use std::sync::{Arc, Mutex};
 
 use eframe::egui;
 use gsk_scene::camera::CameraPreset;
-use gsk_scene::description::{LatheDescription, LatheKind, SceneTool, TipPosition, ToolForm};
+use gsk_scene::description::{
+    LatheDescription, LatheKind, MountedTool, MountedToolForm, TipPosition,
+};
 use gsk_scene::part_outline::PartOutline;
 use gsk_scene::renderer::{SceneFigures, SceneRenderer, SceneViewport};
 
@@ -48,13 +50,13 @@ fn describe(kind: LatheKind, time: f32) -> LatheDescription {
         (-30.0, 30.0),
     ];
     let polygon: Vec<[f32; 2]> = steps.iter().map(|&(x, r)| [x, r]).collect();
-    let shank = SceneTool {
-        form: ToolForm::Shank,
+    let shank = MountedTool {
+        form: MountedToolForm::Shank,
         insert: vec![vec![[0.0, 0.0], [12.5, 1.5], [14.0, 13.0], [1.0, 11.5]]],
         holder: vec![vec![[1.0, 5.0], [21.0, 9.0], [21.0, 60.0], [1.0, 60.0]]],
     };
-    let drill = SceneTool {
-        form: ToolForm::Drill {
+    let drill = MountedTool {
+        form: MountedToolForm::Drill {
             diameter: 12.0,
             point: 118.0,
             reach: 80.0,

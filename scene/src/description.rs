@@ -80,7 +80,7 @@ impl LatheDimensions {
 
 /// How a tool cuts and how it is held.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ToolForm {
+pub enum MountedToolForm {
     /// A shank across the axis.
     Shank,
     /// A boring bar along the axis.
@@ -99,9 +99,9 @@ pub enum ToolForm {
 /// A tool. Its polygons are points (along the axis, away from the axis) relative to its tip,
 /// mm.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SceneTool {
+pub struct MountedTool {
     /// How the tool is held.
-    pub form: ToolForm,
+    pub form: MountedToolForm,
     /// Polygons of the insert.
     pub insert: Vec<Vec<[f32; 2]>>,
     /// Polygons of the holder.
@@ -152,7 +152,7 @@ pub struct LatheDescription {
     /// Index of the tool in the working position.
     pub station: usize,
     /// The tools by station; `None`: an empty station.
-    pub tools: Vec<Option<SceneTool>>,
+    pub tools: Vec<Option<MountedTool>>,
     /// The quill in the part; `None`: the tailstock is parked.
     pub quill: Option<QuillDescription>,
     /// Whether coolant flows.
@@ -189,7 +189,7 @@ impl Default for LatheDescription {
 
 impl LatheDescription {
     /// The tool in the working position; `None` if the station is empty.
-    pub fn current_tool(&self) -> Option<&SceneTool> {
+    pub fn current_tool(&self) -> Option<&MountedTool> {
         self.tools.get(self.station)?.as_ref()
     }
 }

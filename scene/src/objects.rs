@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::camera::OrbitCamera;
 use crate::description::LatheDescription;
-use crate::device::{Device, GpuMesh, SceneError, SceneProgram, VertexLayout};
+use crate::device::{Device, DrawTarget, GpuMesh, SceneError, SceneProgram, VertexLayout};
 use crate::frame::{FrameInputs, LIGHT, LayerInputs};
 use crate::gpu_meshes::GpuMeshes;
 use crate::lathe::MeshGroup;
@@ -372,14 +372,29 @@ impl SceneObjects {
         device.set_sampler(program, "u_outline", 1);
     }
 
-    /// Shows the picture in the viewport of the caller.
+    /// Shows the picture in the viewport of the caller, with smoothed edges. A small picture is
+    /// smoothed before it is enlarged, which costs a quarter.
     fn show(&self, device: Device<'_>, viewport: SceneViewport) {
+        let ScenePrograms {
+            show, show_smooth, ..
+        } = &self.programs;
+        let SceneTargets {
+            picture, smooth, ..
+        } = &self.targets;
+        if self.is_full_size {
+            device.bind_output(viewport.output, viewport.pixels);
+            self.show_picture(device, show_smooth, picture);
+            return;
+        }
+        device.begin_surfaces(false);
+        device.begin_cover();
+        device.bind_target(smooth, false);
+        self.show_picture(device, show_smooth, picture);
         device.bind_output(viewport.output, viewport.pixels);
-        let program = match self.is_full_size {
-            true => &self.programs.show_smooth,
-            false => &self.programs.show,
-        };
-        let picture = &self.targets.picture;
+        self.show_picture(device, show, smooth);
+    }
+
+    fn show_picture(&self, device: Device<'_>, program: &SceneProgram, picture: &DrawTarget) {
         device.use_program(program);
         device.bind_texture(0, Some(picture.texture));
         device.set_sampler(program, "u_picture", 0);

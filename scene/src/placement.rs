@@ -4,7 +4,9 @@ use core::f32::consts::{FRAC_PI_2, TAU};
 
 use glam::{Mat4, Vec3, vec3};
 
-use crate::description::{LatheDescription, LatheDimensions, LatheKind, SceneTool, ToolForm};
+use crate::description::{
+    LatheDescription, LatheDimensions, LatheKind, MountedTool, MountedToolForm,
+};
 
 /// Angle about the spindle axis that turns the tool side of a flat bed to the one of a slant
 /// bed, radians: away from the operator and up at 45 degrees.
@@ -56,13 +58,13 @@ pub fn part_bounds(lathe: &LatheDescription) -> (f32, f32, f32) {
 }
 
 /// Distance of a tool's tip from the end of its holder, mm.
-fn overhang(tool: &SceneTool) -> f32 {
+fn overhang(tool: &MountedTool) -> f32 {
     let points = tool.holder.iter().flatten();
     let far = |axis: usize| points.clone().map(|it| it[axis]).fold(0.0, f32::max);
     let reach = match tool.form {
-        ToolForm::Shank => far(1),
-        ToolForm::Bar => far(0),
-        ToolForm::Drill { reach, .. } => reach.max(far(0)),
+        MountedToolForm::Shank => far(1),
+        MountedToolForm::Bar => far(0),
+        MountedToolForm::Drill { reach, .. } => reach.max(far(0)),
     };
     match reach.is_finite() && reach > 1.0 {
         true => reach.min(400.0),
@@ -75,11 +77,11 @@ fn overhang(tool: &SceneTool) -> f32 {
 pub fn mounted_tip(
     kind: LatheKind,
     dimensions: &LatheDimensions,
-    tool: Option<&SceneTool>,
+    tool: Option<&MountedTool>,
 ) -> Vec3 {
     let radius = carrier_radius(kind, dimensions);
     let (out, is_axial) = match tool {
-        Some(tool) => (overhang(tool), tool.form != ToolForm::Shank),
+        Some(tool) => (overhang(tool), tool.form != MountedToolForm::Shank),
         None => (USUAL_OVERHANG_MM, false),
     };
     let is_turret = kind == LatheKind::SlantBed;
@@ -219,13 +221,13 @@ mod tests {
 
     #[test]
     fn the_tip_of_the_mounted_tool_is_where_the_control_has_it() {
-        let shank = SceneTool {
-            form: ToolForm::Shank,
+        let shank = MountedTool {
+            form: MountedToolForm::Shank,
             insert: vec![vec![[0.0, 0.0], [10.0, 2.0], [2.0, 10.0]]],
             holder: vec![vec![[1.0, 5.0], [21.0, 5.0], [21.0, 60.0], [1.0, 60.0]]],
         };
-        let drill = SceneTool {
-            form: ToolForm::Drill {
+        let drill = MountedTool {
+            form: MountedToolForm::Drill {
                 diameter: 10.0,
                 point: 118.0,
                 reach: 80.0,

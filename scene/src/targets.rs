@@ -10,6 +10,8 @@ const SHADOW_SIDE: i32 = 1024;
 pub struct SceneTargets {
     /// The picture.
     pub picture: DrawTarget,
+    /// The picture with smoothed edges, if it is smaller than the viewport.
+    pub smooth: DrawTarget,
     /// What stands still, copied into each picture.
     pub fixed: DrawTarget,
     /// The shadow of what stands still.
@@ -23,6 +25,7 @@ impl SceneTargets {
     pub fn create(device: Device<'_>, size: [i32; 2]) -> Result<Self, SceneError> {
         Ok(Self {
             picture: device.create_target(size)?,
+            smooth: device.create_target(size)?,
             fixed: device.create_target(size)?,
             fixed_shadow: device.create_shadow_map(SHADOW_SIDE)?,
             shadow: device.create_shadow_map(SHADOW_SIDE)?,
@@ -34,7 +37,7 @@ impl SceneTargets {
         if self.picture.size == size {
             return Ok(false);
         }
-        for target in [&mut self.picture, &mut self.fixed] {
+        for target in [&mut self.picture, &mut self.smooth, &mut self.fixed] {
             let resized = device.create_target(size)?;
             device.delete_target(&core::mem::replace(target, resized));
         }
@@ -45,11 +48,12 @@ impl SceneTargets {
     pub fn release(&self, device: Device<'_>) {
         let Self {
             picture,
+            smooth,
             fixed,
             fixed_shadow,
             shadow,
         } = self;
-        for target in [picture, fixed, fixed_shadow, shadow] {
+        for target in [picture, smooth, fixed, fixed_shadow, shadow] {
             device.delete_target(target);
         }
     }

@@ -10,7 +10,7 @@ mod tailstock;
 mod tool_carrier;
 mod tools;
 
-use crate::description::{LatheDescription, LatheDimensions, LatheKind, SceneTool};
+use crate::description::{LatheDescription, LatheDimensions, LatheKind, MountedTool};
 use crate::mesh::SceneMesh;
 
 /// A group of triangles that moves as one.
@@ -70,7 +70,7 @@ impl MeshGroup {
 pub struct MeshDesign {
     kind: LatheKind,
     dimensions: LatheDimensions,
-    tools: Vec<Option<SceneTool>>,
+    tools: Vec<Option<MountedTool>>,
     quill_diameter: Option<f32>,
 }
 
@@ -122,7 +122,7 @@ impl MeshDesign {
             (MeshGroup::Door, kind) => chuck::add_guard_frame(&mut mesh, kind, dimensions),
             (MeshGroup::Pane, LatheKind::SlantBed) => slant_bed::add_pane(&mut mesh, dimensions),
             (MeshGroup::Pane, _) => chuck::add_guard_pane(&mut mesh, dimensions),
-            (MeshGroup::Coolant, _) => slides::add_jet(&mut mesh, dimensions),
+            (MeshGroup::Coolant, kind) => slides::add_jet(&mut mesh, kind, dimensions),
         }
         mesh
     }
@@ -160,21 +160,21 @@ fn floor_y(kind: LatheKind, dimensions: &LatheDimensions) -> f32 {
 mod tests {
     use super::*;
     use crate::checks::assert_unit_normals;
-    use crate::description::ToolForm;
+    use crate::description::MountedToolForm;
 
     fn designs() -> Vec<MeshDesign> {
-        let shank = SceneTool {
-            form: ToolForm::Shank,
+        let shank = MountedTool {
+            form: MountedToolForm::Shank,
             insert: vec![vec![[0.0, 0.0], [12.0, 2.0], [2.0, 12.0]]],
             holder: vec![vec![[1.0, 5.0], [21.0, 5.0], [21.0, 60.0], [1.0, 60.0]]],
         };
-        let bar = SceneTool {
-            form: ToolForm::Bar,
+        let bar = MountedTool {
+            form: MountedToolForm::Bar,
             insert: vec![],
             holder: vec![vec![[2.0, -14.0], [80.0, -14.0], [80.0, -2.0], [2.0, -2.0]]],
         };
-        let drill = SceneTool {
-            form: ToolForm::Drill {
+        let drill = MountedTool {
+            form: MountedToolForm::Drill {
                 diameter: 12.0,
                 point: 118.0,
                 reach: 80.0,

@@ -84,7 +84,7 @@ pub fn add_cross_slide(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &Lathe
     // The column of the post.
     let shank = (26.0 * scale).max(21.0);
     let under = -shank - 22.0 * scale;
-    mesh.material = TURNED_STEEL;
+    mesh.material = GROUND_STEEL;
     mesh.add_upright(
         vec3(0.0, top, 0.0),
         &[
@@ -194,25 +194,35 @@ pub fn add_turret_slide(mesh: &mut SceneMesh, dimensions: &LatheDimensions) {
             );
         },
     );
-    add_hose(
-        mesh,
-        vec3(face + 20.0 * scale, -40.0 * scale, -radius * 0.5),
-        vec3(20.0 * scale, -66.0 * scale, -radius - 42.0 * scale),
-        scale * 0.8,
-    );
+    // The coolant pipe passes the turret on the operator's side.
+    mesh.material = HOSE;
+    let front = -radius * 0.5;
+    let pipe = [
+        vec3(face + 20.0, front, -radius * 0.55),
+        vec3(face + 20.0, front, -radius - 18.0 * scale),
+        vec3(face + 4.0, front, -radius - 30.0 * scale),
+        vec3(24.0 * scale, front, -radius - 34.0 * scale),
+    ];
+    mesh.add_tube(&pipe, 5.5 * scale, 12);
 }
 
 /// Adds three jets that meet at the tool tip, in the frame of the tool side.
-pub fn add_jet(mesh: &mut SceneMesh, dimensions: &LatheDimensions) {
+pub fn add_jet(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &LatheDimensions) {
     let scale = tool_scale(dimensions);
+    // On a slant bed the rake face is away from the operator, the pipe on his side.
+    let side = if kind == LatheKind::SlantBed {
+        -1.0
+    } else {
+        1.0
+    };
     mesh.material = COOLANT;
     for jet in [-1.0, 0.0, 1.0] {
-        let from = vec3(26.0 + jet * 2.0, 92.0, 44.0) * scale;
+        let from = vec3(26.0 + jet * 2.0, 92.0 * side, 44.0) * scale;
         let line: Vec<Vec3> = (0..14)
             .map(|at| {
                 let t = at as f32 / 13.0;
-                let mut point = from.lerp(vec3(jet * 3.5, 2.0, -2.0), t);
-                point.y += 15.0 * scale * (t * PI).sin();
+                let mut point = from.lerp(vec3(jet * 3.5, 2.0 * side, -2.0), t);
+                point.y += 15.0 * side * scale * (t * PI).sin();
                 point
             })
             .collect();

@@ -6,7 +6,7 @@ use glam::{Mat4, Vec3, vec3};
 
 use super::palette::{BLACK, BRIGHT_STEEL, HOLDER_STEEL, TURNED_STEEL};
 use super::tools::add_tool;
-use crate::description::{LatheDimensions, LatheKind, SceneTool, ToolForm};
+use crate::description::{LatheDimensions, LatheKind, MountedTool, MountedToolForm};
 use crate::mesh::{SceneMaterial, SceneMesh};
 use crate::placement::{carrier_radius, mounted_tip, station_turn, tool_scale};
 
@@ -18,7 +18,7 @@ pub fn add_carrier(
     mesh: &mut SceneMesh,
     kind: LatheKind,
     dimensions: &LatheDimensions,
-    tools: &[Option<SceneTool>],
+    tools: &[Option<MountedTool>],
 ) {
     match kind {
         LatheKind::SlantBed => add_turret(mesh, dimensions),
@@ -41,12 +41,12 @@ fn add_clamped_shank(
     mesh: &mut SceneMesh,
     kind: LatheKind,
     dimensions: &LatheDimensions,
-    tool: &SceneTool,
+    tool: &MountedTool,
 ) {
     let tip = mounted_tip(kind, dimensions, Some(tool));
     let radius = carrier_radius(kind, dimensions);
     mesh.material = HOLDER_STEEL;
-    if tool.form == ToolForm::Shank {
+    if tool.form == MountedToolForm::Shank {
         let x = tool.holder.iter().flatten().map(|it| it[0]);
         let (low, high) = x.fold((f32::MAX, f32::MIN), |(low, high), it| {
             (low.min(it), high.max(it))
@@ -112,7 +112,7 @@ fn add_post(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &LatheDimensions)
             }
         });
     }
-    mesh.material = TURNED_STEEL;
+    mesh.material = BRIGHT_STEEL;
     let boss = 17.0 * scale;
     mesh.add_upright(
         vec3(0.0, top, 0.0),

@@ -3,19 +3,19 @@
 use glam::{Mat4, vec3};
 
 use super::palette::{BRIGHT_STEEL, CARBIDE, DRILL_STEEL, HOLDER_STEEL};
-use crate::description::{SceneTool, ToolForm};
+use crate::description::{MountedTool, MountedToolForm};
 use crate::mesh::SceneMesh;
 
 /// Thickness of an insert, mm.
 const INSERT_THICKNESS_MM: f32 = 4.8;
 
 /// Adds a tool in the frame of the tool side: its tip at the origin, its rake face up.
-pub fn add_tool(mesh: &mut SceneMesh, tool: &SceneTool) {
+pub fn add_tool(mesh: &mut SceneMesh, tool: &MountedTool) {
     mesh.step_mm = 25.0;
     match tool.form {
-        ToolForm::Shank => add_holder(mesh, tool),
-        ToolForm::Bar => add_bar(mesh, tool),
-        ToolForm::Drill {
+        MountedToolForm::Shank => add_holder(mesh, tool),
+        MountedToolForm::Bar => add_bar(mesh, tool),
+        MountedToolForm::Drill {
             diameter,
             point,
             reach,
@@ -62,7 +62,7 @@ fn extent(polygon: &[[f32; 2]]) -> [(f32, f32); 2] {
     })
 }
 
-fn add_holder(mesh: &mut SceneMesh, tool: &SceneTool) {
+fn add_holder(mesh: &mut SceneMesh, tool: &MountedTool) {
     mesh.material = HOLDER_STEEL;
     for polygon in &tool.holder {
         let [(left, right), _] = extent(polygon);
@@ -72,7 +72,7 @@ fn add_holder(mesh: &mut SceneMesh, tool: &SceneTool) {
     }
 }
 
-fn add_bar(mesh: &mut SceneMesh, tool: &SceneTool) {
+fn add_bar(mesh: &mut SceneMesh, tool: &MountedTool) {
     mesh.material = BRIGHT_STEEL;
     for polygon in &tool.holder {
         let [(left, right), (near, far)] = extent(polygon);

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use gsk_host::kernel::part::PartView;
 use gsk_scene::description::{
-    LatheDescription, LatheDimensions, LatheKind, QuillDescription, SceneTheme, SceneTool,
-    TipPosition, ToolForm,
+    LatheDescription, LatheDimensions, LatheKind, MountedTool, MountedToolForm, QuillDescription,
+    SceneTheme, TipPosition,
 };
 use gsk_scene::part_outline::PartOutline;
 use gsk_workpiece::grid::{GridContour, from_grid};
@@ -31,7 +31,7 @@ pub struct SceneDescriber {
     section: Arc<Region>,
     outline: Arc<PartOutline>,
     outline_job: Option<Arc<Job>>,
-    tools: Vec<Option<SceneTool>>,
+    tools: Vec<Option<MountedTool>>,
     tools_key: Option<(Arc<Job>, u8, LatheKind)>,
     spindle_angle: f32,
     door_opening: f32,
@@ -162,7 +162,7 @@ fn polygon(contour: &GridContour, zero: f64) -> Vec<[f32; 2]> {
         .collect()
 }
 
-fn make_tool(tool: &Tool) -> SceneTool {
+fn make_tool(tool: &Tool) -> MountedTool {
     let shape = ToolShape::from_tool(tool);
     let of_kind = |wanted: BodyPart| {
         let found = shape.body.iter().filter(move |(kind, _)| *kind == wanted);
@@ -176,16 +176,16 @@ fn make_tool(tool: &Tool) -> SceneTool {
                 reach,
             },
             _,
-        ) => ToolForm::Drill {
+        ) => MountedToolForm::Drill {
             diameter: *diameter as f32,
             point: *point as f32,
             reach: *reach as f32,
         },
-        (_, Holder::Bar { .. }) => ToolForm::Bar,
-        (_, Holder::Shank { .. } | Holder::None) => ToolForm::Shank,
+        (_, Holder::Bar { .. }) => MountedToolForm::Bar,
+        (_, Holder::Shank { .. } | Holder::None) => MountedToolForm::Shank,
     };
     let cutting = polygon(&shape.cutting, 0.0);
-    SceneTool {
+    MountedTool {
         form,
         insert: of_kind(BodyPart::InsertBack).chain([cutting]).collect(),
         holder: of_kind(BodyPart::Holder).collect(),
@@ -243,7 +243,7 @@ mod tests {
         let drill = |lathe: &LatheDescription| {
             matches!(
                 lathe.current_tool().map(|it| it.form),
-                Some(ToolForm::Drill { .. })
+                Some(MountedToolForm::Drill { .. })
             )
         };
         let mut part = view(50.0);
@@ -254,7 +254,7 @@ mod tests {
         assert!(lathe.kind == LatheKind::SlantBed && !drill(&lathe));
         assert_eq!(
             lathe.current_tool().map(|it| it.form),
-            Some(ToolForm::Shank)
+            Some(MountedToolForm::Shank)
         );
     }
 
