@@ -11,6 +11,7 @@
 //! requests it. Positions are integers (`exact`).
 
 mod block;
+mod block_motion;
 mod calls;
 mod canned_cycle;
 mod codes;
