@@ -22,6 +22,7 @@ mod exact;
 mod flow;
 mod host;
 mod macros;
+mod motion_code;
 mod moves;
 mod nose_compensation;
 mod one_shot;
