@@ -18,6 +18,7 @@ mod png_file;
 mod scenery;
 mod solid_picture;
 mod svg;
+mod text_width;
 
 use std::path::{Path, PathBuf};
 

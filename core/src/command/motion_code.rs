@@ -2,8 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::GCode;
-
 /// A code of group 01, which stays in force until the next one. Serialized as its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(into = "u8", try_from = "u8")]
@@ -45,27 +43,6 @@ impl MotionCode {
             90 => Self::TurningCycle,
             92 => Self::ThreadCycle,
             94 => Self::FacingCycle,
-            _ => return None,
-        })
-    }
-
-    /// The code that a G code sets by its meaning; `None` for codes of other groups.
-    pub(crate) const fn from_meaning(meaning: GCode) -> Option<Self> {
-        Some(match meaning {
-            GCode::Rapid | GCode::StraightRapid => Self::Rapid,
-            GCode::Line => Self::Line,
-            GCode::ArcClockwise | GCode::LongArcClockwise | GCode::DiameterArcClockwise => {
-                Self::ArcClockwise
-            }
-            GCode::ArcCounterclockwise
-            | GCode::LongArcCounterclockwise
-            | GCode::DiameterArcCounterclockwise => Self::ArcCounterclockwise,
-            GCode::Thread => Self::Thread,
-            GCode::Tapping => Self::Tapping,
-            GCode::VariableThread => Self::VariableThread,
-            GCode::TurningCycle => Self::TurningCycle,
-            GCode::ThreadCycle => Self::ThreadCycle,
-            GCode::FacingCycle => Self::FacingCycle,
             _ => return None,
         })
     }

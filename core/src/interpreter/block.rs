@@ -7,6 +7,7 @@
 use crate::alarm::Alarm;
 use crate::command::{Action, MotionCode, SpindleCommand};
 use crate::interpreter::ModalState;
+use crate::interpreter::block_motion::{BlockMotion, find_motion};
 use crate::interpreter::calls::block_call;
 use crate::interpreter::calls::special_call::{self, SpecialCall};
 use crate::interpreter::calls::subprogram;
@@ -34,21 +35,6 @@ use crate::interpreter::threads::thread;
 use crate::interpreter::threads::thread_cycle;
 use crate::interpreter::words::{ArcWords, AxisWords, OneShot, SortedWords};
 use crate::model::ModelRecord;
-
-/// The kind of motion that a block commands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum BlockMotion {
-    Nothing,
-    OneShot(OneShot),
-    Rapid,
-    Line,
-    Arc,
-    Thread,
-    Tap,
-    TurningCycle,
-    ThreadCycle,
-    FacingCycle,
-}
 
 /// Evaluates the words of a block: updates `state` and fills `plan` in place, because plans
 /// are large to move.
@@ -250,42 +236,6 @@ fn reread_feed(modal: &mut ModalState, per_revolution: bool) {
         _ => {}
     }
     modal.feed_per_revolution = per_revolution;
-}
-
-fn find_motion(state: &State, words: &SortedWords, axes: &AxisWords) -> BlockMotion {
-    if let Some(code) = words.one_shot {
-        return BlockMotion::OneShot(code);
-    }
-    match state.modal.motion {
-        MotionCode::Rapid if axes.has_any() => BlockMotion::Rapid,
-        MotionCode::Line if axes.has_any() => BlockMotion::Line,
-        code if code.is_arc() && (axes.has_any() || words.i.is_some() || words.k.is_some()) => {
-            BlockMotion::Arc
-        }
-        code if code.is_thread_pass() && axes.has_any() => BlockMotion::Thread,
-        MotionCode::Tapping if axes.has_any() => BlockMotion::Tap,
-        code if code.is_canned_cycle() => {
-            let has_run_out =
-                code == MotionCode::ThreadCycle && words.j.or(words.k).or(words.l).is_some();
-            let is_programmed = axes.has_any() || words.r.is_some() || has_run_out;
-            // An empty block repeats the cycle, and so does its bare G code.
-            let is_repetition =
-                (words.count == 0 || words.motion.is_some()) && state.cycle.is_set();
-            match code {
-                MotionCode::TurningCycle if is_programmed || is_repetition => {
-                    BlockMotion::TurningCycle
-                }
-                MotionCode::ThreadCycle if is_programmed || is_repetition => {
-                    BlockMotion::ThreadCycle
-                }
-                MotionCode::FacingCycle if is_programmed || is_repetition => {
-                    BlockMotion::FacingCycle
-                }
-                _ => BlockMotion::Nothing,
-            }
-        }
-        _ => BlockMotion::Nothing,
-    }
 }
 
 fn find_offset_execution(context: &BlockContext<'_>, kind: BlockMotion) -> OffsetExecution {

@@ -11,6 +11,7 @@
 //! requests it. Positions are integers (`exact`).
 
 mod block;
+mod block_motion;
 mod calls;
 mod canned_cycle;
 mod codes;
@@ -21,6 +22,7 @@ mod exact;
 mod flow;
 mod host;
 mod macros;
+mod motion_code;
 mod moves;
 mod nose_compensation;
 mod one_shot;

@@ -8,6 +8,7 @@ use crate::interpreter::block;
 use crate::interpreter::codes::positioning;
 use crate::interpreter::context::CompensationMode;
 use crate::interpreter::exact::CoordinateRange;
+use crate::interpreter::motion_code::find_motion_code;
 use crate::interpreter::state::State;
 use crate::interpreter::words::{ArcWords, AxisTarget, AxisWords};
 use crate::model::{GCode, ModelRecord};
@@ -141,5 +142,5 @@ impl PlainMove {
 
 /// The code of group 01 that moves along the contour; `None` for other codes.
 fn contour_code(meaning: GCode) -> Option<MotionCode> {
-    MotionCode::from_meaning(meaning).filter(|code| code.is_contour())
+    find_motion_code(meaning).filter(|code| code.is_contour())
 }

@@ -6,6 +6,7 @@ use crate::alarm::{Alarm, number};
 use crate::command::MotionCode;
 use crate::dialect;
 use crate::interpreter::exact::ExactPoint;
+use crate::interpreter::motion_code::find_motion_code;
 use crate::model::{GCode, ModelRecord};
 use crate::program::ProgramBlock;
 use crate::units::Axis;
@@ -311,7 +312,7 @@ impl SortedWords {
         let Some(meaning) = record.g_code(code) else {
             return Err(unknown_g_alarm(code));
         };
-        if let Some(motion) = MotionCode::from_meaning(meaning) {
+        if let Some(motion) = find_motion_code(meaning) {
             self.motion = Some(motion);
             return Ok(());
         }

@@ -4,8 +4,8 @@ use tiny_skia::{Color, ColorU8, Paint, PathBuilder, Pixmap, Stroke, StrokeDash, 
 
 use super::PictureError;
 use super::extent::PictureSize;
-use super::legend::text_width;
 use super::pens::LinePen;
+use super::text_width::text_width;
 
 /// Maximum number of points of a stroke. The time of a stroke grows faster than its number of
 /// points.

@@ -14,8 +14,8 @@ use gsk_core::units::{Diameter, Point};
 use gsk_workpiece::measure::{Feature, MeasuredFeature, SectionSide, measure_with_outlines};
 use gsk_workpiece::region::Region;
 
-use super::legend::text_width;
 use super::number_placement::{HEIGHT, OccupancyMap};
+use super::text_width::text_width;
 
 /// Gap between a surface or a line and its text, picture units.
 const TEXT_GAP: f64 = 5.0;

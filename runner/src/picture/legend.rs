@@ -6,6 +6,7 @@ use super::drawing::PathDrawing;
 use super::extent::PATH_MARGIN;
 use super::path_pieces::PathLine;
 use super::pens::LinePen;
+use super::text_width::text_width;
 use crate::report::tool_word;
 use crate::text_format::{format_time, short_description};
 
@@ -102,12 +103,6 @@ fn arrange_entries(entries: Vec<(LinePen, String)>, wide: f64) -> (Vec<LegendEnt
         left += needs + ENTRY_GAP;
     }
     (placed, row + 1)
-}
-
-/// Width of the glyphs of a text, picture units.
-pub(super) fn text_width(text: &str) -> f64 {
-    let glyphs = text.chars().filter_map(gsk_panel::glyphs::glyph);
-    glyphs.map(|glyph| glyph.get_width() as f64).sum()
 }
 
 /// A text, shortened with an ellipsis to a width of `room` picture units.

@@ -1,6 +1,6 @@
 //! Places the numbers of blocks at their ends, so that none covers another one.
 
-use super::legend::text_width;
+use super::text_width::text_width;
 
 /// Height of a label, picture units.
 pub(super) const HEIGHT: f64 = 16.0;

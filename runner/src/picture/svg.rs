@@ -9,10 +9,11 @@ use super::coverage::Coverage;
 use super::drawing::PathDrawing;
 use super::extent::PictureSize;
 use super::layout::PathLayout;
-use super::legend::{EDGE, GAP, SAMPLE, text_width};
+use super::legend::{EDGE, GAP, SAMPLE};
 use super::number_placement::HEIGHT;
 use super::path_pieces::PathLine;
 use super::pens::{COLLISION_MARK, DIMENSION, LinePen, MARK_ARM};
+use super::text_width::text_width;
 
 /// Draws a toolpath and returns the text of the SVG file. `language` is the language of its
 /// texts.

@@ -3,9 +3,10 @@
 use gsk_messages::{Language, say};
 
 use super::super::clip::clip_to_frame;
-use super::super::legend::{EDGE, GAP, SAMPLE, text_width};
+use super::super::legend::{EDGE, GAP, SAMPLE};
 use super::super::path_pieces::PathLine;
 use super::super::pens::LinePen;
+use super::super::text_width::text_width;
 use super::views::{MillPane, lay_out_panes};
 use super::{MillDrawing, PathBox};
 use crate::text_format::format_time;
