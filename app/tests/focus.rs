@@ -108,9 +108,17 @@ fn tab_through(bench: &mut WindowBench, context: &str) -> Vec<FocusStop> {
     panic!("{context}: there is no end");
 }
 
-/// In a row the focus moves to the right, and it does not jump back to the upper left.
+/// In a row the focus moves to the right, and it does not jump back to the upper left. The
+/// line of messages at the bottom follows the bar and comes before the views.
 fn assert_reading_order(stops: &[FocusStop], context: &str) {
-    for stop in stops {
+    let after_messages = stops
+        .iter()
+        .position(|stop| stop.name.starts_with("Messages ("))
+        .map(|index| index + 1);
+    for (index, stop) in stops.iter().enumerate() {
+        if after_messages == Some(index) {
+            continue;
+        }
         let (Some(a), b) = (stop.previous, stop.bounds) else {
             continue;
         };

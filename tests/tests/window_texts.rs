@@ -102,12 +102,18 @@ fn word_count(text: &str) -> usize {
     outside.split_whitespace().filter(is_word).count()
 }
 
+/// Whether a file is a source whose texts a user may see, and not one of tests.
+fn is_shown_source(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    name.ends_with(".rs") && !name.ends_with("tests.rs")
+}
+
 fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).expect("sources of the window") {
         let path = entry.expect("entry").path();
         if path.is_dir() {
             collect(&path, found);
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
+        } else if is_shown_source(&path) {
             found.push(path);
         }
     }

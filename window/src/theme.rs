@@ -217,7 +217,7 @@ pub const TOOL_HOLDER: Color32 = Color32::from_rgb(98, 104, 112);
 pub const TOOL_HOLDER_EDGE: Color32 = Color32::from_rgb(150, 156, 164);
 /// Marks of the turning spindle, and the nozzle.
 pub const SPINDLE_MARK: Color32 = Color32::from_rgb(150, 164, 186);
-/// Coolant, and the same colour without transparency. It is told from the paths by its hue.
+/// Coolant, and the same colour without transparency. Its hue differs from those of the paths.
 pub const COOLANT: Color32 = Color32::from_rgba_unmultiplied_const(70, 190, 190, 110);
 const COOLANT_OPAQUE: Color32 = Color32::from_rgb(70, 190, 190);
 

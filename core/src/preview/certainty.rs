@@ -149,7 +149,10 @@ impl ProgramFacts {
 /// before the block.
 pub(super) fn is_thread(words: &[WrittenWord], before: MotionCode) -> bool {
     let mut codes = numbers_of(words, b'G').flatten();
-    let motion = codes.clone().filter_map(MotionCode::from_number).last();
+    let motion = codes
+        .clone()
+        .filter_map(MotionCode::from_number)
+        .next_back();
     motion.unwrap_or(before).is_thread() || codes.any(|code| code == 76)
 }
 

@@ -11,6 +11,8 @@ const STRIP_PLATE: Rect = Rect::new(14.0, 10.0, 668.0, 30.0);
 const NAME_PLATE: Rect = Rect::new(694.0, 10.0, 572.0, 60.0);
 const EDIT_PLATE: Rect = Rect::new(694.0, 78.0, 572.0, 372.0);
 const PAGE_PLATE: Rect = Rect::new(694.0, 458.0, 572.0, 96.0);
+/// Distance of the status lamps from the left and right edge of their plate, panel units.
+const STRIP_MARGIN: f32 = 2.0;
 /// Plate of the mode, toggle and increment keys, panel units.
 const MACHINE_PLATE: Rect = Rect::new(14.0, 562.0, 388.0, 184.0);
 const DIRECTION_PLATE: Rect = Rect::new(410.0, 562.0, 196.0, 184.0);
@@ -22,7 +24,7 @@ const ADDITIONAL_PLATE: Rect = Rect::new(970.0, 562.0, 296.0, 184.0);
 /// directions, spindle and start, additional panel.
 pub(super) const SECTIONS: [PanelArea; 7] = [
     PanelArea {
-        rect: Rect::new(10.0, 4.0, 676.0, 554.0),
+        rect: Rect::new(9.0, 4.0, 677.0, 554.0),
     },
     PanelArea {
         rect: Rect::new(686.0, 2.0, 588.0, 76.0),
@@ -129,12 +131,13 @@ fn print(
 
 /// Adds the strip of status lamps above the LCD.
 fn strip(parts: &mut Vec<PanelPart>) {
-    let width = STRIP_PLATE.w / STRIP.len() as f32;
+    // Away from the edges of the plate: a lamp that changes repaints no edge.
+    let width = (STRIP_PLATE.w - 2.0 * STRIP_MARGIN) / STRIP.len() as f32;
     for index in 0..STRIP.len() {
         parts.push(PanelPart {
             what: PartKind::Strip(index),
             rect: Rect::new(
-                (STRIP_PLATE.x + index as f32 * width).round(),
+                (STRIP_PLATE.x + STRIP_MARGIN + index as f32 * width).round(),
                 STRIP_PLATE.y + 3.0,
                 width.floor(),
                 24.0,

@@ -10,7 +10,7 @@ use gsk_panel::alarm_log::AlarmRecord;
 
 use crate::theme;
 use crate::widgets::alarm_text;
-use crate::widgets::severity::Severity;
+use crate::widgets::severity::MessageSeverity;
 use crate::widgets::status_message::StatusMessage;
 
 /// Maximum number of kept messages.
@@ -38,7 +38,7 @@ impl LineText {
 /// A message and how dangerous it is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineMessage {
-    pub severity: Severity,
+    pub severity: MessageSeverity,
     pub text: LineText,
 }
 
@@ -157,7 +157,7 @@ fn show_entry(
 mod tests {
     use super::*;
 
-    fn message(severity: Severity, text: &str) -> LineMessage {
+    fn message(severity: MessageSeverity, text: &str) -> LineMessage {
         let text = LineText::Status(StatusMessage::Sent(text.to_owned()));
         LineMessage { severity, text }
     }
@@ -165,7 +165,7 @@ mod tests {
     #[test]
     fn a_message_is_recorded_once_while_it_stands_and_counted_when_it_returns() {
         let mut history = MessageHistory::default();
-        let refusal = message(Severity::Refusal, "one");
+        let refusal = message(MessageSeverity::Refusal, "one");
         for _ in 0..3 {
             history.record(Some(&refusal));
         }
@@ -173,7 +173,7 @@ mod tests {
         history.record(Some(&refusal));
         assert_eq!(history.len(), 1);
         assert_eq!(history.entries[0].count, 2);
-        history.record(Some(&message(Severity::Alarm, "two")));
+        history.record(Some(&message(MessageSeverity::Alarm, "two")));
         history.record(Some(&refusal));
         assert_eq!(history.len(), 3);
     }
@@ -181,13 +181,16 @@ mod tests {
     #[test]
     fn hints_are_not_recorded_and_the_oldest_message_is_dropped_first() {
         let mut history = MessageHistory::default();
-        history.record(Some(&message(Severity::Hint, "hint")));
+        history.record(Some(&message(MessageSeverity::Hint, "hint")));
         assert_eq!(history.len(), 0);
         for number in 0..MAX_ENTRIES + 5 {
-            history.record(Some(&message(Severity::Information, &number.to_string())));
+            history.record(Some(&message(
+                MessageSeverity::Information,
+                &number.to_string(),
+            )));
         }
         assert_eq!(history.len(), MAX_ENTRIES);
         let oldest = history.entries.back().map(|entry| entry.message.clone());
-        assert_eq!(oldest, Some(message(Severity::Information, "5")));
+        assert_eq!(oldest, Some(message(MessageSeverity::Information, "5")));
     }
 }

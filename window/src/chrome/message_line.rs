@@ -14,7 +14,7 @@ use crate::fonts;
 use crate::theme;
 use crate::view::ViewId;
 use crate::widgets::alarm_text;
-use crate::widgets::severity::Severity;
+use crate::widgets::severity::MessageSeverity;
 use crate::widgets::status_message::StatusMessage;
 use crate::{Window, key_label};
 
@@ -132,7 +132,7 @@ impl Window {
     /// the position of the slides and says more than the emergency stop.
     fn safety_message(&self) -> Option<LineMessage> {
         let fixed = |message| LineMessage {
-            severity: Severity::Safety,
+            severity: MessageSeverity::Safety,
             text: LineText::Fixed(message),
         };
         if let Some(key) = self.held_keys.latched_key() {
@@ -153,7 +153,7 @@ impl Window {
             .clone()
             .filter(|_| self.is_stopped_by_crash())?;
         Some(LineMessage {
-            severity: Severity::Alarm,
+            severity: MessageSeverity::Alarm,
             text: LineText::Status(crash),
         })
     }
@@ -161,7 +161,7 @@ impl Window {
     fn alarm_message(&self) -> Option<LineMessage> {
         let alarm = self.snapshot.as_ref()?.alarm.clone()?;
         Some(LineMessage {
-            severity: Severity::Alarm,
+            severity: MessageSeverity::Alarm,
             text: LineText::Alarm(alarm),
         })
     }
@@ -174,7 +174,7 @@ impl Window {
             Some(LineMessage { severity, text })
         };
         if in_list {
-            return hint(Severity::Hint, say::window_hint_list());
+            return hint(MessageSeverity::Hint, say::window_hint_list());
         }
         let snapshot = self.snapshot.as_ref()?;
         if let Some(waits) = &snapshot.program_wait {
@@ -182,10 +182,13 @@ impl Window {
             let place = block.map(|it| alarm_text::source_text(it, language));
             let condition = waits.condition.clone();
             let text = say::window_waits(place.unwrap_or_default(), condition);
-            return hint(Severity::Hint, text);
+            return hint(MessageSeverity::Hint, text);
         }
         let start = snapshot.start_distance?;
-        hint(Severity::Hint, Self::start_distance_text(start, language))
+        hint(
+            MessageSeverity::Hint,
+            Self::start_distance_text(start, language),
+        )
     }
 
     /// What the operator could do next; `None` in a lesson, which has its own instructions.

@@ -10,14 +10,14 @@ const SIGN_SIZE: f32 = 14.0;
 
 /// How dangerous a message is, from the least to the most.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Severity {
+pub enum MessageSeverity {
     /// What has happened, or what could be done next.
     Information,
     /// Why something waits, or acts otherwise than expected.
     Hint,
     /// A key or a request had no effect.
     Refusal,
-    /// The tool has touched what it must not; the lathe goes on.
+    /// The tool has touched what it must not; the lathe continues.
     Collision,
     /// An alarm of the control, or a crash that has stopped the lathe.
     Alarm,
@@ -25,7 +25,7 @@ pub enum Severity {
     Safety,
 }
 
-impl Severity {
+impl MessageSeverity {
     /// The name of the severity, for tool tips and screen readers.
     pub fn name(self) -> Message {
         match self {

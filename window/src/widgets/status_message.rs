@@ -12,7 +12,7 @@ use gsk_panel::keys::Key;
 use gsk_runner::program_summary::ProgramSummary;
 
 use super::alarm_text;
-use super::severity::Severity;
+use super::severity::MessageSeverity;
 use crate::key_label;
 use gsk_messages::{Language, say};
 
@@ -93,20 +93,20 @@ impl StatusMessage {
     }
 
     /// How dangerous the message is.
-    pub fn severity(&self) -> Severity {
+    pub fn severity(&self) -> MessageSeverity {
         match self {
-            Self::KernelEnded => Severity::Safety,
-            Self::Collided(_) => Severity::Collision,
+            Self::KernelEnded => MessageSeverity::Safety,
+            Self::Collided(_) => MessageSeverity::Collision,
             Self::Done(_)
             | Self::Sent(_)
             | Self::DropHere
-            | Self::Opened(_, ProgramPlacement::Stored(_)) => Severity::Information,
+            | Self::Opened(_, ProgramPlacement::Stored(_)) => MessageSeverity::Information,
             Self::Previewed(_, place, look)
                 if !look.has_alarm() && !matches!(place, Some(ProgramPlacement::OnlyRun(_))) =>
             {
-                Severity::Information
+                MessageSeverity::Information
             }
-            _ => Severity::Refusal,
+            _ => MessageSeverity::Refusal,
         }
     }
 

@@ -93,7 +93,7 @@ impl LatheSceneView {
     }
 
     fn draw(&mut self, ui: &mut Ui, language: Language, part: Option<&PartView>, is_rear: bool) {
-        let bar = Panel::top("lathe scene bar").frame(bar_frame());
+        let bar = Panel::top("scene bar").frame(bar_frame());
         bar.show(ui, |ui| self.show_presets(ui, language, part));
         egui::CentralPanel::default()
             .frame(plain_frame())
@@ -202,7 +202,7 @@ impl LatheSceneView {
                 .renderer
                 .paint(egui_painter.gl(), &lathe, &camera, viewport);
             if let (true, Err(error)) = (is_first, &drawn) {
-                tracing::warn!("no picture of the lathe in space: {error}");
+                tracing::warn!(%error, "lathe scene");
             }
             painter.last = Some(drawn);
             if is_first {
