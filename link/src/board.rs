@@ -23,7 +23,7 @@ pub struct BoardInfo {
 /// The greatest pulse rates of a board, pulses per second.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PulseRates {
-    /// Greatest rates of X [0] and of Z [1] alone, pulses per second.
+    /// Greatest rates of X (index 0) and of Z (index 1) alone, pulses per second.
     pub each: [f64; 2],
     /// Greatest sum of the rates of both axes, pulses per second.
     pub both: f64,
