@@ -1,5 +1,5 @@
-//! Draws the main window (bars, panes, panel, dialogs) and dispatches its input. It uses
-//! neither threads nor eframe: tests drive it as the program does.
+//! Draws the main window (bars, panes, panel, dialogs) and dispatches its input. Tests drive
+//! [`Window`] as the program does; only [`app`] needs eframe's event loop.
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 #![allow(missing_docs, reason = "internal names")]

@@ -1,4 +1,4 @@
-//! The views beside the panel: machine, program, scope, fault bench, ladder, link page,
+//! The views beside the panel: machine, lathe, program, scope, fault bench, ladder, link page,
 //! lessons, commissioning, transfer, parameters and offsets, project. Each is drawn in a pane
 //! of the window or in a separate window. A closed view costs no time, except that the machine
 //! view still finds the job of the selected program: the kernel always cuts the part.

@@ -48,8 +48,8 @@ impl MessageSeverity {
         }
     }
 
-    /// Whether the message history keeps messages of this severity although nothing new
-    /// has happened: hints come and go with the state of the machine.
+    /// Whether the message history keeps messages of this severity. It keeps no hints: they
+    /// come and go with the state of the machine.
     pub const fn is_kept(self) -> bool {
         !matches!(self, Self::Hint)
     }
