@@ -2,7 +2,9 @@
 //!
 //! `assets/tables/messages.tsv` has a row for each message: its id and its text in both
 //! languages. The code that raises a message names the row and gives the values. The code that
-//! shows it chooses the language:
+//! shows it chooses the language. Only a program embeds the texts ([`install_texts`]); the
+//! packages below it know names and placeholders, from `src/rows.rs`, which `cargo xtask
+//! messages` writes.
 //!
 //! ```
 //! use gsk_messages::{Language, say};
@@ -12,15 +14,20 @@
 //! assert_eq!(refusal.text(Language::Zh), "O0012 已存在");
 //! ```
 
+#[macro_use]
+mod ids;
+mod rows;
 mod template;
+mod texts;
 
 use core::fmt;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
+use rows::{IDS, ROWS};
+pub use rows::{Id, say};
 use template::{TemplatePiece, split_template};
-
-include!(concat!(env!("OUT_DIR"), "/messages.rs"));
+pub use texts::install_texts;
 
 /// A language of the program's messages.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -42,12 +49,10 @@ impl Language {
     }
 }
 
-/// A row of the message table: name of the message and its text in both languages.
+/// A row of the message table without its texts, which [`install_texts`] brings.
 #[derive(Debug)]
 struct Row {
     name: &'static str,
-    en: &'static str,
-    zh: &'static str,
     /// Names of the placeholders, in the order in which a message stores their values.
     values: &'static [&'static str],
 }
@@ -115,12 +120,9 @@ impl Message {
     /// [`say::as_written`].
     pub(crate) fn text_with(&self, language: Language, written: &dyn Fn(&str) -> String) -> String {
         let row = self.id.row();
-        let template = match language {
-            Language::Zh => row.zh,
-            Language::En => row.en,
-        };
-        // The build script checks the table, so the text has no error.
-        let pieces = split_template(template).unwrap_or_default();
+        let template = self.id.template(language);
+        // A test checks the texts, so this one has no error.
+        let pieces = split_template(&template).unwrap_or_default();
         pieces
             .into_iter()
             .map(|piece| match piece {
@@ -162,8 +164,13 @@ impl fmt::Display for Message {
 
 impl Id {
     fn row(self) -> &'static Row {
-        // The build script makes rows and ids from the same table, in the same order.
+        // Rows and ids are made from the same list, in the same order.
         &ROWS[self as usize]
+    }
+
+    /// Returns the text of the row in a language, with its placeholders unfilled.
+    pub fn template(self, language: Language) -> String {
+        texts::template(self, language)
     }
 
     /// Returns the name of the message's row in the table; serialized messages contain it.
@@ -172,14 +179,9 @@ impl Id {
     }
 
     /// Returns the ids of all messages, in the order of the table.
-    pub const fn all() -> &'static [Self] {
-        &IDS
+    pub fn all() -> &'static [Self] {
+        IDS
     }
-}
-
-/// Returns the text of every message with its placeholders, English first, then Chinese.
-pub fn all_texts() -> impl Iterator<Item = [&'static str; 2]> {
-    ROWS.iter().map(|row| [row.en, row.zh])
 }
 
 impl Serialize for Id {
@@ -214,10 +216,11 @@ mod tests {
 
     #[test]
     fn every_row_has_both_texts_with_the_same_values() {
-        for row in &ROWS {
+        for (id, row) in Id::all().iter().zip(ROWS) {
+            let [en, zh] = [Language::En, Language::Zh].map(|language| id.template(language));
             let own = row.name == "window_other_language";
-            assert!(own || is_english(row.en), "{row:?}");
-            for text in [row.en, row.zh] {
+            assert!(own || is_english(&en), "{row:?} {en}");
+            for text in [&en, &zh] {
                 let mut names: Vec<&str> = split_template(text)
                     .unwrap()
                     .into_iter()

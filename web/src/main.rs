@@ -15,6 +15,7 @@ mod page {
 
     /// Opens the window on the page, with the options in its link.
     pub fn open_page() {
+        gsk_messages::install_texts(include_str!("../../assets/tables/messages.tsv"));
         platform::open_page(|options| {
             let lang = match options.language.as_deref() {
                 Some("en") => Some(Language::En),

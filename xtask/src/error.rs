@@ -52,6 +52,9 @@ pub enum TaskError {
         /// How to install it.
         cure: &'static str,
     },
+    /// The message table has a fault.
+    #[error(transparent)]
+    Messages(#[from] crate::messages::TableError),
     /// A release file exceeds its size limit.
     #[error("{}: {size} bytes are more than {largest}", path.display())]
     Large {

@@ -4,6 +4,7 @@ mod case;
 mod dist;
 mod error;
 mod figures;
+mod messages;
 #[path = "../../core/benches/shapes/mod.rs"]
 mod shapes;
 
@@ -40,6 +41,9 @@ enum Task {
         #[arg(long)]
         open: bool,
     },
+    /// The list of messages in the sources, after a row of the message table is new or has other
+    /// placeholders
+    Messages,
     /// The figures of speed: every bench, and a program of each kind in the release build
     Figures,
 }
@@ -82,6 +86,7 @@ fn main() -> ExitCode {
             DistTask::Web => dist::web::make(&root()),
         },
         Task::Docs { open } => build_docs(open),
+        Task::Messages => messages::write(&root()),
         Task::Figures => figures::print(),
     };
     match result {
