@@ -9,7 +9,7 @@ use gsk_host::files::folders;
 use gsk_host::files::overwrite_guard::{CommandInputs, check_overwrites, collect_outputs};
 use gsk_host::job::{self, write_section};
 use gsk_host::loading;
-use gsk_messages::Language;
+use gsk_messages::{Language, say};
 use gsk_runner::curves::RapidRates;
 use gsk_runner::move_output;
 use gsk_runner::report::{self, PartReport, ProgramReport};
@@ -25,10 +25,10 @@ pub fn check(args: &CheckArgs, language: Option<Language>) -> Result<u8, Command
     }
     let (files, mut errors) = folders::find_programs(&args.files);
     if args.moves.is_some() && files.len() > 1 {
-        return Err(CommandError::OneProgram);
+        return Err(say::command_one_program().into());
     }
     if args.part.section.is_some() && files.len() > 1 {
-        return Err(CommandError::OneSection);
+        return Err(say::command_one_section().into());
     }
     // Moves and section belong to one program: an error here would leave them incomplete.
     if (args.moves.is_some() || args.part.section.is_some())

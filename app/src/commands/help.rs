@@ -55,7 +55,7 @@ pub fn help(args: &HelpArgs, spoken: Option<Language>) -> Result<u8, CommandErro
     let question = args.topic.join(" ");
     let found = search_model(args.model.unwrap_or_default(), &question);
     if found.is_empty() {
-        return Err(CommandError::NoTopic(question));
+        return Err(say::help_nothing(question).into());
     }
     if found.len() <= MAX_FULL_ARTICLES {
         let articles = found

@@ -21,7 +21,7 @@ pub fn lesson(command: &LessonCommand, language: Option<Language>) -> Result<u8,
     match command {
         LessonCommand::List(args) => Ok(list(args.data.as_deref(), language)),
         LessonCommand::Check(args) => {
-            let lesson = lessons::read(&args.file).map_err(CommandError::Lesson)?;
+            let lesson = lessons::read(&args.file)?;
             run(lesson, language)
         }
         LessonCommand::Run(args) => {
@@ -62,10 +62,10 @@ fn find(name: &Path, data: Option<&Path>) -> Result<Lesson, CommandError> {
         return Ok(lesson);
     }
     if platform::is_taken(name) {
-        return lessons::read(name).map_err(CommandError::Lesson);
+        return Ok(lessons::read(name)?);
     }
     let message = say::lesson_unknown(name.display(), names.join(" "));
-    Err(CommandError::Lesson(message))
+    Err(message.into())
 }
 
 /// Plays the solution of a lesson and prints the outcome of every step; returns the exit code.
@@ -77,7 +77,7 @@ fn run(lesson: Lesson, language: Option<Language>) -> Result<u8, CommandError> {
         lesson.name,
         lesson.title.in_language(text_language)
     ));
-    let outcomes = solution_player::play_lesson(&lesson).map_err(CommandError::Lesson)?;
+    let outcomes = solution_player::play_lesson(&lesson)?;
     let mut all_done = true;
     for (number, (step, outcome)) in (1..).zip(lesson.steps.iter().zip(&outcomes)) {
         let result = match outcome {

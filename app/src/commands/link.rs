@@ -51,7 +51,7 @@ fn open(args: &LinkBoardArgs) -> Result<BoardSession, CommandError> {
         config.port.clone_from(port);
     }
     if config.port.is_empty() {
-        return Err(CommandError::NoPort);
+        return Err(say::command_no_port().into());
     }
     config.check()?;
     Ok(BoardSession::open(

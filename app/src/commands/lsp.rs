@@ -22,7 +22,7 @@ mod streams;
 
 use gsk_core::setup::Setup;
 use gsk_host::loading;
-use gsk_messages::Language;
+use gsk_messages::{Language, say};
 use gsk_runner::mill::MillSetup;
 
 use super::{CommandError, EXIT_OK};
@@ -58,8 +58,8 @@ pub fn lsp(args: &LspArgs, language: Option<Language>) -> Result<u8, CommandErro
     let end = server::serve(&connection, control, language);
     drop(connection);
     let streams = streams.join();
-    let end = end.map_err(|error| CommandError::Editor(error.to_string()))?;
-    streams.map_err(|error| CommandError::Editor(error.to_string()))?;
+    let end = end.map_err(say::lsp_ended)?;
+    streams.map_err(say::lsp_ended)?;
     Ok(match end {
         server::ServerEnd::ShutDown => EXIT_OK,
         server::ServerEnd::Disconnected => EXIT_DISCONNECTED,

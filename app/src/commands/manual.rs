@@ -56,7 +56,7 @@ fn file_name(command: &clap::Command) -> String {
 fn manual_page(command: &clap::Command) -> Result<String, CommandError> {
     let mut text = Vec::new();
     let written = Man::new(command.clone()).render(&mut text);
-    written.map_err(CommandError::Output)?;
+    written.map_err(CommandError::output)?;
     Ok(String::from_utf8_lossy(&text).into_owned())
 }
 

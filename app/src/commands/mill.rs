@@ -36,7 +36,7 @@ pub fn check(args: &CheckArgs, language: Option<Language>) -> Result<u8, Command
     let (setup, _) = loading::mill_setup(&args.setup)?;
     let (files, mut errors) = folders::find_programs(&args.files);
     if args.moves.is_some() && files.len() > 1 {
-        return Err(CommandError::OneProgram);
+        return Err(say::command_one_program().into());
     }
     if args.moves.is_some()
         && let Some(error) = errors.pop()

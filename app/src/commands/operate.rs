@@ -10,6 +10,7 @@ use gsk_host::files::overwrite_guard::{CommandInputs, check_overwrites};
 use gsk_host::files::program_file;
 use gsk_host::kernel::headless_board::HeadlessBoard;
 use gsk_host::loading::LoadError;
+use gsk_host::message_format::join_lines;
 use gsk_host::ports::dnc::{self, DncSource};
 use gsk_host::termination::TERMINATED_EXIT_CODE;
 use gsk_host::{loading, retained, transfer};
@@ -35,9 +36,11 @@ pub fn operate(args: &OperateArgs, language: Option<Language>) -> Result<u8, Com
         args.setup.refuse_machine_state()?;
     }
     let file = program_file::read(path)?;
-    let script = Script::parse(&file.text).map_err(|errors| CommandError::Script {
-        path: path.clone(),
-        errors,
+    let script = Script::parse(&file.text).map_err(|errors| {
+        let lines = errors
+            .iter()
+            .map(|error| say::subject_reason(path.display(), error.message()));
+        join_lines(lines)
     })?;
 
     let mut setup =
@@ -94,7 +97,7 @@ pub fn operate(args: &OperateArgs, language: Option<Language>) -> Result<u8, Com
         errors.extend(written.map_err(Into::into).err());
     }
     if !errors.is_empty() {
-        return Err(CommandError::Several(errors));
+        return Err(CommandError::several(&errors));
     }
     Ok(code)
 }

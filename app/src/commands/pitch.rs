@@ -35,8 +35,8 @@ fn print_message(message: &Message, language: Option<Language>) {
 
 fn import(args: &PitchImportArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let axis = args.axis;
-    let at_file = |rule: Message| CommandError::Pitch(say::pitch_file(args.file.display(), rule));
-    let imported = pitch::read_file(&args.file).map_err(CommandError::Pitch)?;
+    let at_file = |rule: Message| CommandError::from(say::pitch_file(args.file.display(), rule));
+    let imported = pitch::read_file(&args.file)?;
     let folder = data_directory(args.into.as_ref())?;
     let target = ImportTarget {
         data_dir: &folder,

@@ -45,7 +45,7 @@ pub(super) fn check_files(
             });
         }
     });
-    let not_checked = || Err(CommandError::NotChecked);
+    let not_checked = || Err(say::command_not_checked().into());
     results
         .into_iter()
         .map(|result| {

@@ -121,7 +121,7 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
     failures.extend(write_results(args, &mut outputs, target, report.time_s));
     print_result(args, &report, spoken)?;
     if !failures.is_empty() {
-        return Err(CommandError::Several(failures));
+        return Err(CommandError::several(&failures));
     }
     Ok(match report.end {
         report::RunEnd::Requested => TERMINATED_EXIT_CODE,
@@ -300,7 +300,7 @@ fn find_operator(args: &RunArgs) -> Result<Option<StdinOperator>, CommandError> 
         StdinOperator::open()
     };
     if args.parts > 1 && terminal.is_none() {
-        return Err(CommandError::Unattended(args.parts));
+        return Err(say::command_parts_unattended(args.parts).into());
     }
     Ok(terminal)
 }
@@ -369,7 +369,7 @@ impl RunOutputs {
     fn begin(&mut self) -> Result<(), CommandError> {
         if let Some(out) = &mut self.positions {
             out.write_all(move_output::POSITIONS_HEADER.as_bytes())
-                .map_err(CommandError::Output)?;
+                .map_err(CommandError::output)?;
         }
         Ok(())
     }
@@ -378,7 +378,7 @@ impl RunOutputs {
         self.progress_bar.finish_and_clear();
         for out in [&mut self.moves, &mut self.positions].into_iter().flatten() {
             if let Err(error) = out.flush() {
-                self.first_error.get_or_insert(CommandError::Output(error));
+                self.first_error.get_or_insert(CommandError::output(error));
             }
         }
         self.first_error.take().map_or(Ok(()), Err)
@@ -391,7 +391,7 @@ impl ExecutionWatcher for RunOutputs {
             && let Err(error) = move_output::write_move(out, executed)
         {
             self.moves = None;
-            self.first_error.get_or_insert(CommandError::Output(error));
+            self.first_error.get_or_insert(CommandError::output(error));
         }
         if let Some(drawing) = &mut self.drawing {
             drawing.add_move(executed, self.rates);
@@ -407,7 +407,7 @@ impl ExecutionWatcher for RunOutputs {
             let time_s = time_ms as f64 / 1000.0;
             if let Err(error) = move_output::write_position(out, time_s, machine, degrees) {
                 self.positions = None;
-                self.first_error.get_or_insert(CommandError::Output(error));
+                self.first_error.get_or_insert(CommandError::output(error));
             }
         }
         if time_ms.is_multiple_of(PROGRESS_INTERVAL_MS) && !self.progress_bar.is_hidden() {

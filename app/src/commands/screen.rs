@@ -1,7 +1,7 @@
 //! `screen`: prints or draws one page of the LCD.
 
 use gsk_core::setup::Setup;
-use gsk_messages::Language;
+use gsk_messages::{Language, say};
 use gsk_panel::emulator::{Emulator, WaitCondition};
 use gsk_panel::pages::PAGES;
 use gsk_runner::picture;
@@ -29,10 +29,7 @@ pub fn screen(args: &ScreenArgs) -> Result<u8, CommandError> {
     let name = args.page.as_deref().unwrap_or_default();
     let Some(row) = PAGES.iter().find(|row| row.name.eq_ignore_ascii_case(name)) else {
         let names: Vec<&str> = PAGES.iter().map(|row| row.name).collect();
-        return Err(CommandError::NoPage {
-            name: name.to_owned(),
-            pages: names.join(" "),
-        });
+        return Err(say::command_no_page(name, names.join(" ")).into());
     };
     let mut emulator = Emulator::new(Setup::default());
     emulator.run_until(&WaitCondition::SelfTestOver, MAX_SELF_TEST_MS);

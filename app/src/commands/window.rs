@@ -35,12 +35,12 @@ pub fn open(
     // The language of errors before the settings of the window are loaded (COMMAND-16).
     let message_language = language.or_else(system_language);
     if args.link.is_some() && args.first_start == Some(true) {
-        return Err(CommandError::FirstStartAtBoard);
+        return Err(say::first_start_at_board().into());
     }
     if let Some(program) = &args.program
         && !platform::is_taken(program)
     {
-        return Err(CommandError::NoFile(program.clone()));
+        return Err(say::subject_reason(program.display(), say::file_not_there()).into());
     }
     // Refuse before a window is opened or a directory is created.
     let request = SetupArgs {
@@ -189,7 +189,7 @@ impl WindowStarter {
         if let (Some(port), DncSource::Port(same)) = (&args.serial.serial, &source)
             && port == same
         {
-            return Err(CommandError::SamePort(port.clone()));
+            return Err(say::serial_and_dnc(port).into());
         }
         kernel.set_dnc_source(source);
         if let Some(line) = serial_line(&args.serial)? {
@@ -249,7 +249,7 @@ pub fn serial_line(args: &SerialArgs) -> Result<Option<SerialLine>, CommandError
         return Ok(None);
     };
     let text = args.serial_text.map(TextEnd::to_line_end);
-    let line = SerialLine::open(SerialEnd::from_name(port), text).map_err(CommandError::Gone)?;
+    let line = SerialLine::open(SerialEnd::from_name(port), text).map_err(CommandError::gone)?;
     Ok(Some(line))
 }
 

@@ -232,11 +232,7 @@ pub fn measure_motion(
     let top_speed = feed_mm_per_min / 60_000.0 * per_mm;
     let (rate, max_rate) = (top_speed * 1000.0, board.link.rates().each[1]);
     if rate > max_rate {
-        return Err(CommandError::TooFast {
-            feed: feed_mm_per_min,
-            rate,
-            most: max_rate,
-        });
+        return Err(say::command_feed_too_high(feed_mm_per_min, rate, max_rate).into());
     }
     // A board with homing starts locked.
     board.pump_until(Duration::from_millis(500), |_, _| false);
@@ -247,7 +243,7 @@ pub fn measure_motion(
         .set_position(PerAxis::default(), RunTime::ZERO)
         .is_err()
     {
-        return Err(CommandError::NotStill);
+        return Err(say::command_board_moves().into());
     }
     let (from, before) = (board.now(), board.link.traffic());
     let processor = processor_time(board);

@@ -178,13 +178,13 @@ pub fn run_twin(args: &LinkTwinArgs) -> Result<u8, CommandError> {
                 board.wire().damage(next_lost_byte, Damage::Lost);
             }
         }
-        let bytes = port.read().map_err(CommandError::Gone)?;
+        let bytes = port.read().map_err(CommandError::gone)?;
         let elapsed = u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX);
         if let (SimulatedBoard::Klipper(board), Some(after)) = (&mut board, args.lose_index) {
             board.set_index_lost(start.elapsed() >= Duration::from_secs(after));
         }
         let reply = board.advance_to(&bytes, elapsed);
-        port.write(&reply).map_err(CommandError::Gone)?;
+        port.write(&reply).map_err(CommandError::gone)?;
         let status = board.status();
         let reset = status.reset_count != last_status.reset_count;
         if reset

@@ -3,6 +3,7 @@
 use std::io::{self, IsTerminal};
 
 use gsk_host::pc::{TransferObserver, TransferSession, TransferSettings, load_window_settings};
+use gsk_messages::say;
 use gsk_transfer::{FileName, TransferProgress};
 use indicatif::{ProgressBar, ProgressStyle};
 use web_time::Duration;
@@ -56,7 +57,7 @@ pub(super) fn select_port(args: &TransferPortArgs) -> Result<(String, u32), Comm
             port: port.clone(),
             ..TransferSettings::default()
         },
-        None => load_window_settings().ok_or(CommandError::NoTransferPort)?,
+        None => load_window_settings().ok_or_else(say::transfer_no_port)?,
     };
     Ok((settings.port, args.baud.unwrap_or(settings.baud)))
 }

@@ -67,10 +67,10 @@ pub(super) fn run_control(args: &TransferControlArgs) -> Result<u8, CommandError
         SerialEnd::from_name(&args.port),
         args.text.map(TextEnd::to_line_end),
     );
-    let line = line.map_err(CommandError::Gone)?;
+    let line = line.map_err(CommandError::gone)?;
     let keeper = match (data, &restored) {
         (Some(data), Some(restored)) => {
-            Some(Keeper::start(data, restored, &emulator).map_err(CommandError::Gone)?)
+            Some(Keeper::start(data, restored, &emulator).map_err(CommandError::gone)?)
         }
         _ => None,
     };
@@ -82,7 +82,7 @@ pub(super) fn run_control(args: &TransferControlArgs) -> Result<u8, CommandError
         partner_folder: None,
         termination: ending.clone(),
     };
-    let mut thread = start(kernel, &console, outside).map_err(CommandError::Gone)?;
+    let mut thread = start(kernel, &console, outside).map_err(CommandError::gone)?;
     let mut port_printed_at = None;
     while !ending.is_requested() && thread.is_alive() {
         let is_due = port_printed_at

@@ -115,8 +115,8 @@ fn prompt_line(question: &Message) -> Result<String, CommandError> {
     let _ = write!(out, "{}", output::localize(question)).and_then(|()| out.flush());
     let mut line = String::new();
     let read = io::stdin().lock().read_line(&mut line);
-    match read.map_err(CommandError::Gone)? {
-        0 => Err(CommandError::Gone(io::ErrorKind::UnexpectedEof.into())),
+    match read.map_err(CommandError::gone)? {
+        0 => Err(CommandError::gone(io::ErrorKind::UnexpectedEof.into())),
         _ => Ok(line.trim().to_owned()),
     }
 }
