@@ -32,8 +32,8 @@ THICK = 0.2  # radius of a disc that fits into a difference that counts, mm
 LEFT = 0.05  # area of such differences that is none, mm²
 
 TURN = "(insert: Turning(letter: C, entering: 95, size: 15.875, nose: 0.8), tip: 3, holder: Shank(width: 20, length: 60))"
-LEFT_HAND = TURN.replace("tip: 3", "tip: 4")
 COPY = "(insert: Turning(letter: V, entering: 93, size: 12.7, nose: 0.4), tip: 3, holder: Shank(width: 20, length: 60))"
+LEFT_HAND = COPY.replace("tip: 3", "tip: 4")
 GROOVE = "(insert: Grooving(width: 3, nose: 0.1, reach: {reach}), tip: {tip}, holder: Shank(width: 20, length: 60))"
 FACE_GROOVE = "(insert: Grooving(width: 3, nose: 0.1, reach: 20), tip: 7)"
 THREAD = "(insert: Threading(angle: 60, nose: 0.05, height: 4), tip: 8, holder: Shank(width: 20, length: 60))"
@@ -198,7 +198,7 @@ def make_face_groove(part, manner):
         part.add("G74 R0.5", f"G74 Z{-depth} Q2000 F50")
     elif manner == "g74wide":
         x_end = x - 8
-        part.add("G74 R0.5", f"G74 X{x_end} Z{-depth} P2500 Q2000 F50")
+        part.add("G74 R0.5", f"G74 X{x_end} Z{-depth} P5000 Q2000 F50")
         ends = [x, x_end]
     else:
         part.add(f"G01 Z{-depth} F30", "G04 X1", "G00 Z3")
@@ -357,12 +357,13 @@ def make_thread(part, manner):
 
 def make_left_hand(part, _manner):
     pick = part.pick
-    # A groove is cut first, in which the left-hand tool begins.
+    # A groove of two plunges is cut first, in which the left-hand tool begins: its second
+    # edge, 52 degrees from the axis, needs its room.
     z_end, z_begin = -pick.choice([10, 15]), -pick.choice([35, 40, 45])
     diameter = part.bar - pick.choice([4, 6, 8])
     part.tool(3, GROOVE.format(reach=16, tip=3), 400)
-    part.add(f"G00 X{part.bar + 4} Z{z_begin - 3}", f"G01 X{diameter} F40")
-    part.add(f"G00 X{part.bar + 4}")
+    for z in (z_begin - 3, z_begin - 5.5):
+        part.add(f"G00 X{part.bar + 4} Z{z}", f"G01 X{diameter} F40", f"G00 X{part.bar + 4}")
     part.away()
     part.tool(2, LEFT_HAND)
     part.add(f"G00 X{part.bar + 4} Z{z_begin}")

@@ -265,7 +265,7 @@ type GuessedPart = (
 
 const HEAD: &str = "G50 X120 Z80\nM03 S500\n";
 
-const GUESSED: [GuessedPart; 18] = [
+const GUESSED: [GuessedPart; 20] = [
     (
         "facing with G94",
         "T0101\nG00 X52 Z2\nG94 X20 Z-2 F100\nZ-4\nZ-6\nZ-8\nG00 X100 Z80",
@@ -360,6 +360,20 @@ const GUESSED: [GuessedPart; 18] = [
         "T0101\nG00 X34 Z6\nG92 X29.6 Z-20 R-1 F1.5\nX29 R-1\nX28.2 R-1\nG00 X100 Z80",
         &[(26.0, -3.0), (27.5, -15.0)],
         &[],
+    ),
+    (
+        "a thread before a shoulder",
+        "T0101\nG00 X42 Z2\nG90 X34 Z-23 F100\nX30 Z-8\nX26\nX22\nX18\nG00 X120 Z80\nT0404\n\
+         G00 X22 Z6\nG92 X17.6 Z-4 F1.5\nX17.2\nX16.8\nX16.4\nX16.16\nG00 X120 Z80",
+        &[(33.0, -15.0), (15.0, -3.0)],
+        &[(35.0, -15.0), (19.0, -5.0)],
+    ),
+    (
+        "a wide groove in a face with a short last step",
+        "T0101\nG00 X52 Z2\nG90 X48 Z-30 F100\nG00 X100 Z80\nT0202\nG00 X28 Z3\nG74 R0.5\n\
+         G74 X20 Z-5 P5000 Q2000 F50\nG00 X100 Z80",
+        &[(15.0, -3.0), (33.0, -3.0), (24.0, -6.0)],
+        &[(18.0, -3.0), (21.5, -3.0), (24.0, -4.5), (30.0, -3.0)],
     ),
     (
         "rapids away from shoulders",

@@ -325,12 +325,14 @@ impl ToolUse {
         self.cross_retractions[0] > self.cross_retractions[1]
     }
 
-    /// Least distance between two plunges of the tool, mm; `None` with fewer than two
-    /// positions.
-    pub(super) fn plunge_step(&self) -> Option<f64> {
+    /// Greatest distance below `limit` between neighbouring plunges of the tool, mm: between
+    /// the plunges of one wide groove, where the last step is often a small rest. `None` if all
+    /// plunges are farther apart.
+    pub(super) fn plunge_step(&self, limit: f64) -> Option<f64> {
         let mut positions = self.positions.clone();
         positions.sort_by(f64::total_cmp);
         let steps = positions.windows(2).map(|pair| pair[1] - pair[0]);
-        steps.filter(|step| *step > 0.1).min_by(f64::total_cmp)
+        let steps = steps.filter(|step| *step > 0.1 && *step < limit);
+        steps.max_by(f64::total_cmp)
     }
 }

@@ -215,9 +215,6 @@ impl ToolKnowledge<'_> {
         if let Insert::Threading { height, .. } = &mut tool.insert {
             // The profile of a coarse thread is higher.
             *height = height.max(used.lead_mm).min(30.0);
-            if slimness > 0 {
-                *height = (*height * 2.0).min(30.0);
-            }
             if pose.internal {
                 tool.holder = self.build_bar(used, *height, slimness);
             }
@@ -272,9 +269,7 @@ pub(super) const MAX_SLIMNESS: u8 = 6;
 /// Width of the blade for a groove, mm. A groove wider than the blade is cut in several
 /// plunges.
 fn groove_blade_width(used: &ToolUse) -> f64 {
-    let step = used
-        .plunge_step()
-        .filter(|step| *step < DEFAULT_GROOVE_WIDTH_MM);
+    let step = used.plunge_step(DEFAULT_GROOVE_WIDTH_MM);
     step.map_or(DEFAULT_GROOVE_WIDTH_MM, |step| {
         (step + GROOVE_OVERLAP_MM).min(DEFAULT_GROOVE_WIDTH_MM)
     })
