@@ -8,7 +8,7 @@ pub mod groups;
 use core::fmt;
 use std::sync::LazyLock;
 
-use gsk_messages::{Language, Message, say};
+use gsk_messages::{HelpColumns, Language, Message, say};
 use serde::{Deserialize, Serialize};
 
 use crate::command::SourcePosition;
@@ -57,6 +57,8 @@ pub struct AlarmRow {
     pub cleared_by_en: &'static str,
     /// Cause and remedy for the operator; `None` for alarms that hardly ever occur.
     pub advice: Option<Advice>,
+    /// What the help says about the alarm.
+    pub help: HelpColumns,
 }
 
 /// Help for the operator beside the text on the screen.
@@ -113,18 +115,21 @@ fn parse_row(line: &'static str) -> Option<AlarmRow> {
         meaning_en: fields.next()?,
         cause_en: fields.next()?,
         cleared_by_en: fields.next()?,
-        advice: parse_advice(&mut fields),
+        advice: parse_advice(&mut fields)?,
+        help: HelpColumns::read(&mut fields)?,
     })
 }
 
-/// Parses the last three columns of a row; `None` if the first of them is `-`.
-fn parse_advice(fields: &mut core::str::Split<'static, char>) -> Option<Advice> {
-    let cause_zh = fields.next().filter(|text| *text != "-")?;
-    Some(Advice {
+/// Parses the three columns of the advice. The outer `None` if one is missing, the inner if
+/// the first of them is `-`.
+fn parse_advice(fields: &mut core::str::Split<'static, char>) -> Option<Option<Advice>> {
+    let [cause_zh, remedy_zh, remedy_en] = [fields.next()?, fields.next()?, fields.next()?];
+    let advice = Advice {
         cause_zh,
-        remedy_zh: fields.next()?,
-        remedy_en: fields.next()?,
-    })
+        remedy_zh,
+        remedy_en,
+    };
+    Some((cause_zh != "-").then_some(advice))
 }
 
 const fn shows_number_only(number: u16) -> bool {
@@ -336,7 +341,7 @@ mod tests {
             }
         }
         for line in TABLE.lines() {
-            assert_eq!(line.split('\t').count(), 10, "{line}");
+            assert_eq!(line.split('\t').count(), 15, "{line}");
         }
     }
 

@@ -38,7 +38,7 @@ pub fn article(topic: &Topic, language: Language) -> Article {
         rule: topic.rule(language),
         facts: facts(topic.subject, language),
         example: topic.example(language),
-        source: match topic.source {
+        source: match topic.source() {
             "" => String::new(),
             section => say::help_source(section).text(language),
         },

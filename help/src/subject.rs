@@ -56,19 +56,6 @@ impl<'a> Subject<'a> {
         })
     }
 
-    /// Parses an alarm number as the help table writes it; `None` if it is not a number.
-    pub(crate) fn parse_alarm(written: &'a str) -> Option<Self> {
-        written.parse().ok().map(Self::Alarm)
-    }
-
-    /// Parses a parameter or a bit of one: `022`, `004.3`. Returns `None` if invalid.
-    pub(crate) fn parse_parameter(written: &'a str) -> Option<Self> {
-        let Some((number, bit)) = written.split_once('.') else {
-            return written.parse().ok().map(Self::Parameter);
-        };
-        Some(Self::Bit(number.parse().ok()?, bit.parse().ok()?))
-    }
-
     /// Parses a code or a word of programs. A capital letter or `#` begins a code, anything
     /// else a notion.
     pub(crate) fn parse_program_word(written: &'a str) -> Self {

@@ -4,25 +4,19 @@ use std::sync::LazyLock;
 
 use gsk_core::model::ModelId;
 use gsk_core::{alarm, memory};
-use gsk_messages::Language;
+use gsk_messages::{HelpColumns, Language};
 use gsk_panel::keys::{KEYS, STRIP};
 use gsk_panel::pages::PAGES;
 use gsk_panel::signals;
 
 use crate::subject::Subject;
 
-/// Number of fields in a line of a help table.
-const FIELDS: usize = 6;
-
 /// Parses the subject in a line of a help table; `None` if it is invalid.
 pub(crate) type ParseSubject = fn(&'static str) -> Option<Subject<'static>>;
 
-/// The help tables, each with the parser of its subjects.
-const TEXTS: [(&str, ParseSubject); 6] = [
-    (
-        include_str!("../../assets/help/alarms.tsv"),
-        Subject::parse_alarm,
-    ),
+/// The tables of texts alone, each with the parser of its subjects. Alarms, parameters and
+/// signals have their texts in their own tables.
+const TEXTS: [(&str, ParseSubject); 3] = [
     (include_str!("../../assets/help/codes.tsv"), |written| {
         Some(Subject::parse_program_word(written))
     }),
@@ -34,13 +28,6 @@ const TEXTS: [(&str, ParseSubject); 6] = [
         include_str!("../../assets/help/panel.tsv"),
         Subject::parse_panel,
     ),
-    (
-        include_str!("../../assets/help/parameters.tsv"),
-        Subject::parse_parameter,
-    ),
-    (include_str!("../../assets/help/signals.tsv"), |written| {
-        Some(Subject::Signal(written))
-    }),
 ];
 
 /// All topics of the GSK980TD, sorted by subject.
@@ -49,31 +36,36 @@ static TOPICS: LazyLock<Vec<Topic>> = LazyLock::new(|| {
         .iter()
         .flat_map(|(table, parse_subject)| parse_topics(table, *parse_subject))
         .collect();
-    topics.extend(table_subjects().map(Topic::without_text));
+    topics.extend(table_topics());
     // Topics with a text come before those without one.
     topics.sort_by_key(|topic| topic.subject);
     topics.dedup_by_key(|topic| topic.subject);
     topics
 });
 
-/// Returns every subject that the control's own tables contain.
-fn table_subjects() -> impl Iterator<Item = Subject<'static>> {
-    let alarms = alarm::rows().iter().map(|row| Subject::Alarm(row.number));
-    let parameters = memory::parameter_rows().iter().map(|row| match row.bit {
-        Some(bit) => Subject::Bit(row.number, bit),
-        None => Subject::Parameter(row.number),
+/// Returns a topic for every row of the control's own tables, without text for keys, lamps and
+/// pages.
+fn table_topics() -> impl Iterator<Item = Topic> {
+    let alarms = alarm::rows()
+        .iter()
+        .map(|row| Topic::new(Subject::Alarm(row.number), row.help));
+    let parameters = memory::parameter_rows().iter().map(|row| {
+        let subject = match row.bit {
+            Some(bit) => Subject::Bit(row.number, bit),
+            None => Subject::Parameter(row.number),
+        };
+        Topic::new(subject, row.help)
     });
+    let signals = signals::rows()
+        .iter()
+        .map(|row| Topic::new(Subject::Signal(row.address), row.help));
     let keys = KEYS.iter().map(|row| Subject::Key(row.id));
     let fitted = STRIP.iter().filter(|row| row.fitted);
     let lamps = fitted.map(|row| Subject::Lamp(row.id));
     let pages = PAGES.iter().map(|row| Subject::Page(row.name));
-    let signals = signals::rows()
-        .iter()
-        .map(|row| Subject::Signal(row.address));
-    (alarms.chain(parameters).chain(keys))
-        .chain(lamps)
-        .chain(pages)
-        .chain(signals)
+    let bare =
+        (keys.chain(lamps).chain(pages)).map(|subject| Topic::new(subject, HelpColumns::default()));
+    (alarms.chain(parameters).chain(signals)).chain(bare)
 }
 
 /// Returns the topics in the lines of a help table. Skips invalid lines.
@@ -90,32 +82,24 @@ pub(crate) fn parse_topics(
 pub struct Topic {
     /// What the topic is about.
     pub subject: Subject<'static>,
-    rule: [&'static str; 2],
-    example: [&'static str; 2],
-    /// The section of the manual that describes the subject; empty if none does.
-    pub source: &'static str,
+    texts: HelpColumns,
     /// The only model that the topic is about. `None` for a topic of the GSK980TD, which other
     /// models can share.
     pub model: Option<ModelId>,
 }
 
 impl Topic {
-    const fn without_text(subject: Subject<'static>) -> Self {
+    const fn new(subject: Subject<'static>, texts: HelpColumns) -> Self {
         Self {
             subject,
-            rule: [""; 2],
-            example: [""; 2],
-            source: "",
+            texts,
             model: None,
         }
     }
 
     /// Creates a topic about `subject` with a rule in Chinese and English.
     pub(crate) const fn with_text(subject: Subject<'static>, rule: [&'static str; 2]) -> Self {
-        Self {
-            rule,
-            ..Self::without_text(subject)
-        }
+        Self::new(subject, HelpColumns::from_rule(rule))
     }
 
     /// Returns the topic marked as one that only `model` has.
@@ -127,35 +111,26 @@ impl Topic {
     }
 
     fn parse(line: &'static str, parse_subject: ParseSubject) -> Option<Self> {
-        let fields: Vec<&str> = line.split('\t').collect();
-        let fields: [&str; FIELDS] = fields.try_into().ok()?;
-        let present = |text: &'static str| if text == "-" { "" } else { text };
-        let [written, rule_en, rule_zh, example_en, example_zh, source] = fields;
-        Some(Self {
-            subject: parse_subject(written)?,
-            rule: [rule_zh, rule_en],
-            example: [example_zh, example_en].map(present),
-            source: present(source),
-            model: None,
-        })
+        let mut fields = line.split('\t');
+        let subject = parse_subject(fields.next()?)?;
+        let texts = HelpColumns::read(&mut fields)?;
+        fields.next().is_none().then(|| Self::new(subject, texts))
     }
 
     /// Returns what the subject is for, what it does and what surprises users. Empty if the
     /// tables contain everything.
     pub const fn rule(&self, language: Language) -> &'static str {
-        self.rule[column(language)]
+        self.texts.rule(language)
     }
 
     /// Returns a worked example; empty if there is none.
     pub const fn example(&self, language: Language) -> &'static str {
-        self.example[column(language)]
+        self.texts.example(language)
     }
-}
 
-const fn column(language: Language) -> usize {
-    match language {
-        Language::Zh => 0,
-        Language::En => 1,
+    /// Returns the section of the manual that describes the subject; empty if none does.
+    pub const fn source(&self) -> &'static str {
+        self.texts.source
     }
 }
 

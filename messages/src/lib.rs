@@ -4,7 +4,7 @@
 //! languages. The code that raises a message names the row and gives the values. The code that
 //! shows it chooses the language. Only a program embeds the texts ([`install_texts`]); the
 //! packages below it know names and placeholders, from `src/rows.rs`, which `cargo xtask
-//! messages` writes.
+//! tables` writes.
 //!
 //! ```
 //! use gsk_messages::{Language, say};
@@ -14,6 +14,7 @@
 //! assert_eq!(refusal.text(Language::Zh), "O0012 已存在");
 //! ```
 
+mod help_columns;
 #[macro_use]
 mod ids;
 mod rows;
@@ -24,6 +25,7 @@ use core::fmt;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
+pub use help_columns::HelpColumns;
 use rows::{IDS, ROWS};
 pub use rows::{Id, say};
 use template::{TemplatePiece, split_template};

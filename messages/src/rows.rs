@@ -1,4 +1,4 @@
-//! Name and placeholders of each row of the message table: written by `cargo xtask messages`.
+//! Name and placeholders of each row of the message table: written by `cargo xtask tables`.
 
 use crate::{Message, Row, Value};
 

@@ -3,6 +3,8 @@
 
 use std::sync::LazyLock;
 
+use gsk_messages::HelpColumns;
+
 static TABLE: &str = include_str!("../../assets/tables/plc-signals.tsv");
 
 static SIGNALS: LazyLock<Vec<Signal>> =
@@ -26,12 +28,24 @@ pub struct Signal {
     /// What reacts to the signal: `control`, `ladder` or both; otherwise `free` or why none
     /// does.
     pub acts: &'static str,
+    /// What the help says about the signal.
+    pub help: HelpColumns,
 }
 
 impl Signal {
     fn read(line: &'static str) -> Option<Self> {
-        let fields: Vec<&str> = line.split('\t').collect();
-        let [address, symbol, direction, text_zh, text_en, manual, acts] = fields[..] else {
+        let fields: Vec<&'static str> = line.split('\t').collect();
+        let [
+            address,
+            symbol,
+            direction,
+            text_zh,
+            text_en,
+            manual,
+            acts,
+            ref help @ ..,
+        ] = fields[..]
+        else {
             return None;
         };
         Some(Self {
@@ -42,6 +56,7 @@ impl Signal {
             text_en,
             manual,
             acts,
+            help: HelpColumns::read(&mut help.iter().copied())?,
         })
     }
 }

@@ -52,9 +52,14 @@ pub enum TaskError {
         /// How to install it.
         cure: &'static str,
     },
-    /// The message table has a fault.
-    #[error(transparent)]
-    Messages(#[from] crate::messages::TableError),
+    /// A table of `assets/tables` has a fault.
+    #[error("assets/tables/{table}: {fault}")]
+    Table {
+        /// Name of the file.
+        table: &'static str,
+        /// What is wrong, with the line.
+        fault: String,
+    },
     /// A release file exceeds its size limit.
     #[error("{}: {size} bytes are more than {largest}", path.display())]
     Large {

@@ -4,9 +4,9 @@ mod case;
 mod dist;
 mod error;
 mod figures;
-mod messages;
 #[path = "../../core/benches/shapes/mod.rs"]
 mod shapes;
+mod tables;
 
 use std::path::PathBuf;
 use std::process::{Command, ExitCode};
@@ -41,11 +41,10 @@ enum Task {
         #[arg(long)]
         open: bool,
     },
-    /// The list of messages in the sources, after a row of the message table is new or has other
-    /// placeholders
-    Messages,
     /// The figures of speed: every bench, and a program of each kind in the release build
     Figures,
+    /// The lists in the sources that come from tables, after a new row of `assets/tables`
+    Tables,
 }
 
 #[derive(Debug, Subcommand)]
@@ -86,8 +85,8 @@ fn main() -> ExitCode {
             DistTask::Web => dist::web::make(&root()),
         },
         Task::Docs { open } => build_docs(open),
-        Task::Messages => messages::write(&root()),
         Task::Figures => figures::print(),
+        Task::Tables => tables::write(&root()),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

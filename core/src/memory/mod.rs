@@ -1,11 +1,5 @@
 //! Data that the control stores: parameters, offsets, variables, counters.
 
-/// Numbers of data parameters that other modules pass on, by name, from the `id` column of
-/// `assets/tables/parameters.tsv`. All other parameters have a method of [`ControlParameters`].
-pub mod parameter {
-    include!(concat!(env!("OUT_DIR"), "/parameter_numbers.rs"));
-}
-
 mod authority;
 mod counters;
 mod disks;
@@ -13,6 +7,7 @@ mod machine_parameters;
 mod named_parameters;
 mod offsets;
 mod panel_parameters;
+pub mod parameter;
 mod parameter_groups;
 mod parameter_table;
 mod parameters;

@@ -3,6 +3,7 @@
 
 use std::sync::LazyLock;
 
+use gsk_messages::HelpColumns;
 use serde::{Deserialize, Serialize};
 
 const TABLE: &str = include_str!("../../../assets/tables/parameters.tsv");
@@ -99,6 +100,8 @@ pub struct ParameterRow {
     pub meaning_zh: &'static str,
     /// The function of the control that uses the parameter.
     pub used_by: &'static str,
+    /// What the help says about the parameter.
+    pub help: HelpColumns,
 }
 
 impl ParameterRow {
@@ -185,6 +188,7 @@ fn parse_row(line: &'static str) -> Option<ParameterRow> {
         meaning_en: fields.next()?,
         meaning_zh: fields.next()?,
         used_by: fields.next()?,
+        help: HelpColumns::read(&mut fields)?,
     })
 }
 

@@ -1,42 +1,21 @@
-//! Writes the list of messages from the message table: `cargo xtask messages`.
-//!
-//! The list has the name and the placeholders of each row, and no text. It is part of the
-//! sources, so a text that is reworded compiles nothing but the program that embeds the table.
+//! The list of messages: name and placeholders of each row of the message table.
 
-#[path = "../../messages/src/template.rs"]
+#[path = "../../../messages/src/template.rs"]
 mod template;
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
-use std::fs;
-use std::path::Path;
 
 use template::{PlaceholderKind, TemplateError, TemplatePiece, split_template};
 
-use crate::error::TaskError;
-
-const TABLE: &str = "assets/tables/messages.tsv";
-const LIST: &str = "messages/src/rows.rs";
 const HEADER: &str = "id\ten\tzh";
 
-/// Writes the list anew from the table.
+/// Returns the source of the list.
 ///
 /// # Errors
-/// Returns the first fault of the table with its line, or why a file cannot be read or written.
-pub fn write(root: &Path) -> Result<(), TaskError> {
-    let list = generate_list(&read(&root.join(TABLE))?)?;
-    let path = root.join(LIST);
-    if read(&path).is_ok_and(|old| old == list) {
-        return Ok(());
-    }
-    fs::write(&path, list).map_err(|error| TaskError::Write { path, error })
-}
-
-fn read(path: &Path) -> Result<String, TaskError> {
-    fs::read_to_string(path).map_err(|error| TaskError::Write {
-        path: path.to_owned(),
-        error,
-    })
+/// Returns what is wrong with the table, with the line.
+pub fn generate(table: &str) -> Result<String, String> {
+    generate_list(table).map_err(|error| error.to_string())
 }
 
 /// Returns the source of the list of a table.
@@ -58,7 +37,7 @@ fn generate_list(table: &str) -> Result<String, TableError> {
         rows.push(row);
     }
     let mut list = String::from(
-        "//! Name and placeholders of each row of the message table: written by `cargo xtask messages`.\n\n\
+        "//! Name and placeholders of each row of the message table: written by `cargo xtask tables`.\n\n\
          use crate::{Message, Row, Value};\n\n\
          message_rows! {\n",
     );
@@ -84,18 +63,18 @@ fn list_entry((name, kind): &(String, PlaceholderKind)) -> String {
 
 /// Why the table cannot be compiled.
 #[derive(Debug, thiserror::Error)]
-pub enum TableError {
+enum TableError {
     /// The first line is not the heading.
-    #[error("{TABLE} does not begin with the line `{HEADER}`")]
+    #[error("the table does not begin with the line `{HEADER}`")]
     Header,
     /// A line, counted from 1, has a fault.
-    #[error("{TABLE}, line {0}: {1}")]
+    #[error("line {0}: {1}")]
     Line(u32, RowError),
 }
 
 /// Why a line of the table is invalid.
 #[derive(Debug, thiserror::Error)]
-pub enum RowError {
+enum RowError {
     /// The second id must stand before the first and only once.
     #[error("`{0}` must stand after `{1}`, once")]
     Order(String, String),
@@ -174,17 +153,6 @@ fn to_camel_case(id: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_list_is_the_one_of_the_table() {
-        let root = crate::root();
-        let list = generate_list(&read(&root.join(TABLE)).unwrap()).unwrap();
-        let same = read(&root.join(LIST)).unwrap() == list;
-        assert!(
-            same,
-            "{LIST} is older than {TABLE}: run `cargo xtask messages`"
-        );
-    }
 
     #[test]
     fn a_row_becomes_a_line_with_its_placeholders() {
