@@ -10,9 +10,9 @@ use crate::codes;
 use crate::cycles::HoleData;
 use crate::memory::{MillMemory, parameter};
 use crate::modal::{LengthOffset, MillMotion, SpindleState, WorkZero};
+use crate::path::travel::{RunContext, StepKind, execute_holes, execute_motion};
 use crate::space::{Length, MillPosition};
 use crate::state::{MillState, Polar};
-use crate::travel::{RunContext, StepKind, execute_holes, execute_motion};
 use crate::words::{BlockWords, OnOff, OneShotCode};
 
 /// What runs after a block: another block, a subprogram, or nothing.

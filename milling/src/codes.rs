@@ -6,10 +6,10 @@ use gsk_messages::{Message, say};
 
 use crate::memory::{MillOffsetColumn, parameter};
 use crate::modal::{LengthOffset, MillMotion};
+use crate::path::travel::{RunContext, StepKind, settle_rotation, target};
 use crate::space::{AxisValues, Length, MillAxis, MillPosition, PlanePoint};
 use crate::state::MillState;
 use crate::transform::{Rotation, Scaling};
-use crate::travel::{RunContext, StepKind, settle_rotation, target};
 use crate::words::{BlockWords, OneShotCode, length};
 
 fn alarm(number: u16, detail: Message) -> Alarm {

@@ -11,43 +11,37 @@
 //!                                   memory: parameters, offsets, zeros           time, bounds
 //! ```
 
-mod arc;
 mod axes;
 mod block;
-mod bounds;
 mod caution;
 mod codes;
 pub mod commissioning;
-mod cutter;
 mod cycles;
 pub mod keys;
 mod memory;
 mod modal;
-mod moves;
 mod options;
 mod parameter_table;
+mod path;
 mod preview;
 mod reference_return;
 mod space;
 mod state;
 mod system;
-mod time;
-mod tracker;
 mod transform;
-mod travel;
 mod words;
 
 #[cfg(test)]
 mod tests;
 
 pub use axes::{Axes, FurtherAxis};
-pub use bounds::{MillBounds, MillPathLengths};
 pub use caution::{MillCaution, MillSlip};
 pub use memory::{MillMemory, MillOffset, parameter};
 pub use modal::{MillModal, SpindleState};
-pub use moves::{MillArc, MillMove, MillMoveKind};
 pub use options::MillWordError;
 pub use parameter_table::{MillParameterRow, mill_parameter_rows};
+pub use path::bounds::{MillBounds, MillPathLengths};
+pub use path::moves::{MillArc, MillMove, MillMoveKind};
 pub use preview::{MillPreview, MillSetup, PreviewEnd, PreviewProgress, preview_while};
 pub use reference_return::{ParameterValues, describe_reference_returns};
 pub use space::{AxisValues, Length, MillAxis, MillPosition, Plane, PlanePoint};

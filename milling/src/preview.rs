@@ -13,18 +13,18 @@ pub use gsk_core::preview::{PreviewEnd, PreviewProgress};
 
 use crate::axes::Axes;
 use crate::block::{self, BlockFlow};
-use crate::bounds::{MillBounds, MillPathLengths};
 use crate::caution::{self, MillCaution};
-use crate::cutter::CutterStream;
 use crate::memory::{MillMemory, parameter};
 use crate::modal::{MillModal, MillMotion};
 use crate::options::{MillWordError, parse_position};
+use crate::path::bounds::{MillBounds, MillPathLengths};
+use crate::path::cutter::CutterStream;
+use crate::path::tracker::{MoveCallback, Tracker};
+use crate::path::travel::{ProgressCallback, ProgressCheck, RunContext};
 use crate::space::{Length, MillAxis, MillPosition};
 use crate::state::MillState;
 use crate::system::{MillVariables, VariableContext};
-use crate::tracker::{MoveCallback, Tracker};
 use crate::transform::Transform;
-use crate::travel::{ProgressCallback, ProgressCheck, RunContext};
 use crate::words::BlockWords;
 
 /// Number of blocks between two progress callbacks.

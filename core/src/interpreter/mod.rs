@@ -11,33 +11,26 @@
 //! requests it. Positions are integers (`exact`).
 
 mod block;
-mod block_motion;
 mod calls;
 mod canned_cycle;
 mod codes;
-mod compound;
 mod context;
 mod cycles;
 mod exact;
 mod flow;
 mod host;
 mod macros;
-mod motion_code;
 mod moves;
 mod nose_compensation;
-mod one_shot;
 mod parameter_writes;
-mod pass_explanation;
 mod pass_over;
 mod plain_move;
 mod plan;
 mod profile;
 mod reader;
-mod run;
 mod state;
 mod threads;
 mod walker;
-mod word_audit;
 mod words;
 
 #[cfg(test)]
@@ -52,6 +45,6 @@ pub use host::{Host, InterpreterStep};
 pub use moves::explanation::Explanation;
 pub(crate) use pass_over::PassedOver;
 pub use reader::Interpreter;
+pub use reader::word_audit::{BlockRemark, IgnoredWord, LocatedRemark, WordAdvice};
 pub(crate) use reader::{AdvanceResult, ReadState};
 pub use walker::{ReturnEffect, SystemVariables, WalkedBlock, Walker};
-pub use word_audit::{BlockRemark, IgnoredWord, LocatedRemark, WordAdvice};

@@ -15,7 +15,7 @@ use crate::interpreter::macros::lookahead::LookaheadReader;
 use crate::interpreter::macros::system::VariableSources;
 use crate::interpreter::plain_move::{MoveContext, PlainMove};
 use crate::interpreter::plan::Plan;
-use crate::interpreter::run::InterpreterRun;
+use crate::interpreter::reader::run::InterpreterRun;
 use crate::interpreter::words::SortedWords;
 use crate::model::ModelRecord;
 use crate::program::{BlockCache, BlockError, Program, ProgramBlock, further_foreign_words};

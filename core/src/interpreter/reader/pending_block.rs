@@ -14,9 +14,9 @@ use crate::interpreter::macros::lookahead::LookaheadReader;
 use crate::interpreter::macros::statement::{self, StatementContext, StatementEffect};
 use crate::interpreter::macros::system::VariableSources;
 use crate::interpreter::macros::variable::ReadError;
-use crate::interpreter::run::InterpreterRun;
+use crate::interpreter::reader::run::InterpreterRun;
+use crate::interpreter::reader::word_audit::{BlockRemark, WordAudit};
 use crate::interpreter::state::State;
-use crate::interpreter::word_audit::{BlockRemark, WordAudit};
 use crate::interpreter::words::SortedWords;
 use crate::program::{CodeCall, MacroStatement, Program, ProgramBlock, Syntax};
 

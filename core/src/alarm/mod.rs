@@ -17,7 +17,7 @@ use crate::model::ModelRecord;
 /// Alarm numbers as constants, generated from the `id` column of the table.
 pub use gsk_units::alarm as number;
 
-const TABLE: &str = include_str!("../../assets/tables/alarms.tsv");
+const TABLE: &str = include_str!("../../../assets/tables/alarms.tsv");
 
 /// The classes of alarms: what raises them, where they are shown, what they stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

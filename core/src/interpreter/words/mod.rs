@@ -1,15 +1,17 @@
 //! The words of a block, sorted by meaning.
 
+pub(crate) mod motion_code;
+
 use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
 use crate::command::MotionCode;
 use crate::dialect;
 use crate::interpreter::exact::ExactPoint;
-use crate::interpreter::motion_code::find_motion_code;
 use crate::model::{GCode, ModelRecord};
 use crate::program::ProgramBlock;
 use crate::units::Axis;
+use motion_code::find_motion_code;
 
 /// Codes of group 00, which act in their block only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! Adds up path lengths and the bounding box of the path.
 
-use crate::moves::{MillArc, MillMove, MillMoveKind};
+use crate::path::moves::{MillArc, MillMove, MillMoveKind};
 use crate::space::{MillAxis, MillPosition, PlanePoint};
 
 /// Path lengths of a program by kind of move, mm. A rapid counts as its chord.

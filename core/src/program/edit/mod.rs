@@ -447,5 +447,4 @@ impl ProgramEditor {
 }
 
 #[cfg(test)]
-#[path = "edit_tests.rs"]
 mod tests;

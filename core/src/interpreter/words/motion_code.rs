@@ -4,7 +4,7 @@ use crate::command::MotionCode;
 use crate::model::GCode;
 
 /// The code that a G code sets by its meaning; `None` for codes of other groups.
-pub(super) const fn find_motion_code(meaning: GCode) -> Option<MotionCode> {
+pub(crate) const fn find_motion_code(meaning: GCode) -> Option<MotionCode> {
     Some(match meaning {
         GCode::Rapid | GCode::StraightRapid => MotionCode::Rapid,
         GCode::Line => MotionCode::Line,

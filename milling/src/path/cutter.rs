@@ -9,9 +9,9 @@ use gsk_core::compensation::cutter::{
 };
 use gsk_core::units::Point;
 
-use crate::moves::{MillArc, MillMoveKind};
+use crate::path::moves::{MillArc, MillMoveKind};
+use crate::path::tracker::{PathStep, Tracker};
 use crate::space::{MillPosition, Plane, PlanePoint};
-use crate::tracker::{PathStep, Tracker};
 
 /// Step numbers restart at 0 after this count. Far fewer steps wait at a time.
 const STEP_NUMBERS: u32 = 4096;

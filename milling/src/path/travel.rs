@@ -8,15 +8,15 @@ use gsk_core::program::WordNumber;
 use gsk_core::units::Feed;
 use gsk_messages::say;
 
-use crate::arc::{self, ArcDefinition};
-use crate::cutter::CutterStream;
 use crate::cycles::{Drilling, HoleData, HoleLevel, HoleStep};
 use crate::memory::{MillMemory, parameter};
 use crate::modal::{Hole, MillMotion, SpindleState};
-use crate::moves::{MillArc, MillMoveKind};
+use crate::path::arc::{self, ArcDefinition};
+use crate::path::cutter::CutterStream;
+use crate::path::moves::{MillArc, MillMoveKind};
+use crate::path::tracker::{PathStep, Tracker};
 use crate::space::{Length, MillAxis, MillPosition, PlanePoint, sine_cosine};
 use crate::state::{MillState, Polar};
-use crate::tracker::{PathStep, Tracker};
 use crate::words::{BlockWords, length};
 
 /// What the blocks of a run read and change beside the state.

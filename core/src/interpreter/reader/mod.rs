@@ -13,10 +13,10 @@ use crate::interpreter::flow::program_position::ProgramPosition;
 use crate::interpreter::host::machine_codes::MachineCodes;
 use crate::interpreter::host::{Host, InterpreterStep};
 use crate::interpreter::moves::explanation::Explanation;
-use crate::interpreter::pass_explanation::explain_pass;
-use crate::interpreter::run::InterpreterRun;
+use crate::interpreter::reader::pass_explanation::explain_pass;
+use crate::interpreter::reader::run::InterpreterRun;
+use crate::interpreter::reader::word_audit::{LocatedRemark, WordAudit};
 use crate::interpreter::state::{RunStart, State};
-use crate::interpreter::word_audit::{LocatedRemark, WordAudit};
 use crate::memory::ControlParameters;
 use crate::model::{ControlModel, ModelRecord};
 use crate::program::{BlockCache, Program, Syntax};
@@ -25,8 +25,11 @@ use crate::units::{Axis, Point};
 mod block_evaluation;
 mod block_read;
 mod block_reader;
+mod pass_explanation;
 mod pending_block;
+pub(crate) mod run;
 mod statements;
+pub(crate) mod word_audit;
 
 /// Turns blocks into commands. The interpreter is plain data that can be saved and restored at
 /// any time.

@@ -6,11 +6,11 @@ use gsk_core::units::Feed;
 use gsk_messages::say;
 
 use crate::axes::Axes;
-use crate::bounds::{MillBounds, MillPathLengths};
 use crate::memory::{MillMemory, parameter};
-use crate::moves::{MillArc, MillMove, MillMoveKind};
+use crate::path::bounds::{MillBounds, MillPathLengths};
+use crate::path::moves::{MillArc, MillMove, MillMoveKind};
+use crate::path::time::MillRates;
 use crate::space::{MillAxis, MillPosition};
-use crate::time::MillRates;
 
 /// A motion or dwell of a program, machine coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,10 +4,13 @@
 //! Order in a block (manual I-3.3, I-3.5.1, PLC-II 8.1): S, M and T begin together; the
 //! motion waits for a tool change, but not for S and M; then M00, M30, M98, M99.
 
+mod block_motion;
+mod compound;
+mod one_shot;
+
 use crate::alarm::Alarm;
 use crate::command::{Action, MotionCode, SpindleCommand};
 use crate::interpreter::ModalState;
-use crate::interpreter::block_motion::{BlockMotion, find_motion};
 use crate::interpreter::calls::block_call;
 use crate::interpreter::calls::special_call::{self, SpecialCall};
 use crate::interpreter::calls::subprogram;
@@ -21,13 +24,11 @@ use crate::interpreter::codes::positioning::check_stroke;
 use crate::interpreter::codes::scale;
 use crate::interpreter::codes::spindle_speed;
 use crate::interpreter::codes::tool::{self, OffsetExecution, ToolWord};
-use crate::interpreter::compound;
 use crate::interpreter::context::{BlockContext, CompensationMode};
 use crate::interpreter::cycles::facing_cycle;
 use crate::interpreter::cycles::turning_cycle;
 use crate::interpreter::exact::{CoordinateRange, ExactPoint};
 use crate::interpreter::flow::Flow;
-use crate::interpreter::one_shot;
 use crate::interpreter::plan::{Plan, PlannedMotion};
 use crate::interpreter::state::State;
 use crate::interpreter::threads::tapping;
@@ -35,6 +36,7 @@ use crate::interpreter::threads::thread;
 use crate::interpreter::threads::thread_cycle;
 use crate::interpreter::words::{ArcWords, AxisWords, OneShot, SortedWords};
 use crate::model::ModelRecord;
+use block_motion::{BlockMotion, find_motion};
 
 /// Evaluates the words of a block: updates `state` and fills `plan` in place, because plans
 /// are large to move.
