@@ -27,7 +27,8 @@ pub enum Link {
 }
 
 impl Link {
-    /// Creates the link to a board whose port was just opened, and starts the dialogue.
+    /// Creates the link to a board whose port was opened at the host time `now`. [`Backend::tick`]
+    /// then identifies and configures the board.
     pub fn open(config: LinkConfig, drives: &Drives, now: HostTime) -> Self {
         match config.protocol {
             Protocol::Line => Self::Line(Box::new(LineLink::open(config, drives, now))),
@@ -60,7 +61,8 @@ impl DerefMut for Link {
 ///
 /// Functions that not every board supports have a default body, which refuses the request.
 pub trait Backend: Positioned + Debug {
-    /// Adds compressed dictionaries from earlier [`LinkEvent::Learned`] events.
+    /// Adds compressed dictionaries from earlier [`LinkEvent::Learned`] events, so that the link
+    /// need not read a known dictionary from the board again.
     fn add_dictionaries(&mut self, dictionaries: Vec<Vec<u8>>) {
         // Only boards with timed steps have a dictionary.
         let _ = dictionaries;
@@ -89,15 +91,15 @@ pub trait Backend: Positioned + Debug {
     /// Returns the number of pulses per mm of slide travel, for X and Z.
     fn pulses_per_mm(&self) -> [f64; 2];
 
-    /// Returns the switches that the last report shows as operated.
+    /// Returns the switches that the board last reported as operated.
     fn pins(&self) -> Pins;
 
-    /// Returns the position of the last report, in the kernel's pulses; `None` without a
-    /// report.
+    /// Returns the position of the slides in the board's last report, in the kernel's pulses;
+    /// `None` if the board has not reported a position.
     fn counted(&self) -> Option<PerAxis<Pulses>>;
 
-    /// Returns the time of the first report since which all reports show a standstill; `None`
-    /// during motion.
+    /// Returns the host time since which the axes are at standstill, as far as the link knows;
+    /// `None` during motion or if the link does not know.
     fn standing_since(&self) -> Option<HostTime>;
 
     /// Returns the counters of the serial traffic.
@@ -116,7 +118,8 @@ pub trait Backend: Positioned + Debug {
     /// Returns the greatest pulse rates of the board.
     fn rates(&self) -> PulseRates;
 
-    /// Removes and returns the events since the last call.
+    /// Removes and returns the events that the link has collected since the last call, the oldest
+    /// first.
     fn events(&mut self) -> Vec<LinkEvent> {
         core::mem::take(&mut self.session_mut().events)
     }
@@ -127,10 +130,11 @@ pub trait Backend: Positioned + Debug {
     /// Removes the first `count` bytes of [`tx`](Self::tx): the port has taken them.
     fn consumed(&mut self, count: usize);
 
-    /// Advances the time and sends what is due; call it at least every 5 ms.
+    /// Advances the host time to `now`, checks the time limits and puts the due messages into
+    /// [`tx`](Self::tx); call it at least every 5 ms.
     fn tick(&mut self, now: HostTime);
 
-    /// Takes bytes that the port received at time `now`.
+    /// Handles bytes that the port received from the board at the host time `now`.
     fn rx(&mut self, bytes: &[u8], now: HostTime);
 
     /// Holds motion back after the computer was suspended for longer than the lookahead: a
@@ -149,11 +153,13 @@ pub trait Backend: Positioned + Debug {
         false
     }
 
-    /// Writes the required values of the differing settings; the operator has confirmed this.
+    /// Writes the required values of the settings that differ to the board, after the operator has
+    /// confirmed this. Without effect on a board with timed steps.
     fn write_settings(&mut self) {}
 
-    /// Sets the position of the slides, after the kernel's reference return or after the
-    /// operator has confirmed the position. The link accepts motion from now on.
+    /// Sets the position of the slides, at standstill at the kernel time `at`, to `kernel` in the
+    /// kernel's pulses. The kernel calls this after its reference return or after the operator has
+    /// confirmed the position. The link then accepts motion.
     ///
     /// # Errors
     /// The board moves, is locked, or has not reported its position.
@@ -165,12 +171,12 @@ pub trait Backend: Positioned + Debug {
         Ok(())
     }
 
-    /// Accepts manual motion without a known position; the state remains
-    /// [`LinkState::Locked`].
+    /// Accepts manual motion without a known position; the state remains [`LinkState::Locked`].
+    /// `kernel` is the kernel's count, in pulses, at the kernel time `at`.
     ///
     /// # Errors
-    /// The position is known, or the board moves, is locked, or has not reported its
-    /// position.
+    /// The state is not [`LinkState::Locked`], or the board moves, is locked, or has not reported
+    /// its position.
     fn release(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), MotionRefused> {
         if self.state() != LinkState::Locked {
             return Err(MotionRefused::NotReady);
@@ -189,8 +195,8 @@ pub trait Backend: Positioned + Debug {
     /// the board is not identified yet.
     fn stop_bytes(&self) -> Vec<u8>;
 
-    /// Whether the bytes received afterwards contain the answer to
-    /// [`stop_bytes`](Self::stop_bytes).
+    /// Whether `answered`, the bytes received after [`stop_bytes`](Self::stop_bytes) was sent, show
+    /// that the board has executed the stop. Always false for a board that does not answer a stop.
     fn has_answered_stop(&self, answered: &[u8]) -> bool {
         let _ = answered;
         false
@@ -202,7 +208,8 @@ pub trait Backend: Positioned + Debug {
         self.forget_count();
     }
 
-    /// Marks the position as uncertain, stops motion and locks the link.
+    /// Marks the position as uncertain for the reason `uncertainty`, stops motion and locks the
+    /// link.
     fn invalidate_position(&mut self, uncertainty: Uncertainty) {
         self.lose_position(uncertainty);
         match self.state() {
@@ -226,10 +233,11 @@ pub trait Backend: Positioned + Debug {
     /// the counts of board and kernel were never aligned.
     fn last_position(&self) -> Option<PerAxis<Pulses>>;
 
-    /// Whether a stop is in progress: the position of the standstill is not known yet.
+    /// Whether a stop is in progress: the link does not know yet at which position the axes stop.
     fn is_stopping(&self) -> bool;
 
-    /// Whether the board has answered a query sent at or after a moment.
+    /// Whether the board has answered a query that the link sent at or after the host time
+    /// `moment`. Always true for a board with timed steps.
     fn has_answered_since(&self, moment: HostTime) -> bool {
         let _ = moment;
         true
@@ -238,7 +246,7 @@ pub trait Backend: Positioned + Debug {
     /// Whether the link accepts motion, now or once the board has answered all commands.
     fn takes_motion(&self) -> bool;
 
-    /// Whether the link accepts motion now.
+    /// Whether [`push`](Self::push) accepts motion now.
     fn is_prepared(&self) -> bool;
 
     /// Whether the board does its own homing. Otherwise the kernel makes the reference
@@ -250,7 +258,8 @@ pub trait Backend: Positioned + Debug {
     /// Whether one axis can make its reference return while the other stays in place.
     fn homes_alone(&self) -> bool;
 
-    /// Starts the board's own homing of these axes.
+    /// Starts the board's own homing of the axes that are `true`. A board that cannot home a single
+    /// axis homes both.
     ///
     /// # Errors
     /// The board moves, has not reported its state, or has no homing.
@@ -268,21 +277,23 @@ pub trait Backend: Positioned + Debug {
         false
     }
 
-    /// Returns the outputs that the board has switched; `None` while a command is in progress.
+    /// Returns the outputs that the link has commanded; `None` while the board has not answered a
+    /// command.
     fn switched(&self) -> Option<BoardOutputs>;
 
-    /// Takes the commanded position at the end of a tick and sends the motion to the board in
-    /// time.
+    /// Takes the commanded position at the end of a tick of the kernel and sends the motion to the
+    /// board before its execution is due.
     ///
     /// # Errors
     /// The state allows no motion, a limit switch is in the way, or the rate is too high;
     /// nothing was sent.
     fn push(&mut self, sample: Sample) -> Result<(), MotionRefused>;
 
-    /// Sends the rest of the motion; call it when the kernel is at standstill.
+    /// Sends the motion that the link still collects for a longer command; call it when the kernel
+    /// is at standstill.
     ///
     /// # Errors
-    /// The rest needs a higher pulse rate than the board has.
+    /// This motion needs a higher pulse rate than the board has.
     fn finish(&mut self) -> Result<(), MotionRefused>;
 
     /// Stops the board immediately, in the way that `stop` selects.
@@ -315,7 +326,7 @@ pub trait Backend: Positioned + Debug {
         false
     }
 
-    /// Disarms the input of an axis.
+    /// Disarms the awaited input of an axis: it no longer stops the axes.
     fn disarm(&mut self, axis: Axis) {
         let _ = axis;
     }
@@ -331,13 +342,15 @@ pub trait Backend: Positioned + Debug {
         Err(MotionRefused::NotReady)
     }
 
-    /// Whether referenced axes keep a valid position while the other axis is not
-    /// referenced.
+    /// Whether the board's count is valid since it was aligned with the kernel's: no step and no
+    /// drive power was lost. A referenced axis then keeps its position while the other axis makes
+    /// its reference return.
     fn keeps_count(&self) -> bool {
         false
     }
 
-    /// Switches an output to `value` (0 or 1, or mV) when the motion up to `at` is executed.
+    /// Switches an output to `value` (0 or 1; mV for the spindle speed) when the board has executed
+    /// the motion up to the kernel time `at`.
     ///
     /// # Errors
     /// The board is not ready, or has no such output.
@@ -349,20 +362,22 @@ pub trait Backend: Positioned + Debug {
     /// Whether an input is operated; `None` if the input is not wired or not reported yet.
     fn input(&self, input: Input) -> Option<bool>;
 
-    /// Predicts the spindle in the kernel's next tick; call it once before each tick. With
-    /// `max_correction` the axes follow the spindle: the prediction may deviate from a
-    /// constant speed by this many turns per tick at most. `None` without a one-turn
-    /// signal.
+    /// Predicts angle and speed of the spindle for the kernel's next tick; call it once before each
+    /// tick. With `max_correction` the axes follow the spindle: the prediction may deviate from a
+    /// constant speed by this many turns per tick at most. `None` if no one-turn signal is wired to
+    /// the board.
     fn spindle(&mut self, max_correction: Option<f64>) -> Option<SpindleView> {
         let _ = max_correction;
         None
     }
 
-    /// Restarts the spindle estimate; call it when the spindle is reversed.
+    /// Restarts the estimate of angle and speed of the spindle; call it when the spindle is
+    /// reversed.
     fn spindle_reversed(&mut self) {}
 
-    /// Sets whether samples without motion take time in the board, as while the axes wait
-    /// for the spindle.
+    /// Sets whether samples without motion delay the following motion in the board by their
+    /// duration (`on`), as during a thread. Otherwise the board executes the next motion as soon as
+    /// possible.
     fn keep_time(&mut self, on: bool) {
         let _ = on;
     }

@@ -10,13 +10,13 @@ use serde::{Deserialize, Serialize};
 pub struct BoardInfo {
     /// Name and version of the firmware.
     pub firmware: String,
-    /// Number of entries of the motion queue.
+    /// Size of the motion queue, entries.
     pub blocks: u16,
     /// Size of the receive buffer, bytes.
     pub receive_bytes: u16,
     /// Whether the firmware can synchronize a thread pass with the spindle.
     pub spindle_sync: bool,
-    /// Whether written settings are lost at power-off.
+    /// Whether the board loses settings written by the link at power-off.
     pub forgets: bool,
 }
 
@@ -62,18 +62,19 @@ impl Default for ThreadCapability {
 /// The conditions for threads that a board does not meet; a missing condition is `true`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MissingForThreads {
-    /// The firmware cannot synchronize a pass with the spindle.
+    /// Whether the firmware is unable to synchronize a pass with the spindle.
     pub sync: bool,
-    /// The owner has not cut the proof thread and measured its lead.
+    /// Whether the machine file does not confirm that the owner has cut the proof thread and
+    /// measured its lead.
     pub proof: bool,
-    /// The setting for the encoder pulses ($38) is 0.
+    /// Whether the setting for the encoder pulses ($38) is 0.
     pub encoder: bool,
-    /// The gains of the spindle control loop ($90 to $92) are not 0: the board would correct a
+    /// Whether a gain of the spindle control loop ($90 to $92) is not 0: the board would correct a
     /// pass while cutting.
     pub gains: bool,
-    /// A work offset in the board is not 0.
+    /// Whether a work offset in the board is not 0.
     pub offset: bool,
-    /// The one-turn signal of the spindle is not wired.
+    /// Whether the one-turn signal of the spindle is not wired to the board.
     pub index: bool,
 }
 
@@ -156,23 +157,23 @@ pub struct BoardOutputs {
     pub coolant: bool,
 }
 
-/// The spindle in one tick of the kernel, predicted from its one-turn signal at the board.
-/// The turns count up in both directions.
+/// The spindle in one tick of the kernel, predicted from its one-turn signal at the board. The
+/// angle is a number of turns that increases in both directions of the spindle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SpindleView {
     /// Speed, r/min; 0 if the spindle is stopped or no speed is known yet.
     pub rpm: f64,
-    /// Turns at the start of the tick. Equal to `now` if the angle is not known.
+    /// Predicted angle at the start of the tick, turns. Equal to `now` if the angle is not known.
     pub before: f64,
-    /// Turns at the end of the tick.
+    /// Predicted angle at the end of the tick, turns.
     pub now: f64,
     /// Whether the one-turn signal occurs within the tick.
     pub passed: bool,
-    /// Greatest difference between recent periods as a fraction of their mean, over 20
-    /// turns and 2 s; `None` with fewer turns.
+    /// Variation of the spindle speed: greatest difference between the recent durations of a turn,
+    /// as a fraction of their mean. `None` until the spindle has made 20 turns and turned for 2 s.
     pub variation: Option<f64>,
-    /// How far a one-turn signal was from the angle that the axes followed, turns. `None` if
-    /// this is not too far for a thread, or if it was reported before.
+    /// Angle between a one-turn signal and the prediction that the axes followed, turns, if it is
+    /// too large for a thread. `None` if it is not, or if it was reported before.
     pub deviation: Option<f64>,
     /// Whether the one-turn signal is missing while the axes follow the spindle.
     pub lost: bool,
@@ -187,7 +188,7 @@ pub struct Traffic {
     pub sent: u64,
     /// Number of bytes received.
     pub received: u64,
-    /// Number of status reports received.
+    /// Number of status reports, or of answers to clock queries, received.
     pub reports: u64,
     /// Number of invalid lines or blocks received.
     pub garbage: u64,

@@ -93,11 +93,11 @@ pub struct LinkAxis {
     pub dir_setup_us: u32,
     /// Greatest pulse rate, 1/s, 1000–1 000 000. `None`: the known rate of the processor.
     pub max_rate: Option<u32>,
-    /// Pin of the limit switches.
+    /// Pin of the limit switches of the axis.
     pub limit: String,
-    /// Pin of the deceleration switch for the machine zero return.
+    /// Pin of the deceleration switch of the axis for the machine zero return.
     pub dec: String,
-    /// Pin of the zero signal of the drive.
+    /// Pin of the zero signal (one-turn signal) of the drive.
     pub zero: String,
     /// Whether the homing switch of a line board is at the negative end of the board's
     /// axis ($23).
@@ -126,7 +126,8 @@ impl Default for LinkAxis {
 }
 
 impl LinkAxis {
-    /// Whether a board with timed steps inverts the direction signal.
+    /// Whether a board with timed steps inverts the direction signal: either the setting or the `!`
+    /// of the pin inverts it, but not both.
     pub(super) fn is_direction_inverted(&self) -> bool {
         self.invert_direction != PinName::read(&self.dir).inverted
     }
@@ -136,11 +137,11 @@ impl LinkAxis {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct HomeConfig {
-    /// Speed towards the switch, mm/min, 10–5000 ($25).
+    /// Speed of the first approach to the switch, mm/min, 10–5000 ($25).
     pub seek: u32,
     /// Speed of the second, slow approach, mm/min, 1–1000 ($24).
     pub locate: u32,
-    /// Distance from the switch at the end, µm, 100–20 000 ($27).
+    /// Distance from the switch at the end of homing, µm, 100–20 000 ($27).
     pub pull_off_um: u32,
 }
 
@@ -158,21 +159,22 @@ impl Default for HomeConfig {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LinkIo {
-    /// Output: enable of the drives.
+    /// Pin of the output that enables the drives.
     pub enable: String,
     /// Pin of the input that reads the emergency stop chain; empty if not wired.
     pub estop: String,
-    /// Input: alarm of the drives.
+    /// Pin of the input for the alarm of the drives; empty if not wired.
     pub drive_alarm: String,
-    /// Output: spindle clockwise (M03).
+    /// Pin of the output that turns the spindle clockwise (M03); empty if not wired.
     pub spindle_cw: String,
-    /// Output: spindle counterclockwise (M04).
+    /// Pin of the output that turns the spindle counterclockwise (M04); empty if not wired.
     pub spindle_ccw: String,
-    /// Output: spindle speed as a pulse width for 0–10 V.
+    /// Pin of the output for the spindle speed, pulse-width modulated for 0–10 V; empty if not
+    /// wired.
     pub spindle_pwm: String,
-    /// Output: coolant (M08).
+    /// Pin of the output that switches the coolant (M08); empty if not wired.
     pub coolant: String,
-    /// Input: one-turn signal of the spindle.
+    /// Pin of the input for the one-turn signal of the spindle; empty if not wired.
     pub index: String,
 }
 
@@ -196,7 +198,7 @@ pub struct LineConfig {
     pub invert_enable: bool,
     /// Debounce time of a switch during homing, ms, 1–1000 ($26).
     pub debounce_ms: u32,
-    /// Whether the owner has cut the proof thread and measured the right lead.
+    /// Whether the owner confirms that he has cut the proof thread and measured the correct lead.
     pub thread_proved: bool,
 }
 
@@ -241,7 +243,7 @@ pub enum FaultyLinkConfig {
     },
     /// A required pin is empty.
     Missing,
-    /// The key of an input is not a contact X0.0 to X3.7.
+    /// A key of `inputs` is not a contact X0.0 to X3.7.
     NoContact,
     /// The contact has a separate setting and must not be an input.
     HasSetting {
@@ -252,9 +254,9 @@ pub enum FaultyLinkConfig {
         /// The path of the contact's setting, for instance `io.estop`.
         field: &'static str,
     },
-    /// A contact has no pin.
+    /// An entry of `inputs` names a contact but no pin.
     ContactWithoutPin,
-    /// The pin of a contact is not a letter of a line board's report.
+    /// The pin of a contact of a line board is not a letter of its status report.
     NoLetter,
     /// A pull-up (`^`) at a line board, which has no such setting.
     LetterPullUp,
@@ -262,7 +264,7 @@ pub enum FaultyLinkConfig {
     OutputPullUp,
     /// An inverted (`!`) one-turn signal.
     IndexInverted,
-    /// The pin is also that of this other field.
+    /// The pin is used by this other field, too.
     Twice(&'static str),
     /// The homing position is out of range or not a number.
     HomePosition,
@@ -298,7 +300,7 @@ impl LinkConfigError {
     }
 }
 
-/// Greatest homing position, mm.
+/// Greatest absolute value of the machine coordinate after homing, mm.
 const MAX_HOME_MM: f64 = 9999.999;
 
 impl LinkConfig {
@@ -307,7 +309,8 @@ impl LinkConfig {
         contacts::wired(&self.inputs).map(|(contact, _)| contact)
     }
 
-    /// Returns how far the kernel may run ahead of the board: `lookahead_ms` or its default.
+    /// Returns the time by which the kernel may run ahead of the board: `lookahead_ms` or its
+    /// default.
     pub fn lookahead(&self) -> Duration {
         let default_ms = match self.protocol {
             Protocol::Line => 150,

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use super::pin::PinName;
 use super::{FaultyLinkConfig, Input};
 
-/// Contacts that `inputs` must not name: address, contact, signal and path of their setting.
+/// Contacts that `inputs` must not name, because they have a separate setting: byte and bit, name,
+/// signal and path of that setting.
 const SEPARATE: [((u8, u8), [&str; 3]); 3] = [
     ((0, 3), ["X0.3", "*DECX", "x.dec"]),
     ((0, 5), ["X0.5", "*ESP", "io.estop"]),
@@ -21,8 +22,8 @@ fn address(text: &str) -> Option<(u8, u8)> {
     (byte <= 3 && bit <= 7).then_some((byte, bit))
 }
 
-/// Checks that each entry of `inputs` names a contact and a pin. With `letters` the board is a
-/// line board, whose pins are letters.
+/// Checks that each entry of `inputs` names a contact and a pin, and returns the first error.
+/// `letters` tells that the board is a line board, whose pins are letters of its status report.
 pub(super) fn check(
     inputs: &BTreeMap<String, String>,
     letters: bool,
@@ -53,7 +54,7 @@ pub(super) fn check(
     Ok(())
 }
 
-/// Returns the contacts with their pins, sorted by name.
+/// Returns the valid contacts of `inputs` with their pins, sorted by the name of the contact.
 pub(super) fn wired(inputs: &BTreeMap<String, String>) -> impl Iterator<Item = (Input, &str)> {
     inputs.iter().filter_map(|(key, pin)| {
         let (byte, bit) = address(key)?;

@@ -2,11 +2,12 @@
 
 use gsk_units::PerAxis;
 
-/// Ratio of the board's greatest rate to the control's: the board must never limit a move.
+/// Ratio of the greatest rate set in the board to the greatest rate of the control: the board must
+/// never limit a move.
 const RATE_MARGIN: f64 = 1.2;
-/// Least acceleration of the board, mm/s².
+/// Least acceleration that is set in the board, mm/s².
 const LEAST_ACCELERATION: f64 = 2000.0;
-/// Ratio of the board's acceleration to the control's.
+/// Ratio of the acceleration set in the board to the acceleration of the control.
 const ACCELERATION_MARGIN: f64 = 10.0;
 
 /// The limits of an axis in the board, set so high that the board never limits a move.

@@ -65,7 +65,7 @@ pub enum LinkState {
     Moving,
     /// The board is homing with its own switches.
     Homing,
-    /// The axes have stopped; the link compares the count of the board.
+    /// The link stops the axes and then reads the board's count.
     Verify,
     /// A limit switch, a drive alarm or the emergency stop stopped the board.
     Tripped,
@@ -76,7 +76,7 @@ pub enum LinkState {
 }
 
 impl LinkState {
-    /// Whether the link accepts motion in this state.
+    /// Whether the link accepts motion with a known position in this state.
     pub const fn takes_motion(self) -> bool {
         matches!(self, Self::Ready | Self::Moving)
     }
@@ -107,8 +107,8 @@ pub struct Sample {
     pub end: RunTime,
     /// The position in whole command pulses.
     pub pulses: PerAxis<Pulses>,
-    /// The position before rounding, in units of 1/[`FINE`] pulse. `pulses` changes
-    /// halfway between two pulses.
+    /// The position before rounding, in units of 1/[`FINE`] pulse. Rounded to whole pulses it gives
+    /// `pulses`.
     pub fine: PerAxis<i64>,
 }
 
@@ -117,7 +117,8 @@ pub struct Sample {
 pub const FINE: i64 = 65_536;
 
 impl Sample {
-    /// Creates a sample at whole pulses: the pulses of its tick are evenly spaced.
+    /// Creates a sample whose position is exactly at whole pulses; the board then spaces the pulses
+    /// of the tick evenly.
     pub const fn new(end: RunTime, pulses: PerAxis<Pulses>) -> Self {
         Self {
             end,
@@ -182,14 +183,14 @@ pub enum InputCondition {
     Operated,
     /// The input is free.
     Free,
-    /// The input has changed since the link armed it: either edge counts.
+    /// The level of the input has changed, in either direction, since the link armed the input.
     Changed,
 }
 
 /// An input that the board watches: when its condition is met the board stops both axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AwaitedInput {
-    /// The watched input, which belongs to an axis.
+    /// The watched input; it must belong to an axis.
     pub input: Input,
     /// The condition that stops the axes.
     pub until: InputCondition,
@@ -294,7 +295,7 @@ pub enum PassError {
         /// Least spindle speed for a pass, r/min.
         least: f64,
     },
-    /// The pass is too fast for motors that start without a ramp.
+    /// The pass is too fast: the motors would have to start without acceleration.
     Fast {
         /// Speed along the pass, mm/min.
         speed: f64,

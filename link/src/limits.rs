@@ -26,7 +26,7 @@ struct Limit {
     /// Pulses moved: on a switch of unknown end the sum of all motion since the operator's
     /// last check, off a switch the signed distance from it.
     moved: i64,
-    /// Direction of the last motion on the switch, 1 or -1.
+    /// Direction of the last motion on the operated switch, 1 or -1.
     last: i64,
 }
 
@@ -38,8 +38,8 @@ impl Limits {
         }))
     }
 
-    /// Stores that motion in a direction, 1 or -1, operated the switch of an axis; 0 if the
-    /// direction is unknown.
+    /// Stores that motion in `direction`, 1 or -1, operated the switch of an axis (0 for X, 1 for
+    /// Z). A `direction` of 0 means unknown.
     pub(super) const fn hit(&mut self, axis: usize, direction: i64) {
         let limit = &mut self.0[axis];
         limit.operated = true;
@@ -52,8 +52,8 @@ impl Limits {
         };
     }
 
-    /// Returns the direction towards the operated switch of an axis, 1 or -1, 0 if unknown;
-    /// `None` if the switch is free.
+    /// Returns the direction from an axis (0 for X, 1 for Z) towards its operated limit switch, 1
+    /// or -1, or 0 if unknown; `None` if the switch is free.
     pub(super) fn operated_direction(&self, axis: usize) -> Option<i64> {
         let limit = &self.0[axis];
         limit.operated.then_some(limit.direction)
@@ -63,7 +63,8 @@ impl Limits {
         self.0[0].operated || self.0[1].operated
     }
 
-    /// Whether the axis is farther from its switch than [`STEP_LIMIT_MM`].
+    /// Whether the axis (0 for X, 1 for Z) has moved off its limit switch by more than
+    /// [`STEP_LIMIT_MM`].
     pub(super) const fn has_left(&self, axis: usize) -> bool {
         !self.0[axis].operated && self.0[axis].direction == 0
     }
@@ -77,14 +78,19 @@ impl Limits {
         }
     }
 
-    /// Forgets the ends of the switches: the board moves the axes itself while homing.
+    /// Forgets at which end the switches are: while homing, the board moves the axes without the
+    /// link.
     pub(super) const fn forget(&mut self) {
         self.0[0].direction = 0;
         self.0[1].direction = 0;
     }
 
-    /// Checks a motion of X and Z in pulses, and counts an allowed one. `operated` is the last
-    /// report of both switches, `None` if not reported.
+    /// Checks a motion of X and Z by `moves` pulses, and counts it if it is allowed. `operated`
+    /// tells whether the switches of X and Z were last reported as operated; `None` if not
+    /// reported.
+    ///
+    /// # Errors
+    /// The motion leads towards an operated switch, or too far on a switch of unknown end.
     pub(super) fn allow(
         &mut self,
         moves: [i64; 2],

@@ -16,7 +16,8 @@ pub trait Positioned {
     /// Returns state, time and events of the link, mutable.
     fn session_mut(&mut self) -> &mut LinkSession;
 
-    /// Aligns the board's current count with the kernel's count at time `at`.
+    /// Aligns the board's current count with the kernel's count `kernel`, in pulses, at the kernel
+    /// time `at`.
     ///
     /// # Errors
     /// The board moves, is locked or shut down, or has not reported its position.
@@ -55,19 +56,20 @@ pub enum Uncertainty {
     ShutDown,
     /// The board no longer answers.
     Unheard,
-    /// The backlash compensation may be unfinished.
+    /// The axes stopped while the backlash compensation was possibly not complete.
     Play,
 }
 
 impl Uncertainty {
-    /// Returns the reason after an emergency stop: `in_motion` if the axes move. The emergency
-    /// stop chain cuts the power of axes at standstill, too.
+    /// Returns the reason after an emergency stop: `in_motion` if the axes move, otherwise
+    /// [`Uncertainty::Powerless`], because the emergency stop chain cuts the power of the drives at
+    /// standstill, too.
     pub(crate) const fn killed(moves: bool, in_motion: Self) -> Self {
         if moves { in_motion } else { Self::Powerless }
     }
 
-    /// Whether the uncertain position is a count of the board; after a shutdown it is an
-    /// estimate.
+    /// Whether the uncertain position was counted by the board; after a shutdown it is an estimate
+    /// of the link.
     pub const fn is_counted(self) -> bool {
         !matches!(self, Self::ShutDown)
     }

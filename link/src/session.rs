@@ -19,7 +19,7 @@ pub struct LinkSession {
     pub(crate) state: LinkState,
     pub(crate) now: HostTime,
     position: Position,
-    /// Whether the operator may move the axes by hand in a locked state.
+    /// Whether the link accepts manual motion although the position is uncertain.
     pub(crate) released: bool,
     pub(crate) events: Vec<LinkEvent>,
 }
@@ -36,7 +36,7 @@ impl LinkSession {
         }
     }
 
-    /// Returns the time from `moment` to the current time.
+    /// Returns the time from `moment` to the current host time; 0 if `moment` is later.
     pub(crate) const fn since(&self, moment: HostTime) -> HostTime {
         self.now.saturating_sub(moment)
     }
@@ -91,8 +91,8 @@ impl LinkSession {
         self.released = false;
     }
 
-    /// Returns the state of a standstill with equal counts: ready, or locked if the position
-    /// is uncertain.
+    /// Returns the state of axes at standstill: [`LinkState::Ready`], or [`LinkState::Locked`] if
+    /// the position is uncertain.
     pub(crate) const fn standing_state(&self) -> LinkState {
         if self.knows_position() {
             LinkState::Ready

@@ -2,8 +2,9 @@
 
 use super::realtime::{CYCLE_START, FEED_HOLD, SOFT_RESET, STATUS_QUERY};
 
-/// Takes the next complete line from the collected bytes of one direction; `None` without one.
-/// Other bytes than printable ASCII become `\\xNN`.
+/// Removes the next complete line from the collected bytes of one direction and returns it as text;
+/// `None` without one. `outward`: the bytes go to the board, where a real-time character is a line.
+/// Bytes that are not printable ASCII become `\xNN`.
 pub(crate) fn next_line(outward: bool, collected: &mut Vec<u8>) -> Option<String> {
     // A real-time character is a line without a line end.
     let acts =

@@ -12,7 +12,7 @@ pub enum FirmwareFamily {
     FluidNc,
 }
 
-/// Why a board has stopped without a command.
+/// Why a board has stopped without a command of the link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum StopCause {
     /// A limit switch was operated.
@@ -27,14 +27,15 @@ pub(super) enum StopCause {
     Spindle,
     /// A drive reports a fault.
     Motor,
-    /// The board got an unexpected or impossible command.
+    /// The board has received an unexpected or impossible command.
     Order,
     /// The board is locked.
     Locked,
 }
 
 impl FirmwareFamily {
-    /// Returns the queries of the opening in their order; the first one identifies the board.
+    /// Returns the queries of the opening dialogue in their order; the answer to the first one
+    /// identifies the board.
     pub(super) const fn queries(self) -> &'static [&'static str] {
         match self {
             Self::Grbl | Self::GrblHal => &["$I", "$$", "$#", "$G"],
@@ -42,7 +43,7 @@ impl FirmwareFamily {
         }
     }
 
-    /// Returns the cause of `ALARM:number` in this firmware.
+    /// Returns why a board with this firmware reports `ALARM:number`.
     pub(super) const fn cause(self, number: u16) -> StopCause {
         match number {
             1 => StopCause::Limit,
@@ -64,7 +65,8 @@ impl FirmwareFamily {
         }
     }
 
-    /// Whether this alarm is expected after a reset that the link has sent.
+    /// Whether the alarm with this number is a normal consequence of a reset that the link has
+    /// sent.
     pub(super) const fn excuses(self, number: u16) -> bool {
         // Reset during motion; aborted homing; homing required.
         number == 3 || matches!(self, Self::FluidNc) && matches!(number, 6 | 14)

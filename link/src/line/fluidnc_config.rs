@@ -4,29 +4,31 @@
 use super::super::SettingDifference;
 use super::required::{Setting, SettingDeviation, figure};
 
-/// Greatest number of items that are kept.
+/// Greatest number of items that the link stores; further ones are ignored.
 const MAX_ITEMS: usize = 2000;
-/// Greatest depth of nested sections.
+/// Number of nested sections from which on a line is ignored.
 const MAX_DEPTH: usize = 12;
-/// Number of settings without a Grbl number: motion that the board starts without a
-/// command.
+/// Number that the link gives to settings that let the board start motion without a command; Grbl
+/// does not have them.
 const OWN_MOTION: u16 = 1000;
-/// Number of the setting for the kinematics of the axes, which Grbl does not have.
+/// Number that the link gives to the setting for the kinematics of the axes, which Grbl does not
+/// have.
 const KINEMATICS: u16 = 1001;
 
-/// How the value of an item follows from Grbl's setting.
+/// How the required value of an item of FluidNC follows from the value of Grbl's setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum ItemKind {
-    /// The item has the same number as the setting.
+    /// The value of the item is the number that is the value of the setting.
     Figure,
-    /// The item is `true` unless the number is 0.
+    /// The item is `true` unless the value of the setting is 0.
     Switch,
-    /// The item is `false` if the bit of the axis is set.
+    /// The item is `false` if the bit of the axis in the value of the setting is set.
     NotBit,
-    /// The item is a pin, with `:low` if the bit of the axis is set.
+    /// The item is a pin, which has `:low` if the bit of the axis in the value of the setting is
+    /// set.
     Pin,
-    /// The item is a list of pairs `speed=percent` whose last speed is the number. The list
-    /// may be missing.
+    /// The item is a list of pairs `speed=percent` whose last speed is the value of the setting.
+    /// The list may be missing.
     Scale,
     /// The item must have an empty value.
     Empty,
@@ -87,8 +89,8 @@ const ITEMS: [(u16, &str, ItemKind, EffectTime); 33] = [
     (KINEMATICS, "kinematics/Cartesian", Section, AtStart),
 ];
 
-/// The letter of an axis and its index: its bit in a mask, and its offset in the numbers
-/// from 100 on.
+/// The letter of each axis, and the index that is its bit in a mask and its offset in the numbers
+/// of settings from 100 on.
 const AXES: [(&str, u16); 2] = [("x", 0), ("z", 2)];
 
 /// The items of the configuration that a board has reported.
@@ -128,7 +130,8 @@ impl FluidNcConfig {
         Some((&found.0, &found.1))
     }
 
-    /// Returns the items that differ from the required settings, with their corrections.
+    /// Returns the items that differ from the required settings, each with the line that corrects
+    /// it, if a line can.
     pub(super) fn deviations(&self, settings: &[Setting]) -> Vec<SettingDeviation> {
         let mut deviations = Vec::new();
         for (number, path, kind, acts) in ITEMS {
@@ -219,7 +222,7 @@ impl FluidNcConfig {
     }
 }
 
-/// Whether a path matches a pattern in which `*` stands for one name.
+/// Whether the path of an item matches a pattern in which `*` stands for any one name.
 fn fits(path: &str, pattern: &str) -> bool {
     let mut names = path.split('/');
     pattern.split('/').all(|wanted| {

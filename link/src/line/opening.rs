@@ -13,13 +13,13 @@ use super::reported::{Reported, Unsupported};
 use super::required::{REPORT, RequiredSettings, SettingDeviation, figure};
 use super::response::LineResponse;
 
-/// Time in which a board that resets when its port is opened sends its banner.
+/// Time within which a board sends its banner if opening the port has reset it.
 const BANNER_WAIT: Duration = Duration::from_millis(2500);
-/// Time without a byte after which the board counts as quiet.
+/// Time without a received byte after which the board counts as quiet.
 const QUIET: Duration = Duration::from_millis(200);
-/// Time limit until the board is quiet.
+/// Time from the start of the opening within which the board must become quiet.
 const GIVE_UP: Duration = Duration::from_secs(5);
-/// Least time in which a board may become quiet after its banner.
+/// Least time that a board is given to become quiet after its banner.
 const SETTLE_AFTER_BANNER: Duration = Duration::from_millis(2500);
 /// Time limit for the start of a board that reports its start, for instance while it searches
 /// a network.
@@ -28,7 +28,7 @@ const MAX_START_TIME: Duration = Duration::from_secs(20);
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(1);
 /// Greatest duration of the answer to a query.
 const MAX_ANSWER_TIME: Duration = Duration::from_secs(10);
-/// Duration of one segment in the board's pulse timer.
+/// Duration of one segment of motion in the board's pulse timer.
 const TIMER_SEGMENT: Duration = Duration::from_millis(10);
 /// Greatest number of timer segments of FluidNC.
 const MAX_TIMER_SEGMENTS: u32 = 20;
@@ -51,7 +51,7 @@ enum OpeningStep {
 /// The action that the opening dialogue requests from the link.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum OpeningAction {
-    /// The link waits for the board.
+    /// Wait for the board.
     Waits,
     /// Send this line, given without its line end.
     Send(String),
@@ -59,9 +59,10 @@ pub(super) enum OpeningAction {
     Configures(String),
     /// The opening is complete.
     Done,
-    /// Report these settings, which differ. The link writes them only on request.
+    /// Report these settings, which differ from the required ones. The link writes them only on
+    /// request.
     Differs(Vec<SettingDifference>),
-    /// The opening has failed: alarm number and cause.
+    /// Raise an alarm with this number and this cause: the opening has failed.
     Fails(u16, Message),
 }
 
@@ -79,8 +80,8 @@ pub(super) struct LineOpening {
     pub(super) board: BoardInfo,
     /// Whether a work offset in the board is not 0.
     pub(super) offset: bool,
-    /// Time from leaving the board's queue to execution: the pulse timer of the board takes
-    /// segments of 10 ms in advance.
+    /// Greatest time from leaving the board's queue to execution: the pulse timer of the board
+    /// takes segments of 10 ms in advance.
     pub(super) prepared: Duration,
     /// Whether the board can home a single axis.
     pub(super) alone: bool,
@@ -113,7 +114,7 @@ impl LineOpening {
         }
     }
 
-    /// Creates an opening that repeats the dialogue on an open port.
+    /// Creates an opening that repeats the dialogue on an open port; it does not wait for a banner.
     pub(super) fn again(now: HostTime) -> Self {
         Self {
             step: OpeningStep::Quiet,
@@ -264,7 +265,7 @@ impl LineOpening {
         }
     }
 
-    /// Takes a line of the board and returns what the link must do.
+    /// Handles a line that the board has sent and returns what the link must do.
     pub(super) fn take(
         &mut self,
         answer: &LineResponse,
@@ -411,7 +412,7 @@ impl LineOpening {
         Ok(())
     }
 
-    /// Reads the sizes of motion queue and receive buffer. Refuses a board whose sizes are
+    /// Stores the reported sizes of motion queue and receive buffer; returns an error if they are
     /// missing or too small.
     fn measure(&mut self) -> Result<(), Unsupported> {
         let source = if self.family == FirmwareFamily::FluidNc {
@@ -478,7 +479,8 @@ impl LineOpening {
     }
 
     /// Starts to write the settings that differ, after the operator has confirmed the writing.
-    /// Returns what the link must do.
+    /// Returns what the link must do; a setting that only the configuration file of the board can
+    /// change makes the opening fail.
     pub(super) fn write_settings(&mut self, now: HostTime) -> OpeningAction {
         if self.step != OpeningStep::Differs {
             return OpeningAction::Waits;

@@ -1,7 +1,7 @@
 //! Real-time commands: single characters that the board executes immediately. They do not
 //! count against its receive buffer.
 
-/// Queries a status report.
+/// Requests a status report.
 pub(super) const STATUS_QUERY: u8 = b'?';
 /// Feed hold: the board decelerates and keeps its position.
 pub(super) const FEED_HOLD: u8 = b'!';

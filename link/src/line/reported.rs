@@ -17,7 +17,8 @@ pub(super) enum Unsupported {
     Old(String),
     /// The board has no X or no Z; its axes have these letters.
     Axes(String),
-    /// The sizes of queue and receive buffer are missing or too small in this source.
+    /// The sizes of motion queue and receive buffer are missing or too small in this item or line
+    /// of the board.
     NoSizes(&'static str),
 }
 

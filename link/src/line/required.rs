@@ -11,9 +11,9 @@ const FULL_SPEED: f64 = 1000.0;
 /// Number of the setting for the fields of a status report; grblHAL has a bit for each field.
 pub(super) const REPORT: u16 = 10;
 const ALL_FIELDS: f64 = 511.0;
-/// Tolerance for values that the board rounds to three decimals.
+/// Tolerance, in the unit of the setting, for values that the board rounds to three decimals.
 const ROUNDING: f64 = 0.000_6;
-/// Relative tolerance for values that the board stores in 32 bits.
+/// Relative tolerance for values that the board stores as 32-bit floating-point numbers.
 const SINGLE: f64 = 1e-7;
 
 /// A numbered setting and its required value.
@@ -52,15 +52,15 @@ impl Setting {
     }
 }
 
-/// A setting that differs, with the line that corrects it. Without such a line only the owner
-/// can correct the setting, in the configuration file of the board.
+/// A setting that differs from the required one, with the line that corrects it. Without such a
+/// line only the owner can correct the setting, in the configuration file of the board.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SettingDeviation {
     pub(super) difference: SettingDifference,
     pub(super) line: Option<String>,
 }
 
-/// Formats a number for the board: without decimals or with three.
+/// Formats a number for the board: without decimals if it is an integer, otherwise with three.
 pub(super) fn figure(value: f64) -> String {
     if value.fract() == 0.0 {
         format!("{value:.0}")
@@ -79,7 +79,7 @@ pub struct RequiredSettings {
 }
 
 impl RequiredSettings {
-    /// Computes the settings from the drives and the machine file.
+    /// Computes the required settings from the drives and the section `link` of the machine file.
     pub fn new(drives: &Drives, config: &LinkConfig) -> Self {
         let weights = [drives.pulse_weight.x, drives.pulse_weight.z];
         // The board rounds to three decimals.

@@ -2,7 +2,7 @@
 
 use crate::Pins;
 
-/// Greatest position, mm: the counters of the boards have 32 bits.
+/// Greatest absolute value of a valid position, mm: the counters of the boards have 32 bits.
 const MAX_POSITION_MM: f64 = 1e6;
 
 /// A line from the board.
@@ -16,7 +16,7 @@ pub enum LineResponse {
     Alarm(u16),
     /// `<…>`: the answer to `?`.
     StatusReport(StatusReport),
-    /// The banner of a board that has started, as text.
+    /// The banner that a board sends when it has started, as text.
     Banner(String),
     /// The boot message of an ESP32; the banner follows.
     Starts,
@@ -24,7 +24,7 @@ pub enum LineResponse {
     Setting(u16, f64),
     /// `[VER:…]`: the version of the firmware.
     Version(String),
-    /// `[OPT:…]`: entries of the queue, bytes of the receive buffer.
+    /// `[OPT:…]`: size of the motion queue in entries, and of the receive buffer in bytes.
     Options(u16, u16),
     /// `[AXS:…]`: letters of the axes.
     Axes(String),
@@ -32,7 +32,7 @@ pub enum LineResponse {
     Firmware(String),
     /// `[NEWOPT:…]`: names of options.
     NewOptions(String),
-    /// `[G54:…]`, `[G92:…]`, `[TLO:…]`: whether one of the values is not 0.
+    /// `[G54:…]`, `[G92:…]`, `[TLO:…]`: an offset; `true` if one of its values is not 0.
     Offset(bool),
     /// `[MSG:…]`: a message, as text.
     Message(String),

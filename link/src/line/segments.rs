@@ -1,11 +1,12 @@
-//! Collects samples of one millisecond into segments of the board's period.
+//! Collects samples of one millisecond into motion segments for the board, each as long as the
+//! configured period.
 
 use core::fmt::Write;
 
 use super::super::{MotionRefused, RunTime, Sample};
 use gsk_units::{PerAxis, Pulses};
 
-/// Greatest duration of a standstill at the start of a segment.
+/// Greatest duration of the standstill with which a segment may begin.
 const LONGEST: RunTime = RunTime::from_millis(500);
 
 /// A straight segment of motion, ready for the board.
@@ -30,7 +31,7 @@ pub(super) struct Segments {
     /// Kernel time at the end of the last segment.
     from: RunTime,
     at: PerAxis<Pulses>,
-    /// The newest sample after the end of the last segment; `None` without one.
+    /// The newest sample that is not in a segment yet; `None` without one.
     newest: Option<Sample>,
     /// Least duration of the first segment of a motion; that segment ends with the first pulse
     /// of the motion. 0 once that segment is made: later segments have the usual duration.
@@ -50,14 +51,15 @@ impl Segments {
         }
     }
 
-    /// Makes the first pulse of a motion last at least `run_up`. Meanwhile the board reads the
-    /// next lines into its queue. Otherwise a short pause of the host at the start of a motion
-    /// would leave the board without motion.
+    /// Sets the least duration of the segment with the first pulse of a motion to `run_up`.
+    /// Meanwhile the board reads the next lines into its queue. Otherwise a short pause of the host
+    /// at the start of a motion would leave the board without motion.
     pub(super) const fn begin_slowly(&mut self, run_up: RunTime) {
         self.run_up = run_up;
     }
 
-    /// Restarts at a position and a kernel time, and drops the newest sample.
+    /// Restarts at the position `at`, in the kernel's pulses, and at the kernel time `from`, and
+    /// drops the newest sample.
     pub(super) fn begin(&mut self, at: PerAxis<Pulses>, from: RunTime) {
         self.at = at;
         self.from = from;
@@ -71,8 +73,11 @@ impl Segments {
             .map_or(RunTime::ZERO, |sample| sample.end.saturating_sub(self.from))
     }
 
-    /// Takes a sample and returns a segment if one is due. `offset` is the board's count minus
-    /// the kernel's.
+    /// Takes a sample and returns a segment if one is due; otherwise `None`. `offset` is the
+    /// board's count minus the kernel's, pulses.
+    ///
+    /// # Errors
+    /// The segment needs more pulses per second than the board can make.
     pub(super) fn push(
         &mut self,
         sample: Sample,
@@ -98,8 +103,8 @@ impl Segments {
         self.cut(offset)
     }
 
-    /// Whether an axis reverses with this sample. The segment must end at the reversal, or
-    /// the board would not reach it.
+    /// Whether an axis reverses between the sample `before` and `sample`. The segment must end at
+    /// the reversal, or the board would not reach that position.
     fn turns(&self, before: Sample, sample: Sample) -> bool {
         let turns = |at: Pulses, before: Pulses, now: Pulses| {
             (before.0 - at.0).signum() * (now.0 - before.0).signum() < 0
@@ -108,8 +113,11 @@ impl Segments {
         turns(at.x, before.x, now.x) || turns(at.z, before.z, now.z)
     }
 
-    /// Returns the rest of the motion as a segment of any duration; `None` without motion. The
-    /// kernel is at standstill.
+    /// Returns the rest of the motion as a segment of any duration, when the kernel is at
+    /// standstill; `None` without motion. `offset` is the board's count minus the kernel's, pulses.
+    ///
+    /// # Errors
+    /// The segment needs more pulses per second than the board can make.
     pub(super) fn finish(
         &mut self,
         offset: PerAxis<Pulses>,

@@ -31,9 +31,10 @@ use startup::Startup;
 use stops::{Halt, LineStop};
 use wire::LineWire;
 
-/// Greatest time for an answer of a board that is not lost.
+/// Time after which the answer of the board to a query or a line is overdue.
 const ANSWER_TIME: Duration = Duration::from_millis(100);
-/// Modal words before all motion. G1 needs an F word even without motion.
+/// Lines with the modal words that the board needs before motion. G1 needs an F word even without
+/// motion.
 const MODES: [&str; 2] = ["G21G18G90", "G1G94F60"];
 
 /// A link to one line board.
@@ -55,7 +56,8 @@ pub struct LineLink {
 }
 
 impl LineLink {
-    /// Creates the link to a board whose port was just opened, and starts the dialogue.
+    /// Creates the link to a board whose port was opened at the host time `now`. The function
+    /// `tick` then identifies and configures the board.
     pub fn open(config: LinkConfig, drives: &Drives, now: HostTime) -> Self {
         let required = RequiredSettings::new(drives, &config);
         let pulses_per_mm = required.pulses_per_mm;
@@ -88,7 +90,7 @@ impl LineLink {
         self.reports.status
     }
 
-    /// Whether the board answers queries and commands in this state.
+    /// Whether the board answers queries and commands in the current state of the link.
     const fn is_open(&self) -> bool {
         matches!(
             self.session.state,
@@ -96,7 +98,8 @@ impl LineLink {
         )
     }
 
-    /// Whether the board reports one of these states and has answered all lines.
+    /// Whether the board reports one of these states and has answered all lines, while the link is
+    /// ready or locked and stops nothing.
     fn stands_in(&self, states: &[BoardState]) -> bool {
         self.stopping.is_none()
             && self.wire.is_answered()
@@ -119,7 +122,8 @@ impl LineLink {
         self.wire.send(line, is_segment, self.session.now);
     }
 
-    /// Counts all answered segments except the newest `held` as having left the board's queue.
+    /// Moves the answered segments except the newest `held` from the board's queue to its pulse
+    /// timer.
     fn retire(&mut self, held: u16) {
         self.motion
             .retire(held.into(), self.opening.prepared, self.session.now);

@@ -8,11 +8,11 @@ const MOST: usize = 64;
 pub(super) const CONTENT: usize = MOST - LEAST;
 /// The last byte of each block.
 const SYNC: u8 = 0x7E;
-/// High bits of each sequence byte.
+/// The four high bits that each sequence byte of a block has.
 const SEQUENCE: u8 = 0x10;
 /// Number of different sequence numbers on the wire.
 pub(super) const NUMBERS: u64 = 16;
-/// Bytes after which each reader expects a new block, also within an incomplete block.
+/// Bytes that end any incomplete block: a board that has received them expects a new block.
 pub(super) const ENDS: [u8; MOST] = [SYNC; MOST];
 
 /// Computes the CRC-16 of the bytes that precede the CRC in a block.
@@ -25,7 +25,7 @@ fn crc16(bytes: &[u8]) -> u16 {
     })
 }
 
-/// Encodes a block with the low four bits of a sequence number.
+/// Encodes a block from the low four bits of a sequence number and the content.
 pub(super) fn encode_block(sequence: u64, content: &[u8]) -> Vec<u8> {
     let length = u8::try_from(content.len() + LEAST).unwrap_or(u8::MAX);
     let mut bytes = Vec::with_capacity(content.len() + LEAST);
@@ -92,7 +92,7 @@ pub(super) struct Reader {
 }
 
 impl Reader {
-    /// Drops the incomplete block at the end of the stream.
+    /// Drops all bytes that were received but not returned as a block.
     pub(super) fn forget(&mut self) {
         self.bytes.clear();
         self.out_of_step = false;

@@ -4,15 +4,15 @@ use core::time::Duration;
 
 use super::super::HostTime;
 
-/// Number of answers that are kept.
+/// Number of clock answers that are stored for the estimate.
 const KEPT_ANSWERS: usize = 8;
-/// Number of the best answers that define the line.
+/// Number of the best answers through which the line of board ticks over host time is fitted.
 const FITTED_ANSWERS: usize = 4;
-/// Growth of an answer's uncertainty with its age, s per s.
+/// Growth of the time error of an answer with its age, s per s.
 const AGE_PENALTY: f64 = 1e-4;
-/// Greatest relative error of a quartz clock.
+/// Greatest relative error of the board's clock rate, which a quartz crystal determines.
 const MAX_DRIFT: f64 = 300e-6;
-/// Least time span for an estimate of the rate, s.
+/// Least time span of the answers for an estimate of the clock rate, s.
 const MIN_SPAN_S: f64 = 1.0;
 /// Greatest distance of an answer from the line for a good estimate, s.
 const MAX_SPREAD_S: f64 = 1e-3;
@@ -39,7 +39,8 @@ pub(super) struct ClockSync {
     /// Nominal clock rate of the board, ticks per second.
     pub(super) rate: f64,
     answers: Vec<Answer>,
-    /// The best of the first answers; `None` before the first one.
+    /// The first answer, from which the slope of the line is computed; `None` before the first
+    /// answer.
     origin: Option<Answer>,
     /// Host time of a point on the line, s.
     last_host_s: f64,
@@ -51,7 +52,7 @@ pub(super) struct ClockSync {
     spread_s: f64,
     /// Round trip of the best answer, s.
     round_trip_s: f64,
-    /// Transmission time of the last report.
+    /// Time that the last report took from the board to the host.
     report_delay: Duration,
 }
 
@@ -70,8 +71,8 @@ impl ClockSync {
         }
     }
 
-    /// Adds an answer with the board's clock `clock` to the estimate. The query was sent at
-    /// `queried_at`.
+    /// Adds an answer with the board clock `clock`, ticks, to the estimate. The query was sent at
+    /// the host time `queried_at`, and the answer was received at `now`.
     pub(super) fn add_answer(&mut self, queried_at: HostTime, now: HostTime, clock: u64) {
         let (queried_at, now) = (queried_at.as_secs_f64(), now.as_secs_f64());
         let answer = Answer {
@@ -118,59 +119,61 @@ impl ClockSync {
         (line - answer.clock_ticks).abs() / self.rate
     }
 
-    /// Whether an answer is farther from the line than its uncertainty.
+    /// Whether an answer is farther from the line than its time error allows: a clock has jumped.
     fn contradicts(&self, answer: &Answer) -> bool {
         self.distance_to_line(answer) > answer.round_trip_s / 2.0 + 2.0 * MAX_SPREAD_S
     }
 
-    /// Whether the estimate is good enough for commands with a time.
+    /// Whether the estimate is accurate enough for commands that the board executes at a given
+    /// clock.
     pub(super) fn is_ready(&self) -> bool {
         self.answers.len() >= FITTED_ANSWERS && self.spread_s <= MAX_SPREAD_S
     }
 
-    /// Returns the board clock at a host time, ticks.
+    /// Returns the board clock at the host time `now`, ticks.
     pub(super) fn at(&self, now: HostTime) -> u64 {
         let elapsed = now.as_secs_f64() - self.last_host_s;
         let ticks = self.last_clock_ticks + elapsed * self.ticks_per_s;
         ticks.max(0.0) as u64
     }
 
-    /// Returns the host time at which the board has this clock.
+    /// Returns the host time at which the board clock is `clock`, ticks.
     pub(super) fn moment(&self, clock: u64) -> HostTime {
         let ticks = clock as f64 - self.last_clock_ticks;
         let seconds = self.last_host_s + ticks / self.ticks_per_s;
         Duration::try_from_secs_f64(seconds).unwrap_or_default()
     }
 
-    /// Converts a duration to ticks.
+    /// Converts a duration to ticks of the board clock at its nominal rate.
     pub(super) fn ticks(&self, duration: Duration) -> u64 {
         (duration.as_secs_f64() * self.rate).round() as u64
     }
 
-    /// Converts ticks to a duration.
+    /// Converts a number of ticks of the board clock to a duration at the nominal rate.
     pub(super) fn duration(&self, ticks: u64) -> Duration {
         Duration::try_from_secs_f64(ticks as f64 / self.rate).unwrap_or_default()
     }
 
-    /// Measures the transmission time of a report, from the low half of the clock at which the
-    /// board sent the report.
+    /// Stores the transmission time of a report that was received at the host time `now`. `clock`
+    /// is the low half of the board clock at which the board sent it, ticks.
     pub(super) fn clock_report(&mut self, now: HostTime, clock: u32) {
         let sent = self.moment(near(clock, self.at(now)));
         self.report_delay = now.saturating_sub(sent);
     }
 
-    /// Returns the transmission time of the last report.
+    /// Returns the time that the last report took from the board to the host.
     pub(super) const fn report_delay(&self) -> Duration {
         self.report_delay
     }
 
-    /// Returns the round trip of the best recent answer.
+    /// Returns the time from query to answer of the most accurate recent clock answer.
     pub(super) fn round_trip(&self) -> Duration {
         Duration::try_from_secs_f64(self.round_trip_s).unwrap_or_default()
     }
 }
 
-/// Extends the low half of a clock to the full clock that is nearest to a known one.
+/// Extends the low 32 bits of a board clock to the full clock that is nearest to the clock `known`,
+/// ticks.
 pub(super) fn near(low: u32, known: u64) -> u64 {
     let away = low.wrapping_sub(known as u32) as i32;
     known.saturating_add_signed(i64::from(away))

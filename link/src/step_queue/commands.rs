@@ -5,7 +5,7 @@
 pub(super) enum Requirement {
     /// The board must have the command or reply in all cases.
     Always,
-    /// The board must have at least one command of this group.
+    /// The board must have at least one of the commands with this requirement.
     Restart,
     /// The board must have the command or reply if the spindle speed output is wired.
     Speed,

@@ -5,7 +5,8 @@ use core::fmt::Write;
 use super::block::{self, LEAST};
 use super::dictionary::Dictionary;
 
-/// Formats a block as its sequence number and messages; an incomplete one becomes `\\xNN`.
+/// Formats a block as its sequence number and messages, by the dictionary `board`. Each byte of an
+/// incomplete block becomes `\xNN`. `outward`: the block goes to the board.
 pub(super) fn block(board: &Dictionary, outward: bool, bytes: &[u8]) -> String {
     let whole = bytes.len() >= LEAST && usize::from(bytes[0]) == bytes.len();
     let mut text = String::new();
@@ -52,8 +53,8 @@ fn message(board: &Dictionary, outward: bool, content: &mut &[u8]) -> Option<Str
     Some(text)
 }
 
-/// Takes the next block, or the invalid bytes before it, from the collected bytes; `None` if
-/// the block is incomplete.
+/// Removes the next block, or the invalid bytes before it, from the collected bytes and returns
+/// these bytes; `None` if the block is incomplete.
 pub(super) fn next_block(collected: &mut Vec<u8>) -> Option<Vec<u8>> {
     let length = usize::from(*collected.first()?);
     if (LEAST..=LEAST + block::CONTENT).contains(&length) {

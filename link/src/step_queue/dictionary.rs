@@ -15,7 +15,7 @@ use super::commands::{COMMANDS, Command, REPLIES, Reply, ReplyKind, Requirement}
 pub(super) const LONGEST_PACKED: usize = 1 << 17;
 /// Greatest length of an uncompressed dictionary, bytes.
 const LONGEST: usize = 1 << 20;
-/// Number of the command `identify`, the same in all boards.
+/// Message number of the command `identify`, the same in all boards.
 const IDENTIFY: i64 = 1;
 const IDENTIFY_RESPONSE: u32 = 0;
 
@@ -40,7 +40,8 @@ pub(super) struct Dictionary {
     pins: BTreeMap<String, u32>,
     texts: BTreeMap<u32, String>,
     constants: BTreeMap<String, Value>,
-    /// Texts of all messages by number: of commands to the board, and of replies from it.
+    /// Format texts of all messages by their number: of commands to the board, and of replies from
+    /// it.
     forms: [BTreeMap<u32, String>; 2],
     pub(super) version: String,
 }
@@ -113,6 +114,9 @@ impl DictionaryError {
 
 impl Dictionary {
     /// Decompresses and parses a dictionary.
+    ///
+    /// # Errors
+    /// Why the dictionary is invalid.
     pub(super) fn unpack(packed: &[u8]) -> Result<Self, DictionaryError> {
         let text = decompress_to_vec_zlib_with_limit(packed, LONGEST)
             .map_err(|_| DictionaryError::Packed)?;
@@ -157,9 +161,9 @@ impl Dictionary {
         })
     }
 
-    /// Returns the text of the first required command or reply that is missing; `None` if all
-    /// exist. `speed` and `index` tell whether the spindle speed and the one-turn signal are
-    /// wired.
+    /// Returns the format text of the first required command or reply that the board does not have;
+    /// `None` if it has all. `speed` and `index` tell whether the spindle speed and the one-turn
+    /// signal are wired.
     pub(super) fn missing(&self, speed: bool, index: bool) -> Option<&'static str> {
         let wanted = |need: &Requirement| match need {
             Requirement::Always => true,
@@ -195,7 +199,7 @@ impl Dictionary {
         self.ids.get(command as usize).copied().flatten()
     }
 
-    /// Encodes a command with its arguments; empty if the board does not have the command.
+    /// Returns a command encoded with its arguments; empty if the board does not have the command.
     pub(super) fn message(&self, command: Command, arguments: &[i64]) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(16);
         if let Some(id) = self.id(command) {
@@ -215,7 +219,8 @@ impl Dictionary {
             .map(String::as_str)
     }
 
-    /// Decodes the replies in the content of a block; `None` if the content is invalid.
+    /// Returns the replies in the content of a block that the link uses, and skips the others;
+    /// `None` if the content is invalid.
     pub(super) fn replies(&self, mut content: &[u8]) -> Option<Vec<Reply>> {
         let mut replies = Vec::new();
         while !content.is_empty() {
@@ -253,7 +258,8 @@ impl Dictionary {
         self.pins.get(name).copied()
     }
 
-    /// Returns the text of a shutdown reason by its number; the number for an unknown one.
+    /// Returns the text of a shutdown reason by its number; `text` and the number for an unknown
+    /// one.
     pub(super) fn text(&self, id: u32) -> String {
         match self.texts.get(&id) {
             Some(text) => text.clone(),
@@ -261,7 +267,8 @@ impl Dictionary {
         }
     }
 
-    /// Returns a numeric constant of the board; `None` for an unknown constant.
+    /// Returns a constant of the board by its name; `None` if it is unknown or not a number of 32
+    /// bits.
     pub(super) fn constant(&self, name: &str) -> Option<u32> {
         let value = self.constants.get(name)?;
         u32::try_from(value.as_u64()?).ok()

@@ -5,10 +5,10 @@
 
 use super::dictionary::Dictionary;
 
-/// Number of last bytes that are compared. A query requests more: further bytes show that
-/// the dictionary is longer.
+/// Number of bytes at the end of a dictionary that are compared with a known one. A query requests
+/// more bytes: further ones show that the dictionary is longer.
 const END: usize = 36;
-/// Greatest number of dictionaries that are kept.
+/// Greatest number of dictionaries in the cache.
 const MOST: usize = 16;
 
 /// Known dictionaries, compressed.
@@ -16,7 +16,8 @@ const MOST: usize = 16;
 pub(super) struct DictionaryCache(Vec<Vec<u8>>);
 
 impl DictionaryCache {
-    /// Adds a dictionary unless it is damaged or known.
+    /// Adds a compressed dictionary unless it is damaged or known; drops the oldest one if the
+    /// cache is full.
     pub(super) fn insert(&mut self, packed: Vec<u8>) {
         if packed.len() > END && !self.0.contains(&packed) && Dictionary::unpack(&packed).is_ok() {
             self.0.insert(0, packed);
@@ -24,8 +25,8 @@ impl DictionaryCache {
         }
     }
 
-    /// Returns the index of the next dictionary, from an index on, that begins with these
-    /// bytes; `None` without one.
+    /// Returns the index of the first dictionary from the index `from` on that begins with the
+    /// bytes `begin`; `None` without one.
     pub(super) fn find(&self, from: usize, begin: &[u8]) -> Option<usize> {
         let rest = self.0.iter().enumerate().skip(from);
         let mut rest = rest.filter(|(_, known)| known.starts_with(begin));

@@ -3,15 +3,17 @@
 
 use super::super::HostTime;
 
-/// Number of messages that may be sent at once, in addition to the rate.
+/// Number of messages that may be sent at once after a pause.
 const BURST: f64 = 60.0;
-/// Number of messages that may arrive in an earlier second than they were sent for.
+/// Number of messages that a second may contain at the board in addition to those sent in a second,
+/// because transmission times vary.
 const JITTER: f64 = 5.0;
 
 /// A token bucket that limits the messages per second.
 #[derive(Clone, Debug)]
 pub(super) struct RateLimit {
-    /// Messages per second, without the burst; `None` without a limit.
+    /// Number of messages per second that may be sent once the burst is used up; `None` without a
+    /// limit.
     rate: Option<f64>,
     left: f64,
     at: HostTime,
@@ -26,7 +28,8 @@ impl RateLimit {
         }
     }
 
-    /// Sets the greatest number of messages in any second; `None` for no limit.
+    /// Sets the greatest number of messages that the board may receive in any second; `None` for no
+    /// limit.
     pub(super) fn set_rate(&mut self, a_second: Option<u32>) {
         // Messages may arrive closer together than they were sent.
         self.rate = a_second.map(|most| (f64::from(most) - BURST - JITTER).max(BURST));
@@ -40,18 +43,19 @@ impl RateLimit {
         }
     }
 
-    /// Whether another message may be sent.
+    /// Whether the limit allows another message now.
     pub(super) fn allows(&self) -> bool {
         self.rate.is_none() || self.left >= 1.0
     }
 
-    /// Returns the time for sending a number of messages after the burst.
+    /// Returns the time that sending a number of messages takes once the burst is used up; 0
+    /// without a limit.
     pub(super) fn time_for(&self, messages: f64) -> HostTime {
         let seconds = self.rate.map_or(0.0, |rate| messages / rate);
         HostTime::try_from_secs_f64(seconds).unwrap_or_default()
     }
 
-    /// Whether the burst is nearly used up: only few messages may be sent at once.
+    /// Whether less than a quarter of the burst remains.
     pub(super) fn is_short(&self) -> bool {
         self.rate.is_some() && self.left < BURST / 4.0
     }

@@ -4,7 +4,8 @@ use super::super::{LinkConfig, MotionRefused, PulseRates};
 use super::step_compress::Ticks;
 use super::steps::Timing;
 
-/// Measured steps per second of both axes together, by processor. The link uses half.
+/// Greatest measured number of steps per second of both axes together, by the beginning of the
+/// processor name. The link uses half.
 const MEASURED: [(&str, u32); 7] = [
     ("stm32g0b1", 790_000),
     ("stm32f103", 820_000),
@@ -14,11 +15,12 @@ const MEASURED: [(&str, u32); 7] = [
     ("rp2350", 2_600_000),
     ("stm32h723", 8_600_000),
 ];
-/// Steps per second of an unknown processor.
+/// Greatest number of steps per second, of both axes together, that the link sends to an unknown
+/// processor.
 const UNKNOWN: u32 = 100_000;
-/// Steps per second of each axis of an AVR processor.
+/// Greatest number of steps per second that the link sends to an AVR processor for each axis.
 const AVR: u32 = 32_000;
-/// Messages per second of an AVR processor.
+/// Greatest number of messages per second that the link sends to an AVR processor.
 const AVR_MESSAGES: u32 = 700;
 /// Greatest time error of a step of an AVR processor, µs.
 const AVR_STEP_ERROR_US: f64 = 5.0;
@@ -83,7 +85,10 @@ impl Rates {
         }
     }
 
-    /// Checks that the board can make these pulses of X and Z in a time, s.
+    /// Checks that the board can make the pulses `moves` of X and Z in the time `seconds`.
+    ///
+    /// # Errors
+    /// The motion needs more pulses per second than the board can make.
     pub(super) fn allow(&self, moves: [i64; 2], seconds: f64) -> Result<(), MotionRefused> {
         let counts = moves.map(|count| count.unsigned_abs() as f64);
         let too_fast = |count: f64, rate: f64| count > rate * seconds + 1.0;

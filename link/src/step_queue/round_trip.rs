@@ -2,13 +2,13 @@
 
 use core::time::Duration;
 
-/// Least retransmission timeout; above this the timeout is four round trips.
+/// Least retransmission timeout; usually the timeout is four smoothed round trips.
 const LEAST_WAIT: Duration = Duration::from_millis(25);
 /// Greatest retransmission timeout; each retransmission doubles the timeout up to this.
 const MOST_WAIT: Duration = Duration::from_secs(1);
-/// Greatest round trip of a line that does not count as slow.
+/// Greatest round trip of a serial line that does not count as slow.
 pub(super) const USUAL_TRIP: Duration = Duration::from_millis(25);
-/// Greatest round trip that the link allows for.
+/// Greatest round trip for which the link leaves time; a longer one counts as this.
 pub(super) const SLOWEST_TRIP: Duration = Duration::from_millis(200);
 
 /// Measured round trips, and the timeout derived from them.
@@ -32,7 +32,7 @@ impl Default for RoundTrip {
 }
 
 impl RoundTrip {
-    /// Takes the round trip of a confirmed block.
+    /// Adds the round trip of a confirmed block to the average.
     pub(super) fn add(&mut self, trip: Duration) {
         self.smooth = Some(self.smooth.map_or(trip, |old| (old * 7 + trip) / 8));
         self.last = trip;
@@ -48,24 +48,24 @@ impl RoundTrip {
         self.wait
     }
 
-    /// Resets the timeout after a confirmed block.
+    /// Resets the retransmission timeout after a confirmed block.
     pub(super) fn reset_wait(&mut self) {
         self.wait = (self.usual() * 4).clamp(LEAST_WAIT, MOST_WAIT);
     }
 
-    /// Doubles the timeout after a retransmission.
+    /// Doubles the retransmission timeout after a retransmission.
     pub(super) fn wait_longer(&mut self) {
         self.wait = (self.wait * 2).min(MOST_WAIT);
     }
 
-    /// Returns the round trip of the last confirmed block if it was slow; otherwise `None`.
-    /// For a retransmitted block it counts from the first transmission: the next block may be
-    /// lost, too.
+    /// Returns the round trip of the last confirmed block if it was slow, limited to
+    /// [`SLOWEST_TRIP`]; otherwise `None`. For a retransmitted block it counts from the first
+    /// transmission: the next block may be lost, too.
     pub(super) fn last_slow(&self) -> Option<Duration> {
         (self.last > USUAL_TRIP).then_some(self.last.min(SLOWEST_TRIP))
     }
 
-    /// Returns by how much the smoothed round trip exceeds that of a fast line.
+    /// Returns the time by which the smoothed round trip exceeds [`USUAL_TRIP`]; 0 on a fast line.
     pub(super) fn slowness(&self) -> Duration {
         self.usual().min(SLOWEST_TRIP).saturating_sub(USUAL_TRIP)
     }

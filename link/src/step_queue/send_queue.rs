@@ -12,19 +12,19 @@ use super::rate_limit::RateLimit;
 use super::round_trip::{RoundTrip, SLOWEST_TRIP, USUAL_TRIP};
 use super::sequence::Sequence;
 
-/// Receive window before the board has reported its size, bytes.
+/// Size of the receive window before the board has reported it, bytes.
 const FIRST_WINDOW: usize = 64;
-/// Receive window of a board that does not report its size, bytes.
+/// Size of the receive window of a board that does not report it, bytes.
 const USUAL_WINDOW: usize = 1024;
 /// Greatest number of unconfirmed blocks.
 const MOST_BLOCKS: u64 = 12;
-/// Number of blocks that motion leaves free for urgent messages.
+/// Number of unconfirmed blocks that only urgent messages may use.
 const KEPT_BLOCKS: u64 = 2;
-/// Number of bytes that motion leaves free for urgent messages.
+/// Number of bytes of the receive window that only urgent messages may use.
 const KEPT_BYTES: usize = 20;
-/// Age of an unconfirmed block from which on the line may be slow.
+/// Age of an unconfirmed block from which on the link assumes that the serial line is slow.
 const LONG_TRIP: Duration = Duration::from_millis(8);
-/// Assumed round trip of a line that may be slow.
+/// Assumed round trip of a serial line that the link assumes to be slow.
 const SUSPECTED_TRIP: Duration = Duration::from_millis(75);
 /// Average length of a message, bytes.
 const USUAL_MESSAGE: f64 = 8.0;
@@ -43,12 +43,13 @@ pub(super) struct QueuedMessage {
     pub(super) axis: Option<usize>,
     /// Whether the link stops when the message is late. Otherwise a late message is dropped.
     pub(super) vital: bool,
-    /// The kind of a query whose reply must not be an older one; `None` for other messages.
+    /// The kind of a query whose reply must not be mistaken for that to an older query; `None` for
+    /// other messages.
     pub(super) mark: Option<Mark>,
 }
 
 impl QueuedMessage {
-    /// Creates a message without delivery requirements.
+    /// Creates a message from its bytes, without delivery requirements.
     pub(super) const fn plain(bytes: Vec<u8>) -> Self {
         Self {
             bytes,
@@ -65,7 +66,7 @@ impl QueuedMessage {
     }
 }
 
-/// Kinds of queries whose reply must belong to the newest query.
+/// Kind of a query of which only the reply to the newest one counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mark {
     Uptime,
@@ -84,7 +85,7 @@ pub(super) enum Ack {
     Strange,
 }
 
-/// Board clocks for the check whether a message is in time.
+/// Board clocks, ticks, for the check whether a message arrives in time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Times {
     /// The current board clock.
@@ -111,9 +112,9 @@ pub(super) enum SendError {
 struct Sent {
     messages: Vec<QueuedMessage>,
     bytes: usize,
-    /// Time of the first transmission.
+    /// Host time of the first transmission.
     first: HostTime,
-    /// Time of the last transmission.
+    /// Host time of the last transmission.
     at: HostTime,
 }
 
@@ -129,13 +130,14 @@ pub(super) struct SendQueue {
     round_trip: RoundTrip,
     /// Whether the board has sent a NAK that is not handled yet.
     nak_received: bool,
-    /// Time of the last confirmation.
+    /// Host time at which the board last confirmed a block.
     progressed: HostTime,
     /// Sequence number of the block with the newest query of each kind.
     marks: [u64; 5],
-    /// Clocks of the first step of each axis in the last confirmed block.
+    /// Board clock of the first step of X and of Z in the last confirmed block, ticks; `None`
+    /// without a step.
     confirmed_steps: [Option<u64>; 2],
-    /// Clocks of the first dropped step of each axis.
+    /// Board clock of the first dropped step of X and of Z, ticks; `None` without one.
     dropped_steps: [Option<u64>; 2],
     rate_limit: RateLimit,
     pub(super) outgoing: Vec<u8>,
@@ -164,7 +166,7 @@ impl SendQueue {
         }
     }
 
-    /// Drops all messages and queries the expected sequence number.
+    /// Drops all messages and starts to query the sequence number that the board expects.
     pub(super) fn begin(&mut self) {
         *self = Self {
             sequence: Sequence::unknown(),
@@ -187,7 +189,8 @@ impl SendQueue {
         self.rate_limit.set_rate(a_second);
     }
 
-    /// Whether motion waits for the window or the rate limit.
+    /// Whether messages of the motion wait, because the receive window is full or the rate limit is
+    /// reached.
     pub(super) fn is_congested(&self) -> bool {
         self.waiting.iter().any(|message| message.motion)
     }
@@ -203,14 +206,15 @@ impl SendQueue {
         by_count.max(by_window)
     }
 
-    /// Extends the timeouts by `gap`, the time for which the host was suspended.
+    /// Does not count `gap`, the time for which the host was suspended, as round trip of the
+    /// unconfirmed blocks.
     pub(super) fn skip_absence(&mut self, gap: Duration) {
         for sent in &mut self.in_flight {
             sent.first += gap;
         }
     }
 
-    /// Whether motion waits for the rate limit.
+    /// Whether messages of the motion wait because the rate limit is reached.
     pub(super) fn is_rate_limited(&self) -> bool {
         self.is_congested() && self.rate_limit.is_short()
     }
@@ -220,7 +224,8 @@ impl SendQueue {
         self.round_trip.last_slow()
     }
 
-    /// Returns how much longer than on a fast line a message may take now.
+    /// Returns the time by which a message sent at the host time `now` may arrive later than on a
+    /// fast serial line.
     pub(super) fn slowness_now(&self, now: HostTime) -> Duration {
         let oldest = self.in_flight.front();
         let waits = oldest.map_or(Duration::ZERO, |sent| now.saturating_sub(sent.first));
@@ -234,17 +239,18 @@ impl SendQueue {
             .max(self.round_trip.slowness())
     }
 
-    /// Returns the time of the last confirmation.
+    /// Returns the host time at which the board last confirmed a block.
     pub(super) const fn progressed(&self) -> HostTime {
         self.progressed
     }
 
-    /// Whether the expected sequence number is known.
+    /// Whether the sequence number that the board expects is known.
     pub(super) const fn is_synced(&self) -> bool {
         self.sequence.is_synced()
     }
 
-    /// Returns the number of queries for the expected sequence number.
+    /// Returns how many queries for the sequence number that the board expects were sent since it
+    /// became unknown; 0 if it is known.
     pub(super) const fn tries(&self) -> u32 {
         self.sequence.tries()
     }
@@ -254,7 +260,7 @@ impl SendQueue {
         self.urgent.is_empty() && self.waiting.is_empty() && self.in_flight.is_empty()
     }
 
-    /// Returns the number of bytes in waiting messages.
+    /// Returns the number of bytes in the waiting messages that are not urgent.
     pub(super) fn backlog(&self) -> usize {
         self.waiting.iter().map(|message| message.bytes.len()).sum()
     }
@@ -282,9 +288,9 @@ impl SendQueue {
         }
     }
 
-    /// Returns the clock of the first unconfirmed step of each axis; `None` without one. With
-    /// `in_last` the last confirmed block counts as unconfirmed, because the board may have
-    /// shut down in it.
+    /// Returns the board clock of the first unconfirmed step of X and of Z, ticks; `None` without
+    /// one. With `in_last` the last confirmed block counts as unconfirmed, because the board may
+    /// have shut down in it.
     pub(super) fn first_missing(&self, in_last: bool) -> [Option<u64>; 2] {
         let last = if in_last {
             self.confirmed_steps
@@ -299,14 +305,15 @@ impl SendQueue {
         })
     }
 
-    /// Whether a reply in a block with the sequence number `expects` answers the newest
-    /// query.
+    /// Whether a reply in a block of the board with the sequence number `expects` may answer the
+    /// newest query of the kind `mark`.
     pub(super) fn answers(&self, mark: Mark, expects: u64) -> bool {
         self.marks[mark as usize] < expects
     }
 
-    /// Takes the sequence number of a block of the board and returns what the board
-    /// acknowledges; `None` while the expected number is unknown.
+    /// Takes the low four bits of the sequence number of a block of the board and returns what the
+    /// board acknowledges; `None` while the expected number is unknown. `is_empty`: the block has
+    /// no content.
     pub(super) fn block_received(
         &mut self,
         sequence: u8,
@@ -345,7 +352,11 @@ impl SendQueue {
         self.round_trip.reset_wait();
     }
 
-    /// Sends the blocks that window, rate limit and timeouts allow.
+    /// Sends the blocks that receive window, rate limit and timeouts allow. `times` are the board
+    /// clocks for the check of due times; `None` for no check.
+    ///
+    /// # Errors
+    /// The link must stop: the board does not answer or was reset, or a vital message is late.
     pub(super) fn send(&mut self, now: HostTime, times: Option<Times>) -> Result<(), SendError> {
         self.rate_limit.refill(now);
         if !self.is_synced() {
@@ -487,7 +498,8 @@ impl SendQueue {
     }
 }
 
-/// Returns the clock of the first step of each axis in messages; `None` without a step.
+/// Returns the board clock of the first step of X and of Z in some messages, ticks; `None` without
+/// a step.
 fn first_steps<'a>(messages: impl IntoIterator<Item = &'a QueuedMessage>) -> [Option<u64>; 2] {
     let mut first: [Option<u64>; 2] = [None; 2];
     for message in messages {

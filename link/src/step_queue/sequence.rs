@@ -1,12 +1,14 @@
-//! Sequence numbers of blocks: the next one to send, and the one the board expects.
+//! Sequence numbers of blocks: that of the next block to send, and that of the block that the board
+//! expects next.
 
 use core::time::Duration;
 
 use crate::HostTime;
 
-/// Interval of queries for the number that the board expects.
+/// Interval of queries for the sequence number that the board expects.
 const RESYNC_EVERY: Duration = Duration::from_millis(100);
-/// Duration of impossible numbers after which the board counts as restarted.
+/// Time during which a board sends only impossible sequence numbers, after which it counts as
+/// restarted.
 const UNEXPECTED: Duration = Duration::from_millis(100);
 
 /// The sequence numbers of a link. The wire carries their low four bits.
@@ -20,16 +22,16 @@ pub(super) struct Sequence {
     last_empty: Option<u64>,
     /// NAKs below this number are for blocks that were retransmitted already.
     ignored_below: u64,
-    /// Since when the board has sent only impossible numbers; `None` if its last number is
-    /// possible.
+    /// Host time since which the board has sent only impossible numbers; `None` if its last number
+    /// is possible.
     unexpected_since: Option<HostTime>,
-    /// Number of queries for the expected number, and time of the last one; `None` if the
+    /// Number of queries for the expected number, and host time of the last one; `None` if the
     /// expected number is known.
     resync: Option<(u32, HostTime)>,
 }
 
 impl Sequence {
-    /// Creates a sequence whose expected number must be queried.
+    /// Creates the sequence of a board that must be queried for the number that it expects.
     pub(super) fn unknown() -> Self {
         Self {
             resync: Some((0, HostTime::ZERO)),
@@ -37,7 +39,7 @@ impl Sequence {
         }
     }
 
-    /// Whether the expected number is known.
+    /// Whether the sequence number that the board expects is known.
     pub(super) const fn is_synced(&self) -> bool {
         self.resync.is_none()
     }
@@ -97,8 +99,8 @@ impl Sequence {
         Some((expects, ahead))
     }
 
-    /// Whether an empty block of the board is a NAK for a block that was not retransmitted
-    /// yet. `under_way`: blocks are unconfirmed.
+    /// Whether an empty block of the board with the number `expects` is a NAK for a block that was
+    /// not retransmitted yet; stores the number. `under_way`: blocks are unconfirmed.
     pub(super) fn is_nak(&mut self, expects: u64, under_way: bool) -> bool {
         let complains =
             self.last_empty == Some(expects) && under_way && expects >= self.ignored_below;
@@ -115,7 +117,7 @@ impl Sequence {
         self.ignored_below = self.next;
     }
 
-    /// Whether the board has restarted its count: it was reset.
+    /// Whether the board has restarted its sequence, which shows that it was reset.
     pub(super) fn is_reset(&self, now: HostTime) -> bool {
         self.unexpected_since
             .is_some_and(|since| now.saturating_sub(since) >= UNEXPECTED)

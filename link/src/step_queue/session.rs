@@ -36,15 +36,16 @@ use spindle::Spindle;
 use stops::StepQueueStop;
 use wire::StepQueueWire;
 
-/// Least time between sending a step and its execution.
+/// Least time by which the link sends a step before its execution, in addition to the transmission
+/// time.
 const LATEST: Duration = Duration::from_millis(20);
-/// Greatest transmission time that the link allows for.
+/// Greatest transmission time of a message for which the link leaves time.
 const SLOWEST: Duration = Duration::from_millis(200);
-/// Gap between two calls from which on the host counts as suspended.
+/// Time between two calls of the link from which on the host counts as suspended.
 const AWAY: Duration = Duration::from_millis(10);
 /// Interval at which an unanswered query is repeated.
 const ASK_AGAIN: Duration = Duration::from_millis(100);
-/// Time after which an unanswered query ends the link.
+/// Time after which an unanswered query means that the board is lost.
 const GIVE_UP: Duration = Duration::from_millis(600);
 
 /// The purpose of a position query.
@@ -52,9 +53,10 @@ const GIVE_UP: Duration = Duration::from_millis(600);
 enum QueryPurpose {
     /// Read the count while the link is being opened.
     Opening,
-    /// Compare the counts: all motion is executed.
+    /// Compare the counts of board and kernel after the motion: all of it is executed.
     Verify,
-    /// Compare the counts at standstill; report the position if the kernel requested it.
+    /// Compare the counts of board and kernel during a standstill; `requested` tells whether the
+    /// kernel gets the position.
     Look { requested: bool },
     /// Read the position at which the axes were stopped.
     Stopped,
@@ -73,7 +75,7 @@ struct PositionQuery {
 #[derive(Clone, Copy, Debug, Default)]
 struct PositionQueries {
     pending: Option<PositionQuery>,
-    /// Time of the next comparison at standstill.
+    /// Host time of the next comparison of the counts at standstill.
     look_due: HostTime,
 }
 
@@ -96,7 +98,8 @@ pub struct StepLink {
 }
 
 impl StepLink {
-    /// Creates the link to a board whose port was just opened, and starts the dialogue.
+    /// Creates the link to a board whose port was opened at the host time `now`, and starts the
+    /// opening dialogue.
     pub fn open(config: LinkConfig, drives: &Drives, now: HostTime) -> Self {
         let mut link = Self {
             config,
@@ -132,8 +135,8 @@ impl StepLink {
         }
     }
 
-    /// Handles a block with an impossible sequence number: a restarted board reports
-    /// `starting`.
+    /// Handles the content of a block with an impossible sequence number: if it has the reply
+    /// `starting`, the board was restarted.
     fn unexpected_sequence(&mut self, content: &[u8]) {
         let replies = self.wire.dictionary.replies(content).unwrap_or_default();
         if self.is_opened()
@@ -186,8 +189,8 @@ impl StepLink {
         }
     }
 
-    /// Handles RESET: stops motion, opens a failed link again, or leaves a fault whose cause
-    /// is gone.
+    /// Handles RESET: stops motion, repeats the opening of a failed link, or locks a link with a
+    /// fault whose cause is gone.
     pub(super) fn reset_faults(&mut self) {
         self.motion.limits.confirm_position_checked();
         let still = |input| self.input(input) == Some(true);
@@ -233,7 +236,7 @@ impl StepLink {
         }
     }
 
-    /// Returns the clock at which a message sent now arrives at the latest.
+    /// Returns the board clock at which a message sent now arrives at the latest, ticks.
     fn earliest(&self) -> u64 {
         // The last slow round trip without the known transmission time of the answer.
         let there = self.wire.send_queue.last_slow_trip();
@@ -247,8 +250,8 @@ impl StepLink {
         LATEST + (self.clock.round_trip() / 2).min(SLOWEST)
     }
 
-    /// Returns how far ahead of execution motion is sent: the lookahead, and on a slow line
-    /// the additional time for a transmission and a retransmission.
+    /// Returns the time by which motion is sent before its execution: the lookahead, and on a slow
+    /// serial line the additional time for a transmission and a retransmission.
     fn ahead(&self) -> Duration {
         self.config.lookahead() + 2 * self.wire.send_queue.slowness_now(self.session.now)
     }
@@ -258,7 +261,8 @@ impl StepLink {
         ASK_AGAIN + 2 * self.wire.send_queue.slowness_now(self.session.now)
     }
 
-    /// Returns the earliest clock for a command that must not be late.
+    /// Returns the earliest board clock for the execution of a command that must not be late,
+    /// ticks.
     fn soon(&self) -> u64 {
         self.clock
             .at(self.session.now + self.ahead() + self.margin())

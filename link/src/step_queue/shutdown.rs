@@ -28,7 +28,7 @@ impl ShutdownCause {
     }
 }
 
-/// Beginnings of shutdown texts, with their cause.
+/// Beginnings of the board's shutdown texts, each with its cause.
 const TEXTS: [(&str, ShutdownCause); 9] = [
     ("Timer too close", ShutdownCause::StepsLate),
     ("Stepper too far in past", ShutdownCause::StepsLate),
@@ -47,8 +47,8 @@ const TEXTS: [(&str, ShutdownCause); 9] = [
 /// The text of a shutdown by the link's own emergency stop.
 const OWN_STOP: &str = "Command request";
 
-/// Returns the alarm number and the remedy of a shutdown; `None` if the link has requested the
-/// shutdown.
+/// Returns the alarm number and the remedy for a shutdown with this text; `None` if the link has
+/// requested the shutdown.
 pub(super) fn alarm(text: &str) -> Option<(u16, Message)> {
     if text == OWN_STOP {
         return None;

@@ -2,20 +2,21 @@
 
 use core::time::Duration;
 
-/// Duration of motion over which the number of messages is averaged, ms.
+/// Duration of motion over which the number of messages per ms is averaged, ms.
 const AVERAGED: f64 = 30.0;
 /// Transmission time of the waiting messages up to which motion is not slowed, s.
 const USUAL: f64 = 0.03;
 /// Additional transmission time at which motion takes twice its time, s.
 const TWICE: f64 = 0.03;
-/// Greatest factor of the slowdown.
+/// Greatest factor by which motion is slowed down.
 const SLOWEST: f64 = 8.0;
-/// Greatest increase of the factor per ms of motion; about an acceleration of the axes.
+/// Greatest increase of the slowdown factor per ms of motion, so small that the axes decelerate
+/// about as usual.
 const BRAKES: f64 = 0.01;
-/// Greatest decrease of the factor per ms of motion.
+/// Greatest decrease of the slowdown factor per ms of motion.
 const RELEASES: f64 = 0.002;
 
-/// The slowdown of motion in the board against the kernel.
+/// The slowdown of motion in the board compared with the kernel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slowdown {
     /// Duration of motion in the board, divided by that of the kernel.
@@ -53,7 +54,8 @@ impl Slowdown {
         self.factor
     }
 
-    /// Records the number of messages for the motion that was compressed.
+    /// Takes the number of messages into which all motion so far was compressed, and updates the
+    /// average per ms.
     pub(super) fn compressed(&mut self, messages: u32) {
         if self.uncompressed > 0.0 {
             let weight = self.uncompressed / (self.uncompressed + AVERAGED);

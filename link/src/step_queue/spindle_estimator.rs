@@ -12,22 +12,23 @@ use super::step_compress::Ticks;
 
 /// Interval at which the board polls the pin, s.
 pub(super) const POLL: f64 = 100e-6;
-/// Number of turns through which the line is fitted.
+/// Least number of recent turns through which the line of turns over time is fitted.
 const LINE_TURNS: i64 = 4;
-/// Time over which the line is fitted if [`LINE_TURNS`] take less, s. A poll is a large share
-/// of a fast turn.
+/// Time over which the line of turns over time is fitted if [`LINE_TURNS`] turns take less, s. The
+/// poll interval is a large share of a fast turn.
 const LINE_TIME: f64 = 0.4;
-/// Least number of index pulses for a line.
+/// Least number of index pulses through which the line is fitted, if that many exist.
 const LEAST_POINTS: usize = 3;
 /// Least number of turns over which the variation of the spindle speed is calculated.
 const STEADY_TURNS: i64 = 20;
 /// Least time over which the variation of the spindle speed is calculated, s.
 const STEADY_TIME: f64 = 2.0;
-/// Time over which periods are compared, s; a poll is a small share of this time.
+/// Time over which the duration of a turn is averaged before durations are compared, s; the poll
+/// interval is a small share of this time.
 const PERIOD_TIME: f64 = 0.1;
-/// Greatest number of turns over which periods are compared.
+/// Greatest number of turns over which the duration of a turn is averaged.
 const LONGEST_PERIOD: i64 = 10;
-/// Greatest transmission time of a report, s.
+/// Greatest transmission time of a counter report, s.
 const REPORT: f64 = 0.05;
 /// Number of turns without an index pulse after which the angle is unknown.
 const UNCERTAIN: f64 = 1.5;
@@ -35,7 +36,7 @@ const UNCERTAIN: f64 = 1.5;
 const LOST: f64 = 2.0;
 /// Number of turns without an index pulse after which the spindle counts as stopped.
 const STANDS: f64 = 4.0;
-/// Time of a turn from which on the spindle counts as stopped, s.
+/// Time without an edge of the signal after which the spindle counts as stopped, s.
 const SLOWEST: f64 = 10.0;
 
 /// An index pulse: the number of the turn that begins, and the board clock.
@@ -45,7 +46,7 @@ pub(super) struct IndexPulse {
     pub(super) clock: Ticks,
 }
 
-/// A line of turns over the board clock.
+/// A line of spindle turns over the board clock; `turn` and `clock` are a point on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct AngleLine {
     turn: f64,
@@ -59,11 +60,11 @@ struct AngleLine {
 pub(super) struct SpindleEstimator {
     /// Clock rate of the board, ticks per second.
     rate: f64,
-    /// The last count that the board has reported; `None` before the first report.
+    /// The last count of edges that the board has reported; `None` before the first report.
     reported: Option<u32>,
-    /// The last even count; `None` before the first one.
+    /// The last even count of edges; `None` before the first one.
     count: Option<u32>,
-    /// Clock of the newest edge of either direction.
+    /// Board clock of the newest rising or falling edge, ticks.
     alive: Ticks,
     index_pulses: VecDeque<IndexPulse>,
     line: Option<AngleLine>,
@@ -93,8 +94,8 @@ impl SpindleEstimator {
         self.index_pulses.extend(newest);
     }
 
-    /// Takes a report of the count and the clock of the newest edge. Returns the index pulse
-    /// that the report shows; `None` if it shows none.
+    /// Takes a report of the count of edges and of the board clock of the newest edge, ticks.
+    /// Returns the index pulse that the report shows; `None` if it shows none.
     pub(super) fn counter_report(&mut self, count: u32, clock: u64) -> Option<IndexPulse> {
         if self.reported == Some(count) {
             return None;
@@ -142,7 +143,8 @@ impl SpindleEstimator {
         }
     }
 
-    /// Returns the line through the last turns; `None` with fewer than two index pulses.
+    /// Returns the line of turns over the board clock through the last turns; `None` with fewer
+    /// than two index pulses.
     fn fit_line(&self) -> Option<AngleLine> {
         let newest = *self.index_pulses.back()?;
         let time = self.ticks(LINE_TIME);
@@ -181,8 +183,9 @@ impl SpindleEstimator {
         })
     }
 
-    /// Returns the greatest difference of recent periods as a fraction of their mean, less the
-    /// error of polling; `None` with too few turns.
+    /// Returns the variation of the spindle speed: the greatest difference between the recent
+    /// durations of a turn, as a fraction of their mean, less the error of polling. `None` with too
+    /// few turns.
     fn vary(&self) -> Option<f64> {
         let (oldest, newest) = (*self.index_pulses.front()?, *self.index_pulses.back()?);
         let (turns, time) = (newest.turn - oldest.turn, newest.clock - oldest.clock);
@@ -205,8 +208,8 @@ impl SpindleEstimator {
         Some(((most - least - polling) / mean).max(0.0))
     }
 
-    /// Returns the time since the newest edge less the time of a report, in turns of the line;
-    /// `None` without a line.
+    /// Returns the time from the newest edge to the board clock `now` less the transmission time of
+    /// a report, converted to turns at the estimated speed; `None` without a line.
     fn age(&self, now: Ticks) -> Option<f64> {
         let past = now - self.alive - self.ticks(REPORT);
         Some(past as f64 * self.line?.rate)
@@ -217,7 +220,8 @@ impl SpindleEstimator {
         slow || self.age(now).is_some_and(|age| age > STANDS)
     }
 
-    /// Returns the speed, turns per second; 0 if the spindle is stopped or no speed is known.
+    /// Returns the spindle speed at the board clock `now`, turns per second; 0 if the spindle is
+    /// stopped or no speed is known.
     pub(super) fn speed(&self, now: Ticks) -> f64 {
         let (Some(line), Some(age)) = (self.line, self.age(now)) else {
             return 0.0;
@@ -232,26 +236,29 @@ impl SpindleEstimator {
         }
     }
 
-    /// Whether the one-turn signal is missing for too long.
+    /// Whether the one-turn signal has been missing for more than [`LOST`] turns at the board clock
+    /// `now`.
     pub(super) fn is_lost(&self, now: Ticks) -> bool {
         self.age(now).is_none_or(|age| age > LOST)
     }
 
-    /// Whether the angle can be predicted.
+    /// Whether the spindle angle can be predicted at the board clock `now`: enough turns are known,
+    /// and the one-turn signal is not missing.
     pub(super) fn is_known(&self, now: Ticks) -> bool {
         let turns = self.index_pulses.front().zip(self.index_pulses.back());
         turns.is_some_and(|(oldest, newest)| newest.turn - oldest.turn >= LINE_TURNS)
             && self.age(now).is_some_and(|age| age <= UNCERTAIN)
     }
 
-    /// Returns the predicted turns at a board clock; `None` without a line.
+    /// Returns the spindle angle predicted for a board clock, turns; `None` if too few index pulses
+    /// are known.
     pub(super) fn at(&self, clock: Ticks) -> Option<f64> {
         let line = self.line?;
         Some(line.turn + (clock as f64 - line.clock) * line.rate)
     }
 
-    /// Returns the turns that the spindle makes in a number of board ticks at the estimated
-    /// speed; 0 if the speed is unknown.
+    /// Returns the number of turns that the spindle makes in a number of board ticks at the
+    /// estimated speed; 0 if the speed is unknown.
     pub(super) fn in_ticks(&self, ticks: Ticks) -> f64 {
         self.line.map_or(0.0, |line| ticks as f64 * line.rate)
     }

@@ -7,7 +7,7 @@ pub(super) type Ticks = i64;
 
 /// Greatest number of steps in a run.
 const MOST_STEPS: usize = 65_535;
-/// Numbers of steps over which the change of the interval is estimated.
+/// Numbers of steps from which the change of the interval from step to step is estimated.
 const HORIZONS: [usize; 12] = [2, 3, 4, 6, 8, 12, 16, 32, 64, 128, 256, 1024];
 
 /// The steps of one `queue_step` command.
@@ -19,7 +19,7 @@ pub(super) struct StepRun {
 }
 
 impl StepRun {
-    /// Time of the k-th step after the last step before the run, ticks.
+    /// Returns the time from the last step before the run to the k-th step of the run, ticks.
     pub(super) const fn step(self, k: Ticks) -> Ticks {
         self.interval as Ticks * k + self.add as Ticks * (k * (k - 1) / 2)
     }
@@ -28,19 +28,21 @@ impl StepRun {
 /// The limits for the steps of a run.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tolerance {
-    /// Greatest time error of a step.
+    /// Greatest time error of a step, ticks.
     pub(super) max_error: Ticks,
-    /// If set: a step may also err by the interval before it, divided by this number.
+    /// Divisor of the interval before a step; a step may also have the quotient as time error.
+    /// `None`: it may not.
     pub(super) error_divisor: Option<Ticks>,
-    /// Least interval between two steps.
+    /// Least interval between two steps, ticks.
     pub(super) min_interval: Ticks,
-    /// Least interval between the last step before the run and its first step.
+    /// Least interval between the last step before the run and its first step, ticks.
     pub(super) min_first_interval: Ticks,
 }
 
-/// Finds the longest run for the first of the due steps within the tolerance. `last` is the
-/// time of the step before. The due steps are at least [`Tolerance::min_interval`] apart.
-/// The first step may be late if the tolerance requires it.
+/// Finds the run that makes the most of the due steps, from the first on, within the tolerance.
+/// `last` is the board clock of the step before, ticks. The due steps are at least
+/// [`Tolerance::min_interval`] apart. The first step may be late if the tolerance requires it.
+/// `None` without due steps, or if the first interval does not fit into 32 bits.
 pub(super) fn longest_run(last: Ticks, due: &[Ticks], tolerance: Tolerance) -> Option<StepRun> {
     let first = due.first()? - last;
     let mut best = StepRun {
@@ -82,7 +84,8 @@ pub(super) fn longest_run(last: Ticks, due: &[Ticks], tolerance: Tolerance) -> O
     Some(best)
 }
 
-/// Finds the longest run in which the interval changes by `add` from step to step.
+/// Finds the longest run in which the interval changes by `add` ticks from step to step; `None` if
+/// even the first step exceeds the tolerance.
 fn longest_run_with_add(
     last: Ticks,
     due: &[Ticks],

@@ -5,13 +5,13 @@ use std::collections::VecDeque;
 use super::super::FINE;
 use super::step_compress::{StepRun, Ticks, Tolerance, longest_run};
 
-/// Time without steps after which the board's step clock may be set, s.
+/// Time after the last step after which the link may set the board's step clock, s.
 const SETTLED: f64 = 0.008;
 
-/// Divisor for the time error of steps as a share of their interval, at the finest.
+/// Divided by the factor of the permitted time error, this gives [`Tolerance::error_divisor`].
 const FINEST_PART: Ticks = 64;
 
-/// The due time of a step and its direction.
+/// The board clock at which a step is due, ticks, and its direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Due {
     at: Ticks,
@@ -21,14 +21,14 @@ struct Due {
 /// The commands for a run of steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct QueuedStepRun {
-    /// The value to which the board's step clock is set before the run; `None` to keep it.
+    /// The value to which the board's step clock is set before the run, ticks; `None` to keep it.
     pub(super) from: Option<Ticks>,
     /// The direction that is set before the run, `true` for positive; `None` to keep it.
     pub(super) up: Option<bool>,
     pub(super) run: StepRun,
-    /// Board clock of the first step.
+    /// Board clock of the first step, ticks.
     pub(super) first: Ticks,
-    /// Board clock of the last step.
+    /// Board clock of the last step, ticks.
     pub(super) last: Ticks,
 }
 
@@ -42,7 +42,7 @@ impl QueuedStepRun {
 /// The timing of steps at a board.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Timing {
-    /// Clock rate, ticks per second.
+    /// Rate of the board clock, ticks per second.
     pub(super) rate: f64,
     /// Greatest time error of a step, ticks.
     pub(super) max_error: Ticks,
@@ -52,7 +52,8 @@ pub(super) struct Timing {
     pub(super) reversal: Ticks,
 }
 
-/// Clocks and positions at both ends of a sample.
+/// Board clocks, positions in pulses and positions in fine units of an axis, at the start and at
+/// the end of a sample.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stretch {
     pub(super) clock: [Ticks; 2],
@@ -67,7 +68,8 @@ pub(super) struct Steps {
     due: VecDeque<Due>,
     /// The newest step added, even if it is compressed already; `None` without one.
     newest: Option<Due>,
-    /// Board clock of the last compressed step; `None` if the board's step clock must be set.
+    /// Board clock of the last compressed step, ticks; `None` if the board's step clock must be
+    /// set.
     last: Option<Ticks>,
     /// The last direction sent to the board, `true` for positive; `None` before the first one.
     up: Option<bool>,
@@ -87,7 +89,8 @@ impl Steps {
         }
     }
 
-    /// Drops all steps; the board needs step clock and direction again.
+    /// Drops all steps. Before the next step the link sets step clock and direction of the board
+    /// again.
     pub(super) fn forget(&mut self) {
         *self = Self::new(self.timing);
     }
@@ -96,7 +99,7 @@ impl Steps {
         self.due.is_empty()
     }
 
-    /// Returns the board clock of the first step that is not compressed yet; `None` without
+    /// Returns the board clock of the first step that is not compressed yet, ticks; `None` without
     /// one.
     pub(super) fn first(&self) -> Option<Ticks> {
         self.due.front().map(|due| due.at)
@@ -142,8 +145,8 @@ impl Steps {
         }
     }
 
-    /// Compresses all due steps into runs and appends these to `entries`. `now` is the board's
-    /// clock or slightly earlier. Steps may have `coarse` times the usual time error.
+    /// Compresses all due steps into runs and appends these to `entries`. `now` is the current
+    /// board clock or slightly earlier, ticks. Steps may have `coarse` times the usual time error.
     pub(super) fn compress(&mut self, now: Ticks, coarse: Ticks, entries: &mut Vec<QueuedStepRun>) {
         let due: Vec<Due> = self.due.drain(..).collect();
         for same in due.chunk_by(|a, b| a.up == b.up) {

@@ -14,7 +14,8 @@ use thiserror::Error;
 const ENABLE_MS: u64 = 500;
 /// Frequency of the pulse width modulation for the spindle voltage, Hz.
 const SPEED_CYCLES: u64 = 1000;
-/// Value of the full spindle voltage in boards without the constant `PWM_MAX`.
+/// Value of the spindle speed output for the full voltage, in boards without the constant
+/// `PWM_MAX`.
 const USUAL_FULL: u32 = 255;
 
 /// A configured input of the board.
@@ -34,7 +35,8 @@ pub(super) struct OutputPin {
     pub(super) inverted: bool,
 }
 
-/// The configuration of a board, with the object numbers (oid) of all parts.
+/// The configuration of a board, with the object number (oid) of each stepper, stop group, input
+/// and output.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Wiring {
     pub(super) axes: PerAxis<i64>,
@@ -64,7 +66,8 @@ struct Writer<'a> {
     messages: Vec<Vec<u8>>,
 }
 
-/// Why a board cannot have the wiring of the machine file. Keys are those of `link`.
+/// Why a board cannot have the wiring of the machine file. Each `key` is the path of a setting in
+/// the section `link`.
 #[derive(Debug, Error)]
 #[error("{}", self.message())]
 pub(super) enum WiringError {
@@ -133,7 +136,11 @@ impl Writer<'_> {
 }
 
 impl Wiring {
-    /// Builds the configuration of a board with a clock rate in ticks per second.
+    /// Builds the configuration of a board from the machine file and the dictionary of the board.
+    /// `rate` is its clock rate, ticks per second.
+    ///
+    /// # Errors
+    /// The board has no pin of a name, or reserves a pin.
     pub(super) fn new(
         config: &LinkConfig,
         board: &Dictionary,

@@ -12,7 +12,7 @@ use gsk_units::{Axis, PerAxis, alarm};
 /// Time limit for homing.
 const HOMING_WAIT: Duration = Duration::from_secs(120);
 
-/// Homing in progress: its start time and axes.
+/// Homing in progress: its start time and the axes that the board is homing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Homing {
     since: HostTime,
@@ -27,7 +27,12 @@ impl LineLink {
         self.opening.alone
     }
 
-    /// Starts homing of these axes, or of both if the board cannot home a single axis.
+    /// Starts homing of the axes that are `true`, or of both if the board cannot home a single
+    /// axis.
+    ///
+    /// # Errors
+    /// The board moves, has not reported its state or is busy, no axis is selected, or an axis is
+    /// on the limit switch of its other end.
     pub(super) fn begin_homing(&mut self, axes: PerAxis<bool>) -> Result<(), MotionRefused> {
         if !self.stands_in(&[BoardState::Idle, BoardState::Alarm]) || !(axes.x || axes.z) {
             return Err(MotionRefused::NotReady);
@@ -59,9 +64,9 @@ impl LineLink {
         Ok(())
     }
 
-    /// Returns an axis on the limit switch of the end opposite to its homing switch; `None`
-    /// without one. The board would take it for the homing switch and move farther towards the
-    /// stop.
+    /// Returns an axis on the limit switch of the end opposite to its homing switch; `None` without
+    /// one. The board would take that switch for the homing switch and move the axis farther
+    /// towards its mechanical stop.
     fn axis_at_opposite_limit(&self, axes: PerAxis<bool>) -> Option<Axis> {
         [
             (Axis::X, self.config.x.home_negative, self.reports.pins.x),
@@ -75,8 +80,8 @@ impl LineLink {
         })
     }
 
-    /// Handles the board's answer to the homing command: finished, or refused with this error
-    /// number.
+    /// Handles the board's answer to the homing command: `error` is the number of the error with
+    /// which the board has refused it; `None` if homing is finished.
     pub(super) fn homed(&mut self, error: Option<u16>) {
         let Some(homing) = self.homing.take() else {
             return;
@@ -119,7 +124,8 @@ impl LineLink {
         }
     }
 
-    /// Aborts homing. `why` is the cause for the alarm; `None` if the operator aborted it.
+    /// Aborts homing by a reset of the board and locks the link. `why` is the cause for the alarm;
+    /// `None`, without an alarm, if the operator has aborted homing.
     pub(super) fn give_up_homing(&mut self, why: Option<Message>) {
         if let Some(why) = why {
             self.session.alarm(alarm::BOARD_ZERO_RETURN, why);

@@ -14,11 +14,12 @@ use crate::line::segments::{Segments, StreamedSegment};
 use crate::{HostTime, RunTime};
 use gsk_units::{PerAxis, Point, Pulses};
 
-/// Time between leaving the board's queue and execution, and delay of a switch report.
+/// Assumed greatest time from the execution of a motion to the report of a limit switch that it has
+/// operated.
 const PREPARED: Duration = Duration::from_millis(200);
-/// Greatest age of a report that was not queried.
+/// Greatest age of the position in a report that the link has not queried.
 const LATE_REPORT: Duration = Duration::from_millis(300);
-/// Greatest delay of a segment beyond its duration.
+/// Time beyond its duration after which a segment in the board's queue is overdue.
 const LATE: Duration = Duration::from_secs(1);
 
 /// A segment in the board that is not executed yet.
@@ -37,13 +38,13 @@ pub(super) struct LineMotion {
     pub(super) segments: Segments,
     pub(super) backlog: VecDeque<StreamedSegment>,
     pub(super) queued: VecDeque<Queued>,
-    /// Segments in the board's pulse timer, with the time by which they are executed.
+    /// Segments in the board's pulse timer, each with the host time by which it is executed.
     handed: VecDeque<(HostTime, Queued)>,
-    /// Start points of segments executed recently, with the time at which they counted as
-    /// executed.
+    /// Start points of the segments executed recently, each with the host time at which the segment
+    /// counted as executed.
     past: VecDeque<(HostTime, PerAxis<Pulses>)>,
-    /// When the pending status query was sent; `None` without one. Segments executed since
-    /// then remain in `past`.
+    /// Host time at which the pending status query was sent; `None` without one. Segments executed
+    /// since then remain in `past`.
     queried_at: Option<HostTime>,
     /// Position of the last sample taken, in the kernel's pulses.
     pub(super) commanded: PerAxis<Pulses>,
@@ -53,9 +54,10 @@ pub(super) struct LineMotion {
     pub(super) executed: RunTime,
     /// Position at the time `executed`, in the kernel's pulses.
     pub(super) made: PerAxis<Pulses>,
-    /// Since when the oldest queued segment has been the oldest.
+    /// Host time since which the oldest segment in the board's queue has been the oldest.
     pub(super) progressed: HostTime,
-    /// When X and Z last moved: for each axis in positive and in negative direction.
+    /// Host times of the last motion of X and of Z, each in positive and in negative direction;
+    /// `None` without such a motion.
     moved: [[Option<HostTime>; 2]; 2],
     /// Whether the next sample continues from the end of a thread pass.
     pub(super) resumes: bool,
@@ -81,7 +83,8 @@ impl LineMotion {
         }
     }
 
-    /// Aligns the counts of board and kernel, for a standstill at the kernel time `at`.
+    /// Stores that the count `board` of the board and the count `kernel` of the kernel, both in
+    /// pulses, are the same position, at standstill at the kernel time `at`.
     pub(super) fn align(&mut self, kernel: PerAxis<Pulses>, board: PerAxis<Pulses>, at: RunTime) {
         self.offset = PerAxis::new(
             Pulses(board.x.0 - kernel.x.0),
@@ -116,12 +119,13 @@ impl LineMotion {
         self.segments.begin(self.commanded, self.executed);
     }
 
-    /// Forgets the recent directions of the axes.
+    /// Forgets in which directions the axes have moved recently.
     pub(super) const fn forget_directions(&mut self) {
         self.moved = [[None; 2]; 2];
     }
 
-    /// Returns the duration of the motion that may not be executed yet.
+    /// Returns the duration of the motion that the board may not have executed yet at the host time
+    /// `now`.
     pub(super) fn outstanding(&self, now: HostTime) -> Duration {
         let handed: Duration = self.handed.iter().map(|(_, one)| one.duration).sum();
         let last = self.handed.back().map_or(now, |(made_by, _)| *made_by);
@@ -138,8 +142,8 @@ impl LineMotion {
             && self.segments.pending() == RunTime::ZERO
     }
 
-    /// Moves the next waiting segment to the board's queue and returns it; `None` if its line
-    /// does not fit into `free_bytes`.
+    /// Counts the next waiting segment as sent to the board's queue and returns it; `None` if no
+    /// segment waits or its line does not fit into `free_bytes`.
     pub(super) fn next_segment(
         &mut self,
         free_bytes: usize,
@@ -186,7 +190,8 @@ impl LineMotion {
         }
     }
 
-    /// Stores when a status query was sent: the report describes the motion from then on.
+    /// Stores that a status query was sent at the host time `now`. Its report describes the
+    /// position at that time or later.
     pub(super) const fn report_requested(&mut self, now: HostTime) {
         self.queried_at = Some(now);
     }
@@ -196,8 +201,8 @@ impl LineMotion {
         self.queried_at = None;
     }
 
-    /// Counts segments of the pulse timer as executed when their time has passed, or all if
-    /// the board is at standstill.
+    /// Counts segments in the pulse timer of the board as executed if their time has passed at the
+    /// host time `now`, or all of them if the board is at standstill (`stands`).
     pub(super) fn settle(&mut self, stands: bool, now: HostTime) {
         while let Some((_, segment)) = self
             .handed
@@ -224,7 +229,8 @@ impl LineMotion {
         while self.past.pop_front_if(|(at, _)| *at < oldest).is_some() {}
     }
 
-    /// Whether the oldest queued segment takes much longer than its duration.
+    /// Whether the oldest segment in the board's queue is overdue: it takes longer than its
+    /// duration by [`LATE`].
     pub(super) fn is_late(&self, now: HostTime) -> bool {
         let waits = now.saturating_sub(self.progressed);
         let oldest = self.queued.front();
@@ -237,8 +243,8 @@ impl LineMotion {
         handed.chain(&self.queued)
     }
 
-    /// Returns the directions in which X and Z move, 1 or -1; 0 if an axis is at standstill or
-    /// reverses now.
+    /// Returns the directions in which X and Z move at the host time `now`, 1 or -1; 0 if an axis
+    /// is at standstill or reverses.
     pub(super) fn ways(&self, now: HostTime) -> [i64; 2] {
         let recent = |moved: Option<HostTime>| {
             moved.is_some_and(|moved| now.saturating_sub(moved) < PREPARED)
@@ -284,7 +290,8 @@ impl LineMotion {
         )
     }
 
-    /// Returns the distance of the board's position from the commanded path, mm.
+    /// Returns the distance of the position `board`, a count of the board in pulses, from the
+    /// commanded path, mm of the slide.
     pub(super) fn off_path(&self, board: PerAxis<Pulses>) -> f64 {
         let [per_x, per_z] = self.pulses_per_mm;
         let millimetres = |pulses: PerAxis<Pulses>| {
@@ -304,7 +311,8 @@ impl LineMotion {
         nearest
     }
 
-    /// Whether a position equals the commanded one, within the three decimals of a report.
+    /// Whether a position, in the kernel's pulses, equals the commanded one, within the three
+    /// decimals of a report.
     pub(super) fn agrees(&self, kernel: PerAxis<Pulses>) -> bool {
         let near = |a: Pulses, b: Pulses, per_mm: f64| {
             let rounding = if per_mm > 500.0 {
@@ -326,7 +334,8 @@ impl LineMotion {
         )
     }
 
-    /// Returns the board's count in a report; `None` for a report without a position.
+    /// Returns the position in a report as the board's count, pulses; `None` for a report without a
+    /// position.
     pub(super) fn board_count(&self, status: StatusReport) -> Option<PerAxis<Pulses>> {
         let [x, z] = status.position?;
         let [per_x, per_z] = self.pulses_per_mm;
@@ -336,7 +345,8 @@ impl LineMotion {
         ))
     }
 
-    /// Returns the kernel's count in a report; `None` for a report without a position.
+    /// Returns the position in a report, in the kernel's pulses; `None` for a report without a
+    /// position.
     pub(super) fn kernel_count(&self, status: StatusReport) -> Option<PerAxis<Pulses>> {
         self.board_count(status).map(|board| self.to_kernel(board))
     }
@@ -347,7 +357,7 @@ const fn directions_between(from: PerAxis<Pulses>, to: PerAxis<Pulses>) -> [i64;
     [(to.x.0 - from.x.0).signum(), (to.z.0 - from.z.0).signum()]
 }
 
-/// Returns the distance of the point `at` from the line between `from` and `to`, mm.
+/// Returns the distance of the point `at` from the straight segment between `from` and `to`, mm.
 fn distance_to_line(at: Point, from: Point, to: Point) -> f64 {
     let along = to - from;
     let square = along.x * along.x + along.z * along.z;

@@ -6,7 +6,7 @@ use super::LineLink;
 use crate::line::response::BoardState;
 use crate::{BoardOutputs, SpindleDirection};
 
-/// The wanted outputs and those sent to the board.
+/// The states of spindle and coolant: those that the kernel wants, and those sent to the board.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LineOutputs {
     pub(super) wanted: BoardOutputs,
@@ -14,7 +14,7 @@ pub(super) struct LineOutputs {
 }
 
 impl LineOutputs {
-    /// Whether the wanted outputs were sent.
+    /// Whether the wanted states of the outputs were sent to the board.
     pub(super) fn are_switched(&self) -> bool {
         self.wanted == self.switched
     }
@@ -24,8 +24,8 @@ impl LineOutputs {
         self.switched = BoardOutputs::default();
     }
 
-    /// Returns the line that switches the wanted outputs, and counts it as sent; `None` if the
-    /// outputs are switched already.
+    /// Returns the line that switches the outputs to their wanted states, and counts it as sent;
+    /// `None` if the wanted states were sent before.
     fn next_line(&mut self) -> Option<String> {
         if self.are_switched() {
             return None;

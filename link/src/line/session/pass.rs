@@ -24,33 +24,34 @@ use gsk_units::{Axis, Point, alarm};
 
 /// Time for which the board waits for its one-turn signals; it sends no report meanwhile.
 const INDEX_WAIT: Duration = Duration::from_secs(5);
-/// Time that is added to time limits for other work of the board.
+/// Time that is added to the time limits of a pass for other work of the board.
 const MARGIN: Duration = Duration::from_secs(2);
-/// Time limit for a report before the pass has begun.
+/// Greatest time between two reports before a pass has begun.
 const START_TIMEOUT: Duration = INDEX_WAIT.saturating_add(MARGIN);
-/// Greatest ratio of the duration of a pass to that at the measured spindle speed.
+/// Greatest ratio of the duration of a pass to its duration at the measured spindle speed.
 const SLOWER: f64 = 1.5;
 /// Least spindle speed, r/min: two turns within [`INDEX_WAIT`] with a margin.
 const LEAST_RPM: f64 = 30.0;
-/// Greatest relative change of a constant spindle speed.
+/// Greatest relative change of a spindle speed that counts as constant.
 const STEADY: f64 = 0.01;
 /// Time for which the reported spindle speed must have been constant before the link accepts a
 /// thread pass.
 const STEADY_FOR: Duration = Duration::from_millis(600);
-/// Relative deviation of the speed that shows that the board has misread the pass.
+/// Greatest relative deviation of the reported speed along a pass from the expected one; a larger
+/// one shows that the board has misread the line of the pass.
 const MISREAD: f64 = 0.1;
 /// Time by which the speed in a report is ahead of the position in it, s.
 const PREPARED: f64 = 0.1;
-/// Tolerance for the spindle speed, which reports round to 1 r/min.
+/// Tolerance for a constant spindle speed, r/min; reports round the speed to 1 r/min.
 const ROUNDING_RPM: f64 = 1.5;
 
 /// A pass that was sent to the board, with its limits.
 #[derive(Clone, Copy, Debug)]
 struct Cutting {
     pass: ThreadPass,
-    /// Time limit for the end of the pass.
+    /// Host time by which the pass must have ended.
     until: HostTime,
-    /// Speed along the pass, mm/min.
+    /// Expected speed along the pass, mm/min.
     speed: f64,
     /// Distance from either end within which the speed is not constant, mm.
     ramps: f64,
@@ -58,7 +59,8 @@ struct Cutting {
     begun: bool,
 }
 
-/// The recently reported spindle speed, constant within its tolerance.
+/// A reported spindle speed that has been constant, within its tolerance, since the host time
+/// `since`.
 #[derive(Clone, Copy, Debug)]
 struct Turning {
     since: HostTime,
@@ -77,7 +79,7 @@ pub(super) struct PassTracker {
 }
 
 impl PassTracker {
-    /// Takes the reported spindle speed, r/min; `None` if a report has no speed.
+    /// Takes the spindle speed of a status report, r/min; `None` if the report has no speed.
     fn follow(&mut self, reported: Option<f64>, now: HostTime) {
         self.spindle = reported.map(|rpm| match self.spindle {
             Some(turning) if (rpm - turning.rpm).abs() <= ROUNDING_RPM.max(STEADY * rpm) => {
@@ -131,7 +133,8 @@ impl PassTracker {
         }
     }
 
-    /// Returns the time limit for a report now; `usual` outside of passes.
+    /// Returns the time after which an unanswered status query means that the board is lost:
+    /// `usual`, but longer until the current pass has begun.
     pub(super) const fn report_timeout(&self, usual: Duration) -> Duration {
         match self.pass {
             Some(Cutting { begun: false, .. }) => START_TIMEOUT,
@@ -141,7 +144,10 @@ impl PassTracker {
 }
 
 impl LineLink {
-    /// Checks the conditions for a pass and sends the pass to the board.
+    /// Checks the conditions for a thread pass and sends the pass to the board.
+    ///
+    /// # Errors
+    /// The unmet condition; nothing was sent.
     pub(super) fn begin_pass(&mut self, pass: &ThreadPass) -> Result<(), PassError> {
         let stands = self.stands_in(&[BoardState::Idle])
             && self.session.state == LinkState::Ready
@@ -209,7 +215,7 @@ impl LineLink {
         ThreadCapability::None(lacks)
     }
 
-    /// Returns the acceleration of the board along a vector, mm/s².
+    /// Returns the acceleration of the board in the direction of `path`, mm/s².
     fn acceleration(&self, path: Point) -> f64 {
         let length = path.length().max(1e-9);
         [(Axis::X, 120), (Axis::Z, 122)]
@@ -249,7 +255,8 @@ impl LineLink {
         line
     }
 
-    /// Handles the board's answer to the pass: finished, or refused with this error number.
+    /// Handles the board's answer to a thread pass: `error` is the number of the error with which
+    /// the board has refused it; `None` if the pass is finished.
     pub(super) fn pass_answered(&mut self, error: Option<u16>) {
         let Some(cutting) = self.thread.pass.take() else {
             return;
@@ -277,7 +284,8 @@ impl LineLink {
         self.send(MODES[1], false);
     }
 
-    /// Takes a report before or during a pass and checks the speed of the board.
+    /// Takes the spindle speed of a status report. During a pass also checks the speed along the
+    /// path: a wrong speed raises an alarm and stops the board.
     pub(super) fn follow_spindle(&mut self, status: &StatusReport) {
         self.thread.follow(status.spindle, self.session.now);
         let at = self.motion.kernel_count(*status);

@@ -18,7 +18,7 @@ const STATUS_IDLE: Duration = Duration::from_millis(200);
 /// Interval of status queries during motion. A value that was damaged on the wire moves the
 /// slides until the next report at most.
 const STATUS_MOVING: Duration = Duration::from_millis(20);
-/// Gap between two calls from which on the host counts as suspended.
+/// Time between two calls of the link from which on the host counts as suspended.
 const AWAY: Duration = Duration::from_millis(100);
 
 impl LineLink {
@@ -213,7 +213,8 @@ impl LineLink {
         }
     }
 
-    /// Advances the time. After a gap the time limits are extended by the duration of the gap.
+    /// Advances the host time to `now`. If the host was suspended, extends all time limits by the
+    /// duration of the gap.
     pub(super) fn advance_time(&mut self, now: HostTime) {
         let gap = now.saturating_sub(self.session.now);
         self.session.now = self.session.now.max(now);

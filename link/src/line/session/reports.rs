@@ -25,17 +25,17 @@ enum ReportedPosition {
 /// The last status report and the pending query for the next one.
 #[derive(Clone, Debug)]
 pub(super) struct Reports {
-    /// When the pending status query was sent; `None` without one.
+    /// Host time at which the pending status query was sent; `None` without one.
     pub(super) queried_at: Option<HostTime>,
     last_query: HostTime,
-    /// When the newest answered query was sent.
+    /// Host time at which the newest of the answered status queries was sent.
     answered: HostTime,
     pub(super) status: Option<StatusReport>,
-    /// The last reported switches; a restart does not change them.
+    /// The switches in the last status report; kept when the board restarts.
     pub(super) pins: Pins,
     still_since: Option<HostTime>,
     count: ReportedPosition,
-    /// When the count last changed.
+    /// Host time at which the reported position last changed.
     changed: HostTime,
 }
 
@@ -58,7 +58,7 @@ impl Reports {
         self.status.map(|status| status.state)
     }
 
-    /// Returns the time of the first report of the current standstill; `None` during motion.
+    /// Returns the host time of the first report of the current standstill; `None` during motion.
     pub(super) const fn still_since(&self) -> Option<HostTime> {
         self.still_since
     }
@@ -72,7 +72,8 @@ impl Reports {
         queried_at.map(|queried_at| now.saturating_sub(queried_at))
     }
 
-    /// Stores `now` as the begin of a standstill, or clears that time if `state` is not idle.
+    /// Stores the host time `now` as the start of a standstill if `state` is idle and no start is
+    /// stored. Clears the start if `state` is not idle.
     pub(super) fn note_standstill(&mut self, state: BoardState, now: HostTime) {
         if state == BoardState::Idle {
             self.still_since.get_or_insert(now);
@@ -81,7 +82,7 @@ impl Reports {
         }
     }
 
-    /// Clears the time of the reported standstill.
+    /// Clears the start of the reported standstill.
     pub(super) const fn forget_standstill(&mut self) {
         self.still_since = None;
     }
@@ -114,26 +115,27 @@ impl Reports {
         self.last_query = HostTime::ZERO;
     }
 
-    /// Drops an overdue query, so that the link repeats it.
+    /// Forgets the pending status query if its answer is overdue: the link then repeats the query.
     pub(super) fn give_up_question(&mut self, now: HostTime) {
         if !self.is_responding(now) {
             self.queried_at = None;
         }
     }
 
-    /// Whether a query sent at or after a moment was answered.
+    /// Whether the board has answered a status query that was sent at or after the host time
+    /// `moment`.
     pub(super) fn has_answered_since(&self, moment: HostTime) -> bool {
         self.answered >= moment
     }
 
-    /// Whether no pending query is overdue.
+    /// Whether no pending status query has been unanswered for longer than [`ANSWER_TIME`].
     fn is_responding(&self, now: HostTime) -> bool {
         self.queried_at
             .is_none_or(|queried_at| now.saturating_sub(queried_at) < ANSWER_TIME)
     }
 
-    /// Returns the position by the last count, in the kernel's pulses; `None` if the counts
-    /// were never aligned.
+    /// Returns the position by the board's last count, in the kernel's pulses; `None` if the counts
+    /// of board and kernel were never aligned.
     pub(super) const fn position(&self) -> Option<PerAxis<Pulses>> {
         match self.count {
             ReportedPosition::Unknown => None,
@@ -173,7 +175,8 @@ impl Reports {
         self.count = ReportedPosition::Unknown;
     }
 
-    /// Whether the count has changed recently and may still change.
+    /// Whether the reported position has changed within the last [`STEADY`]: the axes may still
+    /// move.
     pub(super) fn is_settling(&self, now: HostTime) -> bool {
         now.saturating_sub(self.changed) < STEADY
     }

@@ -10,11 +10,15 @@ use gsk_units::alarm;
 
 /// Least duration of the segment that makes the first pulse of a motion.
 const RUN_UP: Duration = Duration::from_millis(80);
-/// Duration of a standstill before the count is compared.
+/// Duration of a standstill after which the link compares the board's count with the kernel's.
 const SETTLED: Duration = Duration::from_millis(50);
 
 impl LineLink {
-    /// Takes the commanded position at the end of a tick, and sends a segment if one is due.
+    /// Takes the commanded position at the end of a tick of the kernel, and sends a motion segment
+    /// if one is due.
+    ///
+    /// # Errors
+    /// The link accepts no motion now, a limit switch is in the way, or the pulse rate is too high.
     pub(super) fn take_sample(&mut self, sample: Sample) -> Result<(), MotionRefused> {
         if !self.is_prepared() {
             return Err(MotionRefused::NotReady);
@@ -46,7 +50,10 @@ impl LineLink {
         Ok(())
     }
 
-    /// Sends the motion that is not in a segment yet.
+    /// Sends the motion that is not in a segment yet, as a segment of any duration.
+    ///
+    /// # Errors
+    /// The segment needs more pulses per second than the board can make.
     pub(super) fn take_rest(&mut self) -> Result<(), MotionRefused> {
         if !self.is_prepared() {
             return Ok(());
@@ -98,7 +105,8 @@ impl LineLink {
         self.feed();
     }
 
-    /// Compares the board's count when the axes are at standstill and no motion is queued.
+    /// Compares the board's count with the commanded position when the axes are at standstill and
+    /// no motion is queued. Reports the position, or raises an alarm if they differ.
     pub(super) fn verify(&mut self) {
         let flushed = self.session.state == LinkState::Verify;
         let stands = self.session.state == LinkState::Ready;

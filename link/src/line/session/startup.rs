@@ -4,10 +4,10 @@ use core::time::Duration;
 
 use crate::HostTime;
 
-/// Time for the restart of a board after aborted homing.
+/// Time after aborted homing during which a restart of the board is expected.
 const EXCUSED: Duration = Duration::from_secs(1);
 
-/// Whether the board has restarted without a command since it was opened.
+/// Whether the board has restarted without a command since the link was opened.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Start {
     /// The board has not restarted.
@@ -23,7 +23,7 @@ enum Start {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Startup {
     start: Start,
-    /// Time until which a banner is expected.
+    /// Host time until which a banner is expected.
     excused_until: HostTime,
     /// Whether the link unlocks the board at the next report: after RESET, or after homing of
     /// one axis.
@@ -48,12 +48,14 @@ impl Startup {
         }
     }
 
-    /// Whether the board has restarted and was not reopened since.
+    /// Whether the board has restarted without a command and the link has not repeated the opening
+    /// since.
     pub(super) fn is_restarted(&self) -> bool {
         self.start != Start::None
     }
 
-    /// Whether a received banner is expected.
+    /// Whether a banner received at the host time `now` is expected. After a reported start only
+    /// the first banner is.
     pub(super) fn expects_banner(&mut self, now: HostTime) -> bool {
         let begun = self.start == Start::Begun;
         let expected = begun || now < self.excused_until;
@@ -63,7 +65,8 @@ impl Startup {
         expected
     }
 
-    /// Forgets the restart and requests the unlocking: the link opens the board again.
+    /// Forgets the restart and requests that the board is unlocked, because the link repeats the
+    /// opening.
     pub(super) const fn begin_anew(&mut self) {
         self.start = Start::None;
         self.unlocks = true;

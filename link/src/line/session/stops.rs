@@ -12,11 +12,12 @@ use crate::line::realtime::{FEED_HOLD, SOFT_RESET};
 use crate::line::response::BoardState;
 use crate::{HostTime, LinkEvent, LinkState, Pins, Stop, Uncertainty};
 
-/// Time without a report after which a board is lost.
+/// Time after which an unanswered status query means that the board is lost.
 const SILENCE: Duration = Duration::from_millis(500);
-/// Time without an answer after which a line counts as lost.
+/// Time after which an unanswered line counts as lost, and an unanswered Ctrl-X means that the
+/// board is lost.
 const ANSWER_WAIT: Duration = Duration::from_secs(2);
-/// Time limit for the standstill after a feed hold.
+/// Time limit from a feed hold to the standstill of the axes.
 const HOLD_WAIT: Duration = Duration::from_secs(1);
 /// Time limit for all answers of a board at standstill after the host was suspended.
 const ABSENCE_ANSWERS: Duration = Duration::from_millis(300);
@@ -42,11 +43,12 @@ pub(super) enum Halt {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Waking {
     since: HostTime,
-    /// Whether the next report answers a query from before the gap.
+    /// Whether the next status report answers a query from before the host was suspended.
     stale: bool,
-    /// Whether a line was written in part: the board may hold the beginning of that line.
+    /// Whether bytes for the board were dropped: the board may hold the beginning of a line.
     cut_off: bool,
-    /// Whether the alarm for the suspended host was raised. A lost board gets another alarm.
+    /// Whether the alarm for the suspended host was raised. It waits for a report, because a lost
+    /// board gets another alarm.
     raised: bool,
 }
 
@@ -54,20 +56,23 @@ pub(super) struct Waking {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Restart {
     since: HostTime,
-    /// When Ctrl-X was last sent; the link repeats Ctrl-X because one may be lost.
+    /// Host time at which Ctrl-X was last sent; the link repeats Ctrl-X because one may be lost.
     sent: HostTime,
-    /// Time until which banners of repeated Ctrl-X may arrive; `None` before the first banner.
+    /// Host time until which banners in answer to repeated Ctrl-X may arrive; `None` before the
+    /// first banner.
     quiet_at: Option<HostTime>,
 }
 
-/// A stop or restart of the board in progress, and what follows it.
+/// The progress of a stop or restart of the board, and its consequences for the position and the
+/// limit switches.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LineStop {
     pub(super) halt: Halt,
     /// Whether the motors may have lost steps in the stop.
     pub(super) too_sudden: bool,
-    /// After a limit alarm: the directions in which X and Z moved, until the next report names
-    /// the switch. An axis whose switch was operated before has `None`.
+    /// The directions in which X and Z moved before a limit alarm, 1 or -1, 0 if unknown; an axis
+    /// whose switch was operated before has `None`. Kept until the next report names the switch;
+    /// otherwise `None`.
     pub(super) limit: Option<[Option<i64>; 2]>,
 }
 
@@ -185,7 +190,8 @@ impl LineLink {
             .push(LinkEvent::Halting { reached: false });
     }
 
-    /// Whether a report is from before the gap; then the query is repeated.
+    /// Whether a received status report answers a query from before the host was suspended; then
+    /// the link repeats the query. The first newer report raises the alarm for the suspended host.
     pub(super) fn is_stale_report(&mut self) -> bool {
         let Halt::Waking(waking) = &mut self.stopping.halt else {
             return false;
@@ -295,7 +301,8 @@ impl LineLink {
         }
     }
 
-    /// Completes a restart of the board.
+    /// Completes a restart of the board by Ctrl-X: forgets motion, reports and outputs, and unlocks
+    /// the board if that was requested.
     fn restarted(&mut self) {
         self.stopping.halt = Halt::None;
         self.forget_motion();
@@ -422,8 +429,9 @@ impl LineLink {
         }
     }
 
-    /// Raises the alarm of the limit switch that stopped the board; of both if none is
-    /// operated any more. `ways` are the directions in which the axes moved.
+    /// Raises the alarm of each limit switch that is operated, or of both if none is operated any
+    /// more. `ways` are the directions in which X and Z moved before, 1 or -1, 0 if unknown; `None`
+    /// for an axis whose switch was operated before.
     pub(super) fn name_limits(&mut self, pins: Pins, ways: [Option<i64>; 2]) {
         for (axis, operated) in [pins.x, pins.z].into_iter().enumerate() {
             if let (true, Some(way)) = (operated, ways[axis]) {

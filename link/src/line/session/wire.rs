@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 use crate::line::realtime::STATUS_QUERY;
 use crate::{HostTime, Traffic};
 
-/// Greatest length of a line from the board, bytes.
+/// Greatest length of a line from the board, bytes; the rest of a longer line is dropped.
 const LINE_BYTES: usize = 512;
 
 /// A line that was sent and that the board has not answered yet.
@@ -30,7 +30,8 @@ pub(super) struct LineWire {
 }
 
 impl LineWire {
-    /// Queues a line for the port; adds a missing line end.
+    /// Queues a line for the port, with a line end if it has none, and counts it as unanswered.
+    /// `is_segment`: the line is a motion segment.
     pub(super) fn send(&mut self, line: &str, is_segment: bool, now: HostTime) {
         self.outgoing.extend_from_slice(line.as_bytes());
         let ends = line.ends_with('\n');
@@ -76,8 +77,9 @@ impl LineWire {
         lines
     }
 
-    /// Takes a byte and returns the line that ends with this byte; `None` for an empty or
-    /// incomplete line. Characters beyond the greatest length are dropped.
+    /// Takes a byte from the board and returns the line that ends with this byte, without its line
+    /// end; `None` for an empty or incomplete line. Characters beyond the greatest length are
+    /// dropped.
     pub(super) fn receive(&mut self, byte: u8) -> Option<String> {
         match byte {
             b'\n' | b'\r' => {
@@ -118,8 +120,8 @@ impl LineWire {
         self.unanswered.iter().all(|line| line.is_segment)
     }
 
-    /// Returns the greatest possible number of characters in the board's receive buffer: those
-    /// of all unanswered lines.
+    /// Returns the number of characters in all unanswered lines: the board's receive buffer holds
+    /// at most these.
     pub(super) fn characters(&self) -> usize {
         self.unanswered.iter().map(|line| line.bytes).sum()
     }

@@ -11,35 +11,36 @@ use crate::step_queue::wiring::{Switch, Wiring};
 use crate::{AwaitedInput, HostTime, Input, InputCondition, LinkState, MotionRefused};
 use gsk_units::Axis;
 
-/// Trigger reason of the group: the limit switch of X. The constants below are further
-/// reasons.
+/// Trigger reason of the stop group: the limit switch of X is operated. The constants below are
+/// further trigger reasons.
 pub(super) const LIMIT_X: u32 = 1;
 pub(super) const LIMIT_Z: u32 = 2;
 pub(super) const EMERGENCY: u32 = 3;
 pub(super) const SILENT_HOST: u32 = 4;
 pub(super) const DRIVES: u32 = 5;
-/// Trigger reason: the awaited input of X. The next number is that of Z.
+/// Trigger reason of the stop group: the awaited input of X meets its condition. The next number is
+/// that of Z.
 pub(super) const REACHED: u32 = 6;
 pub(super) const REACHED_Z: u32 = 7;
 pub(super) const FLUSH: u32 = 9;
-/// Number of consecutive equal samples for an operated switch.
+/// Number of consecutive samples with the same level after which a switch counts as operated.
 const SAMPLES: i64 = 4;
 /// Interval of the samples that confirm an operated switch.
 const SAMPLE: Duration = Duration::from_micros(15);
 /// Interval at which the board polls a switch.
 const LOOK: Duration = Duration::from_millis(1);
-/// Number of polls of an awaited input between two pulses.
+/// Number of times that the board polls an awaited input between two pulses.
 const LOOKS: f64 = 4.0;
 /// Least interval at which the board polls an awaited input.
 const OFTEN: Duration = Duration::from_micros(50);
-/// Interval of the group's reports.
+/// Interval at which the stop group sends reports.
 const REPORT: Duration = Duration::from_millis(100);
-/// Time without a report after which the group counts as silent.
+/// Time without a report after which the stop group counts as silent.
 pub(super) const SILENT: Duration = Duration::from_millis(450);
-/// Timeout of the group after arming.
+/// Time after arming within which the link must renew the stop group; otherwise it stops the axes.
 const FIRST: Duration = Duration::from_millis(250);
 
-/// The state of the group in the board.
+/// The state of the stop group in the board.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum GroupState {
     /// The group was never armed.
@@ -57,14 +58,14 @@ enum GroupState {
 pub(super) struct Group {
     which: usize,
     state: GroupState,
-    /// Time of the last report of the group.
+    /// Host time of the last report of the group.
     reported: HostTime,
     /// The awaited inputs of X and of Z; `None` without one.
     waits: [Option<Wait>; 2],
     /// Whether the limit switch of X or Z is not watched because it was operated.
     left_out: [bool; 2],
-    /// Levels that end the wait for a change of a pin, of X and of Z. A level remains valid
-    /// across a stop by another input.
+    /// Pin levels, 0 or 1, that end the wait of X and of Z for a change of an input; `None` without
+    /// such a wait. A level remains valid across a stop by another input.
     edges: [Option<i64>; 2],
 }
 
@@ -72,11 +73,11 @@ pub(super) struct Group {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wait {
     pub(super) awaited: AwaitedInput,
-    /// When the pending query for the pin's level was sent; `None` without a query.
+    /// Host time at which the pending query for the pin's level was sent; `None` without a query.
     queried_at: Option<HostTime>,
     /// The level of the pin that stops the axes, 0 or 1.
     pub(super) level: i64,
-    /// The board clock from which on the board watches the pin.
+    /// The board clock from which on the board watches the pin, ticks.
     from: u64,
 }
 
@@ -137,30 +138,31 @@ impl Group {
         self.state = GroupState::Triggered;
     }
 
-    /// Whether reports of the armed group are missing.
+    /// Whether the group is armed but has sent no report for [`SILENT`].
     pub(super) fn is_silent(&self, now: HostTime) -> bool {
         self.is_armed() && now.saturating_sub(self.reported) >= SILENT
     }
 
-    /// Removes and returns the awaited input of X [0] and of Z [1] after a stop; `None` for an
-    /// axis that awaits no input.
+    /// Removes and returns the awaited inputs of X (index 0) and of Z (index 1), after a stop;
+    /// `None` for an axis that awaits no input.
     pub(super) fn take_waits(&mut self) -> [Option<Wait>; 2] {
         core::mem::take(&mut self.waits)
     }
 
-    /// Forgets the awaited edges of both axes.
+    /// Forgets the levels that end the waits of both axes for a change.
     pub(super) const fn forget_edges(&mut self) {
         self.edges = [None; 2];
     }
 
-    /// Forgets the awaited edge of an axis.
+    /// Forgets the level that ends the wait of an axis (0 for X, 1 for Z) for a change.
     pub(super) const fn forget_edge(&mut self, axis: usize) {
         self.edges[axis] = None;
     }
 }
 
 impl StepLink {
-    /// Arms the group at standstill, with all switches that may stop the axes.
+    /// Arms the other stop group at standstill: the board then stops the axes at each wired switch
+    /// that is not operated already.
     pub(super) fn arm_group(&mut self) {
         let Some(wiring) = self.wiring.clone() else {
             return;
@@ -190,7 +192,8 @@ impl StepLink {
         self.motion.queue.forget_steps();
     }
 
-    /// Makes the board watch a switch of the group from a clock on, or stop watching it.
+    /// Makes the board watch a switch of the stop group from the board clock `at` on, or stop
+    /// watching it if it is operated or not needed.
     fn watch_switch(&mut self, switch: Switch, at: u64) {
         let Some(wiring) = &self.wiring else {
             return;
@@ -246,6 +249,9 @@ impl StepLink {
     }
 
     /// Arms an awaited input: the board stops the axes when its condition is met.
+    ///
+    /// # Errors
+    /// The link accepts no motion, or the board has no such input.
     pub(super) fn arm_input(&mut self, awaited: AwaitedInput) -> Result<(), MotionRefused> {
         let (Some(switch), Some(axis)) = (self.switch_at(awaited.input), awaited.input.axis())
         else {
@@ -294,13 +300,14 @@ impl StepLink {
         }
     }
 
-    /// Disarms the awaited input of an axis and forgets its edge.
+    /// Disarms the awaited input of an axis and forgets the level that ends its wait for a change.
     pub(super) fn forget_awaited(&mut self, axis: Axis) {
         self.disarm_input(axis);
         self.group.edges[axis as usize] = None;
     }
 
-    /// Takes the level of a pin: the board then waits for a change from this level.
+    /// Takes the level, 0 or 1, of the pin with the object number `oid`, which the link has
+    /// queried. The board then waits for a change from this level.
     pub(super) fn level_reply(&mut self, oid: i64, level: i64) {
         for axis in 0..2 {
             let Some(wait) = &mut self.group.waits[axis] else {
@@ -325,7 +332,8 @@ impl StepLink {
         }
     }
 
-    /// Repeats level queries without an answer.
+    /// Repeats the queries for the levels of awaited inputs that the board has not answered in
+    /// time.
     pub(super) fn repeat_level_queries(&mut self) {
         let query_timeout = self.query_timeout();
         for axis in 0..2 {
@@ -343,8 +351,8 @@ impl StepLink {
         }
     }
 
-    /// Watches a released limit switch again, at standstill or when the axis is far enough
-    /// from it.
+    /// Makes the board watch a limit switch again that was operated and is free now, at standstill
+    /// or when the axis is far enough from it.
     pub(super) fn watch_left_out(&mut self) {
         if !self.takes_motion() || !self.group.is_armed() {
             return;

@@ -11,7 +11,7 @@ use crate::step_queue::steps::{QueuedStepRun, Steps};
 use crate::{HostTime, LinkConfig, RunTime};
 use gsk_units::{PerAxis, Pulses};
 
-/// Number of slots in the board's queue that the link leaves unused.
+/// Number of entries of the board's motion queue that the link leaves unused.
 const SPARE: usize = 32;
 
 /// Steps on their way to the board's queue.
@@ -21,9 +21,9 @@ pub(super) struct Queue {
     pub(super) flush_due: Option<HostTime>,
     pub(super) slowdown: Slowdown,
     pub(super) backlog: VecDeque<(usize, QueuedStepRun)>,
-    /// Clock of the first step of each run in the board's queue.
+    /// Board clock of the first step of each run in the board's motion queue, ticks.
     pub(super) queued: VecDeque<Ticks>,
-    /// Number of usable slots in the board's queue.
+    /// Number of entries of the board's motion queue that the link may use.
     pub(super) slots: usize,
     pub(super) last_step: Option<Ticks>,
 }
@@ -41,13 +41,14 @@ impl Queue {
         }
     }
 
-    /// Sets the number of usable slots from the number of slots that the board has reported.
+    /// Sets the usable size of the board's motion queue from the number of entries that the board
+    /// has reported.
     pub(super) const fn set_slots(&mut self, slots: u32) {
         self.slots = (slots as usize).saturating_sub(SPARE);
     }
 
-    /// Drops the steps that are not compressed; the board then needs step clocks and
-    /// directions again.
+    /// Drops the steps that are not compressed. Before the next steps the link sends step clocks
+    /// and directions again.
     pub(super) fn forget_steps(&mut self) {
         for steps in &mut self.steps {
             steps.forget();
@@ -63,12 +64,13 @@ impl Queue {
         self.slowdown = Slowdown::default();
     }
 
-    /// Whether steps are not sent yet.
+    /// Whether steps wait in the link: they are not sent yet.
     pub(super) fn is_waiting(&self) -> bool {
         !self.backlog.is_empty() || self.steps.iter().any(|steps| !steps.is_empty())
     }
 
-    /// Returns the clock of the last step sent in this motion; `None` before the first one.
+    /// Returns the board clock of the last step sent in this motion, ticks; `None` before the first
+    /// one.
     pub(super) const fn last_step(&self) -> Option<u64> {
         match self.last_step {
             Some(clock) => Some(clock.unsigned_abs()),
@@ -76,18 +78,21 @@ impl Queue {
         }
     }
 
-    /// Returns the clock of the first step that is not compressed yet; `None` without one.
+    /// Returns the board clock of the first step that is not compressed yet, ticks; `None` without
+    /// one.
     pub(super) fn first_due(&self) -> Option<u64> {
         let first = self.steps.iter().filter_map(Steps::first).min();
         first.map(Ticks::unsigned_abs)
     }
 
-    /// Removes runs that the board has begun by the clock `now` from its queue.
+    /// Removes the runs that the board has begun by the board clock `now` from the list of runs in
+    /// the board's queue.
     pub(super) fn pass(&mut self, now: Ticks) {
         self.queued.retain(|first| *first > now);
     }
 
-    /// Takes the next run with its axis; `None` if no run waits or the board's queue is full.
+    /// Removes and returns the next waiting run with its axis (0 for X, 1 for Z), and counts it as
+    /// sent; `None` if no run waits or the board's queue is full.
     pub(super) fn next_entry(&mut self) -> Option<(usize, QueuedStepRun)> {
         if self.queued.len() >= self.slots {
             return None;
@@ -99,8 +104,8 @@ impl Queue {
         Some((axis, entry))
     }
 
-    /// Returns the clock of the first step of each axis that is not sent yet; `None` without
-    /// one.
+    /// Returns the board clock of the first step of X and of Z that is not sent yet, ticks; `None`
+    /// without one.
     pub(super) fn first_kept(&self) -> [Option<u64>; 2] {
         [0, 1].map(|axis| {
             let mut waiting = self.backlog.iter().filter(|(of, _)| *of == axis);
@@ -144,8 +149,8 @@ impl PulseCounts {
         }
     }
 
-    /// Returns the last count of the board in the kernel's pulses; `None` before the first
-    /// report.
+    /// Returns the last count that the board has reported, in the kernel's pulses; `None` before
+    /// the first report.
     pub(super) fn counted(&self) -> Option<PerAxis<Pulses>> {
         self.board.map(|board| self.to_kernel(board))
     }
@@ -158,18 +163,19 @@ impl PulseCounts {
         )
     }
 
-    /// Returns the position at standstill, or the target of moving axes; `None` if the counts
-    /// were never aligned.
+    /// Returns the last commanded position, in the kernel's pulses: at standstill that of the axes,
+    /// during motion their target. `None` if the counts of board and kernel are not aligned.
     pub(super) fn position(&self) -> Option<PerAxis<Pulses>> {
         (self.alignment != Alignment::None).then_some(self.commanded)
     }
 
-    /// Whether no step and no drive power was lost since the alignment.
+    /// Whether the counts of board and kernel are aligned and no step and no drive power was lost
+    /// since.
     pub(super) const fn is_exact(&self) -> bool {
         matches!(self.alignment, Alignment::Exact)
     }
 
-    /// Marks the alignment as stale: steps may be lost.
+    /// Marks the alignment of the counts as stale: steps or drive power may be lost.
     pub(super) const fn mark_stale(&mut self) {
         if self.is_exact() {
             self.alignment = Alignment::Stale;
@@ -181,8 +187,8 @@ impl PulseCounts {
         self.alignment = Alignment::None;
     }
 
-    /// Extends the low 32 bits of the board's counts to the full counts nearest to the last
-    /// ones.
+    /// Extends the low 32 bits of the board's counts of X and Z, pulses, to the full counts that
+    /// are nearest to the last ones. Changes the sign of an axis with an inverted direction.
     pub(super) fn board_counts(&self, [x, z]: [u32; 2], config: &LinkConfig) -> PerAxis<Pulses> {
         let known = self.board.unwrap_or_default();
         let whole = |low: u32, invert: bool, known: i64| {
@@ -252,7 +258,8 @@ impl StepMotion {
         self.path.end_motion();
     }
 
-    /// Aligns the counts of kernel and board, for a standstill at the kernel time `at`.
+    /// Stores that the count `board` of the board and the count `kernel` of the kernel, both in
+    /// pulses, are the same position, at standstill at the kernel time `at`.
     pub(super) fn align(&mut self, kernel: PerAxis<Pulses>, board: PerAxis<Pulses>, at: RunTime) {
         self.count.offset = PerAxis::new(board.x.0 - kernel.x.0, board.z.0 - kernel.z.0);
         self.count.alignment = Alignment::Exact;
@@ -261,22 +268,25 @@ impl StepMotion {
         self.path.newest.end = at;
     }
 
-    /// Sets the position of the axes at standstill.
+    /// Stores `kernel`, in the kernel's pulses, as position of the axes at standstill, and drops
+    /// all queued motion.
     pub(super) fn stand_at(&mut self, kernel: PerAxis<Pulses>) {
         self.drop_queued();
         self.count.commanded = kernel;
         self.path.stand_at(kernel);
     }
 
-    /// Sets the position at standstill: that of X at the first clock, that of Z at the second.
+    /// Sets the position of the axes at standstill from the commanded path: that of X at the first
+    /// board clock, that of Z at the second, ticks. Without effect if there is no path.
     pub(super) fn stand_at_clocks(&mut self, clocks: [Ticks; 2]) {
         if let Some(kernel) = self.path.at(clocks) {
             self.stand_at(kernel);
         }
     }
 
-    /// Finds the position of a stop on the commanded path and sets it as position at
-    /// standstill.
+    /// Finds the position of a stop, `board` in the board's pulses, on the commanded path up to the
+    /// board clock `now`. Sets it as position of the axes at standstill and returns it with the
+    /// speed before the stop.
     pub(super) fn stopped_at(
         &mut self,
         board: PerAxis<Pulses>,

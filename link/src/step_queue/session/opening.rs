@@ -18,11 +18,11 @@ use super::group::Group;
 use super::periodic::Periodic;
 use super::{ASK_AGAIN, QueryPurpose, StepLink};
 
-/// Time limit for a phase of the opening.
+/// Time limit for an answer of the board during the opening.
 const SILENCE: Duration = Duration::from_secs(5);
 /// Number of dictionary bytes per query.
 const PIECE: usize = 40;
-/// Time for a reset of the board.
+/// Time for which the link sends nothing to a board that it resets.
 const RESTARTS: Duration = Duration::from_millis(200);
 /// Greatest number of resets during an opening.
 const MOST_RESTARTS: u32 = 2;
@@ -58,7 +58,7 @@ pub(super) enum Phase {
     ShutDown { opened: bool },
 }
 
-/// The opening dialogue, and what the board has reported in it.
+/// The opening dialogue with its phase, and the properties that the board has reported.
 #[derive(Clone, Debug)]
 pub(super) struct StepQueueOpening {
     pub(super) phase: Phase,
@@ -84,7 +84,7 @@ impl StepQueueOpening {
         matches!(self.phase, Phase::Running)
     }
 
-    /// Whether the opening was completed, also if the board is shut down.
+    /// Whether the opening was completed; true also if the board has shut down since.
     pub(super) const fn is_opened(&self) -> bool {
         matches!(
             self.phase,
@@ -105,7 +105,7 @@ impl StepQueueOpening {
 }
 
 impl StepLink {
-    /// Starts the opening: forgets the board and queries its sequence number.
+    /// Starts the opening: forgets the board and queries the sequence number that it expects.
     pub(super) fn begin(&mut self) {
         self.opening.phase = Phase::Sync;
         self.opening.opened = self.session.now;
@@ -361,8 +361,8 @@ impl StepLink {
         }
     }
 
-    /// Returns the text of alarm 603 for a refused configuration, with the board's reason if
-    /// known.
+    /// Returns the text of alarm 603 for a refused configuration, with the board's reason; without
+    /// it if `reason` is `None`.
     fn not_taken(&self, reason: Option<&str>) -> Message {
         match reason {
             None => say::board_configuration_refused(),
@@ -376,9 +376,9 @@ impl StepLink {
         }
     }
 
-    /// Handles a shutdown during the opening. A board that shuts down because of an earlier
-    /// host is reset. A board that shuts down because of the configuration is queried once
-    /// more. Returns false if the shutdown is not part of the opening.
+    /// Handles a shutdown during the opening. A board that shuts down because of an earlier host is
+    /// reset. A board that shuts down because of the configuration is queried once more. `text` is
+    /// the number of the shutdown reason. Returns false if the shutdown is not part of the opening.
     pub(super) fn shut_down_early(&mut self, text: u32) -> bool {
         let restarts = match &mut self.opening.phase {
             Phase::Learn { restarts } => *restarts,
@@ -430,7 +430,8 @@ impl StepLink {
         }
     }
 
-    /// Syncs the clock; once it is synced, queries the position and starts the index counter.
+    /// Syncs the board clock; once it is synced, completes the opening: queries the position of the
+    /// axes and starts the counter of the one-turn signal.
     fn learn(&mut self) {
         self.query_clock();
         if !self.clock.is_ready() {

@@ -9,26 +9,27 @@ use crate::{BoardOutputs, HostTime, LinkState, MotionRefused, Output, RunTime, S
 
 /// Least interval between two spindle speed commands: G96 changes the speed in each tick.
 const SPEED_EVERY: Duration = Duration::from_millis(20);
-/// Additional time for the arrival of an output command.
+/// Time by which an output command is sent earlier than motion for the same board clock.
 const AHEAD: Duration = Duration::from_millis(30);
-/// Full spindle voltage, mV.
+/// Voltage of the spindle speed output at the greatest speed, mV.
 const FULL_MV: i64 = 10_000;
 
-/// The wanted outputs and those sent to the board.
+/// The states of spindle and coolant: those that the kernel wants, and those sent to the board.
 #[derive(Clone, Debug, Default)]
 pub(super) struct StepQueueOutputs {
     /// The state of the outputs that the kernel wants.
     pub(super) wanted: BoardOutputs,
     /// The state of the outputs that was sent to the board.
     pub(super) sent: BoardOutputs,
-    /// Motion time and host time of the last spindle speed sent.
+    /// Kernel time and host time of the last spindle speed that was sent.
     speed_sent: (RunTime, HostTime),
-    /// The last value sent to each pin, and the board clock at which it takes effect.
+    /// The last value sent to each output pin, and the board clock at which it takes effect, ticks.
     pins: Vec<(OutputPin, i64, u64)>,
 }
 
 impl StepLink {
-    /// Sends the wanted outputs that differ from those sent. Returns whether any was sent.
+    /// Sends the outputs whose wanted state differs from the state sent before. Returns false if
+    /// none differs or the link cannot send.
     pub(super) fn send_wanted(&mut self) -> bool {
         let (mut wanted, sent) = (self.periodic.outputs.wanted, self.periodic.outputs.sent);
         if wanted == sent || !self.is_running() || self.session.state == LinkState::Lost {
@@ -56,7 +57,11 @@ impl StepLink {
         true
     }
 
-    /// Switches an output when the motion up to `at` has been executed.
+    /// Switches an output to `value` (0 or 1; mV for the spindle speed) when the board has executed
+    /// the motion up to the kernel time `at`.
+    ///
+    /// # Errors
+    /// The board is not ready, or the output is not wired.
     pub(super) fn switch_output(
         &mut self,
         at: RunTime,

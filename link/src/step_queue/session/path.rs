@@ -6,14 +6,14 @@ use crate::step_queue::step_compress::Ticks;
 use crate::{FINE, RunTime, Sample};
 use gsk_units::{PerAxis, Pulses};
 
-/// Number of executed samples that are kept to locate a stop.
+/// Number of executed samples that are stored to find the position of a stop on the path.
 const REMEMBERED: usize = 800;
-/// Number of samples before and after a stop that give its speed.
+/// Number of samples before and after the position of a stop from which the speed is computed.
 const AVERAGED: usize = 10;
 /// Distance from a reversal within which the direction before a stop is ambiguous, pulses.
 const TURNING: i64 = 3;
 
-/// A sample with the board clock of its end.
+/// A sample, and the board clock at its end, ticks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Piece {
     pub(super) sample: Sample,
@@ -24,7 +24,7 @@ pub(super) struct Piece {
 #[derive(Clone, Debug)]
 pub(super) struct Path {
     pub(super) newest: Sample,
-    /// Board clock at the end of the motion; `None` without motion.
+    /// Board clock at the end of the motion, ticks; `None` without motion.
     pub(super) end: Option<Ticks>,
     /// Kernel time at the end of the motion.
     end_run: RunTime,
@@ -32,14 +32,14 @@ pub(super) struct Path {
     pub(super) rested: bool,
     /// Whether the kernel has reported a standstill.
     pub(super) finished: bool,
-    /// Whether samples without motion take time in the board.
+    /// Whether samples without motion delay the following motion in the board by their duration.
     pub(super) keeps_time: bool,
     pieces: VecDeque<Piece>,
     made: VecDeque<Piece>,
     pub(super) executed: RunTime,
 }
 
-/// Speed and direction at a stop.
+/// Speed and direction of the axes at the position of a stop.
 pub(super) struct Located {
     /// Speed before the stop, mm/min.
     pub(super) speed: f64,
@@ -62,22 +62,24 @@ impl Path {
         }
     }
 
-    /// Ends the motion: drops its end and marks the path as finished and at rest.
+    /// Ends the motion: clears the board clock of its end and marks the path as finished and at
+    /// rest.
     pub(super) const fn end_motion(&mut self) {
         self.end = None;
         self.finished = true;
         self.rested = true;
     }
 
-    /// Sets the position of the axes at standstill.
+    /// Stores `kernel`, in the kernel's pulses, as position of the axes at standstill, and drops
+    /// all samples.
     pub(super) fn stand_at(&mut self, kernel: PerAxis<Pulses>) {
         self.newest = Sample::new(self.newest.end, kernel);
         self.pieces.clear();
         self.made.clear();
     }
 
-    /// Adds a sample that the board executes between two clocks. `rests`: the sample has no
-    /// motion.
+    /// Adds a sample that the board executes between the board clocks `from` and `end`, ticks.
+    /// `rests`: the sample has no motion.
     pub(super) fn push(&mut self, sample: Sample, from: Ticks, end: Ticks, rests: bool) {
         if self.end != Some(from) {
             // The position where this motion begins.
@@ -103,12 +105,12 @@ impl Path {
         }
     }
 
-    /// Returns the time without motion after the end of the motion.
+    /// Returns the duration of the samples without motion after the end of the motion.
     pub(super) const fn rest_after_end(&self) -> RunTime {
         self.newest.end.saturating_sub(self.end_run)
     }
 
-    /// Whether the next sample may be late because the axes are at rest.
+    /// Whether the axes are at rest after the newest sample: the next sample may be late.
     pub(super) const fn is_at_rest(&self) -> bool {
         self.rested || self.finished
     }
@@ -118,7 +120,7 @@ impl Path {
         self.end.is_some() && !(self.rested && self.pieces.is_empty())
     }
 
-    /// Counts samples that end at or before the clock `now` as executed.
+    /// Counts the samples that end at or before the board clock `now`, ticks, as executed.
     pub(super) fn pass(&mut self, now: Ticks) {
         while let Some(piece) = self.pieces.pop_front_if(|piece| piece.clock <= now) {
             self.executed = self.executed.max(piece.sample.end);
@@ -129,15 +131,15 @@ impl Path {
         }
     }
 
-    /// Ends the motion if all of it is executed.
+    /// Clears the end of the motion if all samples are executed.
     pub(super) fn end_if_made(&mut self) {
         if self.pieces.is_empty() {
             self.end = None;
         }
     }
 
-    /// Returns the position of X at the first clock and of Z at the second; `None` without
-    /// samples.
+    /// Returns the commanded position of X at the first board clock and of Z at the second, in the
+    /// kernel's pulses; `None` without samples.
     pub(super) fn at(&self, clocks: [Ticks; 2]) -> Option<PerAxis<Pulses>> {
         let at = |clock: Ticks| {
             let mut made = self.made.iter().chain(&self.pieces);
@@ -148,14 +150,14 @@ impl Path {
         Some(PerAxis::new(x?.x, z?.z))
     }
 
-    /// Returns the sample that is executed at a kernel time, or the last one before it; `None`
-    /// without samples.
+    /// Returns the pending sample that contains the kernel time `at`, or the last pending one if
+    /// all end before it; `None` if no sample is pending.
     pub(super) fn piece_at(&self, at: RunTime) -> Option<Piece> {
         let piece = self.pieces.partition_point(|piece| piece.sample.end < at);
         self.pieces.get(piece).or(self.pieces.back()).copied()
     }
 
-    /// Returns the samples that the board may have begun by the clock `now`.
+    /// Returns the samples that the board may have begun by the board clock `now`, ticks.
     fn reached(&self, now: u64) -> Vec<Sample> {
         let begun = self
             .pieces
@@ -165,8 +167,9 @@ impl Path {
         reached.map(|piece| piece.sample).collect()
     }
 
-    /// Finds a position on the path. Returns whether the position is on the path, and speed
-    /// and direction there. Without any motion the position must be unchanged.
+    /// Finds the position `kernel`, in the kernel's pulses, on the path up to the board clock
+    /// `now`. Returns whether the position is on the path, and the speed and direction of the axes
+    /// there; 0 if it is not. Without any motion the position must be unchanged.
     pub(super) fn locate(
         &mut self,
         kernel: PerAxis<Pulses>,
@@ -202,8 +205,8 @@ impl Path {
     }
 }
 
-/// Returns the direction of an axis at the last sample, 1 or -1; 0 without motion or shortly
-/// after a reversal.
+/// Returns the direction of an axis (0 for X, 1 for Z) at the last sample, 1 or -1; 0 without
+/// motion or shortly after a reversal.
 fn last_direction(samples: &[Sample], axis: usize) -> i64 {
     let at = |sample: &Sample| [sample.fine.x, sample.fine.z][axis];
     let Some(end) = samples.last().map(at) else {

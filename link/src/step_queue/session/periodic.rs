@@ -17,13 +17,15 @@ const CLOCK_FIRST: Duration = Duration::from_millis(50);
 const CONFIG_EVERY: Duration = Duration::from_secs(1);
 /// Interval at which the link renews the stop group.
 const HEARTBEAT_EVERY: Duration = Duration::from_millis(50);
-/// Timeout of the stop group after a renewal.
+/// Time after a renewal within which the link must renew the stop group again; otherwise it stops
+/// the axes.
 const HEARTBEAT_DURATION: Duration = Duration::from_millis(250);
 /// Interval at which the link renews the enable of the drives.
 const ENABLE_EVERY: Duration = Duration::from_millis(100);
-/// Greatest time between the clocks of two renewals; the board allows 500 ms.
+/// Greatest time between the board clocks of two renewals of the enable; the board allows 500 ms.
 const ENABLE_APART: Duration = Duration::from_millis(400);
-/// Time within which missing renewals of an earlier host have their effect.
+/// Time after the opening within which the board may shut down because an earlier host no longer
+/// renews its outputs.
 const INHERITED: Duration = Duration::from_millis(800);
 
 /// The enable of the drives. The board disables the drives when the link does not renew the
@@ -33,7 +35,7 @@ pub(super) struct Enable {
     pub(super) on: bool,
     /// Whether the last message has enabled the drives.
     sent: bool,
-    /// The board clock at which the last message takes effect.
+    /// The board clock at which the last message takes effect, ticks.
     sent_for: u64,
     due: HostTime,
 }
@@ -42,7 +44,7 @@ pub(super) struct Enable {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Periodic {
     pub(super) enable: Enable,
-    /// Time until which an earlier host may have caused a shutdown.
+    /// Host time until which a shutdown of the board may be caused by an earlier host.
     pub(super) inherited_until: HostTime,
     clock_queried_at: Option<HostTime>,
     clock_due: HostTime,

@@ -8,17 +8,17 @@ use super::{GIVE_UP, PositionQuery, QueryPurpose, StepLink};
 use gsk_messages::say;
 
 impl StepLink {
-    /// Estimates the position of a board that does not answer: the commanded position at a
-    /// time.
+    /// Estimates the position of the axes of a board that does not answer: the commanded position
+    /// at the host time `at`.
     pub(super) fn estimate_position(&mut self, at: HostTime) {
         self.stopping = None;
         let clock = self.clock.at(at.min(self.session.now)) as Ticks;
         self.motion.stand_at_clocks([clock; 2]);
     }
 
-    /// Estimates the position of a board that has shut down: the commanded position at a
-    /// time, but not beyond the confirmed steps. With `in_last` the board may have shut
-    /// down in the last confirmed block.
+    /// Estimates the position of the axes of a board that has shut down: the commanded position at
+    /// the host time `at`, but not beyond the confirmed steps. With `in_last` the board may have
+    /// shut down in the last confirmed block.
     pub(super) fn estimate_position_sent(&mut self, at: HostTime, in_last: bool) {
         self.stopping = None;
         let clock = self.clock.at(at.min(self.session.now)) as Ticks;
@@ -34,7 +34,8 @@ impl StepLink {
         self.motion.stand_at_clocks(clocks);
     }
 
-    /// Queries the position of the axes for a purpose; replaces a pending query.
+    /// Queries the position of both axes; `purpose` determines what happens with the answer.
+    /// Replaces a pending query.
     pub(super) fn query_position(&mut self, purpose: QueryPurpose) {
         self.query.pending = Some(PositionQuery {
             purpose,

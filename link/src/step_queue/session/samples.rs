@@ -1,4 +1,5 @@
-//! Sends samples to the board as timed steps, and compares the counts.
+//! Sends samples to the board as timed steps, and compares the board's count with the commanded
+//! position.
 
 use crate::Backend;
 use crate::position::Positioned;
@@ -14,9 +15,10 @@ use gsk_units::{PerAxis, Pulses, alarm};
 
 /// Interval at which steps are compressed and sent.
 pub(super) const FLUSH_EVERY: Duration = Duration::from_millis(10);
-/// Least slack of steps that wait to be compressed together with later ones.
+/// Least time until steps must be sent with which they wait to be compressed together with later
+/// ones.
 const LEAST_SLACK: Duration = Duration::from_millis(45);
-/// Factor of the permitted time error of steps, by their slack.
+/// Factor of the permitted time error of steps, by the least time until they must be sent.
 const COARSER: [(Duration, Ticks); 4] = [
     (Duration::from_millis(70), 1),
     (Duration::from_millis(50), 2),
@@ -24,22 +26,28 @@ const COARSER: [(Duration, Ticks); 4] = [
     (Duration::from_millis(10), 8),
 ];
 const COARSEST: Ticks = 16;
-/// Interval at which the counts are compared at standstill.
+/// Interval at which the counts of board and kernel are compared at standstill.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
-/// Duration of a standstill before the counts are compared.
+/// Duration of a standstill after which the counts of board and kernel are compared.
 const SETTLED: Duration = Duration::from_millis(50);
-/// Number of waiting bytes from which on no motion is accepted.
+/// Number of waiting bytes above which the link reports no free lookahead to the kernel.
 pub(super) const MOST_WAITING: usize = 1500;
 
 impl StepLink {
-    /// Returns the greatest clock for the end of motion accepted now: the lookahead and the
-    /// transmission time. A pause of the host up to the lookahead has no effect.
+    /// Returns the greatest board clock, ticks, at which motion accepted now may end: after the
+    /// lookahead and the transmission time. A pause of the host up to the lookahead then has no
+    /// effect.
     pub(super) fn farthest(&self) -> Ticks {
         let reach = self.ahead() + self.margin() + FLUSH_EVERY;
         self.clock.at(self.session.now + reach) as Ticks
     }
 
-    /// Takes the commanded position at the end of a tick and adds its steps to the motion.
+    /// Takes the commanded position at the end of a tick of the kernel and adds its steps to the
+    /// motion.
+    ///
+    /// # Errors
+    /// The link accepts no motion now, a limit switch is in the way, the pulse rate is too high, or
+    /// the motion is late.
     pub(super) fn take_sample(&mut self, sample: Sample) -> Result<(), MotionRefused> {
         if !self.is_prepared() {
             return Err(MotionRefused::NotReady);
@@ -115,22 +123,23 @@ impl StepLink {
         Ok(())
     }
 
-    /// Returns the board clocks at the end of the motion and at the end of the time without
-    /// motion after it; `None` without motion.
+    /// Returns the board clocks, ticks, at the end of the motion and at the end of the samples
+    /// without motion after it; `None` without motion.
     fn end_of_rest(&self) -> Option<(Ticks, Ticks)> {
         let end = self.motion.path.end?;
         let rest = self.motion.path.rest_after_end();
         Some((end, end + self.clock.ticks(rest) as Ticks))
     }
 
-    /// Whether the next sample of a motion is too late.
+    /// Whether a sample that continues the current motion would be too late to be executed without
+    /// a gap.
     fn is_too_late(&self) -> bool {
         let rests = self.motion.path.is_at_rest();
         let late = self.earliest() as Ticks;
         !rests && self.end_of_rest().is_some_and(|(_, rest)| rest < late)
     }
 
-    /// Returns the board clock at which motion accepted now begins.
+    /// Returns the board clock at which motion accepted now begins, ticks.
     pub(super) fn next_begin(&self) -> Ticks {
         let begin = self.farthest();
         match self.end_of_rest() {
@@ -148,8 +157,8 @@ impl StepLink {
         Ok(())
     }
 
-    /// Returns the time until the first step that is not compressed must be sent, with time
-    /// for a retransmission.
+    /// Returns the time within which the first step that is not compressed must be sent; time for a
+    /// retransmission is subtracted.
     fn slack(&self) -> Duration {
         let first = self.motion.queue.first_due().unwrap_or_default();
         let slack = self.clock.duration(first.saturating_sub(self.earliest()));
@@ -160,8 +169,8 @@ impl StepLink {
         self.wire.send_queue.slowness_now(self.session.now)
     }
 
-    /// Compresses the due steps into runs. Steps with little slack give fewer and longer
-    /// runs, with larger time errors.
+    /// Compresses the collected steps into runs and sends these. Steps that must be sent soon give
+    /// fewer and longer runs, with larger time errors.
     fn compress(&mut self) {
         let slack = self.slack().saturating_sub(self.slowness());
         let coarse = COARSER.iter().find(|(least, _)| slack >= *least);
@@ -243,7 +252,8 @@ impl StepLink {
         self.verify(now);
     }
 
-    /// Compares the counts when the axes are at standstill and no motion is queued.
+    /// Queries the board's count for the comparison with the commanded position, when the axes are
+    /// at standstill and no motion is queued.
     fn verify(&mut self, now: Ticks) {
         let settled = self.clock.ticks(SETTLED) as Ticks;
         let made = self
@@ -268,7 +278,8 @@ impl StepLink {
             && !self.motion.is_under_way()
     }
 
-    /// Handles the answer to a position query: `board` is the board's count.
+    /// Handles the answer to a position query by its `purpose`. `board` is the board's count,
+    /// pulses.
     pub(super) fn position_answered(&mut self, purpose: QueryPurpose, board: PerAxis<Pulses>) {
         match purpose {
             QueryPurpose::Stopped => self.stopped(board),

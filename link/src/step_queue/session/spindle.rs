@@ -1,5 +1,5 @@
-//! Predicts the spindle for the kernel at the clock at which the board will execute the
-//! motion of the tick.
+//! Predicts angle and speed of the spindle for the kernel, at the board clock at which the board
+//! will execute the motion of the tick.
 //!
 //! ```text
 //!  index     ┴────────┴────────┴────────┴ ─ ─ ─ ─ ─ ┬ ─ ─ ─ ─ ┬
@@ -18,16 +18,17 @@ use core::time::Duration;
 
 /// Duration of a tick of the kernel.
 const TICK: Duration = Duration::from_millis(1);
-/// Number of predictions that are kept for the comparison with index pulses.
+/// Number of predictions that are stored for the comparison with index pulses.
 const REMEMBERED: usize = 700;
-/// Greatest error of a prediction during a thread, turns.
+/// Greatest permitted error of a prediction during a thread, turns.
 const ALLOWED: f64 = 0.005;
 
 /// The estimate of the spindle and its predictions.
 #[derive(Clone, Debug)]
 pub(super) struct Spindle {
     estimator: SpindleEstimator,
-    /// Clock at the end of each tick and the turns predicted for it, without gaps.
+    /// Board clock at the end of each tick and the spindle angle predicted for it, turns; without
+    /// gaps.
     shown: VecDeque<(Ticks, f64)>,
     /// Board clocks between which the axes have followed the spindle; `None` if they have not.
     followed: Option<(Ticks, Ticks)>,
@@ -50,7 +51,7 @@ impl Spindle {
         }
     }
 
-    /// Whether axes that follow the spindle must stop because of a gap.
+    /// Whether axes that follow the spindle must stop because there was a gap between two ticks.
     pub(super) const fn has_gap(&self) -> bool {
         self.has_gap
     }
@@ -60,7 +61,8 @@ impl Spindle {
         self.estimator.begin_anew();
     }
 
-    /// Returns the turns predicted for a clock; `None` outside the kept predictions.
+    /// Returns the spindle angle that was predicted for a board clock, turns; `None` outside the
+    /// stored predictions.
     fn shown_at(&self, clock: Ticks) -> Option<f64> {
         let after_clock = self.shown.partition_point(|(end, _)| *end < clock);
         let (to, after) = *self.shown.get(after_clock)?;
@@ -101,9 +103,9 @@ impl StepLink {
         }
     }
 
-    /// Predicts the spindle in the kernel's next tick. With `max_correction` the axes follow
-    /// the spindle: the prediction deviates from a constant speed by this many turns at
-    /// most.
+    /// Predicts angle and speed of the spindle for the kernel's next tick. With `max_correction`
+    /// the axes follow the spindle: the prediction deviates from a constant speed by this many
+    /// turns per tick at most.
     pub(super) fn next_spindle(&mut self, max_correction: Option<f64>) -> SpindleView {
         let now = self.clock.at(self.session.now) as Ticks;
         let from = self.next_begin();
@@ -169,7 +171,7 @@ impl StepLink {
         view
     }
 
-    /// Restarts the estimate for another or a restarted board.
+    /// Forgets the estimate and the predictions of the spindle, for another or a restarted board.
     pub(super) fn forget_spindle(&mut self) {
         self.spindle = Spindle::new(self.clock.rate);
     }

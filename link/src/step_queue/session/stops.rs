@@ -21,9 +21,9 @@ use gsk_units::{PerAxis, Pulses, alarm};
 pub(super) enum StopReason {
     /// The kernel has requested a flush.
     Flush,
-    /// Motion was late, or could not be sent in time; the message is the cause for the alarm.
+    /// Motion was late, or could not be sent in time; the alarm gives this message as its cause.
     Late(Message),
-    /// The motion needs more messages than the board accepts.
+    /// The motion needs more messages per second than the board accepts.
     TooFine,
     /// Reports of the stop group are missing.
     GroupSilent,
@@ -31,7 +31,7 @@ pub(super) enum StopReason {
     Trip(u32),
 }
 
-/// A stop in progress: its reason and times.
+/// A stop in progress: its reason, and the times of its start and of the last query.
 #[derive(Clone, Debug)]
 pub(super) struct StepQueueStop {
     reason: StopReason,
@@ -42,8 +42,8 @@ pub(super) struct StepQueueStop {
 }
 
 impl StepLink {
-    /// Handles an open emergency stop contact of the board: disables the drives and stops the
-    /// axes.
+    /// Handles an emergency stop contact of the board that is open: disables the drives and stops
+    /// the axes.
     pub(super) fn trip(&mut self) {
         self.periodic.enable.on = false;
         if self.takes_motion() || self.session.state == LinkState::Homing {
@@ -54,8 +54,9 @@ impl StepLink {
         }
     }
 
-    /// Takes a report of the stop group: object number, whether it can trigger, reason and
-    /// clock.
+    /// Takes a report of the stop group: object number, whether it can still trigger (not 0),
+    /// trigger reason, and low half of the board clock. A triggered group has stopped the axes: the
+    /// link then drops the motion and queries their position.
     pub(super) fn trsync_report(&mut self, [oid, can_trigger, reason, clock]: [u32; 4]) {
         if self.group.armed_oid(self.wiring.as_ref()) != Some(i64::from(oid)) {
             return;
@@ -110,8 +111,8 @@ impl StepLink {
         }
     }
 
-    /// Stops the axes because motion is late or missing. The alarm follows the answer of the
-    /// board, because a lost board is another alarm.
+    /// Stops the axes because motion is late or missing. The alarm with the cause `detail` follows
+    /// when the board has answered, because a lost board gets another alarm.
     pub(super) fn late(&mut self, detail: Message) {
         if self.stopping.is_none() && self.is_opened() {
             self.halt(StopReason::Late(detail));
@@ -119,7 +120,7 @@ impl StepLink {
         self.wire.send_queue.drop_motion();
     }
 
-    /// Stops the axes because the motion needs more messages than the board accepts.
+    /// Stops the axes because the motion needs more messages per second than the board accepts.
     pub(super) fn too_fine(&mut self) {
         if self.stopping.is_none() && self.is_opened() {
             self.halt(StopReason::TooFine);
@@ -195,7 +196,8 @@ impl StepLink {
         }
     }
 
-    /// Completes a stop with the position that the board has reported.
+    /// Completes a stop at the position `board`, a count of the board in pulses: reports the
+    /// position, raises the alarm of the stop, and enters the state that follows its reason.
     pub(super) fn stopped(&mut self, board: PerAxis<Pulses>) {
         let Some(stopping) = self.stopping.take() else {
             return;

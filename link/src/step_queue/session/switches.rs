@@ -11,10 +11,10 @@ use crate::{HostTime, Input, LinkState};
 const SWITCH_EVERY: Duration = Duration::from_millis(10);
 /// Interval of switch queries during motion.
 const SWITCH_MOVING: Duration = Duration::from_millis(40);
-/// Interval of queries for contacts of the control.
+/// Interval of queries for the contacts of the control that are wired to the board.
 const CONTACT_EVERY: Duration = Duration::from_millis(20);
 
-/// A cyclic schedule of queries.
+/// A schedule that queries several pins in turn, one at each due time.
 #[derive(Clone, Copy, Debug, Default)]
 struct Round {
     next: usize,
@@ -22,8 +22,8 @@ struct Round {
 }
 
 impl Round {
-    /// Returns the index of the query that is due now, of `count` queries; `None` if none is
-    /// due.
+    /// Returns the index of the pin, of `count` pins, whose query is due at the host time `now`,
+    /// and sets the next due time `every` later; `None` if none is due.
     fn turn(&mut self, count: usize, every: Duration, now: HostTime) -> Option<usize> {
         if now < self.due || count == 0 {
             return None;
@@ -34,7 +34,7 @@ impl Round {
     }
 }
 
-/// The reported switches and the schedule of queries.
+/// The reported states of the switches, and the schedules of their queries.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Switches {
     levels: Vec<(Input, bool)>,
@@ -48,7 +48,7 @@ impl Switches {
         level.map(|(_, operated)| *operated)
     }
 
-    /// Whether all switches were reported.
+    /// Whether the board has reported the levels of all wired switches.
     pub(super) fn all_reported(&self, wiring: Option<&Wiring>) -> bool {
         wiring.is_some_and(|wiring| wiring.switches.len() == self.levels.len())
     }
@@ -69,7 +69,7 @@ impl Switches {
         }
     }
 
-    /// Stores the level with which a pin has stopped the axes.
+    /// Stores the level, 0 or 1, at which the pin of a switch has stopped the axes.
     pub(super) fn level_met(&mut self, switch: Switch, level: i64) {
         let levels = self.levels.iter_mut();
         for (_, operated) in levels.filter(|(input, _)| *input == switch.input) {

@@ -25,7 +25,8 @@ impl StepQueueWire {
         }
     }
 
-    /// Forgets the board and queries the expected sequence number.
+    /// Forgets the dictionary and all messages, and starts to query the sequence number that the
+    /// board expects.
     pub(super) fn begin(&mut self) {
         self.dictionary = Dictionary::default();
         self.reader.forget();
@@ -57,20 +58,20 @@ impl StepQueueWire {
         QueuedMessage::plain(self.dictionary.message(command, arguments))
     }
 
-    /// Sends a command after the waiting messages.
+    /// Queues a command after the waiting messages.
     pub(super) fn send(&mut self, command: Command, arguments: &[i64]) {
         let message = self.plain(command, arguments);
         self.send_queue.push(message);
     }
 
-    /// Sends a command before the waiting messages.
+    /// Queues a command before the waiting messages.
     pub(super) fn send_urgent(&mut self, command: Command, arguments: &[i64]) {
         let message = self.plain(command, arguments);
         self.send_queue.push_urgent(message);
     }
 
-    /// Sends a command before the waiting messages. The command is dropped if it would arrive
-    /// after the board clock `due`.
+    /// Queues a command before the waiting messages. The command is dropped if it would arrive
+    /// after the board clock `due`, ticks.
     pub(super) fn send_urgent_until(&mut self, command: Command, arguments: &[i64], due: u64) {
         let message = QueuedMessage {
             due: Some(due),
@@ -79,7 +80,8 @@ impl StepQueueWire {
         self.send_queue.push_urgent(message);
     }
 
-    /// Sends a query whose reply must not be mistaken for an older one.
+    /// Queues a query before the waiting messages. `mark` is its kind: replies to older queries of
+    /// this kind no longer count.
     pub(super) fn send_query(&mut self, command: Command, arguments: &[i64], mark: Mark) {
         let message = QueuedMessage {
             mark: Some(mark),
@@ -88,7 +90,8 @@ impl StepQueueWire {
         self.send_queue.push_urgent(message);
     }
 
-    /// Sends a command of the motion that must arrive before the board clock `due`.
+    /// Queues a command of the motion. The link stops the axes if the command cannot arrive before
+    /// the board clock `due`, ticks.
     pub(super) fn send_timed(&mut self, command: Command, arguments: &[i64], due: u64) {
         let message = QueuedMessage {
             due: Some(due),
@@ -99,7 +102,8 @@ impl StepQueueWire {
         self.send_queue.push(message);
     }
 
-    /// Sends steps of an axis; the first step is at the board clock `due`.
+    /// Queues a run of steps of an axis (0 for X, 1 for Z); its first step is at the board clock
+    /// `due`, ticks.
     pub(super) fn send_steps(&mut self, axis: usize, arguments: &[i64], due: u64) {
         let message = QueuedMessage {
             due: Some(due),
@@ -111,8 +115,9 @@ impl StepQueueWire {
         self.send_queue.push(message);
     }
 
-    /// Sends a command that must arrive before the board clock `due`, or the link stops the
-    /// axes. A stop does not drop the command.
+    /// Queues a command. The link stops the axes if the command cannot arrive before the board
+    /// clock `due`, ticks. A stop does not drop the command. `mark` is the kind of a query; `None`
+    /// for other commands.
     pub(super) fn send_vital(
         &mut self,
         command: Command,
