@@ -16,12 +16,13 @@ use super::nose::Nose;
 use super::round_to_increment;
 use crate::units::Point;
 
-/// A leg counts as parallel to the tip direction if the dot product of its unit normal with
-/// that direction is smaller.
+/// Dot product of the unit normal of a leg with the direction to the tip below which the leg counts
+/// as parallel to that direction.
 const PARALLEL: f64 = 1e-9;
 
-/// The tip positions at the corners B, C, D and A (again) of a box that begins at `start` (A).
-/// `corners` are the programmed ones, in the same order; the last one is returned unchanged.
+/// Returns the tip positions at the corners B, C, D and A (again) of a box that begins at `start`
+/// (A), mm. `corners` are the programmed corners, in the same order; the last one is returned
+/// unchanged.
 pub(crate) fn box_corners(start: Point, corners: [Point; 4], nose: Nose) -> [Point; 4] {
     if nose.radius == 0.0 {
         return corners;
@@ -50,8 +51,8 @@ fn leg_corner(from: Point, corner: Point, next: Point, nose: Nose) -> Point {
     round_to_increment(corner + moved + nose.tip_vector())
 }
 
-/// The unit normal of a leg on the side of the nose centre, and how far the leg moves along
-/// it, mm; `None` for a leg without length.
+/// The unit normal of a leg on the side of the nose centre, and the distance by which the leg is
+/// offset along it, mm; `None` for a leg without length.
 fn leg_offset(leg: Point, nose: Nose) -> Option<(Point, f64)> {
     let normal = leg.unit()?.left();
     let toward = -normal.dot(nose.tip_signs());

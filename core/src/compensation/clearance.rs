@@ -70,8 +70,8 @@ impl Curve {
         curve
     }
 
-    /// The arc from `from` to `to` about the centre of `circle`, parallel to the arc of the
-    /// move `piece`.
+    /// The arc from `from` to `to`, mm, about the centre of `circle`, parallel to the arc of the
+    /// move `piece`; a line if it is too short.
     pub(super) fn parallel_arc(
         from: Point,
         to: Point,
@@ -132,8 +132,8 @@ impl Curve {
         }
     }
 
-    /// The least and the greatest coordinate of the curve along `direction`, scaled by the
-    /// length of `direction`. `along` computes that coordinate of a point.
+    /// The least and the greatest coordinate of the curve along `direction`, mm times the length of
+    /// `direction`. `along` computes that coordinate of a point.
     fn extent(&self, direction: Point, along: impl Fn(Point) -> f64) -> (f64, f64) {
         let (from, to) = (along(self.from), along(self.to));
         let (mut least, mut most) = min_max(from, to);
@@ -158,7 +158,7 @@ impl Curve {
         (least, most)
     }
 
-    /// Splits the curve, an arc, into two halves.
+    /// Splits the curve, whose arc is `arc`, into two halves.
     fn split_arc(&self, arc: &CurveArc) -> [Self; 2] {
         let arm = self.from - arc.center;
         let whole = match sweep(arm, self.to - arc.center, arc.turn) {
@@ -183,7 +183,8 @@ impl Curve {
 }
 
 impl CurveArc {
-    /// Greatest distance of the arc from an arc with its middle radius, mm.
+    /// Greatest distance of the arc, whose radius may change, from the arc with its middle radius,
+    /// mm.
     const fn radius_deviation(&self) -> f64 {
         self.growth.abs() / 2.0
     }
@@ -198,7 +199,7 @@ const fn min_max(one: f64, other: f64) -> (f64, f64) {
     (smaller, larger)
 }
 
-/// Whether the distance of a path from a surface is less than `least`, mm.
+/// Whether the distance of a nose path from a surface is less than `least`, mm.
 pub(super) fn is_closer_than(path: &Curve, surface: &Curve, least: f64) -> bool {
     least > 0.0
         && !are_boxes_apart(path, surface, least)
@@ -239,9 +240,9 @@ fn are_boxes_apart(a: &Curve, b: &Curve, least: f64) -> bool {
     x * x + z * z >= least * least
 }
 
-/// Whether all of `other` is at least `least` to one side of a line. A path and the surfaces
-/// before and after it nearly always pass this test: at a corner of two lines, the path is
-/// beside one surface, or the other surface is beside the path.
+/// Whether all of `other` is at least `least`, mm, to one side of a line; false if `line` is an
+/// arc. A path and the surfaces before and after it nearly always pass this test: at a corner of
+/// two lines, the path is beside one surface, or the other surface is beside the path.
 ///
 /// ```text
 ///    . . . . . . path           ---. path            the surface ends under
@@ -291,7 +292,7 @@ fn distance_to_point(curve: &Curve, point: Point) -> f64 {
     }
 }
 
-/// The foot of the perpendicular from a point to a line; `None` if it is not between the ends
+/// The foot of the perpendicular from a point to a line, mm; `None` if it is not between the ends
 /// of the line.
 fn foot(line: &Curve, point: Point) -> Option<Point> {
     let along = line.to - line.from;

@@ -32,9 +32,9 @@ const TANGENT_MM: f64 = 0.004;
 const SHORT_MOVE_TANGENT_MM: f64 = 0.02;
 /// Length, mm, below which rounding the ends to 0.001 mm turns a move by more than 0.002 rad.
 const SHORT_MOVE_MM: f64 = 0.35;
-/// Directions count as parallel if the cross product of their unit vectors is smaller.
+/// Cross product of two unit vectors below which their directions count as parallel.
 const PARALLEL: f64 = 1e-9;
-/// Cosine of one degree.
+/// Cosine of one degree, the least angle between the paths of a corner that is not sharp.
 const COS_1_DEGREE: f64 = 0.999_847_695_156_391_3;
 
 /// How the nose goes around a corner when compensation starts or is cancelled. Type A has one
@@ -66,7 +66,8 @@ pub(super) enum CornerRole {
 pub(super) struct CornerVectors {
     list: [Point; 4],
     count: u8,
-    /// Whether the only vector ends where the offset paths of both moves meet.
+    /// Whether the corner has a single vector, to the point where the offset paths of both moves
+    /// meet.
     pub(super) meets: bool,
 }
 
@@ -80,7 +81,8 @@ impl CornerVectors {
         vectors
     }
 
-    /// A corner with one vector, to the point where the offset paths of both moves meet.
+    /// A corner with one vector, `point`, mm, to the point where the offset paths of both moves
+    /// meet.
     fn at_meeting(point: Point) -> Self {
         Self {
             meets: true,
@@ -120,17 +122,17 @@ enum CornerKind {
     /// The direction changes so little that the two perpendicular vectors count as equal.
     Straight,
     Inner,
-    /// Inner, with less than one degree between the paths.
+    /// An inner corner with less than one degree between the paths.
     InnerSharp,
     Obtuse,
     Acute,
-    /// Outer, with less than one degree between the paths.
+    /// An outer corner with less than one degree between the paths.
     OuterSharp,
 }
 
-/// Classifies the corner between the directions of travel `exit` of the first and `entry` of
-/// the second move. The nose is on the left for a positive `rho`, on the right for a negative
-/// one.
+/// Classifies the corner between two moves from the unit vectors of travel at the end of the first
+/// (`exit`) and at the start of the second (`entry`). The nose centre is `rho` to the left, mm;
+/// negative values mean right.
 fn classify_corner(exit: Point, entry: Point, rho: f64) -> CornerKind {
     let turned = (exit - entry) * rho;
     if turned.dot(turned) <= SAME_VECTOR_MM * SAME_VECTOR_MM {
@@ -156,8 +158,11 @@ fn classify_corner(exit: Point, entry: Point, rho: f64) -> CornerKind {
     CornerKind::Obtuse
 }
 
-/// Computes the vectors of the corner at the end of `a`. The nose centre is `rho_a` to the
-/// left of `a` and `rho_b` to the left of `b`, mm; negative values mean right.
+/// Computes the vectors of the corner between the moves `a` and `b`, mm. The nose centre is `rho_a`
+/// to the left of `a` and `rho_b` to the left of `b`, mm; negative values mean right.
+///
+/// # Errors
+/// The nose is too large for an inner arc, the nose paths do not meet, or the corner is too sharp.
 pub(super) fn corner_vectors(
     a: &ContourSegment,
     rho_a: f64,
@@ -256,8 +261,8 @@ fn same_side_vectors(
     })
 }
 
-/// The vectors to where the nose rests at a corner with inner arcs that it fills; `None` if it
-/// fills neither arc.
+/// The vectors, mm, to the positions of the nose centre at a corner with inner arcs that the nose
+/// fills; `None` if it fills neither arc. `rho` is the nose radius, positive on the left, mm.
 fn rest_vectors(a: &ContourSegment, b: &ContourSegment, rho: f64) -> Option<CornerVectors> {
     let center = |piece: &ContourSegment| piece.rest_center(rho).map(|center| center - b.start);
     match (center(a), center(b)) {
@@ -311,8 +316,8 @@ fn near_tangent_vectors(
     }
 }
 
-/// Vectors around an acute outer corner: both paths of the nose centre continue by the nose
-/// radius. The flags: whether the outer perpendicular vectors are included.
+/// Vectors around an acute outer corner, mm: both paths of the nose centre continue by the nose
+/// radius. `with_first` and `with_last` include the vectors perpendicular to `a` and to `b`.
 fn extended_vectors(
     a: &ContourSegment,
     b: &ContourSegment,
@@ -332,8 +337,8 @@ fn extended_vectors(
     CornerVectors::from_points(points.get(from..to).unwrap_or(&[]))
 }
 
-/// Vectors of a change between G41 and G42: the intersection of the paths if it is within the
-/// moves, otherwise one vector perpendicular to each move.
+/// Vectors of a change between G41 and G42, mm: one to the intersection of the nose paths if it is
+/// within the moves, otherwise one perpendicular to each move.
 ///
 /// ```text
 ///    A -----P            A ------P

@@ -76,7 +76,7 @@ impl CutterCompensation {
         self.stream.is_on()
     }
 
-    /// Sets the position of the cutter centre before the first move, mm.
+    /// Sets the position of the cutter centre in the plane before the first move, mm.
     pub fn set_position(&mut self, point: Point) {
         self.stream.set_position(point, Frame::default());
     }
@@ -101,15 +101,16 @@ impl CutterCompensation {
         self.push_action((flat.number, flat.line), action, side, nose, true);
     }
 
-    /// Accepts a block without motion in the plane; `number` comes back in
-    /// [`CutterOutput::Other`].
+    /// Accepts a block without motion in the plane; [`take`](Self::take) returns its `number` in
+    /// [`CutterOutput::Other`]. `side` is the active side of the cutter.
     pub fn push_other(&mut self, number: u32, side: CutterSide) {
         let nose = Nose::default();
         self.push_action((number, 0), Action::Nothing, side, nose, true);
     }
 
-    /// Accepts motion that is not compensated and ends at `to`, mm; the move before it ends on
-    /// its programmed point.
+    /// Accepts motion that is not compensated and ends at `to`, mm; the cutter centre first ends
+    /// the move before it on the programmed point. `number` is that of the motion, `side` the
+    /// active side of the cutter.
     pub fn push_uncompensated(&mut self, number: u32, to: Point, side: CutterSide) {
         let nose = Nose::default();
         self.push_action((number, 0), Action::Rapid { to }, side, nose, false);
@@ -156,13 +157,13 @@ impl CutterCompensation {
         self.stream.recent_paths.keep_last();
     }
 
-    /// Releases the last pushed move, whose end then is perpendicular to it, because no
-    /// further move is known.
+    /// Releases the last pushed move. Because no further move is known, the vector at its end is
+    /// perpendicular to the move.
     pub fn flush(&mut self) {
         self.stream.flush();
     }
 
-    /// Returns the next result; `None` until more moves are pushed.
+    /// Removes and returns the next compensated move or block; `None` until more moves are pushed.
     ///
     /// # Errors
     /// The alarm at which compensation ends; the sequence number of its source is the number

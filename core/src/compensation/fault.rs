@@ -66,8 +66,8 @@ impl CompensationFault {
         }
     }
 
-    /// Whether the fault concerns a move together with the one before: that one is not started
-    /// then.
+    /// Whether the fault concerns a move together with the previous move, which is then not
+    /// started.
     pub(crate) const fn is_between_moves(self) -> bool {
         !matches!(
             self,
@@ -75,13 +75,13 @@ impl CompensationFault {
         )
     }
 
-    /// The alarm of this fault, without a position in the program.
+    /// Returns the alarm of this fault, without a position in the program.
     pub(crate) fn alarm(self) -> Alarm {
         Alarm::new(self.number()).with_detail(self.reason())
     }
 
-    /// The alarm of a fault at the corner of two moves. Its position is the first block, which
-    /// is not started, or the second block if the words of that block are wrong in themselves.
+    /// Returns the alarm of a fault at the corner of two moves. Its position is the block `first`,
+    /// which is not started, or the block `second` if the words of that block alone are wrong.
     pub(super) fn corner_alarm(self, first: SourcePosition, second: SourcePosition) -> Alarm {
         let position = match self {
             Self::SamePoint | Self::CenterAtStart | Self::CenterAtEnd | Self::SmallArc => second,

@@ -26,13 +26,13 @@ use super::plane::sweep;
 use super::segment::{Circle, ContourSegment, is_too_short};
 use crate::units::Point;
 
-/// Motion opposite to the programmed direction by less than this is rounding, mm.
+/// Greatest motion opposite to the programmed direction that counts as rounding, mm.
 const BACKWARDS_MM: f64 = 1e-6;
-/// How far the nose may cut into an arc whose end is off its circle, mm: the nose path is
-/// parallel to such an arc only while the radius changes slowly.
+/// Greatest depth to which the nose may cut into an arc whose end is off its circle, mm: the nose
+/// path is parallel to such an arc only while the radius changes slowly.
 const TILTED_ARC_MM: f64 = 0.0005;
 
-/// The vectors at both ends of a move that interference has not ruled out.
+/// The vectors at both ends of a move that the interference check has not dropped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct EndVectors {
     pub(super) start: CornerVectors,
@@ -42,7 +42,7 @@ pub(super) struct EndVectors {
 }
 
 impl EndVectors {
-    /// All vectors of both corners, before any is ruled out; an arc remains an arc.
+    /// All vectors of both corners, before the interference check drops any; an arc remains an arc.
     pub(super) const fn with_all_vectors(start: CornerVectors, end: CornerVectors) -> Self {
         Self {
             start,
@@ -52,7 +52,7 @@ impl EndVectors {
     }
 }
 
-/// The surface and the nose path of an executed move.
+/// The programmed surface and the path of the nose centre of an executed move.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct ExecutedPath {
     surface: Curve,
@@ -76,7 +76,8 @@ impl ExecutedPath {
         }
     };
 
-    /// Overwrites this entry with the surface and the nose path of a move.
+    /// Overwrites this entry with the surface and the nose path of the move `piece`. `rho` is the
+    /// distance of the nose centre to the left of the move, mm.
     #[inline(always)]
     fn set_from(&mut self, piece: &ContourSegment, way: &EndVectors, rho: f64) {
         let (p, q) = (piece.start + way.start.last(), piece.end + way.end.first());
@@ -94,13 +95,13 @@ impl ExecutedPath {
         self.rho = rho;
     }
 
-    /// The programmed end point of the move.
+    /// The programmed end point of the move, mm.
     pub(super) const fn end(&self) -> Point {
         self.surface.to
     }
 }
 
-/// Number of earlier moves with which a move is checked.
+/// Number of earlier moves with which a move is checked for interference.
 const MOVES_BEFORE: usize = 3;
 
 /// The paths of the last moves since the last interruption of the contour, and of the move
@@ -125,7 +126,7 @@ impl RecentPaths {
         self.kept.get(last)
     }
 
-    /// Removes all moves but the last.
+    /// Removes all moves but the last committed one.
     pub(super) fn keep_last(&mut self) {
         if let Some(last) = self.last().copied() {
             self.clear();
@@ -134,7 +135,8 @@ impl RecentPaths {
         }
     }
 
-    /// Writes the path of a move that is still to be checked into the next entry.
+    /// Writes the surface and the path of the move `piece`, which is still to be checked, into the
+    /// next entry. `rho` is the distance of the nose centre to its left, mm.
     #[inline(always)]
     pub(super) fn stage(&mut self, piece: &ContourSegment, way: &EndVectors, rho: f64) {
         if self.kept.len() == self.next {
@@ -255,8 +257,11 @@ pub(super) fn does_cut_neighbours(
     }) || next.is_some_and(|next| before.iter().any(|before| cuts(&before.path, &next)))
 }
 
-/// Drops vectors from both ends of a move until its nose path no longer runs backwards. Fails
-/// if it still does with one vector at each end (alarm 057).
+/// Drops vectors from both ends of a move until its nose path no longer runs opposite to the
+/// programmed direction.
+///
+/// # Errors
+/// Alarm 057: it still does with one vector at each end.
 #[inline]
 pub(super) fn drop_interfering_vectors(
     piece: &ContourSegment,
@@ -291,8 +296,8 @@ fn interferes(piece: &ContourSegment, way: &EndVectors) -> bool {
     }
 }
 
-/// Whether the nose path about an arc runs backwards: its sweep differs from the programmed
-/// one by more than half a turn.
+/// Whether the nose path from `p` to `q` beside an arc runs opposite to the arc: its sweep differs
+/// from the programmed one by more than half a turn.
 fn is_reversed(piece: &ContourSegment, circle: &Circle, p: Point, q: Point) -> bool {
     let (first, last) = (p - circle.center, q - circle.center);
     let (start, end) = (piece.start - circle.center, piece.end - circle.center);

@@ -14,13 +14,17 @@ use super::segment::{ContourSegment, SAME_POINT_MM};
 
 use crate::units::Point;
 
-/// Denominators smaller than this count as zero.
+/// Least denominator that does not count as zero: with a smaller one there is no intersection.
 const LEAST_DENOMINATOR: f64 = 1e-12;
 /// Radicands between this and zero are a rounding error and count as zero.
 const LEAST_RADICAND: f64 = -1e-9;
 
-/// The vector from the end of `a`, the start of `b`, to where the paths of the nose centre
-/// meet, mm. The nose centre is `rho_a` to the left of `a` and `rho_b` to the left of `b`, mm.
+/// The vector from the end of `a`, which is the start of `b`, to the intersection of the paths of
+/// the nose centre, mm. The nose centre is `rho_a` to the left of `a` and `rho_b` to the left of
+/// `b`, mm.
+///
+/// # Errors
+/// The paths do not meet.
 pub(super) fn intersect(
     a: &ContourSegment,
     rho_a: f64,
@@ -33,7 +37,7 @@ pub(super) fn intersect(
     }
 }
 
-/// [`intersect`] for lines and arcs in any combination.
+/// Does the work of [`intersect`] for lines and arcs in any combination.
 fn intersect_paths(
     a: &ContourSegment,
     rho_a: f64,
@@ -88,7 +92,7 @@ impl OffsetPath {
         })
     }
 
-    /// A copy with the radius that the arc of `piece` has at `displacement` from P, for an arc
+    /// A copy with the radius of the nose path at `displacement` from P, mm, for an arc `piece`
     /// whose radius changes.
     fn with_radius_at(&self, piece: &ContourSegment, displacement: Point) -> Self {
         piece.circle.as_ref().map_or(*self, |circle| {
@@ -114,7 +118,11 @@ impl OffsetPath {
     }
 }
 
-/// Intersects two lines through P, each moved along its unit normal by its `rho`, mm.
+/// Returns the intersection, relative to P, of two lines through P that are each offset along their
+/// unit normal by their `rho`, mm.
+///
+/// # Errors
+/// The lines are parallel.
 pub(super) fn intersect_lines(
     normal_a: Point,
     rho_a: f64,
@@ -136,8 +144,9 @@ pub(super) fn intersect_lines(
     Ok(sum * (1.0 / denominator))
 }
 
-/// Intersects a line through P, moved to the left by `rho`, with a circle about `center`.
-/// Returns the intersection closest to P; `None` if they do not meet.
+/// Returns the intersection closest to P, mm, of a circle about `center` with a line through P that
+/// is offset to the left by `rho`; `None` if they do not meet. `along` is the unit vector of the
+/// line.
 fn intersect_line_circle(along: Point, rho: f64, center: Point, radius: f64) -> Option<Point> {
     let beside = along.left() * rho;
     let w = beside - center;
@@ -152,8 +161,11 @@ fn intersect_line_circle(along: Point, rho: f64, center: Point, radius: f64) -> 
     Some(beside + along * distance)
 }
 
-/// Intersects two circles whose centres are relative to P. Returns the intersection closest to
+/// Returns the intersection of two circles that is closest to P, mm; their centres are relative to
 /// P.
+///
+/// # Errors
+/// The circles have the same centre or do not meet.
 fn intersect_circles(
     center_a: Point,
     radius_a: f64,

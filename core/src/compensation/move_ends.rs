@@ -1,4 +1,4 @@
-//! Ends moves: computes the vectors of the corner, checks them, and releases the commands.
+//! Ends open moves: computes the vectors of the corner, checks them, and releases the commands.
 
 use super::corner::{self, CornerRole, CornerVectors};
 use super::fault::CompensationFault;
@@ -49,8 +49,8 @@ impl NoseCompensation {
         }
     }
 
-    /// Prepares a move that follows no open move: it begins at the current position of the
-    /// tip. An arc gets a vector onto its own offset path first.
+    /// Prepares the move `next`, which follows no open move: it begins at the current position of
+    /// the tip. Before an arc the nose first moves onto the path parallel to the arc.
     fn begin_from_tip(&mut self, next: &mut OpenMove) {
         let mut radius = self.tip_state.radius;
         if self.tip_state.cancelled {
@@ -79,8 +79,8 @@ impl NoseCompensation {
         }
     }
 
-    /// Releases the open move, then the command that cancels the compensation, from the
-    /// programmed X `from_x`, mm. `piece` is `None` if the command has no direction.
+    /// Releases the open move, then `command`, which cancels the compensation; its motion starts at
+    /// the programmed X `from_x`, mm. `piece` is its geometry; `None` if it has no motion.
     pub(super) fn cancel(
         &mut self,
         command: ControlCommand,
@@ -144,7 +144,7 @@ impl NoseCompensation {
         self.ready.push_back(command);
     }
 
-    /// Releases a move with its end vector perpendicular to it.
+    /// Releases a move with a single vector at its end, which is perpendicular to the move.
     pub(super) fn end_perpendicular(&mut self, moving: Box<OpenMove>) {
         let square = corner::perpendicular_at_end(&moving.piece, moving.rho());
         self.end_move(
@@ -161,7 +161,8 @@ impl NoseCompensation {
         }
     }
 
-    /// Checks and releases a move with the end `end`, then the commands held after it.
+    /// Checks the move `moving` with the end `end` for interference and releases it, then the
+    /// commands held after it. `next` is the move that follows; `None` if it is unknown.
     fn end_move(&mut self, moving: Box<OpenMove>, end: MoveEnd<'_>, next: Option<NextMove<'_>>) {
         let cancelled = matches!(end, MoveEnd::Cancelled);
         let end = match end {
@@ -195,8 +196,11 @@ impl NoseCompensation {
         self.release_held();
     }
 
-    /// Checks a compensated move for interference and drops vectors that would interfere.
-    /// Stores its path for the checks of later moves.
+    /// Checks a compensated move for interference and drops vectors that would interfere. Stores
+    /// its path for the checks of later moves.
+    ///
+    /// # Errors
+    /// The nose would cut into the part.
     fn check(
         &mut self,
         moving: &OpenMove,
@@ -281,16 +285,16 @@ impl NoseCompensation {
         }
     }
 
-    /// Raises an alarm at the start of the block `source`, after the open move has been
-    /// released.
+    /// Releases the open move, then stores the alarm of `fault` at the block `source`, which is not
+    /// started.
     pub(super) fn fail_before(&mut self, fault: CompensationFault, source: SourcePosition) {
         self.flush();
         self.fault
             .get_or_insert_with(|| fault.alarm().with_source(source));
     }
 
-    /// Raises an alarm at the corner of the open move and the next one. The open move is not
-    /// run.
+    /// Stores the alarm of `fault` at the corner between the open move and the block `next`. The
+    /// open move is not run.
     pub(super) fn fail_at_corner(&mut self, fault: CompensationFault, next: SourcePosition) {
         match self.open_move.take() {
             Some(moving) => {
@@ -300,8 +304,8 @@ impl NoseCompensation {
         }
     }
 
-    /// Raises an alarm instead of running the move `moving`. The moves around the corner
-    /// before it are still run.
+    /// Stores `alarm` instead of running the move `moving`. The moves around the corner before it
+    /// are still run.
     pub(super) fn refuse_move(&mut self, moving: &OpenMove, alarm: Alarm) {
         let vectors = self.tip_state.vectors;
         self.push_corner_moves(moving, &vectors);

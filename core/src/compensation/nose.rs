@@ -15,7 +15,7 @@ pub(crate) struct Nose {
 }
 
 impl Nose {
-    /// The nose data (R and T) in a row of the offset table.
+    /// Reads nose radius (R) and tip direction (T) from a row of the tool offset table.
     pub(crate) const fn from_offset(offset: &ToolOffset) -> Self {
         Self {
             radius: offset.r,

@@ -1,4 +1,4 @@
-//! Moves within the compensation, and their conversion to commands.
+//! Data of the moves that the compensation processes, and the commands that it makes from them.
 
 use serde::{Deserialize, Serialize};
 
@@ -22,7 +22,7 @@ pub(super) struct TipState {
     pub(super) vectors: CornerVectors,
     /// Nose radius for which the vectors were computed, mm.
     pub(super) radius: f64,
-    /// Whether the tip is on the programmed point, without a vector.
+    /// Whether the vector is cancelled: the tip is on the programmed point.
     pub(super) cancelled: bool,
 }
 
@@ -77,8 +77,8 @@ impl OpenMove {
         self.piece.end + self.offset + self.nose.tip_vector()
     }
 
-    /// A copy of the command of the move with `action` instead: a straight line, or an arc
-    /// about the centre of the programmed one.
+    /// A copy of the command of the move whose action is `action`: a straight line, or an arc about
+    /// the centre of the programmed one.
     pub(super) fn command_with(&self, action: Action) -> ControlCommand {
         let programmed_x = || Box::new(self.programmed_x(&action));
         ControlCommand {
@@ -92,7 +92,7 @@ impl OpenMove {
         }
     }
 
-    /// How the programmed X changes while the tip executes `action`.
+    /// Returns the change of the programmed X while the tip executes `action`.
     fn programmed_x(&self, action: &Action) -> ProgrammedX {
         let to = self.piece.end.x + self.offset.x;
         let from = self.piece.start.x + self.offset.x;
@@ -112,8 +112,8 @@ impl OpenMove {
         }
     }
 
-    /// A straight move to `to`, mm, around the corner at the start of this block. The
-    /// programmed point does not move.
+    /// The command for a straight move of the tip to `to`, mm, around the corner at the start of
+    /// this block. The programmed point does not move.
     pub(super) fn corner_command(&self, to: Point) -> ControlCommand {
         let programmed_x = self.piece.start.x + self.offset.x;
         corner_move(&self.command, to, programmed_x)
@@ -152,12 +152,12 @@ impl SpareBox {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NextMove<'a> {
     pub(super) source: SourcePosition,
-    /// The geometry of a compensated move, and the distance of the nose centre to its left,
-    /// mm; `None` for a move that cancels.
+    /// The geometry of a compensated move, and the distance of the nose centre to its left, mm;
+    /// `None` for a move that cancels the compensation.
     pub(super) surface: Option<(&'a ContourSegment, f64)>,
 }
 
-/// Where an open move ends.
+/// The end of an open move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum MoveEnd<'a> {
     Vectors(&'a CornerVectors),
@@ -192,7 +192,7 @@ pub(super) const fn is_contour_move(action: &Action) -> bool {
     )
 }
 
-/// The end point of an action that starts at `from`; `None` without motion.
+/// The end point of an action that starts at `from`, mm; `None` without motion.
 pub(super) fn destination(action: &Action, from: Point) -> Option<Point> {
     match action {
         Action::Rapid { to }
@@ -205,8 +205,11 @@ pub(super) fn destination(action: &Action, from: Point) -> Option<Point> {
     }
 }
 
-/// The geometry of the move `action` from `start` to `end`, which are without the tool offset
-/// `offset`, mm.
+/// The geometry of the move `action` from `start` to `end`, mm, from which the tool offset
+/// `offset`, mm, is already subtracted.
+///
+/// # Errors
+/// Start and end are the same point, or the centre of an arc does not fit its ends.
 pub(super) fn action_segment(
     action: &Action,
     start: Point,
@@ -221,7 +224,8 @@ pub(super) fn action_segment(
     }
 }
 
-/// A straight move of the tip to `to`: at the feed of `action`, or a rapid if it has no feed.
+/// A straight move of the tip to `to`, mm: a cut at the feed of `action`, or a rapid if `action`
+/// has no feed.
 pub(super) fn straight_action(action: &Action, to: Point) -> Action {
     match action_feed(action) {
         Some(feed) => Action::Line { to, feed },
@@ -236,8 +240,8 @@ pub(super) const fn action_feed(action: &Action) -> Option<Feed> {
     }
 }
 
-/// A straight move to `to` around a corner, as part of the block `command`, which follows the
-/// corner. The programmed X remains at `programmed_x`, mm.
+/// A straight move of the tip to `to`, mm, around a corner, as part of the block `command`, which
+/// follows the corner. The programmed X remains at `programmed_x`, mm.
 pub(super) fn corner_move(
     command: &ControlCommand,
     to: Point,
@@ -266,8 +270,8 @@ pub(super) fn with_programmed_x(
     command
 }
 
-/// The arc of the tip to `to`, parallel to that of the nose centre; `None` if the move is a
-/// line or the arc is too short to run.
+/// The arc of the tip to `to`, mm, which equals that of the nose centre, displaced; `None` if the
+/// move is a line or the arc is too short to run.
 pub(super) fn shifted_arc(moving: &OpenMove, way: &EndVectors, to: Point) -> Option<Action> {
     let piece = &moving.piece;
     let circle = piece.circle.as_ref()?;

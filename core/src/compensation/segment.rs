@@ -15,23 +15,24 @@ use super::fault::CompensationFault;
 use super::plane::sweep;
 use crate::units::Point;
 
-/// Points closer than this count as the same, mm.
+/// Greatest distance of two points that count as the same, mm.
 pub(super) const SAME_POINT_MM: f64 = 1e-7;
-/// A centre that is closer than this to an end of its arc counts as on that end, mm.
+/// Greatest distance of the centre of an arc from an end of the arc at which it counts as on that
+/// end, mm.
 const ON_POINT_MM: f64 = 0.0005;
 /// Greatest distance of an end point from the circle of its arc, mm.
 pub(crate) const OFF_CIRCLE_MM: f64 = 0.010;
-/// An end that is closer than this to the circle of its arc counts as on it, mm.
+/// Difference of the radii at the ends of an arc below which its radius counts as constant, mm.
 const ON_CIRCLE_MM: f64 = 1e-10;
-/// How much larger than an inner arc the nose may be, mm: rounding both ends and the centre to
-/// 0.001 mm has this effect.
+/// Greatest excess of the nose radius over the radius of an inner arc, mm: rounding both ends and
+/// the centre to 0.001 mm has this effect.
 const ROUNDING_SHORTAGE_MM: f64 = 0.0018;
 /// The nose fills an inner arc whose radius exceeds the nose radius by less than this, mm.
 const FILLED_ARC_MM: f64 = 0.002;
-/// Arcs with a shorter chord are run as straight lines, mm: rounding could reverse them.
+/// Chord length below which an arc is run as a straight line, mm: rounding could reverse the arc.
 const SHORT_ARC_MM: f64 = 0.002;
 
-/// Sweep, rad, above which an inner arc cannot have a larger nose rest in it.
+/// Greatest sweep, rad, of an inner arc in which a larger nose can rest.
 const WIDE_SWEEP_RAD: f64 = 0.9 * PI;
 
 /// A line or an arc, with the directions of travel at its ends.
@@ -59,7 +60,7 @@ pub(super) struct Circle {
     pub(super) turn: f64,
 }
 
-/// Whether two points are so close that they count as one.
+/// Whether the distance of two points is at most [`SAME_POINT_MM`].
 #[inline]
 pub(super) fn are_same(one: Point, other: Point) -> bool {
     let between = other - one;
@@ -67,7 +68,7 @@ pub(super) fn are_same(one: Point, other: Point) -> bool {
 }
 
 impl ContourSegment {
-    /// A straight move; an error if its ends are the same point.
+    /// Creates a straight move, with its ends in mm; an error if they are the same point.
     pub(super) fn line(start: Point, end: Point) -> Result<Self, CompensationFault> {
         let along = (end - start)
             .unit()
@@ -82,7 +83,8 @@ impl ContourSegment {
         })
     }
 
-    /// An arc about `center`; an error if the centre is on an end or an end is off the circle.
+    /// Creates an arc about `center`, mm; an error if the centre is on an end or an end is off the
+    /// circle.
     pub(super) fn arc(
         start: Point,
         end: Point,
@@ -136,10 +138,10 @@ impl ContourSegment {
         circle.radius + (circle.last_radius - circle.radius) * part
     }
 
-    /// The centre of a nose that fills this inner arc; `None` if the nose does not fill it. A
-    /// nose as large as the arc rests on the centre of the arc, a larger nose above the middle
-    /// of the arc, so that it cuts into neither end. `rho` is the nose radius, positive on the
-    /// left, mm.
+    /// The centre, mm, of a nose that fills this inner arc; `None` if the nose does not fill it. A
+    /// nose as large as the arc rests on the centre of the arc, a larger nose above the middle of
+    /// the arc, so that it cuts into neither end. `rho` is the nose radius, positive on the left,
+    /// mm.
     ///
     /// ```text
     ///   start o    V    o end       the shortage / cos (sweep / 2) from the
@@ -170,13 +172,14 @@ impl Circle {
         (radius - self.turn * rho).max(0.0)
     }
 
-    /// How much larger than this arc the nose is, mm, if the nose centre is `rho` to the left;
-    /// negative if it is smaller.
+    /// Excess of the nose radius over the radius of this arc, mm, if the nose centre is `rho` to
+    /// the left, mm; negative if the nose is smaller.
     fn shortage(&self, rho: f64) -> f64 {
         self.turn * rho - self.radius.min(self.last_radius)
     }
 
-    /// Fails if the nose, `rho` to the left, is too large for this inner arc (alarm 053).
+    /// Fails if the nose, whose centre is `rho` to the left, mm, is too large for this inner arc
+    /// (alarm 053).
     pub(super) fn check_radius(&self, rho: f64) -> Result<(), CompensationFault> {
         if self.shortage(rho) > ROUNDING_SHORTAGE_MM {
             return Err(CompensationFault::SmallArc);
@@ -185,8 +188,10 @@ impl Circle {
     }
 }
 
-/// Checks the distances of an arc's centre from its start and its end, mm: neither may be
-/// zero, and they must be equal within the tolerance.
+/// Checks the distances of an arc's centre from its start and its end, mm.
+///
+/// # Errors
+/// A distance is zero, or they differ by more than the tolerance.
 pub(crate) fn check_arc(at_start: f64, at_end: f64) -> Result<(), CompensationFault> {
     if at_start <= ON_POINT_MM {
         return Err(CompensationFault::CenterAtStart);
@@ -201,8 +206,8 @@ pub(crate) fn check_arc(at_start: f64, at_end: f64) -> Result<(), CompensationFa
     Ok(())
 }
 
-/// Whether the nose path from `p` to `q` beside an arc is so short that it is run as a
-/// straight line.
+/// Whether the nose path from `p` to `q`, mm, beside the arc `piece` is so short that it is run as
+/// a straight line.
 pub(super) fn is_too_short(piece: &ContourSegment, circle: &Circle, p: Point, q: Point) -> bool {
     let (p, q) = (p - circle.center, q - circle.center);
     let short = (q - p).length() < SHORT_ARC_MM;

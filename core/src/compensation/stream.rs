@@ -1,4 +1,4 @@
-//! The stream of commands through compensation C.
+//! Accepts commands for compensation C and decides when each is released.
 
 use std::collections::VecDeque;
 
@@ -19,7 +19,7 @@ use crate::units::Point;
 /// Number of blocks without motion after which the open move ends perpendicular to itself.
 const IDLE_BLOCKS: u8 = 2;
 
-/// What the interpreter adds to a command for the compensation.
+/// Data about a command that the interpreter passes to the compensation with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct CommandContext {
     /// Whether the block moves along a contour (G00 to G03). Other motion (cycles, threads,
@@ -42,8 +42,8 @@ pub(crate) struct NoseCompensation {
     offset: Point,
     #[serde(rename = "stand")]
     pub(super) tip_state: TipState,
-    /// The move that waits for the next one; boxed, since it is passed on more often than
-    /// read.
+    /// The move that waits for the next one; `None` without one. It is boxed because it is passed
+    /// on more often than read.
     #[serde(rename = "moving")]
     pub(super) open_move: Option<Box<OpenMove>>,
     #[serde(skip)]
@@ -91,15 +91,16 @@ impl NoseCompensation {
         *self = Self::default();
     }
 
-    /// Sets the position of the tool before a block, machine coordinates, mm. Only while the
-    /// compensation is off.
+    /// Sets the position of the tool before a block, machine coordinates, mm, and the coordinate
+    /// frame with the tool offset. Call it only while the compensation is off.
     pub(crate) fn set_position(&mut self, machine: Point, frame: Frame) {
         self.machine = machine;
         self.offset = frame.offset;
         self.programmed_end = machine - frame.offset;
     }
 
-    /// Accepts the next command of the program. It is released at once or after the open move.
+    /// Accepts the next command of the program, which is released at once or after the open move.
+    /// `origin` is its context.
     pub(crate) fn push(&mut self, command: ControlCommand, origin: CommandContext) {
         if self.fault.is_some() {
             return;
@@ -117,7 +118,7 @@ impl NoseCompensation {
         }
     }
 
-    /// Releases the open move, whose end is perpendicular to it. Called where no block may be
+    /// Releases the open move with a vector perpendicular to its end. Called where no block may be
     /// read before all commands have been executed.
     pub(crate) fn flush(&mut self) {
         if let Some(moving) = self.open_move.take() {
@@ -186,8 +187,9 @@ impl NoseCompensation {
         }
     }
 
-    /// Releases the open move on its programmed point, then a motion that is not compensated.
-    /// The next move along the contour is compensated again.
+    /// Releases the open move so that it ends on its programmed point, then a motion to `to`,
+    /// machine coordinates, mm, that is not compensated. The next move along the contour is
+    /// compensated again.
     fn push_uncompensated(&mut self, command: ControlCommand, to: Point) {
         self.end_at_programmed_point();
         self.moved = true;
@@ -217,7 +219,7 @@ impl NoseCompensation {
         self.enqueue(command);
     }
 
-    /// Accepts a move of G00 to G03 to `to`, machine coordinates, mm.
+    /// Accepts a move of G00 to G03 to the programmed point `to`, machine coordinates, mm.
     fn push_contour_move(&mut self, command: ControlCommand, to: Point, nose: Nose) {
         let (start, end) = (self.programmed_end, to - self.offset);
         let from = core::mem::replace(&mut self.machine, to);

@@ -9,7 +9,8 @@ use super::straight_rapid;
 use crate::command::MoveKind;
 use crate::units::{Axis, Point, TICK_S};
 
-/// Length of the path of a move, mm (X in radius). A rapid counts as a straight line.
+/// Length of the path of a move, mm (X as a radius). A rapid counts as a straight line. `center` is
+/// the centre of an arc.
 pub(crate) fn path_length(kind: MoveKind, from: Point, to: Point, center: Option<Point>) -> f64 {
     match (kind, center) {
         (MoveKind::Clockwise | MoveKind::CounterClockwise, Some(_)) => {
@@ -27,9 +28,8 @@ fn to_path(kind: MoveKind, from: Point, to: Point, center: Option<Point>) -> Cut
     }
 }
 
-/// Number of time constants after which earlier cuts no longer affect the lag: a
-/// ten-thousandth of the lag of a fast cut is left, which is negligible even beside a
-/// slow cut.
+/// Number of time constants after which earlier cuts no longer affect the lag of the tool: of the
+/// lag of a fast cut less than a thousandth remains, which is negligible even in a slow cut.
 const MEMORY_TIME_CONSTANTS: f64 = 8.0;
 
 /// Consecutive cuts that continue into each other (007.3 = 0), as far back as they
@@ -50,8 +50,8 @@ struct TimedCut {
 }
 
 impl CutChain {
-    /// Adds a cut at `feed` mm/min. Returns the time in which the command reaches its end,
-    /// s.
+    /// Adds a cut at `feed`, mm/min; `center` is the centre of an arc. Returns the time in which
+    /// the commanded position reaches the end of the cut, s; infinite without feed.
     pub fn add_cut(
         &mut self,
         kind: MoveKind,
@@ -86,8 +86,8 @@ impl CutChain {
         time
     }
 
-    /// Ends the chain and returns the time from the end of the last command until the tool
-    /// has arrived there, s. The next cut begins at rest.
+    /// Ends the chain and empties it. Returns the time from the arrival of the commanded position
+    /// at the end of the last cut to the arrival of the tool, s. The next cut begins at rest.
     pub fn finish(&mut self, limits: &MotionLimits) -> f64 {
         let law = limits.cutting_law();
         let constant = law.time_constant();
@@ -146,8 +146,8 @@ pub fn move_duration(
     }
 }
 
-/// Highest speed of each axis in a rapid or a cut, mm/min (for an arc, the speed on its
-/// path); `feed` as for [`move_duration`].
+/// Highest speed of each axis in a rapid or a cut, mm/min; for an arc, the speed along its path.
+/// `displacement` is the vector from start to end, mm; `feed`, mm/min, applies to cuts.
 pub fn top_speed(kind: MoveKind, displacement: Point, feed: f64, limits: &MotionLimits) -> Point {
     if kind == MoveKind::Rapid && limits.rapids_are_straight() {
         return straight_rapid::top_speed(limits, displacement) * 60.0;

@@ -1,5 +1,5 @@
-//! A straight cut that a board makes: its drives follow the spindle and report their
-//! progress now and then.
+//! A straight cut that a board makes: its drives follow the spindle, and it reports its progress
+//! from time to time.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,13 +13,14 @@ pub(super) struct ExternalCut {
     /// Whether the board has started the cut. The control can then no longer stop it.
     #[serde(rename = "begun")]
     is_begun: bool,
-    /// Distance to go of the shown position, and as last reported by the board, mm.
+    /// Distance to go from the displayed position, mm. `reported_remaining` is the distance to go
+    /// that the board last reported, mm.
     #[serde(rename = "rest")]
     remaining: f64,
     #[serde(rename = "told")]
     reported_remaining: f64,
-    /// Distance that the shown position travels per tick, mm, and ticks since the last
-    /// report.
+    /// Distance that the displayed position travels per tick, mm. `ticks` is the number of ticks
+    /// since the last report.
     #[serde(rename = "pace")]
     step_mm: f64,
     ticks: u32,
@@ -50,7 +51,7 @@ impl ExternalCut {
         self.is_begun = true;
     }
 
-    /// Sets the fraction of the cut that the board has made, 0–1. The shown position moves
+    /// Sets the fraction of the cut that the board has made, 0–1. The displayed position moves
     /// evenly until the next report, and never beyond the reported position.
     pub(super) fn report_progress(&mut self, fraction: f64) {
         let reported = self.path.length() * (1.0 - fraction.clamp(0.0, 1.0));

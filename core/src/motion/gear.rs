@@ -33,8 +33,8 @@ pub(crate) struct GearLaw {
 }
 
 impl GearLaw {
-    /// The rate of the gear at which the tool has the speed of 028, for a lead (mm per
-    /// turn) and a spindle speed (turns/s); at most 1.
+    /// The rate of the gear, at most 1, at which the tool has the speed of parameter 028. `lead` is
+    /// in mm per turn, the spindle speed `spin` in turns/s.
     pub(crate) fn lowest_rate(&self, lead: f64, spin: f64) -> f64 {
         let speed = lead * spin;
         if self.time_constant_s <= 0.0 || speed <= self.lowest_mm_per_s {
@@ -44,8 +44,8 @@ impl GearLaw {
         }
     }
 
-    /// Thread turns made while the rate decreases to `last`; `unit` is the number of
-    /// spindle turns in the time constant T.
+    /// Number of thread turns made while the rate decreases from `rate` to `last`; `unit` is the
+    /// number of spindle turns in the time constant T.
     fn braking_turns(&self, rate: f64, last: f64, unit: f64) -> f64 {
         if rate <= last {
             0.0
@@ -137,7 +137,7 @@ pub(super) fn gear_law(parameters: &ControlParameters) -> GearLaw {
 /// Where a motion through the gear ends, and at which rate.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GearEnd {
-    /// Thread turns of the whole motion.
+    /// Number of thread turns of the whole motion.
     pub total: f64,
     /// Rate of the gear at the end; `None`: the next thread continues without slowing down.
     pub last: Option<f64>,
@@ -148,14 +148,14 @@ pub(crate) struct GearEnd {
 pub(crate) struct Gear {
     /// Rate of the gear: thread turns per spindle turn, 0–1.
     pub rate: f64,
-    /// Thread turns made since the start.
+    /// Number of thread turns made since the start.
     #[serde(rename = "done")]
     pub done_turns: f64,
 }
 
 impl Gear {
-    /// Advances by `turns` of the spindle in `time` seconds. Returns the time used, s; it
-    /// is less than `time` only if the end is reached.
+    /// Advances by the number `turns` of spindle turns, made in `time` seconds. Returns the time
+    /// used, s; it is less than `time` only if the end is reached.
     pub fn advance(&mut self, law: &GearLaw, end: GearEnd, turns: f64, time: f64) -> f64 {
         if turns <= 0.0 || time <= 0.0 {
             // The spindle stands still or turns back: the tool follows, but never past the
@@ -208,8 +208,9 @@ impl Gear {
         until
     }
 
-    /// Increases the rate towards 1, up to the point where it must decrease. Returns the
-    /// time used, s. `rest` is in turns to go, `left` in s.
+    /// Increases the rate towards 1, up to the point where it must decrease, for `left` seconds at
+    /// most. Returns the time used, s. `last` is the rate at the end, `spin` the spindle speed in
+    /// turns/s, `rest` the number of thread turns to go.
     fn increase_rate(&mut self, law: &GearLaw, last: f64, spin: f64, rest: f64, left: f64) -> f64 {
         let (rate, time) = (self.rate, law.time_constant_s);
         let unit = spin * time;
@@ -262,7 +263,8 @@ impl Gear {
         span
     }
 
-    /// Moves on at the present rate, at most to the end. Returns the time used, s.
+    /// Moves at the current rate, at most to the end and for `left` seconds. Returns the time used,
+    /// s. `spin` is the spindle speed in turns/s, `rest` the number of thread turns to go.
     fn coast(&mut self, spin: f64, rest: f64, left: f64) -> f64 {
         let until = rest / (spin * self.rate.max(1e-6));
         if until > left {
@@ -273,8 +275,9 @@ impl Gear {
         until
     }
 
-    /// Decreases the rate so that it is `last` exactly at the end, even if the spindle
-    /// speed changes. Returns the time used, s.
+    /// Decreases the rate, for `left` seconds at most, so that it is `last` exactly at the end,
+    /// even if the spindle speed changes. Returns the time used, s. `spin` is the spindle speed in
+    /// turns/s, `rest` the number of thread turns to go.
     fn decrease_rate(&mut self, law: &GearLaw, last: f64, spin: f64, rest: f64, left: f64) -> f64 {
         let rate = self.rate;
         if law.exponential {

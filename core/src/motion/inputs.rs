@@ -1,4 +1,5 @@
-//! Inputs of the motion beside its command, and the speeds that follow from them.
+//! Inputs of the motion besides its command (overrides, spindle, hold), and the speeds that follow
+//! from them.
 
 use serde::{Deserialize, Serialize};
 
@@ -16,7 +17,7 @@ pub enum RapidOverride {
 }
 
 impl RapidOverride {
-    /// Converts a percentage, where 0 means F0.
+    /// Converts a rapid override from a percentage, where 0 means F0.
     pub(crate) const fn from_percent(percent: u8) -> Self {
         if percent == 0 {
             Self::F0
@@ -32,7 +33,7 @@ pub struct DryRun {
     /// Rate of cuts in dry run, mm/min.
     #[serde(rename = "cutting")]
     pub cutting_mm_per_min: f64,
-    /// Rate of rapids, mm/min; `None`: the rapid rates.
+    /// Rate of rapids in dry run, mm/min; `None`: the usual rapid rates apply.
     #[serde(rename = "rapid")]
     pub rapid_mm_per_min: Option<f64>,
 }
@@ -46,7 +47,7 @@ pub struct MotionInputs {
     pub rapid_override: RapidOverride,
     /// Measured spindle speed, r/min; negative in reverse.
     pub spindle_rpm: f64,
-    /// Measured spindle angle before and after the tick.
+    /// Measured spindle angle before and after the tick, turns.
     pub spindle: SpindleTurn,
     /// Whether another thread continues in phase from the thread under way.
     pub thread_continues: bool,
@@ -74,7 +75,7 @@ impl Default for MotionInputs {
     }
 }
 
-/// Rapid rate of an axis after its override, mm/s.
+/// Rapid rate of an axis after the rapid override, mm/s.
 pub(super) fn rapid_rate(limits: &MotionLimits, rapid_override: RapidOverride, axis: Axis) -> f64 {
     let rate = limits.rapid(axis);
     match rapid_override {
@@ -83,7 +84,7 @@ pub(super) fn rapid_rate(limits: &MotionLimits, rapid_override: RapidOverride, a
     }
 }
 
-/// Target speed of each axis in a rapid, mm/s; 0 while the rapid must stop.
+/// Target speed of each axis in a rapid, mm/s; 0 while the rapid must stop (`stop`).
 pub(super) fn rapid_targets(
     limits: &MotionLimits,
     inputs: &MotionInputs,

@@ -18,13 +18,13 @@ use serde::{Deserialize, Serialize};
 use super::ramp::SpeedLaw;
 use crate::units::Point;
 
-/// A lag below this counts as zero, mm.
+/// Greatest lag that counts as zero, mm.
 const MIN_LAG_MM: f64 = 1e-9;
 
 /// Lag of the tool after the commanded position.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Lag {
-    /// Vector from the tool to the command, mm.
+    /// Vector from the tool to the commanded position, mm.
     #[serde(rename = "behind")]
     pub vector: Point,
 }
@@ -35,8 +35,8 @@ impl Lag {
         self.vector == Point::default()
     }
 
-    /// Moves the command evenly by `displacement` (mm) in `time` seconds; the tool follows
-    /// it.
+    /// Moves the commanded position evenly by `displacement`, mm, in `time` seconds; the tool
+    /// follows it by `law`, and the lag changes.
     pub fn follow(&mut self, law: &SpeedLaw, displacement: Point, time: f64) {
         let SpeedLaw::Exponential {
             time: constant,
@@ -64,8 +64,9 @@ impl Lag {
         }
     }
 
-    /// Advances until the lag in its present direction is zero, at most for `left` seconds.
-    /// Returns the time used, s.
+    /// Advances until the lag in its current direction is zero, for `left` seconds at most. Returns
+    /// the time used, s. `constant` is the time constant, s, `lowest` the lowest speed, mm/s,
+    /// `speed` that of the commanded position, mm/s.
     fn advance_phase(
         &mut self,
         law: &SpeedLaw,
@@ -114,8 +115,8 @@ impl Lag {
         span
     }
 
-    /// Lets the tool approach a command at rest for `time` seconds. Returns the time used,
-    /// s; it is less than `time` only if the tool has arrived.
+    /// Lets the tool approach a commanded position at rest for `time` seconds. Returns the time
+    /// used, s, which is less than `time` only if the tool has arrived.
     pub(crate) fn close_lag(&mut self, law: &SpeedLaw, time: f64) -> f64 {
         let until = self.time_to_close(law);
         if until <= time {
@@ -126,7 +127,7 @@ impl Lag {
         time
     }
 
-    /// Time in which the tool reaches a command at rest, s.
+    /// Time in which the tool reaches a commanded position at rest, s.
     pub(crate) fn time_to_close(&self, law: &SpeedLaw) -> f64 {
         match *law {
             SpeedLaw::Exponential { time, lowest, .. } if time > 0.0 => {

@@ -69,7 +69,8 @@ impl From<&ControlParameters> for MotionLimits {
 }
 
 impl MotionLimits {
-    /// The limits of a control model: straight rapids on models that have them.
+    /// Computes the limits of a control model from its parameters; unlike `From`, it includes the
+    /// straight rapids of models that have them.
     pub fn from_model(parameters: &ControlParameters, model: &ControlModel) -> Self {
         let limits = Self::from(parameters);
         if !model.record().are_rapids_straight() {
@@ -92,7 +93,7 @@ impl MotionLimits {
         self.straight_rapid.unwrap_or(f64::INFINITY)
     }
 
-    /// Rapid rate of an axis at 100 % (022, 023; X in radius), mm/min.
+    /// Rapid rate of an axis at 100 % (022, 023; X as a radius), mm/min.
     pub const fn rapid_rate(&self, axis: Axis) -> f64 {
         *self.rapid.get(axis) * 60.0
     }
@@ -107,8 +108,8 @@ impl MotionLimits {
         self.pulse_limit.x.is_some() || self.pulse_limit.z.is_some()
     }
 
-    /// The axis that exceeds the speed limit of its electronic gear (alarm 097), with that
-    /// limit in mm/min; `None` without one. `speed` is in mm/min.
+    /// The first axis that exceeds the speed limit of its electronic gear (alarm 097), with that
+    /// limit in mm/min; `None` if none does. `speed` is in mm/min.
     pub(crate) fn exceeded_gear_limit(&self, speed: Point) -> Option<(Axis, f64)> {
         [Axis::X, Axis::Z].into_iter().find_map(|axis| {
             let limit = (*self.pulse_limit.get(axis))?;
@@ -158,7 +159,8 @@ impl MotionLimits {
         self.exact_corners && !self.exact_corners_off
     }
 
-    /// Law of lead-in and lead-out of threads (028, 029, 175.4).
+    /// The law by which the electronic gear of threads changes its rate in lead-in and lead-out
+    /// (028, 029, 175.4).
     pub(super) const fn gear_law(&self) -> &GearLaw {
         &self.gear_law
     }

@@ -7,12 +7,13 @@ use super::limits::MotionLimits;
 use super::ramp::{Ramp, SpeedLaw};
 use crate::units::Axis;
 
-/// Rate of manual motion, with the law of its acceleration.
+/// Rate of manual motion, which determines the speed law, too.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum JogRate {
-    /// Jog feed, mm/min (X in radius), with the exponential law of 029 and 041.
+    /// Jog feed, mm/min (X as a radius), with the exponential law of 029 and 041.
     Feed(f64),
-    /// Manual rapid: rapid rate and law of the axis, after the rapid override.
+    /// Manual rapid: the rapid rate of the axis after the rapid override, with the linear law of
+    /// rapids.
     Rapid,
     /// A given rate, mm/min, with the linear law of rapids (reference return 113, 033).
     /// Overrides do not apply.
@@ -32,31 +33,32 @@ pub(crate) struct ManualAxis {
     command: Option<(bool, JogRate)>,
     /// Target coordinate of a step or of the handwheel, mm, and rate; `None`: no step.
     goal: Option<(f64, JogRate)>,
-    /// Speed, mm/s, never negative; whether it is positive in direction, and linear in law.
+    /// Speed, mm/s, never negative. `positive` is its direction; `linear` tells whether its law is
+    /// that of rapids.
     speed: f64,
     positive: bool,
     linear: bool,
 }
 
 impl ManualAxis {
-    /// Requests a jog (true = positive) at a rate, or a standstill with `None`.
+    /// Requests a jog in a direction (true = positive) at a rate; `None` ends the jog.
     pub const fn request_jog(&mut self, command: Option<(bool, JogRate)>) {
         self.command = command;
     }
 
-    /// Moves the target of a step or of the handwheel by `distance` mm; from `position` if
-    /// no step is under way.
+    /// Moves the target of a step or of the handwheel by `distance`, mm, counted from `position`,
+    /// mm, if the axis has no target.
     pub fn step(&mut self, position: f64, distance: f64, rate: JogRate) {
         let base = self.goal.map_or(position, |(goal, _)| goal);
         self.goal = Some((base + distance, rate));
     }
 
-    /// Moves the axis to a coordinate, mm.
+    /// Sets the target of the axis to the coordinate `goal`, mm, to be reached at `rate`.
     pub const fn go_to(&mut self, goal: f64, rate: JogRate) {
         self.goal = Some((goal, rate));
     }
 
-    /// Changes the rate of a step that is under way.
+    /// Changes the rate of the motion to the target; without a target it does nothing.
     pub const fn set_rate(&mut self, rate: JogRate) {
         if let Some((_, goal_rate)) = &mut self.goal {
             *goal_rate = rate;
@@ -108,15 +110,15 @@ impl ManualAxis {
         if self.positive { distance } else { -distance }
     }
 
-    /// Shifts the target by `by` mm, together with the coordinates.
+    /// Shifts the target by `by`, mm, because the coordinates are shifted.
     pub(crate) fn translate(&mut self, by: f64) {
         if let Some((goal, _)) = &mut self.goal {
             *goal += by;
         }
     }
 
-    /// Advances by `dt` seconds from `position` and returns the new position. `rapid` is
-    /// the rapid rate with its override, mm/s.
+    /// Advances by `dt` seconds from `position`, mm, and returns the new position, mm. `rapid` is
+    /// the rapid rate after its override, mm/s.
     pub fn advance(
         &mut self,
         axis: Axis,

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::units::Point;
 
-/// Distance below which two points coincide, mm; an arc between such points is a full
+/// Greatest distance of two points that count as the same, mm; an arc between such points is a full
 /// circle.
 const COINCIDENT_MM: f64 = 1e-7;
 
@@ -28,13 +28,14 @@ struct ArcGeometry {
     start: f64,
     /// Angle of the arc, rad; positive counter-clockwise.
     sweep: f64,
-    /// Radius at the start, mm, and its increase to the end (rounding only).
+    /// Radius at the start, mm. `growth` is its increase up to the end, mm, which comes from
+    /// rounding only.
     radius: f64,
     growth: f64,
 }
 
 impl CutPath {
-    /// Creates a straight path.
+    /// Creates a straight path between two points, mm.
     pub fn line(from: Point, to: Point) -> Self {
         Self {
             from,
@@ -44,8 +45,8 @@ impl CutPath {
         }
     }
 
-    /// Creates a circular path, clockwise as seen with +Z to the right and +X up. The path
-    /// is a full circle if start and end coincide.
+    /// Creates a circular path about `center`, mm; clockwise is as seen with +Z to the right and +X
+    /// up. The path is a full circle if start and end coincide.
     pub fn arc(from: Point, to: Point, center: Point, clockwise: bool) -> Self {
         let start_arm = from - center;
         let end_arm = to - center;
@@ -88,12 +89,13 @@ impl CutPath {
         self.arc_geometry.is_none()
     }
 
-    /// End point of the path.
+    /// End point of the path, mm.
     pub const fn to(&self) -> Point {
         self.to
     }
 
-    /// The point `remaining` mm before the end; exactly the end point if that is zero.
+    /// The point, mm, on the path at the distance `remaining`, mm, before its end; exactly the end
+    /// point if that is zero.
     pub fn point_at(&self, remaining: f64) -> Point {
         if remaining <= 0.0 {
             return self.to;

@@ -6,10 +6,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::units::{TICK_S, max_not_nan, min_not_nan};
 
-/// A distance to go below this counts as zero, mm.
+/// Greatest distance to go that counts as zero, mm.
 const MIN_DISTANCE_MM: f64 = 1e-12;
 
-/// Law by which a speed changes.
+/// Law by which the speed of a motion changes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum SpeedLaw {
     /// The speed changes with this constant acceleration, mm/s².
@@ -188,8 +188,8 @@ impl Ramp {
         !self.is_finished() && time > 1e-15
     }
 
-    /// Advances the rest of a tick after its first phase. A tick seldom has more than one
-    /// phase.
+    /// Advances the rest of a tick after its first phase and returns the sum of all phases. A tick
+    /// seldom has more than one phase.
     #[cold]
     fn advance_further_phases(
         &mut self,
@@ -211,7 +211,8 @@ impl Ramp {
         step
     }
 
-    /// Advances one phase, in which the speed rises, falls or stays constant.
+    /// Advances one phase, in which the speed rises, falls or stays constant, for `time` seconds at
+    /// most.
     fn advance_phase(&mut self, law: &SpeedLaw, target: f64, time: f64) -> RampStep {
         match *law {
             SpeedLaw::Linear { acceleration } => self.linear_phase(acceleration, target, time),
@@ -223,7 +224,8 @@ impl Ramp {
         }
     }
 
-    /// Moves by `moved` mm in `used` seconds, with the speed `speed` (mm/s) at the end.
+    /// Reduces the distance to go by `moved`, mm, and sets the speed to `speed`, mm/s. Returns the
+    /// step with its distance and the time `used`, s.
     fn move_by(&mut self, moved: f64, used: f64, speed: f64) -> RampStep {
         let moved = min_not_nan(moved, self.remaining);
         self.remaining -= moved;
@@ -234,13 +236,13 @@ impl Ramp {
         }
     }
 
-    /// Moves to the end, with a use of `used` seconds.
+    /// Moves to the end, with the speed 0 there, and returns the step with the time `used`, s.
     fn move_to_end(&mut self, used: f64) -> RampStep {
         self.move_by(self.remaining, used, 0.0)
     }
 
-    /// Moves at constant speed for `distance` mm, at most to the end and for `time`
-    /// seconds.
+    /// Moves at constant speed for `distance`, mm, but not beyond the end and not longer than
+    /// `time` seconds.
     fn cruise(&mut self, distance: f64, time: f64) -> RampStep {
         let until = distance / self.speed;
         if until > time {

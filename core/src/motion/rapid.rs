@@ -15,7 +15,7 @@ pub(crate) struct Rapid {
 }
 
 impl Rapid {
-    /// Creates a rapid that is at rest at `from`.
+    /// Creates a rapid that is at rest at `from` and leads to `to`, mm.
     pub fn new(from: Point, to: Point) -> Self {
         let displacement = to - from;
         Self {
@@ -28,7 +28,7 @@ impl Rapid {
         }
     }
 
-    /// End point of the rapid.
+    /// End point of the rapid, mm.
     pub const fn to(&self) -> Point {
         self.to
     }
@@ -43,8 +43,8 @@ impl Rapid {
         self.ramps.x.speed > 0.0 || self.ramps.z.speed > 0.0
     }
 
-    /// Advances by `dt` seconds towards the target speed of each axis, mm/s. Returns the
-    /// time used, s.
+    /// Advances by `dt` seconds towards the target speed of each axis, mm/s. Returns the time used,
+    /// s, which is less than `dt` only if the end is reached.
     pub fn advance(&mut self, limits: &MotionLimits, target: PerAxis<f64>, dt: f64) -> f64 {
         let x = self
             .ramps
@@ -61,7 +61,7 @@ impl Rapid {
         }
     }
 
-    /// Position of the axes after each has moved a further distance `ahead`, mm.
+    /// Position of the axes, mm, after each has moved a further distance `ahead`, mm.
     fn position_after(&self, ahead: PerAxis<f64>) -> Point {
         let coordinate = |axis| {
             let rest = (self.ramps.get(axis).remaining - ahead.get(axis)).max(0.0);
@@ -75,12 +75,12 @@ impl Rapid {
         Point::new(coordinate(Axis::X), coordinate(Axis::Z))
     }
 
-    /// Current position of the axes.
+    /// Current position of the axes, mm.
     pub fn position(&self) -> Point {
         self.position_after(PerAxis::new(0.0, 0.0))
     }
 
-    /// Position at which the axes stop if they brake now.
+    /// Position at which the axes stop if they brake now, mm.
     pub(crate) fn stopping_point(&self, limits: &MotionLimits) -> Point {
         let braking_distance = |axis| {
             limits

@@ -14,8 +14,8 @@ use super::limits::MotionLimits;
 use crate::spindle::SpindleTurn;
 use crate::units::TICK_S;
 
-/// Number of turns after which a start angle counts as missed, if it passed before the
-/// tick; the thread then starts at the next one.
+/// Number of turns by which the spindle may be past the start angle when a tick begins; beyond this
+/// the thread starts one turn later.
 const MISSED_TURNS: f64 = 0.01;
 
 /// State that a finished thread passes to the thread that continues it.
@@ -24,7 +24,7 @@ pub(crate) struct Handover {
     /// Spindle angle at which the next thread begins, turns.
     begin: f64,
     direction: f64,
-    /// Spindle turns beyond that angle, and rate of the electronic gear.
+    /// Number of spindle turns beyond that angle. `rate` is the rate of the electronic gear.
     #[serde(rename = "turned")]
     turns_beyond: f64,
     rate: f64,
@@ -38,7 +38,7 @@ impl Handover {
     }
 }
 
-/// What a thread or a tap waits for before it begins to follow the spindle.
+/// The event for which a thread or a tap waits before it begins to follow the spindle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum FollowerWait {
     /// A one-turn signal after the one at the angle `seen`, and then `phase` turns more.
@@ -59,9 +59,8 @@ impl FollowerWait {
         }
     }
 
-    /// Advances the wait by one tick. Returns the start if it comes within the tick: its
-    /// angle, the direction, and the fraction of the tick since then. `hold` prevents a
-    /// start.
+    /// Advances the wait by one tick. Returns the start if it is within the tick; otherwise `None`.
+    /// `rpm` is the spindle speed, r/min. `hold` prevents a start.
     fn tick(&mut self, spindle: &SpindleTurn, rpm: f64, hold: bool) -> Option<FollowerStart> {
         let direction = if rpm < 0.0 { -1.0 } else { 1.0 };
         if hold {
@@ -115,7 +114,7 @@ impl FollowerWait {
     }
 }
 
-/// The first angle at or after `from`, in the given direction, that equals `angle` plus
+/// The first angle, turns, at or after `from` in `direction` (1 or -1) that equals `angle` plus
 /// whole turns.
 fn next_angle(angle: f64, from: f64, direction: f64) -> f64 {
     let turns = direction * (from - angle);
@@ -148,7 +147,7 @@ pub(crate) struct SpindleTick<'a> {
 /// Turns and leads of a thread or tap.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FollowerTravel {
-    /// Total turns of the thread.
+    /// Number of turns of the whole thread.
     pub turns: f64,
     /// Lead at the start, mm per turn.
     pub first_lead: f64,
@@ -157,13 +156,13 @@ pub(crate) struct FollowerTravel {
     pub last_lead: Option<f64>,
 }
 
-/// How the time of an advance was used.
+/// The parts of the time by which a follower was advanced.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StepTime {
     /// Time before the start angle, s.
     pub waiting_s: f64,
-    /// Time after the start angle, s: available and used. `used_s` is less only if the end
-    /// was reached.
+    /// Time after the start angle, s. `used_s` is the part of it that was used, s; it is less only
+    /// if the end was reached.
     pub available_s: f64,
     pub used_s: f64,
 }
@@ -174,7 +173,7 @@ pub(crate) struct SpindleFollower {
     wait: Option<FollowerWait>,
     begin: f64,
     direction: f64,
-    /// Spindle turns since the start angle.
+    /// Number of spindle turns since the start angle.
     turned: f64,
     gear: Gear,
     /// Whether the spindle turned in the last tick, at any speed.
@@ -183,7 +182,7 @@ pub(crate) struct SpindleFollower {
 }
 
 impl SpindleFollower {
-    /// Creates a follower that begins when the wait has ended.
+    /// Creates a follower that begins to follow the spindle when the event of `wait` has occurred.
     pub const fn waiting(wait: FollowerWait) -> Self {
         Self {
             wait: Some(wait),
@@ -223,12 +222,12 @@ impl SpindleFollower {
         self.is_running() && self.spindle_turns
     }
 
-    /// Whether the follower has begun.
+    /// Whether the follower has begun to follow the spindle.
     pub const fn is_running(&self) -> bool {
         self.wait.is_none()
     }
 
-    /// Thread turns made by the tool; negative when the spindle has turned back past the
+    /// Number of thread turns made by the tool; negative if the spindle has turned back past the
     /// start.
     pub const fn turns_done(&self) -> f64 {
         self.gear.done_turns
@@ -245,8 +244,8 @@ impl SpindleFollower {
         };
     }
 
-    /// State for a motion that continues this one after `turns`; `continues`: without a
-    /// stop.
+    /// Returns the state for a motion that continues this one after its number `turns` of turns;
+    /// `continues`: it does so without a stop.
     pub(crate) fn handover(&self, turns: f64, continues: bool) -> Handover {
         Handover {
             begin: self.begin + self.direction * turns,
@@ -256,7 +255,7 @@ impl SpindleFollower {
         }
     }
 
-    /// Advances by `time` seconds, the last part of the tick.
+    /// Advances by `time` seconds, the last part of the tick, and returns how much of it was used.
     pub fn advance(
         &mut self,
         tick: &SpindleTick<'_>,

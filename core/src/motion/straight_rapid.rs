@@ -20,7 +20,7 @@ use crate::units::{Axis, PerAxis, Point};
 /// Greatest slope of the S-curve divided by its mean slope.
 const STEEPEST_RATIO: f64 = 1.5;
 
-/// A distance to go below this counts as zero, mm.
+/// Greatest distance to go that counts as zero, mm.
 const MIN_DISTANCE_MM: f64 = 1e-9;
 
 /// A planned change of speed along an S-curve.
@@ -31,7 +31,7 @@ struct SpeedChange {
     /// Target speed for which the change was planned, mm/s.
     #[serde(rename = "wanted")]
     target: f64,
-    /// Total and elapsed time of the change, s.
+    /// Total time of the change, s. `elapsed` is the part of it that has passed, s.
     span: f64,
     elapsed: f64,
     /// Whether this change of speed brakes to standstill at the end point of the rapid. Such a
@@ -41,12 +41,12 @@ struct SpeedChange {
 }
 
 impl SpeedChange {
-    /// Speed after a fraction (0–1) of the change's time, mm/s.
+    /// Speed after the fraction `fraction` (0–1) of the time of the change, mm/s.
     fn speed_at(&self, fraction: f64) -> f64 {
         self.from + (self.to - self.from) * fraction * fraction * (3.0 - 2.0 * fraction)
     }
 
-    /// Distance after a fraction (0–1) of the change's time, mm.
+    /// Distance travelled after the fraction `fraction` (0–1) of the time of the change, mm.
     fn distance_at(&self, fraction: f64) -> f64 {
         let s = fraction * fraction * fraction * (1.0 - fraction / 2.0);
         self.span * (self.from * fraction + (self.to - self.from) * s)
@@ -75,7 +75,7 @@ pub(crate) struct StraightRapid {
 }
 
 impl StraightRapid {
-    /// Creates a straight rapid that is at rest at `from`.
+    /// Creates a straight rapid that is at rest at `from` and leads to `to`, mm.
     pub fn new(from: Point, to: Point) -> Self {
         let displacement = to - from;
         let length = displacement.length();
@@ -88,7 +88,7 @@ impl StraightRapid {
         }
     }
 
-    /// End point of the rapid.
+    /// End point of the rapid, mm.
     pub const fn to(&self) -> Point {
         self.to
     }
@@ -103,12 +103,12 @@ impl StraightRapid {
         self.speed > 0.0
     }
 
-    /// Current position of the axes.
+    /// Current position of the axes, mm.
     pub fn position(&self) -> Point {
         self.to - self.direction * self.remaining
     }
 
-    /// Position at which the axes stop if they brake now.
+    /// Position at which the axes stop if they brake now, mm.
     pub(crate) fn stopping_point(&self, limits: &MotionLimits) -> Point {
         let distance = match &self.change {
             Some(change) if change.to <= 0.0 => {
@@ -127,8 +127,8 @@ impl StraightRapid {
         }
     }
 
-    /// Advances by `dt` seconds towards the target speed of each axis, mm/s. Returns the
-    /// time used, s.
+    /// Advances by `dt` seconds towards the target speed of each axis, mm/s. Returns the time used,
+    /// s, which is less than `dt` only if the end is reached.
     pub fn advance(&mut self, limits: &MotionLimits, target: PerAxis<f64>, dt: f64) -> f64 {
         let target = speed_along(self.direction, target).min(limits.straight_rapid());
         let acceleration = mean_acceleration(limits, self.direction);
@@ -145,7 +145,8 @@ impl StraightRapid {
         if self.is_finished() { dt - left } else { dt }
     }
 
-    /// Plans the next change of speed, unless the planned one is still valid.
+    /// Plans the next change of speed towards `target`, mm/s, with the mean acceleration
+    /// `acceleration`, mm/s², unless the planned change is still valid.
     fn plan(&mut self, target: f64, acceleration: f64) {
         let braking = self.speed * self.speed / (2.0 * acceleration);
         // The planned change continues unless the target speed has changed.
@@ -184,8 +185,8 @@ impl StraightRapid {
         (acceleration * self.remaining + self.speed * self.speed / 2.0).sqrt()
     }
 
-    /// Advances the planned change by at most `dt` seconds, up to the next point to plan.
-    /// Returns the time used, s.
+    /// Advances the planned change of speed by at most `dt` seconds, up to its end, or the cruise
+    /// up to the start of braking. Returns the time used, s.
     fn follow_change(&mut self, dt: f64, acceleration: f64) -> f64 {
         let Some(mut change) = self.change else {
             return self.cruise(dt, acceleration);
@@ -228,8 +229,8 @@ impl StraightRapid {
     }
 }
 
-/// Highest speed along a direction at which no axis exceeds its own speed; also for
-/// accelerations.
+/// Highest speed along a unit vector at which no axis exceeds its own one of `axis_speeds`, in the
+/// same unit; applies to accelerations, too.
 fn speed_along(direction: Point, axis_speeds: PerAxis<f64>) -> f64 {
     [Axis::X, Axis::Z]
         .map(|axis| axis_speeds.get(axis) / direction.get(axis).abs().max(1e-12))
@@ -237,7 +238,8 @@ fn speed_along(direction: Point, axis_speeds: PerAxis<f64>) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// Highest mean acceleration of an S-curve along a direction, mm/s².
+/// Highest mean acceleration of an S-curve along a unit vector at which no axis exceeds its
+/// acceleration, mm/s².
 fn mean_acceleration(limits: &MotionLimits, direction: Point) -> f64 {
     let axis_acceleration = |axis| limits.rapid_law(axis).acceleration();
     speed_along(
@@ -246,7 +248,8 @@ fn mean_acceleration(limits: &MotionLimits, direction: Point) -> f64 {
     ) / STEEPEST_RATIO
 }
 
-/// Duration of a straight rapid from rest to rest at an override of 100 %, s.
+/// Duration of a straight rapid by `displacement`, mm, from rest to rest at an override of 100 %,
+/// s.
 pub(super) fn duration(limits: &MotionLimits, displacement: Point) -> f64 {
     let length = displacement.length();
     if length <= MIN_DISTANCE_MM {
@@ -260,7 +263,7 @@ pub(super) fn duration(limits: &MotionLimits, displacement: Point) -> f64 {
     }
 }
 
-/// Highest speed of each axis in a straight rapid, mm/s.
+/// Highest speed of each axis in a straight rapid by `displacement`, mm, in mm/s.
 pub(super) fn top_speed(limits: &MotionLimits, displacement: Point) -> Point {
     let length = displacement.length();
     if length <= MIN_DISTANCE_MM {

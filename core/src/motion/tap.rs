@@ -22,14 +22,14 @@ pub(crate) struct TapMotion {
     to: Point,
     lead: f64,
     follower: SpindleFollower,
-    /// Number of turns of the way out; `None` before the reversal.
+    /// Number of spindle turns from the reversal back to the start; `None` before the reversal.
     #[serde(rename = "out")]
     out_turns: Option<f64>,
 }
 
 impl TapMotion {
-    /// Creates a tap from `from` to the bottom `to`; `lead` in mm per turn, `degrees` of
-    /// spindle angle after the index.
+    /// Creates a tap from `from` to the bottom `to`, mm. `lead` is in mm per turn, `degrees` is the
+    /// spindle angle after the one-turn signal at which it starts.
     pub fn new(from: Point, to: Point, lead: f64, degrees: f64) -> Self {
         Self {
             from,
@@ -50,7 +50,7 @@ impl TapMotion {
         self.follower.is_moving()
     }
 
-    /// End point of the present direction: the bottom, or the start after the reversal.
+    /// End point of the current direction, mm: the bottom, or the start after the reversal.
     pub const fn to(&self) -> Point {
         if self.out_turns.is_some() {
             self.from
@@ -81,7 +81,8 @@ impl TapMotion {
             .is_some_and(|total| self.follower.turns_done() >= total)
     }
 
-    /// Advances by `time` seconds, the last part of the tick. Returns the time used, s.
+    /// Advances by `time` seconds, the last part of the tick. Returns the time used, s, which is
+    /// less than `time` only if the end is reached.
     pub fn advance(&mut self, tick: &SpindleTick<'_>, time: f64) -> f64 {
         let travel = FollowerTravel {
             turns: self.out_turns.unwrap_or(f64::INFINITY),
@@ -92,7 +93,7 @@ impl TapMotion {
         step_time.waiting_s + step_time.used_s
     }
 
-    /// Current position of the tool.
+    /// Current position of the tool, mm.
     pub fn position(&self) -> Point {
         if self.is_finished() {
             return self.from;

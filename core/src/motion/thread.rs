@@ -24,7 +24,7 @@ use crate::units::{Axis, Point};
 /// A thread to cut, machine coordinates in mm, X as a radius.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ThreadMove {
-    /// End point of the thread.
+    /// End point of the thread, mm.
     pub to: Point,
     /// Axis that the lead is measured along.
     #[serde(rename = "long")]
@@ -40,7 +40,7 @@ pub struct ThreadMove {
 }
 
 impl ThreadMove {
-    /// The thread of a command; `None` for other actions.
+    /// Reads the thread from the action of a command; `None` for other actions.
     pub fn from_action(action: &Action) -> Option<Self> {
         let Action::Thread {
             to,
@@ -75,7 +75,8 @@ impl ThreadMove {
         }
     }
 
-    /// Number of turns `n` of the whole thread, from `distance = F n + R n² / 2`.
+    /// Number of turns `n` of the whole thread, from `distance = F n + R n² / 2`. `from` is its
+    /// start point, mm.
     pub(crate) fn turns(&self, from: Point) -> f64 {
         let (distance, lead) = (self.lead_distance(from), self.lead.abs().max(1e-6));
         if self.increase == 0.0 {
@@ -96,7 +97,8 @@ impl ThreadMove {
         (self.lead + self.increase * self.turns(from)).max(1e-6)
     }
 
-    /// Highest speed of each axis at a spindle speed (r/min), mm/min.
+    /// Highest speed of each axis in the thread at the spindle speed `rpm`, r/min, in mm/min.
+    /// `from` is the start point, mm.
     pub fn top_speed(&self, from: Point, rpm: f64, limits: &MotionLimits) -> Point {
         let distance = self.lead_distance(from);
         if distance <= 0.0 {
@@ -111,8 +113,9 @@ impl ThreadMove {
         top
     }
 
-    /// Duration of the thread, s: from standstill (or in phase from the thread before) to
-    /// the end if a thread continues, and the additional time of slowing down if none does.
+    /// Durations, s, at the spindle speed `rpm`, r/min, of a thread from `from`, mm: that of the
+    /// thread, from standstill or in phase from the previous thread, if another thread continues;
+    /// and the additional time of slowing down if none does.
     pub fn duration(&self, from: Point, rpm: f64, limits: &MotionLimits) -> (f64, f64) {
         let (total, spin) = (self.turns(from), rpm.abs() / 60.0);
         let law = limits.gear_law();
@@ -131,8 +134,8 @@ impl ThreadMove {
         (continuing, (stopping - continuing).max(0.0))
     }
 
-    /// The short axis of a run-out, which moves at its own speed (107), or at the cutting
-    /// feed with the time constant of 026. `None`: that axis stays on the straight line.
+    /// The motion of the short axis in a run-out, at its own speed (107), or at the cutting feed
+    /// with the time constant of 026. `None` if that axis stays on the straight line.
     fn short_axis_run_out(&self, from: Point, limits: &MotionLimits) -> Option<ShortAxisRunOut> {
         let (axis, factor) = match self.lead_axis {
             Axis::X => (Axis::Z, 2.0),
@@ -164,7 +167,8 @@ impl ThreadMove {
 /// Speed of the short axis in the run-out.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum RunOutRate {
-    /// Fixed speed, mm/s: that of 107, or the cutting feed once the run-out has begun.
+    /// Fixed speed, mm/s: that of parameter 107, or the cutting feed at the beginning of the
+    /// run-out.
     #[serde(rename = "Own")]
     Fixed(f64),
     /// The speed of the straight line to the end at the spindle speed with which the
@@ -191,7 +195,7 @@ struct ShortAxisRunOut {
 }
 
 impl ShortAxisRunOut {
-    /// Final speed of the axis at `spin` spindle turns/s, mm/s.
+    /// Final speed of the axis at the spindle speed `spin`, turns/s, in mm/s.
     const fn rate(&self, spin: f64) -> f64 {
         match self.rate {
             RunOutRate::Fixed(rate) => rate,
@@ -268,8 +272,8 @@ pub(crate) struct ThreadMotion {
 }
 
 impl ThreadMotion {
-    /// Creates a thread from `from`; `before` is the state that the thread before passed
-    /// on, if any.
+    /// Creates the motion of a thread from `from`, mm; `before` is the state that the previous
+    /// thread has passed on; `None` without one.
     pub fn new(
         from: Point,
         thread: &ThreadMove,
@@ -307,7 +311,7 @@ impl ThreadMotion {
         self.follower.is_moving()
     }
 
-    /// End point of the thread.
+    /// End point of the thread, mm.
     pub const fn to(&self) -> Point {
         self.path.to()
     }
@@ -327,7 +331,8 @@ impl ThreadMotion {
         continues && self.run_out.is_none()
     }
 
-    /// Advances by `time` seconds, the last part of the tick. Returns the time used, s.
+    /// Advances by `time` seconds, the last part of the tick. Returns the time used, s, which is
+    /// less than `time` only if the end is reached.
     pub fn advance(&mut self, tick: &SpindleTick<'_>, time: f64) -> f64 {
         if self.total_turns <= 0.0 {
             return 0.0;
@@ -348,7 +353,7 @@ impl ThreadMotion {
         }
     }
 
-    /// Current position of the tool.
+    /// Current position of the tool, mm.
     pub fn position(&self) -> Point {
         let mut at = if self.has_arrived() {
             self.path.to()
@@ -364,8 +369,8 @@ impl ThreadMotion {
         at
     }
 
-    /// State for a thread that continues this finished one; `continues`: whether there is
-    /// one.
+    /// Returns the state for a thread that continues this finished one; `continues` tells whether
+    /// such a thread follows without a stop.
     pub(crate) fn handover(&self, continues: bool) -> Handover {
         self.follower
             .handover(self.total_turns, self.passes_speed_on(continues))

@@ -28,7 +28,8 @@ enum ProgrammedMotion {
         ramp: Ramp,
         feed: Feed,
     },
-    /// A cut whose command runs ahead of the tool, with the command's distance to go in mm.
+    /// A cut in which the commanded position runs ahead of the tool; `remaining` is the distance to
+    /// go from the commanded position, mm.
     #[serde(rename = "Led")]
     LaggedCut {
         path: CutPath,
@@ -53,16 +54,16 @@ enum ProgrammedMotion {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interpolator {
     position: Point,
-    /// Position at the start of this tick.
+    /// Position of the tool at the start of this tick, mm.
     tick_start: Point,
     motion: ProgrammedMotion,
-    /// Distance from the tool to the command while cuts continue into each other.
+    /// Lag of the tool after the commanded position while cuts continue into each other.
     lag: Lag,
     manual: PerAxis<ManualAxis>,
-    /// Time left of the tick in which the last block ended, s.
+    /// Time that remains of the tick in which the last block ended, s.
     #[serde(rename = "carry")]
     leftover_s: f64,
-    /// State that the last motion passes to a thread that continues it.
+    /// State that the last thread passes to a thread that continues it; `None` without one.
     handover: Option<Handover>,
     stopping: bool,
     #[serde(rename = "dry")]
@@ -70,7 +71,7 @@ pub struct Interpolator {
 }
 
 impl Interpolator {
-    /// Creates an interpolator at rest at a position.
+    /// Creates an interpolator at rest at a machine position, mm.
     pub fn new(position: Point) -> Self {
         Self {
             position,
@@ -96,7 +97,7 @@ impl Interpolator {
         self.position + self.lag.vector
     }
 
-    /// Mean velocity of the last tick, mm/s.
+    /// Mean velocity of the tool in the last tick, mm/s per axis.
     pub(crate) fn velocity(&self) -> Point {
         (self.position - self.tick_start) * (1.0 / TICK_S)
     }
@@ -143,8 +144,8 @@ impl Interpolator {
         }
     }
 
-    /// Upper bound of a cut's stopping distance from [`commanded`](Self::commanded), mm. It
-    /// is cheaper to compute than the stopping point. `None` for other motion.
+    /// Upper bound of the stopping distance of a cut from [`commanded`](Self::commanded), mm;
+    /// `None` if no cut is in progress. It is cheaper to compute than the stopping point.
     pub(crate) fn max_stopping_distance(&self, limits: &MotionLimits) -> Option<f64> {
         // An arc with unequal radii is a little longer than its computed length.
         const UNEQUAL_ENDS: f64 = 0.1;
@@ -158,7 +159,7 @@ impl Interpolator {
         }
     }
 
-    /// Position at which the axes stop if they brake now.
+    /// Position at which the axes stop if they brake now, mm.
     pub(crate) fn stopping_point(&self, limits: &MotionLimits) -> Point {
         match &self.motion {
             ProgrammedMotion::None => {
@@ -184,7 +185,7 @@ impl Interpolator {
         }
     }
 
-    /// Starts a rapid to a point.
+    /// Starts a rapid to the point `to`, mm.
     pub(crate) fn start_rapid(&mut self, to: Point, limits: &MotionLimits) {
         self.begin_motion(match limits.rapids_are_straight() {
             true => ProgrammedMotion::StraightRapid(StraightRapid::new(self.position, to)),
@@ -192,13 +193,13 @@ impl Interpolator {
         });
     }
 
-    /// Starts a straight cut to a point.
+    /// Starts a straight cut to the point `to`, mm.
     pub(crate) fn start_line(&mut self, to: Point, feed: Feed) {
         self.start_cut(CutPath::line(self.commanded(), to), feed);
     }
 
-    /// Starts a circular cut, clockwise as seen with +Z to the right and +X up. The cut is
-    /// a full circle if its end is its start.
+    /// Starts a circular cut to `to` about `center`, mm; clockwise is as seen with +Z to the right
+    /// and +X up. The cut is a full circle if its end is its start.
     pub(crate) fn start_arc(&mut self, to: Point, center: Point, clockwise: bool, feed: Feed) {
         self.start_cut(CutPath::arc(self.commanded(), to, center, clockwise), feed);
     }
@@ -220,7 +221,7 @@ impl Interpolator {
         matches!(&self.motion, ProgrammedMotion::Thread(thread) if !thread.is_running())
     }
 
-    /// Starts a straight cut that the board makes. It waits for
+    /// Starts a straight cut to `to`, mm, that the board makes. It waits for
     /// [`begin_external_cut`](Self::begin_external_cut).
     pub(crate) fn start_external_cut(&mut self, to: Point) {
         self.begin_motion(ProgrammedMotion::ExternalCut(ExternalCut::new(
@@ -229,7 +230,7 @@ impl Interpolator {
         )));
     }
 
-    /// End point of the cut that the board has not started yet; `None` without such a cut.
+    /// End point, mm, of a cut that the board has not started yet; `None` without such a cut.
     pub(crate) const fn pending_external_cut(&self) -> Option<Point> {
         match &self.motion {
             ProgrammedMotion::ExternalCut(cut) if !cut.is_begun() => Some(cut.to()),
@@ -265,8 +266,8 @@ impl Interpolator {
     }
 
     /// Starts tapping: the tool moves inwards in phase with the spindle until
-    /// [`reverse_tap`](Self::reverse_tap). `lead` in mm per turn, `degrees` after the
-    /// index.
+    /// [`reverse_tap`](Self::reverse_tap). `to` is its bottom, mm, `lead` in mm per turn, `degrees`
+    /// the spindle angle after the one-turn signal at which it starts.
     pub(crate) fn start_tap(&mut self, to: Point, lead: f64, degrees: f64) {
         let tap = TapMotion::new(self.position, to, lead, degrees);
         self.begin_motion(ProgrammedMotion::Tap(tap));
@@ -285,8 +286,8 @@ impl Interpolator {
         }
     }
 
-    /// Starts a cut at the commanded end of the previous one. The first tick of the cut
-    /// decides which law applies.
+    /// Starts a cut along `path`, which begins at the commanded position. The first tick of the cut
+    /// decides which speed law applies.
     fn start_cut(&mut self, path: CutPath, feed: Feed) {
         let lag = self.lag;
         self.begin_motion(ProgrammedMotion::Cut {
@@ -305,30 +306,31 @@ impl Interpolator {
         self.handover = None;
     }
 
-    /// Starts the jog of an axis (true = positive) at a rate, or stops it with `None`. The
-    /// jog acts while no programmed motion is under way. Call it on changes only.
+    /// Starts the jog of an axis in a direction (true = positive) at a rate; `None` stops it. The
+    /// jog acts while no programmed motion is in progress. Call it on changes only.
     pub(crate) const fn set_jog(&mut self, axis: Axis, command: Option<(bool, JogRate)>) {
         self.manual.get_mut(axis).request_jog(command);
     }
 
-    /// Moves an axis by `distance` mm (one step, or the graduations of the handwheel).
-    /// Further steps add to the distance to go.
+    /// Starts a motion of an axis by `distance`, mm (one step, or the graduations of the
+    /// handwheel). Further steps add to the distance to go.
     pub(crate) fn start_step(&mut self, axis: Axis, distance: f64, rate: JogRate) {
         let position = self.position.get(axis);
         self.manual.get_mut(axis).step(position, distance, rate);
     }
 
-    /// Moves an axis to a machine coordinate (mm) at a given rate.
+    /// Starts a manual motion of an axis to a machine coordinate, mm, at a given rate.
     pub const fn go_to(&mut self, axis: Axis, coordinate: f64, rate: JogRate) {
         self.manual.get_mut(axis).go_to(coordinate, rate);
     }
 
-    /// Changes the rate of the step under way; without a step it does nothing.
+    /// Changes the rate of the current step of an axis; without a step it does nothing.
     pub(crate) const fn set_step_rate(&mut self, axis: Axis, rate: JogRate) {
         self.manual.get_mut(axis).set_rate(rate);
     }
 
-    /// Distance to go of a step, mm; `None` if no step is under way.
+    /// Distance to go of the current step of an axis, mm, negative towards minus; `None` without a
+    /// step.
     pub(crate) fn step_distance_to_go(&self, axis: Axis) -> Option<f64> {
         let goal = self.manual.get(axis).goal()?;
         Some(goal - self.position.get(axis))
@@ -351,7 +353,7 @@ impl Interpolator {
         *self.position.get_mut(axis) = coordinate;
     }
 
-    /// Whether a step of an axis is under way.
+    /// Whether an axis moves to the target of a step, of the handwheel or of `go_to`.
     pub const fn is_stepping(&self, axis: Axis) -> bool {
         self.manual.get(axis).is_stepping()
     }
@@ -368,7 +370,7 @@ impl Interpolator {
         *self = Self::new(self.position);
     }
 
-    /// Drops a motion whose axes stand still.
+    /// Drops the current motion, whose axes are at standstill.
     pub fn cancel(&mut self) {
         self.stop_now();
     }

@@ -9,7 +9,7 @@ use crate::motion::spindle_follower::SpindleTick;
 use crate::units::{Axis, Feed, Point, TICK_S};
 
 impl Interpolator {
-    /// Advances by one tick (1 ms) and returns the new position.
+    /// Advances by one tick (1 ms) and returns the new position of the tool, mm.
     pub fn tick(&mut self, limits: &MotionLimits, inputs: &MotionInputs) -> Point {
         self.tick_start = self.position;
         let time = TICK_S + core::mem::take(&mut self.leftover_s);
@@ -29,8 +29,8 @@ impl Interpolator {
         self.position
     }
 
-    /// Continues the tick with the block started since the last one ended, in the time that
-    /// the last block left. Returns the new position.
+    /// Continues the tick with the block that was started after the last one had ended, in the time
+    /// that remains of the tick. Returns the new position of the tool, mm.
     pub(crate) fn continue_tick(&mut self, limits: &MotionLimits, inputs: &MotionInputs) -> Point {
         if !self.is_finished() && self.leftover_s > 0.0 {
             let time = core::mem::take(&mut self.leftover_s);
