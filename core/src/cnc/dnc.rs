@@ -17,10 +17,10 @@ use crate::program::{DncBuffer, LineTooLong};
 
 /// Lowest baud rate for DNC (manual III-9.3).
 const MIN_BAUD: u32 = 4800;
-/// Credit that a character needs: its bits (start bit, eight bits, stop bit) times 1000
-/// ticks per second.
+/// Credit that the transmission of a character uses: its ten bits (start bit, eight data bits, stop
+/// bit) times 1000 ticks per second.
 const CHARACTER_CREDIT: u32 = 10 * 1000;
-/// Most characters that the line can hold between the sending device and the buffer.
+/// Greatest number of characters on the line between the sending device and the buffer.
 const MAX_ON_LINE: usize = 64;
 
 /// State of the serial line in DNC operation.
@@ -78,7 +78,7 @@ impl Cnc {
         }
     }
 
-    /// Puts characters from the device on the line, at most
+    /// Puts characters that the device has sent on the line, at most
     /// [`dnc_free_characters`](Self::dnc_free_characters). Returns the number of accepted
     /// characters.
     pub fn receive_dnc(&mut self, characters: &[u8]) -> usize {
@@ -94,15 +94,16 @@ impl Cnc {
         self.dnc.is_complete = true;
     }
 
-    /// Handles a failure of the line: a program that the line delivers ends with alarm 086
-    /// and this reason.
+    /// Handles a failure of the serial line: a DNC program that is running ends with alarm 086 and
+    /// this reason.
     pub fn fail_dnc(&mut self, reason: impl Into<Message>) {
         if self.memory.programs.dnc_buffer().is_some() {
             self.raise(Alarm::new(number::SERIAL_NOT_READY).with_detail(reason));
         }
     }
 
-    /// Sends DC1 at cycle start and requests a program from its beginning.
+    /// Sends DC1 at cycle start and requests a program from its beginning; returns alarm 086 as
+    /// error if the line or the device is not ready.
     pub(crate) fn request_dnc_program(&mut self) -> Result<(), Alarm> {
         let refused =
             |reason: Message| Err(Alarm::new(number::SERIAL_NOT_READY).with_detail(reason));
@@ -179,7 +180,8 @@ impl Cnc {
 }
 
 impl DncLine {
-    /// Moves the characters that the line passes in a tick at this baud rate to the buffer.
+    /// Moves the characters that the line passes in a tick at this baud rate (bit/s) to the buffer
+    /// `inflow`; an error if a line of the program is too long.
     fn advance(&mut self, baud: u32, inflow: Option<&mut DncBuffer>) -> Result<(), LineTooLong> {
         let Some(inflow) = inflow else {
             return Ok(());

@@ -5,7 +5,7 @@ use crate::cnc::Cnc;
 use crate::machine::MachineInputs;
 use crate::units::{Axis, PerAxis};
 
-/// Time in which the ready signal of a drive must follow its enable, ms.
+/// Time within which the ready signal of a drive must follow its enable, ms.
 const READY_DELAY_MS: u16 = 100;
 
 /// State of a drive according to its signals.

@@ -9,8 +9,8 @@ use crate::operation::check_gear_speed;
 use crate::units::{Axis, Feed, Point, percent_to_factor};
 
 impl Cnc {
-    /// Returns alarm 097 as error if a rapid or a cut would exceed the gear speed of an
-    /// axis, at the present overrides.
+    /// Returns alarm 097 as error if a rapid or a cut to `to`, mm, would exceed the gear speed of
+    /// an axis at the current overrides.
     pub(crate) fn check_gear_before_move(
         &self,
         kind: MoveKind,

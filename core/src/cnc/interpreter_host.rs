@@ -1,4 +1,4 @@
-//! The control as the interpreter reads it.
+//! Implements the interface through which the interpreter reads and changes the control.
 
 use gsk_plc::PlcMemory;
 

@@ -35,7 +35,7 @@ pub(super) const TIMER_PRESETS: [(u16, u16); 14] = [
     (12, parameter::JOG_TIME),
     (13, parameter::LUBRICATION_TIME),
 ];
-/// K9: the mode that the ladder restores at power-on.
+/// Number of the K byte with the operating mode that the ladder restores at power-on.
 const MODE_AT_POWER_ON: u16 = 9;
 
 /// Sets the PLC memory before the first scan: timer presets, and the mode of 174
@@ -60,14 +60,15 @@ pub(super) fn preset_plc(memory: &mut PlcMemory, parameters: &ControlParameters)
 }
 
 impl PlcPort {
-    /// The ladder that the next power-on runs.
+    /// The ladder that runs after the next power-on: the one loaded for it, or the current one.
     pub(super) fn ladder_at_power_on(&self) -> Arc<Ladder> {
         Arc::clone(self.next_ladder.as_ref().unwrap_or(self.engine.ladder()))
     }
 }
 
 impl Cnc {
-    /// Executes one step of the halted ladder and applies its signals at once.
+    /// Executes one step of the halted ladder and applies its signals at once; does nothing if the
+    /// ladder is not halted.
     pub(super) fn step_ladder(&mut self, step: LadderStep) {
         if !self.plc.halted {
             return;

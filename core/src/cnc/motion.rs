@@ -1,14 +1,14 @@
-//! The motion's part of a tick, and the resulting position of the slides.
+//! The part of a tick that moves the axes, and the resulting position of the slides.
 
 use super::Cnc;
 use crate::motion::{DryRun, MotionInputs, RapidOverride};
 use crate::operation::{JOG_RATE_MAX, OperatingMode, RunState, jog_rate};
 use crate::units::{Axis, PerAxis, Point, percent_to_factor};
 
-/// Most motions shorter than a tick that are executed in one tick.
+/// Greatest number of motions shorter than a tick that are executed in one tick.
 const MOTIONS_PER_TICK: usize = 16;
 
-/// Whether two coordinates of an axis (mm) are equal except for rounding.
+/// Whether two coordinates of an axis, mm, are equal except for rounding.
 fn is_equal(one: f64, other: f64) -> bool {
     (one - other).abs() < 1e-6
 }
@@ -65,9 +65,9 @@ impl Cnc {
         percent_to_factor(self.plc.signals.feed_override)
     }
 
-    /// Rates of the dry run (manual III-5.3.3): cuts at the jog rate, or at its highest
-    /// step with manual rapid on; rapids at the jog rate, unless manual rapid is on or
-    /// 004.6 RDRN = 1. `None`: no dry run.
+    /// Rates of the dry run (manual III-5.3.3): cuts at the jog rate, or at its highest step with
+    /// manual rapid on; rapids at the jog rate, unless manual rapid is on or 004.6 RDRN = 1. `None`
+    /// if dry run is off.
     pub(crate) fn dry_run(&self) -> Option<DryRun> {
         if !self.plc.signals.dry_run
             || !matches!(self.run.mode, OperatingMode::Auto | OperatingMode::Dnc)
@@ -83,7 +83,8 @@ impl Cnc {
         })
     }
 
-    /// Whether machine lock holds both axes: commands move and slides do not.
+    /// Whether machine lock is on for both axes: the commanded position changes, but the slides do
+    /// not move.
     pub const fn is_machine_locked(&self) -> bool {
         self.plc.signals.machine_lock.x && self.plc.signals.machine_lock.z
     }
@@ -103,8 +104,8 @@ impl Cnc {
         interpreter.set_frame(frame, &world);
     }
 
-    /// Position of the slides without the distance that machine lock held back, machine
-    /// coordinates in mm.
+    /// Position of the slides, machine coordinates, mm: without the distance that machine lock held
+    /// back.
     pub(crate) fn slide_position(&self) -> Point {
         self.drives.axis_chain.slide_position()
     }

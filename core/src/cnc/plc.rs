@@ -1,5 +1,5 @@
-//! The PLC's part of a tick: samples the contacts, runs its slot, and exchanges signals
-//! with the control.
+//! The part of a tick that concerns the PLC: samples the contacts, runs a slot of the ladder, and
+//! exchanges signals with the control.
 
 use super::{Cnc, SerialPort};
 use crate::alarm::{Alarm, number};
@@ -57,19 +57,20 @@ impl Cnc {
         memory.set_f(PROGRAM_OUTPUTS + 2, high);
     }
 
-    /// Whether an input of the model has a level (true = on), by its number from 0.
+    /// Whether the input with the number `input`, from 0, of the control model has the level `high`
+    /// (true = on).
     pub(super) fn has_input_level(&self, input: u8, high: bool) -> bool {
         self.input_level(input) == high
     }
 
-    /// Whether an input of the model, by its number from 0, is on.
+    /// Whether the input with the number `input`, from 0, of the control model is on.
     fn input_level(&self, input: u8) -> bool {
         let contact = self.memory.model.record().first_input + input;
         let byte = self.plc.engine.memory().x(u16::from(contact / 8));
         byte >> (contact % 8) & 1 == 1
     }
 
-    /// Combines the inputs of the model with the contacts of the machine, in `contacts`: a
+    /// Combines the inputs of the control model with the contacts of the machine, in `contacts`: a
     /// switch acts through either of them, and both show its state.
     fn combine_inputs(&self, inputs: &MachineInputs, contacts: &mut [u8]) {
         let record = self.memory.model.record();
@@ -161,8 +162,8 @@ impl Cnc {
         }
     }
 
-    /// Handles inputs that have an own function in manual operation: their rising edges
-    /// switch outputs, or start an M function.
+    /// Handles inputs that have a function in manual operation: their rising edges switch outputs,
+    /// or start an M function.
     fn handle_input_edges(&mut self) {
         let record = self.memory.model.record();
         if record.edges.is_empty() {
@@ -196,7 +197,7 @@ impl Cnc {
         }
     }
 
-    /// Switches the outputs of an M code of the model, as a program does.
+    /// Switches the outputs of an M code of the control model, as a program does.
     fn switch_m_outputs(&mut self, code: u8) {
         let model = &self.memory.model;
         let Some(function) = model.record().m_function(code) else {
@@ -346,8 +347,8 @@ impl Cnc {
         }
     }
 
-    /// Whether the motion under way is at a rapid rate, programmed or manual; `None` while
-    /// the axes only decelerate.
+    /// Whether the current motion, programmed or manual, is at a rapid rate; `None` while the axes
+    /// only decelerate.
     fn is_at_rapid_rate(&self) -> Option<bool> {
         let returns = [Axis::X, Axis::Z].map(|axis| *self.coordinates.returns.get(axis));
         if returns.iter().any(Option::is_some) {
@@ -398,7 +399,8 @@ impl Cnc {
             && self.drives.board.is_none_or(|board| board.position_known)
     }
 
-    /// Changes to the operating mode that the ladder commands.
+    /// Changes to the operating mode that the ladder commands, and stops motion or the run that the
+    /// new mode does not permit.
     fn follow_mode(&mut self) {
         let handwheel = self.memory.parameters.has_handwheel();
         let Some(mode) = OperatingMode::from_code(self.plc.signals.mode_code, handwheel) else {

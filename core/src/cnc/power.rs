@@ -83,8 +83,8 @@ impl Cnc {
         cnc
     }
 
-    /// Switches the power off and on: retained data stays, all other state starts again.
-    /// With 004.7 ABOT = 0 the absolute coordinates stay (manual III-2.1).
+    /// Switches the power off and on: retained data is kept, all other state is as at power-on.
+    /// With 004.7 ABOT = 0 the absolute coordinates are kept (manual III-2.1).
     pub fn power_cycle(&mut self) {
         let position = self.position();
         let setup = Setup {

@@ -25,8 +25,7 @@ use crate::units::Axis;
 pub enum ControlRequest {
     /// Sets the relative coordinate of one axis to zero.
     ZeroRelative(Axis),
-    /// Makes the present position of an axis its machine zero, if the axis has no zero
-    /// switch.
+    /// Sets the machine zero of an axis to its current position, if the axis has no zero switch.
     SetMachineZero(Axis),
     /// Sets the part counter to zero.
     ClearParts,
@@ -62,7 +61,7 @@ pub enum ControlRequest {
     CheckReceive(u16),
     /// Sets the state of the serial port (F213).
     SetSerialPort(SerialPort),
-    /// Stores data that was received through the serial port.
+    /// Stores data that was received through the serial port, completely or not at all.
     StoreReceived(ReceivedData),
     /// Stores the edited text of a program.
     StoreEdited {
@@ -86,10 +85,10 @@ pub enum ControlRequest {
     },
     /// Sets a real variable, of macro B or of the Huaxing lathes.
     SetMacroVariable {
-        /// Number of the variable. Macro B: #1–#33 of the present run, #100–#231, #500–#999;
+        /// Number of the variable. Macro B: #1–#33 of the current run, #100–#231, #500–#999;
         /// Huaxing: #1–#99.
         number: u16,
-        /// New value; `None`: null.
+        /// New value; `None` makes the variable null (empty).
         value: Option<f64>,
     },
     /// Sets a point of the pitch error table.
@@ -140,12 +139,12 @@ pub enum ControlRequest {
     EnterPassword(String),
     /// Replaces the password `old` by `new`.
     ChangePassword {
-        /// The present password.
+        /// The current password.
         old: String,
         /// The password that replaces it.
         new: String,
     },
-    /// Lowers the operation level to 5, which permits least.
+    /// Lowers the operation level to 5, which permits the least.
     LowerLevel,
     /// Toggles a soft switch, as its key on the page 机床面板 does.
     ToggleSoftSwitch(SoftSwitch),
@@ -172,10 +171,10 @@ pub enum ControlRequest {
 /// A value for a tool offset, and how the offset is calculated from it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OffsetEntry {
-    /// X or Z with a value in the unit of the display: stored as offset, or used as
+    /// X or Z with a value in the unit of the display: stored as the offset, or taken as the
     /// measured coordinate (012.5 DOFSI).
     Length(Axis, f64),
-    /// X or Z in mm: stored as offset, regardless of 012.5 DOFSI.
+    /// X or Z in mm: stored as the offset, regardless of 012.5 DOFSI.
     Stored(Axis, f64),
     /// U or W with a value in the unit of the display: added to the offset.
     Change(Axis, f64),
@@ -284,7 +283,7 @@ impl Cnc {
         Ok(())
     }
 
-    /// The permissions to change data at this moment.
+    /// Returns the permissions to change data at this moment.
     pub fn rights(&self) -> Rights<'_> {
         Rights {
             parameters: &self.memory.parameters,

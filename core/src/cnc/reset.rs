@@ -6,7 +6,7 @@ use crate::machine::MachineInputs;
 use crate::memory::SwitchedOff;
 use crate::operation::RunState;
 
-/// Minimum duration of the reset signal RST, ms, so that a whole cycle of level 2 sees
+/// Minimum duration of the reset signal RST, ms, so that each rung of level 2 of the ladder sees
 /// it.
 const LEVEL_2_CYCLE_MS: u32 = 32;
 
@@ -16,7 +16,7 @@ impl Cnc {
         self.reset_left_ms > 0
     }
 
-    /// AL: whether an alarm or a PLC message is in force.
+    /// Signal AL: whether an alarm or a PLC message is active.
     pub(crate) fn is_alarm_active(&self) -> bool {
         !self.alarms.is_empty() || self.plc.message
     }
@@ -34,8 +34,8 @@ impl Cnc {
         }
     }
 
-    /// Ends the run in this state: the axes decelerate, and commands that were read are not
-    /// executed.
+    /// Ends the run, which then has the state `state`: the axes decelerate, and commands that were
+    /// read are not executed.
     pub(crate) fn stop_run(&mut self, state: RunState) {
         self.abandon_current();
         self.abandon_returns();
@@ -110,7 +110,8 @@ impl Cnc {
         }
     }
 
-    /// 准备未绪: whether the emergency stop or an alarm of a drive is in force.
+    /// Whether the control is not ready (准备未绪): the emergency stop or an alarm of a drive is
+    /// active.
     pub(crate) fn is_not_ready(&self) -> bool {
         self.alarms
             .list()

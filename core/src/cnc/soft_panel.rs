@@ -10,11 +10,11 @@ use super::Cnc;
 use super::parts::PlcPort;
 use crate::operation::{SoftSwitch, SoftSwitchChange};
 
-/// Time for which a switch first has the opposite state, ms: longer than a cycle of
-/// level 2.
+/// Time for which a soft switch first has the opposite state, ms: longer than a cycle of level 2 of
+/// the ladder.
 const PREPARE_MS: u32 = 64;
 
-/// Address of the F bit that reports whether the function of a switch is in force.
+/// Address of the F bit that reports whether the function of a soft switch is active.
 const fn state_bit(switch: SoftSwitch) -> BitAddress {
     let (byte, bit) = match switch {
         SoftSwitch::MachineLock => (4, 1),
@@ -64,7 +64,7 @@ impl PlcPort {
         }
     }
 
-    /// Advances the change of a switch by one tick (1 ms).
+    /// Advances the change of a soft switch by one tick (1 ms); does nothing without a change.
     pub(super) fn advance_soft_switch(&mut self) {
         let Some(change) = &mut self.switch_change else {
             return;
@@ -88,7 +88,7 @@ impl Cnc {
         self.plc.is_soft_switch_on(switch)
     }
 
-    /// Whether the function of a soft switch is in force, as the ladder has decided.
+    /// Whether the function of a soft switch is active, as the ladder has decided.
     pub fn is_soft_switch_active(&self, switch: SoftSwitch) -> bool {
         self.plc.is_soft_switch_active(switch)
     }

@@ -1,4 +1,4 @@
-//! The spindle's part of a tick.
+//! The part of a tick that concerns the spindle: speed, angle, jog and brake.
 
 use gsk_plc::address::{Area, BitAddress};
 

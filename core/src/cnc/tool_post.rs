@@ -1,4 +1,4 @@
-//! Follows the tool post: T display, 075, the tool-change key.
+//! Follows the tool post: T display, parameter 075, and the tool-change key.
 
 use super::Cnc;
 use crate::operation::Strobe;
@@ -20,13 +20,14 @@ impl Cnc {
         }
     }
 
-    /// Stores the number of the tool in position in 075; numbers beyond its range are not
+    /// Stores the number of the tool in position in parameter 075; numbers beyond its range are not
     /// stored.
     pub(crate) fn remember_tool(&mut self, tool: u8) {
         self.memory.parameters.remember_tool(tool);
     }
 
-    /// Turns the tool post to the next station, from the last one to the first.
+    /// Turns the tool post to the next station, from the last one to the first; does nothing
+    /// without a tool post or while a function waits for FIN.
     pub(super) fn index_tool(&mut self) {
         let stations = i32::from(self.memory.parameters.station_count());
         if self.run.handshake.is_busy() || stations == 0 {

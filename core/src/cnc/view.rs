@@ -1,4 +1,4 @@
-//! Read access to the control for pages and command line.
+//! Read access to the control for the pages of the panel and the command line.
 
 use std::collections::VecDeque;
 
@@ -68,7 +68,8 @@ impl Cnc {
         self.slide_position()
     }
 
-    /// Pulses commanded since power-on, for each axis.
+    /// Pulse count of each axis: the sum of the pulses commanded since power-on, unless a board has
+    /// set the count.
     pub fn pulses(&self) -> PerAxis<Pulses> {
         self.drives.axis_chain.pulses()
     }
@@ -94,12 +95,12 @@ impl Cnc {
         }
     }
 
-    /// Distance to go of the motion under way (mm, X as a radius).
+    /// Distance to go of the current programmed motion (mm, X as a radius).
     pub fn distance_to_go(&self) -> Point {
         self.drives.interpolator.distance_to_go()
     }
 
-    /// The coordinate frame in force.
+    /// The current coordinate frame: work zero and tool offset.
     pub const fn frame(&self) -> Frame {
         self.coordinates.frame
     }
@@ -109,7 +110,7 @@ impl Cnc {
         self.drives.interpolator.is_moving() || self.is_waiting_for_motor()
     }
 
-    /// Whether the motion under way is a rapid, programmed or manual.
+    /// Whether the current motion is a rapid, programmed or manual.
     pub fn is_rapid_under_way(&self) -> bool {
         let is_manual_rapid = |axis| {
             matches!(
@@ -124,17 +125,17 @@ impl Cnc {
         }
     }
 
-    /// Whether the motion under way follows the spindle angle.
+    /// Whether the current motion is a thread that follows the spindle angle.
     pub const fn is_in_thread(&self) -> bool {
         self.drives.interpolator.is_in_thread()
     }
 
-    /// The F word in force: a feed per minute with G98, per revolution with G99.
+    /// The current F word: mm/min with G98, mm per revolution with G99.
     pub const fn feed_commanded(&self) -> f64 {
         self.run.modal.feed
     }
 
-    /// The thread lead in force, mm; 0 until a thread is programmed.
+    /// The current thread lead, mm; 0 until a thread is programmed.
     pub const fn thread_lead(&self) -> f64 {
         self.run.interpreter.thread_lead()
     }
@@ -144,7 +145,7 @@ impl Cnc {
         self.drives.interpolator.velocity().length() * 60.0
     }
 
-    /// Jog rate of the present override step, mm/min.
+    /// Jog rate of the current override step, mm/min.
     pub fn jog_rate(&self) -> f64 {
         jog_rate(self.plc.signals.jog_code)
     }
@@ -159,7 +160,7 @@ impl Cnc {
         self.plc.signals.rapid_override
     }
 
-    /// Spindle override in force, 50–120 %.
+    /// Spindle override that the ladder commands, 50–120 %.
     pub const fn spindle_override(&self) -> u8 {
         self.plc.signals.spindle_override
     }
@@ -190,7 +191,7 @@ impl Cnc {
         }
     }
 
-    /// The control's side of the spindle: speeds, gear, limits.
+    /// The state of the spindle in the control: speeds, gear, limits.
     pub const fn spindle(&self) -> &SpindleControl {
         &self.spindle.control
     }
@@ -268,7 +269,7 @@ impl Cnc {
         self.memory.settings.macro_b || self.memory.model.record().own_variables
     }
 
-    /// Value of a real variable, by number; `None`: null.
+    /// Value of the real variable with this number; `None` if the variable is null.
     pub fn real_variable(&self, number: u16) -> Option<f64> {
         let variables = &self.memory.variables;
         if self.memory.model.record().own_variables {
@@ -350,19 +351,19 @@ impl Cnc {
         }
     }
 
-    /// Alarms in force, newest first.
+    /// Active alarms, newest first.
     pub fn alarms(&self) -> &[Alarm] {
         self.alarms.list()
     }
 
-    /// Messages of the machine's ladder that are in force, each with number and text.
+    /// Active messages of the machine's ladder, each with number and text.
     pub fn plc_messages(&self) -> impl Iterator<Item = (u16, &str)> {
         self.plc.engine.active_messages()
     }
 
-    /// The first message of the ladder in force, as an alarm with the block that it
-    /// interrupts; `None` without one. Cycle start has no effect until its cause is gone
-    /// and RESET has cleared it.
+    /// The first active message of the ladder, as an alarm with the block that it interrupts;
+    /// `None` without one. Cycle start has no effect until the cause of the message is gone and
+    /// RESET has cleared it.
     pub fn active_message(&self) -> Option<Alarm> {
         if !self.plc.message {
             return None;
@@ -394,8 +395,8 @@ impl Cnc {
         self.drives.board.is_some()
     }
 
-    /// Lag of the pulse board after this tick; `None`: the simulated lathe makes the motion
-    /// at once.
+    /// Lag of the pulse board after this tick; `None` without a board: the simulated lathe makes
+    /// the motion at once.
     pub fn board_lag(&self) -> Option<BoardLag> {
         self.drives.board.map(|board| BoardLag {
             ticks: board.ticks_ahead,
@@ -403,13 +404,13 @@ impl Cnc {
         })
     }
 
-    /// Speed of the spindle whose index the board measures, r/min; negative in reverse.
+    /// Speed of the spindle whose one-turn signal the board measures, r/min; negative in reverse.
     /// `None` without such a spindle.
     pub fn board_spindle_rpm(&self) -> Option<f64> {
         Some(self.drives.board?.spindle?.rpm)
     }
 
-    /// Whether an alarm or a message is in force (AL, F1.0).
+    /// Whether an alarm or a ladder message is active (signal AL, F1.0).
     pub fn is_in_alarm(&self) -> bool {
         self.is_alarm_active()
     }
@@ -427,7 +428,7 @@ impl Cnc {
         self.coordinates.referenced
     }
 
-    /// The PLC: signals, timers, messages.
+    /// The PLC with its ladder, signals, timers and messages.
     pub const fn plc(&self) -> &Plc {
         &self.plc.engine
     }

@@ -1,4 +1,4 @@
-//! Executes one command at a time: starts it, ends it, decides what follows.
+//! Executes one command of the program at a time: starts it, ends it, and decides what follows.
 //!
 //! M, S and T start together. The motion waits for the FIN of a T, but not for that of M
 //! and S. The block ends when motion and handshake are both done.
@@ -27,8 +27,8 @@ const fn is_decoded(code: u8) -> bool {
 }
 
 impl Cnc {
-    /// Starts a command: reports it, begins its motion or function, and makes it the
-    /// command under way.
+    /// Starts a command: reports it, begins its motion or function, and makes it the current
+    /// command.
     pub(crate) fn start_command(&mut self, command: ControlCommand) {
         let command = self.run.automatic.cycle_shift.shift_command(command);
         self.run.modal = command.modal;
@@ -116,6 +116,9 @@ impl Cnc {
     }
 
     /// Starts a rapid, a straight or a circular cut.
+    ///
+    /// # Errors
+    /// The alarm of a cut without feed or of an axis that would be too fast for its gear.
     #[inline]
     fn start_path_move(&mut self, action: &Action) -> Result<(), Alarm> {
         match action {
@@ -160,9 +163,9 @@ impl Cnc {
         }
     }
 
-    /// Puts a new coordinate frame into force. When the work zero moves, the relative
-    /// coordinates become the absolute ones if `is_relative_cleared` (PPD); otherwise they
-    /// keep their values.
+    /// Puts a new coordinate frame into force. When the work zero moves, the relative coordinates
+    /// become the absolute ones if `is_relative_cleared` (PPD); otherwise they keep their values.
+    /// `program_zero` is the new program zero, machine coordinates, mm; `None` if it stays.
     fn change_frame(
         &mut self,
         frame: Frame,
@@ -186,8 +189,8 @@ impl Cnc {
         }
     }
 
-    /// Outputs the decode signal and the strobe of M00 or M30. Returns the stage of its
-    /// command.
+    /// Outputs the decode signal and the strobe of M00 or M30. Returns the stage of the command,
+    /// which waits for FIN.
     fn start_decoded_m(&mut self, code: u8) -> CommandStage {
         self.run.automatic.decoded_m = Some(code);
         self.run.handshake.start(Strobe::M, code);
@@ -240,7 +243,7 @@ impl Cnc {
         }
     }
 
-    /// Outputs T if there is a turret and the tool is not in position. Returns whether T
+    /// Outputs the T code if there is a turret and the tool is not in position. Returns whether it
     /// was output.
     fn output_t(&mut self, tool: u8) -> bool {
         let needs_change = tool != 0
@@ -253,8 +256,8 @@ impl Cnc {
         needs_change
     }
 
-    /// Ends the command under way if its motion and function are finished. Returns whether
-    /// the command has ended.
+    /// Ends the current command if its motion and its M, S or T function are finished. Returns
+    /// whether the command has ended.
     pub(crate) fn finish_current(&mut self) -> bool {
         let board_lags = self.is_board_lagging();
         let Some(current) = &mut self.run.automatic.current else {
@@ -344,9 +347,9 @@ impl Cnc {
         }
     }
 
-    /// Handles a feed hold that #3004 has deferred. At the end of a block the run stops as
-    /// in single block while the button is held. When #3004 permits the hold, it begins.
-    /// Returns whether the run stops.
+    /// Handles a feed hold that #3004 has deferred, at the end of a block: while #3004 still
+    /// forbids it, the run stops as in single block if the button is held; otherwise the hold
+    /// begins. Returns whether the run stops.
     fn apply_deferred_hold(&mut self) -> bool {
         if !self.run.automatic.hold_deferred {
             return false;
@@ -379,8 +382,8 @@ impl Cnc {
         functions || self.run.automatic.is_mdi
     }
 
-    /// Stops the run after a command. An MDI block ends with its last command; a program
-    /// can be resumed at its next block.
+    /// Stops the run after `command`. An MDI block ends with its last command; a program can be
+    /// resumed at its next block.
     fn stop_after_command(&mut self, command: &ControlCommand) {
         if self.run.automatic.is_mdi && command.block_end {
             self.run.interpreter.leave_mdi();
@@ -465,8 +468,8 @@ impl Cnc {
         }));
     }
 
-    /// Reports the way in of a tap as a move. Returns the start point of that move; the
-    /// next report begins at the present position.
+    /// Reports the inward motion of a tap as a move. Returns the start point of that move, mm; the
+    /// next reported move begins at the current position.
     pub(crate) fn report_tap_half(&mut self) -> Point {
         let position = self.drives.interpolator.position();
         let Some(mut current) = self.run.automatic.current.take() else {
@@ -479,7 +482,7 @@ impl Cnc {
         from
     }
 
-    /// Drops the command under way, and reports the executed part of its move.
+    /// Drops the current command, and reports the executed part of its move.
     pub(crate) fn abandon_current(&mut self) {
         if let Some(current) = self.run.automatic.current.take() {
             self.report_move(&current);

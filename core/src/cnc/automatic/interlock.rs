@@ -26,7 +26,7 @@ impl Cnc {
         locks.iter().any(|lock| lock.x | lock.z) && self.moves_towards_lock()
     }
 
-    /// Whether the motion under way has a component along a locked axis or direction.
+    /// Whether the current motion has a component along a locked axis or direction.
     #[cold]
     fn moves_towards_lock(&self) -> bool {
         let commanded = self.drives.interpolator.distance_to_go();
@@ -48,14 +48,15 @@ impl Cnc {
         self.is_brake_on() && !self.memory.parameters.can_move_under_brake()
     }
 
-    /// Whether manual motion of an axis is forbidden.
+    /// Whether an interlock signal of the ladder or the spindle brake forbids manual motion of an
+    /// axis.
     pub(crate) fn is_interlocked(&self, axis: Axis) -> bool {
         self.plc.signals.interlock
             || *self.plc.signals.axis_interlock.get(axis)
             || self.has_brake_interlock()
     }
 
-    /// Whether a direction of an axis is locked by a limit signal, by an overtravel alarm
+    /// Whether motion of an axis in `direction` is locked by a limit signal, by an overtravel alarm
     /// or by ±MIT.
     pub(crate) fn is_direction_locked(&self, axis: Axis, direction: AxisDirection) -> bool {
         let interlocks = match direction {

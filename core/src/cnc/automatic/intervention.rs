@@ -41,9 +41,8 @@ impl Cnc {
         self.drives.interpolator.cancel();
     }
 
-    /// Resumes an interrupted block after manual motion. The block moves its remaining
-    /// distance from the present position; the next block moves to its programmed
-    /// coordinates.
+    /// Resumes an interrupted block after manual motion. The block moves its remaining distance
+    /// from the current position; the next block moves to its programmed coordinates.
     pub(crate) fn resume_held_motion(&mut self) {
         let Some(mut held) = self.run.held_motion.take() else {
             return;

@@ -24,13 +24,13 @@ const START_ENABLE: (usize, u8) = (1, 1 << 2);
 /// Time for which an input must keep its level before the program continues, ms.
 const INPUT_LEVEL_MS: u32 = 30;
 
-/// Most commands without duration that are executed in one tick, so that no loop blocks a
-/// tick.
+/// Greatest number of commands without duration that are executed in one tick, so that no loop
+/// blocks a tick.
 const COMMANDS_PER_TICK: usize = 16;
 
 impl Cnc {
-    /// Whether another cut continues from the cut under way without a stop (007.3 = 0):
-    /// neither single block nor an M, S or T function ends the block first.
+    /// Whether another cut continues from the current cut without a stop (007.3 = 0): neither
+    /// single block nor an M, S or T function ends the block first.
     pub(crate) fn continues_cut(&self) -> bool {
         let is_stop =
             |current: &CurrentCommand| current.command.stop_point && self.is_single_block();
@@ -40,7 +40,8 @@ impl Cnc {
             && !self.run.handshake.is_busy()
     }
 
-    /// Handles the falling edge of the cycle-start signal.
+    /// Handles the falling edge of the cycle-start signal: starts or resumes the program or the MDI
+    /// block, unless the state of the control forbids it.
     pub(crate) fn handle_cycle_start(&mut self) {
         let interrupted =
             self.run.automatic.state == RunState::Hold && self.run.automatic.current.is_some();
@@ -87,8 +88,8 @@ impl Cnc {
         }
     }
 
-    /// Whether cycle start is enabled, by *STEN on the pin of T08. 164.4 STEN makes the
-    /// signal necessary, 164.6 AGIN leaves the pin to it, and 164.5 AGIM selects its level
+    /// Whether the signal *STEN, on the pin of T08, enables cycle start. 164.4 STEN makes the
+    /// signal necessary, 164.6 AGIN reserves the pin for it, and 164.5 AGIM selects its level
     /// (manual PLC-II 13.10).
     fn is_start_enabled(&self) -> bool {
         let is_required = self.memory.parameters.has_start_enable_input();
@@ -96,12 +97,12 @@ impl Cnc {
         !is_required || high == self.memory.parameters.enable_level()
     }
 
-    /// Whether a stopped run continues with its next block in this mode.
+    /// Whether cycle start in the current mode continues a stopped run with its next block.
     fn can_continue_program(&self) -> bool {
         self.run.automatic.can_resume() && self.belongs_to_mode(self.run.mode)
     }
 
-    /// Whether the present or stopped run belongs to `mode`: MDI, DNC or AUTO.
+    /// Whether the current or stopped run belongs to `mode`: MDI, DNC or AUTO.
     pub(crate) fn belongs_to_mode(&self, mode: OperatingMode) -> bool {
         let run_mode = match (self.run.automatic.is_mdi, self.memory.programs.dnc_buffer()) {
             (true, _) => OperatingMode::Mdi,
@@ -126,7 +127,7 @@ impl Cnc {
         self.run.automatic.begin_run(false);
     }
 
-    /// Starts the program that the device at the serial line sends (DNC).
+    /// Starts the program that the device on the serial line sends (DNC).
     fn start_dnc(&mut self) {
         if let Err(alarm) = self.request_dnc_program() {
             return self.raise(alarm);
@@ -197,8 +198,8 @@ impl Cnc {
         true
     }
 
-    /// Suspends the stopped AUTO run, with the commands that were read but not executed; a
-    /// run that is already suspended is returned unchanged. `None` without either.
+    /// Suspends the stopped AUTO run, with the commands that were read but not executed, and
+    /// returns it; returns a run that is already suspended unchanged. `None` without either.
     fn suspend_run(&mut self) -> Option<Box<SuspendedRun>> {
         if self.run.automatic.is_mdi || !self.run.automatic.can_resume() {
             return self.run.automatic.suspended.take();
@@ -238,7 +239,7 @@ impl Cnc {
         self.run.automatic.state = RunState::Run;
     }
 
-    /// Whether single block stops the run; a macro B program can prevent it (#3003).
+    /// Whether single block is on; a macro B program can suppress it (#3003).
     pub(crate) const fn is_single_block(&self) -> bool {
         self.plc.signals.single_block && !self.run.registers.off.is_single_block_off()
     }
@@ -252,8 +253,8 @@ impl Cnc {
         }
     }
 
-    /// Starts feed hold: the axes decelerate. A block without motion continues to its end,
-    /// and so does a thread with the first command after it.
+    /// Starts feed hold of a running program: the axes decelerate. A block without motion continues
+    /// to its end, and so does a thread with the first command after it.
     pub(crate) fn start_feed_hold(&mut self) {
         if self.run.automatic.state == RunState::Run {
             self.run.automatic.state = RunState::Hold;
@@ -330,8 +331,8 @@ impl Cnc {
         }
     }
 
-    /// Whether the command under way is a motion that has not ended: the most frequent
-    /// case, and cheap to check.
+    /// Whether the current command is a motion that has not ended: the most frequent case, and
+    /// cheap to check.
     fn is_motion_unfinished(&self) -> bool {
         let moves = |current: &CurrentCommand| {
             current.stage == CommandStage::Acting && current.command.action.is_motion()
@@ -352,12 +353,13 @@ impl Cnc {
         ended && !self.drives.interpolator.is_finished()
     }
 
-    /// Machine time since power-on, s; within the tick if a block ended in it.
+    /// Machine time since power-on, s: the end of the last tick, or the time within it at which its
+    /// last block ended.
     pub(crate) fn machine_time_s(&self) -> f64 {
         self.ticks as f64 * TICK_S - self.drives.interpolator.leftover_time()
     }
 
-    /// Starts the next command. Returns whether a command is then under way.
+    /// Starts the next command of the program. Returns whether a command is then in execution.
     fn start_next(&mut self) -> bool {
         if !self.run.automatic.can_begin_command() {
             return false;
@@ -405,8 +407,8 @@ impl Cnc {
         is_suspended || (self.run.automatic.is_started && !self.run.automatic.is_mdi)
     }
 
-    /// Reads one command from the interpreter; `None` if it has none now. `settled`: all
-    /// previous commands are finished.
+    /// Reads one command from the interpreter; `None` if it must wait, the program has ended, or an
+    /// alarm was raised. `settled`: all previous commands are finished.
     fn read_command(&mut self, settled: bool) -> Option<ControlCommand> {
         self.read_received_blocks();
         if self.run.automatic.has_ended {

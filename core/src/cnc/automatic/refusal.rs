@@ -9,8 +9,8 @@ use crate::units::Axis;
 use gsk_messages::{Message, say};
 
 impl Cnc {
-    /// Message why cycle start would have no effect now. `None` if it would act, or would
-    /// raise an alarm (no program, a board that refuses).
+    /// Message that explains why cycle start would have no effect now. `None` if it would act, or
+    /// would raise an alarm (no program, a board that refuses).
     pub fn start_refusal(&self) -> Option<Message> {
         if let Some(alarm) = self.blocking_alarm(say::key_cycle_start()) {
             return Some(alarm);
@@ -37,8 +37,8 @@ impl Cnc {
         Some(why)
     }
 
-    /// Message that names the alarm or ladder message in force that blocks `key`; `None`
-    /// without one.
+    /// Message that names the active alarm or ladder message that blocks the key named by `key`;
+    /// `None` without one.
     fn blocking_alarm(&self, key: Message) -> Option<Message> {
         let message = self.active_message();
         let number = match (self.alarms().first(), &message) {
@@ -59,8 +59,8 @@ impl Cnc {
         self.run.automatic.is_mdi && self.run.automatic.is_operating()
     }
 
-    /// Message why a held axis key does not move its axis; `None` if nothing blocks it.
-    /// Call it when the ladder has had time to pass the key on.
+    /// Message that explains why a held axis key does not move its axis; `None` if nothing blocks
+    /// it. Call it only after the ladder has had time to read the key.
     pub fn axis_key_refusal(&self, axis: Axis) -> Option<Message> {
         let why = match self.run.mode.motion_mode() {
             OperatingMode::Handwheel => say::axis_key_in_handwheel_mode(),
@@ -76,8 +76,8 @@ impl Cnc {
         Some(why)
     }
 
-    /// Message that names what blocks the direction that the ladder requests; `None` if
-    /// nothing does.
+    /// Message that names what blocks motion of an axis in the direction that the ladder requests;
+    /// `None` if nothing does.
     fn direction_refusal(&self, axis: Axis) -> Option<Message> {
         let g = &self.plc.signals;
         let direction = match (*g.jog_plus.get(axis), *g.jog_minus.get(axis)) {

@@ -1,6 +1,6 @@
-//! Spindle speed arrival (manual PLC-I 9.4): with 175.6 = 1 the first cut after a rapid or
-//! an S function begins only when the ladder's SAR (G29.4) is 1. The control checks SAR the
-//! time of 072 after it has read the cut, so that the ladder has seen the new speed.
+//! Spindle speed arrival (manual PLC-I 9.4): with 175.6 = 1 the first cut after a rapid or an S
+//! function begins only when the ladder's SAR (G29.4) is 1. The control checks SAR after the time
+//! of parameter 072 from reading the cut, so that the ladder has seen the new speed.
 //!
 //! ```text
 //!  S, rapid ──► cut read ──── 072 ────► SAR = 0: waits ... SAR = 1: the cut begins

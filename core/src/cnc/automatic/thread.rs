@@ -19,8 +19,8 @@ use crate::operation::{
 use crate::units::{Feed, Point};
 use gsk_messages::say;
 
-/// Factor on the measured speed before it is compared with a limit: at the limit it is
-/// measured a little too high.
+/// Factor on the measured spindle speed before it is compared with a limit: a speed at the limit
+/// may be measured a little too high.
 const WITHIN_MEASUREMENT: f64 = 0.99;
 
 const SPINDLE_FORWARD: u8 = 3;
@@ -31,6 +31,9 @@ const SPINDLE_STOP: u8 = 5;
 
 impl Cnc {
     /// Starts a thread: synchronised with the spindle, or as a cut in dry run.
+    ///
+    /// # Errors
+    /// Alarm 092 for the encoder, or the alarm of a spindle that is at standstill or too fast.
     pub(crate) fn start_thread(&mut self, thread: &ThreadMove) -> Result<(), Alarm> {
         if self.dry_run().is_some() {
             let feed = Feed::PerRevolution(thread.lead);
@@ -56,8 +59,9 @@ impl Cnc {
         Ok(())
     }
 
-    /// Checks the spindle at the start of a thread cycle (alarms 092, 094), so that the
-    /// tool does not feed in for a cut that is not possible.
+    /// Checks encoder and spindle speed at the start of a thread cycle, so that the tool does not
+    /// feed in for a cut that is not possible; returns alarm 092 or 094 as error. `per_revolution`
+    /// is the travel of each axis per spindle revolution, mm.
     pub(crate) fn check_thread_cycle(&self, per_revolution: Point) -> Result<(), Alarm> {
         if self.dry_run().is_some() {
             return Ok(());
@@ -84,8 +88,8 @@ impl Cnc {
         }
     }
 
-    /// Checks the run-out or thread that continues from the thread about to begin, before
-    /// anything is cut.
+    /// Checks the run-out or thread that continues from the thread about to begin, before anything
+    /// is cut; raises an alarm if it is not possible.
     pub(crate) fn check_thread_ahead(&mut self) {
         let (Some(current), Some(ahead)) = (
             &self.run.automatic.current,
@@ -114,8 +118,8 @@ impl Cnc {
         }
     }
 
-    /// Starts tapping. Without control of the spindle (dry run, M locked) the tap is two
-    /// cuts.
+    /// Starts tapping to the bottom `to`, mm, with `lead`, mm per turn. Without control of the
+    /// spindle (dry run, M locked) the tap is two cuts.
     pub(crate) fn start_tap(&mut self, to: Point, lead: f64) -> Result<(), Alarm> {
         if self.is_dry_tap() {
             self.run.automatic.tap = Some(TapStage::In);
@@ -221,8 +225,8 @@ impl Cnc {
             || (rpm >= STANDSTILL_RPM && self.run.automatic.watch.check_steady(rpm))
     }
 
-    /// Whether the spindle turns in reverse, as the ladder reports (SRVB, SFRB); without a
-    /// report, as measured.
+    /// Whether the spindle turns in reverse according to the signals SRVB and SFRB of the ladder,
+    /// or according to the measured speed if the ladder sets neither or both.
     fn is_turning_in_reverse(&self) -> bool {
         match (
             self.plc.signals.spindle_forward,
@@ -274,8 +278,8 @@ impl Cnc {
         self.raise_at_last_block(alarm);
     }
 
-    /// Raises alarm 094 if the spindle has become too fast for an axis since the start of
-    /// the thread; `rpm` is the measured speed.
+    /// Raises alarm 094 if the spindle has become too fast for an axis since the start of the
+    /// thread; `rpm` is its measured speed, r/min.
     fn recheck_thread_speed(&mut self, rpm: f64) {
         let current = self.run.automatic.current.as_ref();
         let thread = current.and_then(|current| {

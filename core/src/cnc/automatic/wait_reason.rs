@@ -1,4 +1,4 @@
-//! Names what a running program waits for, for the operator.
+//! Messages for the operator that name what a running program waits for.
 
 use crate::cnc::Cnc;
 use crate::command::Action;

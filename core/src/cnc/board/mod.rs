@@ -23,7 +23,7 @@ use gsk_link::ThreadCapability;
 use gsk_messages::{Message, say};
 use gsk_plc::address::BitAddress;
 
-/// Message why the board cannot do constant surface speed (G96); `timed`: its outputs
+/// Message that explains why the board cannot do constant surface speed (G96); `timed`: its outputs
 /// can switch during motion.
 fn surface_speed_refusal(timed: bool) -> Message {
     if timed {
@@ -67,9 +67,9 @@ impl Cnc {
             .is_some_and(|board| board.has_pending_motion && !board.has_timed_outputs)
     }
 
-    /// Whether a command must not begin yet. If the board switches outputs only at a
-    /// standstill, a motion waits for the M and S of its block. If the board switches them
-    /// during motion, spindle and coolant do not wait, and other functions wait for the
+    /// Whether a command must not begin yet because of the board. If the board switches outputs
+    /// only at a standstill, a motion waits for the M and S of its block. If the board switches
+    /// them during motion, spindle and coolant do not wait, and other functions wait for the
     /// slides.
     pub(crate) fn board_delays_command(&mut self, action: &Action) -> bool {
         let delays = self.drives.board.is_some_and(|board| {
@@ -97,7 +97,7 @@ impl Cnc {
             .is_some_and(|board| board.position_known && !board.takes_motion)
     }
 
-    /// The alarm that prevents the start of a program on the board; `None` if it may start.
+    /// Returns the alarm that prevents the start of a program on the board; `None` if it may start.
     /// With `mdi` (MDI or DNC) the program text is not checked.
     pub(crate) fn board_start_alarm(&mut self, mdi: bool) -> Option<Alarm> {
         let board = self.drives.board?;
@@ -122,8 +122,9 @@ impl Cnc {
         })
     }
 
-    /// Checks, when an action begins, whether the board can do it. This check also covers
-    /// macros and texts that the scan before the start does not understand.
+    /// Checks, when an action begins, whether the board can do it, and returns an alarm as error if
+    /// not. This check also covers macros and texts that the scan before the start does not
+    /// understand.
     pub(crate) fn check_for_board(&self, action: &Action) -> Result<(), Alarm> {
         let Some(board) = self.drives.board else {
             return Ok(());
@@ -174,22 +175,22 @@ impl Cnc {
         Err(Alarm::new(number::BOARD_CANNOT).with_detail(spindle_required_message(&board, tapping)))
     }
 
-    /// Orders the board to home this axis.
+    /// Marks an axis as being homed by the board; the next orders to the board request it.
     pub(crate) const fn start_board_homing(&mut self, axis: Axis) {
         *self.coordinates.referenced.get_mut(axis) = false;
         *self.coordinates.at_reference.get_mut(axis) = None;
         *self.coordinates.returns.get_mut(axis) = Some(ZeroReturnStage::BoardHoming);
     }
 
-    /// Axes that the board homes or is to home.
+    /// Axes that the board is homing or must home.
     pub(crate) fn board_homing_axes(&self) -> PerAxis<bool> {
         let is_homing =
             |axis| *self.coordinates.returns.get(axis) == Some(ZeroReturnStage::BoardHoming);
         PerAxis::new(is_homing(Axis::X), is_homing(Axis::Z))
     }
 
-    /// Ends the homing of the axes by the board: their machine coordinates are now those in
-    /// `at`, mm.
+    /// Ends the homing of the axes that are `true` by the board: their machine coordinates are now
+    /// those in `at`, mm.
     pub(crate) fn finish_board_homing(&mut self, axes: PerAxis<bool>, at: Point) {
         self.settle_coordinates();
         for axis in [Axis::X, Axis::Z] {
@@ -210,9 +211,9 @@ impl Cnc {
         self.coordinates.at_reference = PerAxis::default();
     }
 
-    /// Clears outputs of the ladder that the board has switched off without an order, as a
-    /// reset output module would. The ladder continues from that state, and the M code
-    /// shown becomes the matching one.
+    /// Clears the bits of `outputs` in the ladder: the board has switched these outputs off without
+    /// an order. The ladder continues from that state, and the displayed M code changes to match
+    /// it.
     pub(crate) fn clear_dropped_outputs(&mut self, outputs: &[BitAddress]) {
         let memory = self.plc.engine.memory_mut();
         let mut any_cleared = false;
@@ -226,7 +227,7 @@ impl Cnc {
         }
     }
 
-    /// Ends all motion at the present position, reference returns included.
+    /// Ends all motion at the current position, including reference returns.
     pub(crate) fn end_motion_for_board(&mut self) {
         self.abandon_returns();
         self.drives.interpolator.stop_now();
@@ -234,8 +235,8 @@ impl Cnc {
         self.hand.jog_blocked = PerAxis::new(true, true);
     }
 
-    /// Ends all motion and the program run. Another report raises the alarm that names the
-    /// reason.
+    /// Ends all motion and the program run. Another report of the board raises the alarm that names
+    /// the reason.
     pub(crate) fn stop_run_for_board(&mut self) {
         if self.run.automatic.is_operating() {
             self.stop_run(RunState::Stop);
@@ -243,8 +244,8 @@ impl Cnc {
         self.end_motion_for_board();
     }
 
-    /// Makes the pulse count at which the slides stopped the position of the control. An
-    /// axis whose count is unchanged keeps its coordinate exactly.
+    /// Sets the position of the control to `pulses`, the pulse count at which the slides stopped.
+    /// An axis whose count is unchanged keeps its coordinate exactly.
     pub(crate) fn set_count(&mut self, pulses: PerAxis<Pulses>) {
         let mut shift = Point::default();
         for axis in [Axis::X, Axis::Z] {
@@ -260,7 +261,7 @@ impl Cnc {
         interpreter.set_frame(frame, &world);
     }
 
-    /// Whether an alarm of the board or of its link is in force.
+    /// Whether an alarm of the board or of its link is active.
     pub(crate) fn has_board_alarm(&self) -> bool {
         let mut active = self.alarms.list().iter();
         active.any(|alarm| alarm.class() == AlarmClass::Link)

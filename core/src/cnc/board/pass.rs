@@ -8,7 +8,7 @@ use crate::units::{PerAxis, Point, Pulses};
 use gsk_link::{ThreadCapability, ThreadPass};
 use gsk_messages::say;
 
-/// Alarm that the board cannot cut a thread as a single pass, because of this feature.
+/// Returns the alarm for a thread that the board cannot cut as a single pass because of `feature`.
 fn pass_alarm(feature: ThreadPassFeature) -> Alarm {
     Alarm::new(number::BOARD_CANNOT).with_detail(say::pass_one_at_a_time(feature.to_message()))
 }
@@ -23,9 +23,10 @@ impl Cnc {
         self.drives.board.is_some_and(cuts_passes) && !(locked.x && locked.z)
     }
 
-    /// Checks, before a thread cycle feeds in, that its cuts are single passes and not
-    /// faster than the motors can start. `per_revolution` is the travel of each axis per
-    /// revolution, mm.
+    /// Checks, before a thread cycle feeds in, that its cuts are single passes and not faster than
+    /// the motors can start; returns an alarm as error if not. `per_revolution` is the travel of
+    /// each axis per revolution, mm; `extra_feature` is a feature of the cycle that a single pass
+    /// cannot have.
     pub(crate) fn check_passes(
         &self,
         per_revolution: Point,
@@ -37,7 +38,7 @@ impl Cnc {
         self.check_pass_speed(per_revolution.length())
     }
 
-    /// Checks that the board can cut a thread as a single pass.
+    /// Checks that the board can cut a thread as a single pass; returns an alarm as error if not.
     pub(crate) fn check_pass(&self, thread: &ThreadMove) -> Result<(), Alarm> {
         let feature = match thread.start {
             _ if thread.run_out => Some(ThreadPassFeature::RunOut),
@@ -71,8 +72,8 @@ impl Cnc {
         Ok(())
     }
 
-    /// The alarm for a thread that continues from a pass of the board; `None` if the board
-    /// does not cut passes.
+    /// The alarm for `next`, a thread or run-out that continues from a pass of the board; `None` if
+    /// the board does not cut passes.
     pub(crate) fn continuation_alarm(&self, next: &ThreadMove) -> Option<Alarm> {
         let feature = if next.run_out {
             ThreadPassFeature::RunOut
@@ -82,15 +83,16 @@ impl Cnc {
         self.is_cutting_by_board().then(|| pass_alarm(feature))
     }
 
-    /// Starts a thread that the board cuts, and first takes up the backlash of the screws.
+    /// Starts a thread that the board cuts: takes up the backlash of the screws, then waits until
+    /// the board begins.
     pub(crate) fn request_pass(&mut self, thread: &ThreadMove) {
         let displacement = thread.to - self.drives.interpolator.position();
         self.drives.interpolator.start_external_cut(thread.to);
         self.drives.axis_chain.take_up_backlash(displacement);
     }
 
-    /// The pass that waits for the board; `None` without one, and while backlash is being
-    /// taken up.
+    /// Returns the pass that the board must start now; `None` without one, and while backlash is
+    /// being taken up.
     pub(crate) fn pending_pass(&self) -> Option<ThreadPass> {
         let to = self.drives.interpolator.pending_external_cut()?;
         let current = self.run.automatic.current.as_ref()?;
@@ -107,17 +109,17 @@ impl Cnc {
         })
     }
 
-    /// Records that the board has started the pass.
+    /// Records that the board has started the current thread pass.
     pub(crate) const fn start_pass(&mut self) {
         self.drives.interpolator.begin_external_cut();
     }
 
-    /// Sets the fraction of the pass that the board has made, 0–1.
+    /// Sets the fraction of the current thread pass that the board has made, 0–1.
     pub(crate) fn report_pass_progress(&mut self, fraction: f64) {
         self.drives.interpolator.report_external_progress(fraction);
     }
 
-    /// Ends the pass at the pulse count `end` that the board reports.
+    /// Ends the current thread pass at the pulse count `end` that the board reports.
     pub(crate) fn finish_pass(&mut self, end: PerAxis<Pulses>) {
         if self.drives.interpolator.end_external_cut() {
             let locked = self.plc.signals.machine_lock;

@@ -1,4 +1,4 @@
-//! Finds functions of a program that a board cannot execute, before any motion.
+//! Searches a program, before any motion, for functions that the board cannot execute.
 
 mod passes;
 
@@ -99,7 +99,8 @@ fn refusal_alarm(id: ProgramId, program: &Program, index: u32, refused: RefusedF
         })
 }
 
-/// Finds out what a block requires from the board.
+/// Determines what a block requires from the board. `threads` tells which threads the board can
+/// cut; in `dry_run` a thread is an ordinary cut.
 fn block_needs(block: &str, threads: ThreadCapability, dry_run: bool) -> BlockNeeds {
     let mut needs = BlockNeeds::default();
     let (mut call, mut called) = (false, None);
@@ -134,7 +135,7 @@ fn block_needs(block: &str, threads: ThreadCapability, dry_run: bool) -> BlockNe
     needs
 }
 
-/// The function of a G code that the board cannot execute; `None` if the board can
+/// Returns the function of the G code `code` that the board cannot execute; `None` if the board can
 /// execute the code.
 fn g_code_refusal(code: u32, threads: ThreadCapability) -> Option<RefusedFunction> {
     let reason = match (code, threads) {
@@ -153,7 +154,7 @@ fn g_code_refusal(code: u32, threads: ThreadCapability) -> Option<RefusedFunctio
     Some(RefusedFunction::Unsupported(reason))
 }
 
-/// The integer at the start of a text, after blanks; `None` without one.
+/// Parses the integer at the start of a text, after blanks; `None` without one.
 fn parse_number(text: &str) -> Option<u32> {
     let text = text.trim_start_matches([' ', '\t']);
     let end = text

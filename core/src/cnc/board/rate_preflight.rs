@@ -15,9 +15,9 @@ use crate::interpreter::ImmediateHost;
 const MAX_COMMANDS: u32 = 100_000;
 
 impl Cnc {
-    /// Interprets a program and returns the alarm for the first cut whose pulse rate
-    /// exceeds that of the board, with the present offsets, overrides and inputs. `None`
-    /// without one; other errors of the program are reported at their execution.
+    /// Interprets a program, with the current offsets, overrides and inputs, and returns the alarm
+    /// for the first cut whose pulse rate exceeds that of the board; `None` without one. Other
+    /// errors of the program are reported at their execution.
     pub(crate) fn check_rates_for_board(
         &mut self,
         board: &BoardDrives,

@@ -10,8 +10,8 @@ use crate::units::{Axis, Feed, Point};
 use gsk_messages::say;
 
 impl Cnc {
-    /// The alarm for rapid rates (022, 023) that exceed the pulse rate of the board; `None`
-    /// if they are possible.
+    /// Returns the alarm for rapid rates (022, 023) that exceed the pulse rate of the board; `None`
+    /// if the board can make them.
     pub(crate) fn rapid_rate_alarm(&self, board: &BoardDrives) -> Option<Alarm> {
         let [x, z] = [Axis::X, Axis::Z].map(|axis| self.memory.parameters.rapid_rate(axis));
         let (axes, needed, made) = board.exceeded_rate(Point::new(x, z), false)?;
@@ -26,8 +26,8 @@ impl Cnc {
         }))
     }
 
-    /// Limits a manual rate to the speed of the board, and to No.033 while the position of
-    /// the slides is unknown.
+    /// Returns the manual rate `rate` of an axis, limited to the speed of the board, and to No.033
+    /// while the position of the slides is unknown.
     pub(crate) fn limit_manual_rate(&self, axis: Axis, rate: JogRate) -> JogRate {
         let Some(board) = self.drives.board else {
             return rate;
@@ -44,8 +44,8 @@ impl Cnc {
         }
     }
 
-    /// The alarm for a motion from `from` (mm) that exceeds the pulse rate of the board;
-    /// `None` if it is possible. `rpm` is the spindle speed, `None` if unknown.
+    /// Returns the alarm for a motion from `from`, mm, that exceeds the pulse rate of the board;
+    /// `None` if the board can make it. `rpm` is the spindle speed, r/min; `None` if it is unknown.
     pub(crate) fn pulse_rate_alarm(
         &self,
         board: &BoardDrives,

@@ -1,5 +1,5 @@
-//! The board's part of a tick: handles its reports before everything else, and collects the
-//! orders for it.
+//! The part of a tick that concerns the board: handles its reports before everything else, and
+//! collects the orders for it.
 
 use crate::alarm::{Alarm, groups, number};
 use crate::board::{
@@ -96,8 +96,8 @@ impl Cnc {
         }
     }
 
-    /// Raises an alarm of the board, to whose detail the position of the slides is added
-    /// later. `in_pass`: the alarm names the block that began last.
+    /// Raises an alarm of the board; the position of the slides is added to its detail later.
+    /// `in_pass`: the alarm names the block that began last.
     fn raise_board_alarm(&mut self, alarm: Alarm, in_pass: bool) {
         if !self.alarms.contains(alarm.number) {
             self.drives.board_alarms.incomplete.push(alarm.clone());
@@ -166,7 +166,7 @@ impl Cnc {
         }
     }
 
-    /// Machine coordinates of X and Z as texts, in the unit of the pages.
+    /// Machine coordinates of X and Z as texts, in the unit of the display (mm or inch).
     fn machine_coordinate_texts(&self) -> [String; 2] {
         let (at, parameters) = (self.position_machine(), &self.memory.parameters);
         let x = if parameters.is_radius_programming() {
@@ -188,8 +188,8 @@ impl Cnc {
         })
     }
 
-    /// Raises an alarm and takes back motion of the tick if parameters differ from those of
-    /// the connection. `pulses_before` is the pulse count before the tick.
+    /// Raises an alarm and undoes the motion of the tick if parameters have changed since the board
+    /// was connected. `pulses_before` is the pulse count before the tick.
     pub(crate) fn check_changed_parameters(&mut self, pulses_before: PerAxis<Pulses>) {
         let Some(board) = self.drives.board else {
             return;
@@ -207,7 +207,7 @@ impl Cnc {
         }
     }
 
-    /// The orders for the board after this tick.
+    /// Collects the orders for the board after this tick.
     pub(crate) fn board_orders(&self) -> BoardOrders {
         let parameters = &self.memory.parameters;
         let awaited_and_backlash =

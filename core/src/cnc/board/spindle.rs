@@ -1,4 +1,4 @@
-//! The spindle that the board measures by its index, and the conditions of threads.
+//! The spindle whose one-turn signal the board measures, and the conditions for threads.
 //!
 //! ```text
 //!  cycle ─► 20 steady turns? ─► feed in ─► wait for the index ─► thread ─► run-out ─► 091?
@@ -17,16 +17,18 @@ use gsk_messages::say;
 /// Greatest variation of the spindle speed in a thread, %.
 const MAX_VARIATION_PERCENT: f64 = 0.2;
 
-/// Time budget of a spindle to become steady: a duration in ms, plus a number of turns.
+/// Time budget for a spindle to become steady, ms. The time of a number of turns, the next
+/// constant, is added.
 const STEADY_BUDGET_MS: f64 = 10_000.0;
 
 const STEADY_BUDGET_TURNS: f64 = 40.0;
 
-/// Below this speed the spindle counts as stopped, r/min.
+/// Speed below which the spindle counts as stopped, r/min.
 const STANDSTILL_RPM: f64 = 1.0;
 
 impl Cnc {
-    /// Replaces the encoder inputs by counts from the spindle that the board measures.
+    /// Returns the inputs with the encoder counts replaced by those that follow from the spindle
+    /// angle that the board measures.
     pub(crate) fn with_board_spindle(
         &self,
         inputs: &MachineInputs,
@@ -47,7 +49,7 @@ impl Cnc {
         self.drives.interpolator.is_waiting_for_spindle()
     }
 
-    /// Lead of the thread under way, mm per revolution; `None` outside threads.
+    /// Lead of the thread in progress, mm per revolution; `None` outside threads.
     pub(crate) fn followed_lead(&self) -> Option<f64> {
         if !self.drives.interpolator.is_in_thread() {
             return None;
@@ -58,9 +60,9 @@ impl Cnc {
         }
     }
 
-    /// Whether a command must still wait for the spindle: for its rotation, or before a
-    /// thread for a steady speed. If the time budget ends first, the command raises an
-    /// alarm when it begins.
+    /// Whether a command must still wait for the spindle: until it turns, or before a thread until
+    /// its speed is steady. If the time budget ends first, the command raises an alarm when it
+    /// begins.
     pub(crate) fn board_spindle_delays(&mut self, action: &Action) -> bool {
         let Some(spindle) = self.drives.board.and_then(|board| board.spindle) else {
             return false;
@@ -97,8 +99,8 @@ impl Cnc {
         variation <= self.max_variation_percent() && spindle.turn.now != spindle.turn.before
     }
 
-    /// Permitted variation of the spindle speed, %: the smaller of No.106 and the board's
-    /// limit.
+    /// Greatest permitted variation of the spindle speed in a thread, %: the smaller of No.106 and
+    /// [`MAX_VARIATION_PERCENT`].
     fn max_variation_percent(&self) -> f64 {
         let limit = self.memory.parameters.speed_fluctuation_limit();
         if limit > 0.0 {
@@ -108,8 +110,8 @@ impl Cnc {
         }
     }
 
-    /// Returns alarm 091 as error if the spindle is not steady enough for a thread. A
-    /// spindle at standstill has another alarm.
+    /// Returns alarm 091 as error if `action` starts a thread and the spindle is not steady enough.
+    /// A spindle at standstill has another alarm.
     pub(crate) fn check_board_spindle(&self, action: &Action) -> Result<(), Alarm> {
         let Some(spindle) = self.drives.board.and_then(|board| board.spindle) else {
             return Ok(());

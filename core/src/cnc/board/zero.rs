@@ -28,8 +28,12 @@ use gsk_link::{AwaitedInput, Input, InputCondition};
 use gsk_messages::say;
 
 impl Cnc {
-    /// Starts the reference return of an axis whose switches a board reads; a board with
-    /// its own homing homes the axis.
+    /// Starts the reference return of an axis whose switches a board reads; a board with its own
+    /// homing homes the axis.
+    ///
+    /// # Errors
+    /// The alarm for a switch that is not wired, an axis that is already on its switch, an approach
+    /// that is too fast, or a changed parameter.
     pub(crate) fn start_return_with_board(
         &mut self,
         axis: Axis,
@@ -94,8 +98,8 @@ impl Cnc {
         Ok(())
     }
 
-    /// Checks that the other axis has a zero switch if the board homes both axes together.
-    /// The board would seek a missing switch to the end of the axis.
+    /// Checks that the other axis has a zero switch if the board homes both axes together; returns
+    /// an alarm as error if not. The board would seek a missing switch to the end of the axis.
     fn check_other_switch(&self, axis: Axis, board: &BoardDrives) -> Result<(), Alarm> {
         let (other, bit) = match axis {
             Axis::X => (Axis::Z, 1),
@@ -108,8 +112,8 @@ impl Cnc {
             .with_detail(say::zero_switch_of_other_axis(bit, format!("{other:?}"))))
     }
 
-    /// Whether a return that the control drives is seeking a switch at the board. The board
-    /// must then not stop other motion.
+    /// Whether a reference return that the control drives is seeking a switch of the board. Other
+    /// motion must not start then, because the switch would stop it, too.
     pub(crate) fn is_board_seeking(&self) -> bool {
         let is_seeking = |stage: Option<ZeroReturnStage>| {
             stage.is_some_and(|stage| stage != ZeroReturnStage::Straight)
@@ -127,7 +131,8 @@ impl Cnc {
             .is_some_and(|board| board.zero_wiring.is_none())
     }
 
-    /// The input at the board that the return of an axis waits for now; `None` without one.
+    /// Returns the input of the board for which the reference return of an axis waits now; `None`
+    /// without one.
     pub(crate) fn awaited_input(&self, axis: Axis) -> Option<AwaitedInput> {
         let board = self.drives.board?;
         let wiring = *board.zero_wiring?.get(axis);
@@ -170,8 +175,8 @@ impl Cnc {
         })
     }
 
-    /// Whether the board is armed for the switch that the return of an axis waits for; true
-    /// if no board needs to be armed.
+    /// Whether the board watches the switch for which the reference return of an axis waits; true
+    /// if no board needs to watch one.
     pub(crate) fn is_board_armed(&self, axis: Axis) -> bool {
         self.drives.board.is_none_or(|board| {
             board.zero_wiring.is_none()
@@ -182,14 +187,15 @@ impl Cnc {
         })
     }
 
-    /// Stops the motion because the board stopped at a switch. The report of the position
-    /// follows.
+    /// Stops the motion in the control because the board has stopped the axes at a switch. The
+    /// report of the position follows.
     pub(crate) fn stop_for_switch(&mut self) {
         self.drives.interpolator.stop_now();
         self.hand.jog = PerAxis::default();
     }
 
-    /// Continues the return of an axis that the board stopped at its switch.
+    /// Changes to the next stage of the reference return of an axis that the board has stopped at
+    /// its switch.
     pub(crate) fn handle_switch_reached(&mut self, axis: Axis) {
         let Some(wiring) = self.drives.board.and_then(|board| board.zero_wiring) else {
             return;
@@ -225,8 +231,8 @@ impl Cnc {
         *self.coordinates.returns.get_mut(axis) = Some(next);
     }
 
-    /// Advances the return of an axis with switches at the board. Returns false if the
-    /// ordinary return applies.
+    /// Advances the reference return of an axis whose switches the board reads, in the stage
+    /// `stage`. Returns false if the return without a board applies.
     pub(crate) fn advance_board_return(&mut self, axis: Axis, stage: ZeroReturnStage) -> bool {
         let Some(board) = self.drives.board else {
             return false;

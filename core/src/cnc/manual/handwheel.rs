@@ -6,12 +6,13 @@ use crate::motion::JogRate;
 use crate::operation::AxisDirection;
 use crate::units::Axis;
 
-/// Greatest lag of the axis after the wheel, as the duration of that motion at rapid,
-/// s.
+/// Greatest lag of the axis after the handwheel, as the duration of that distance at the rapid
+/// rate, s.
 const LAG_S: f64 = 0.5;
 
 impl Cnc {
-    /// Drops the handwheel's motion that the axes have not made yet; they decelerate.
+    /// Drops the motion commanded by the handwheel that the axes have not made yet; they
+    /// decelerate.
     pub(crate) fn drop_wheel(&mut self) {
         if self.run.mode.motion_mode() != OperatingMode::Handwheel {
             return;
@@ -23,8 +24,8 @@ impl Cnc {
         }
     }
 
-    /// Moves the selected axis by `counts` graduations of the wheel, at most at its rapid
-    /// rate.
+    /// Moves `axis` by `counts` graduations of the handwheel, at its rapid rate at most, if the
+    /// handwheel is assigned to it.
     pub(crate) fn follow_wheel(&mut self, axis: Axis, counts: i32) {
         let rate = JogRate::Feed(self.drives.limits.rapid_rate(axis));
         let rate = self.limit_manual_rate(axis, rate);

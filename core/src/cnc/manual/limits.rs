@@ -17,9 +17,9 @@ const SIDES: [(Axis, AxisDirection); 4] = [
 ];
 
 impl Cnc {
-    /// Whether an axis may be moved manually in this direction. Beyond a limit only the
-    /// opposite direction is permitted, until the axis is within the limits and the alarm
-    /// is cleared.
+    /// Whether an axis may be moved manually in this direction; raises the overtravel alarm if it
+    /// is beyond its software limit. Beyond a limit only the opposite direction is permitted, until
+    /// the axis is within the limits and the alarm is cleared.
     pub(crate) fn can_move(&mut self, axis: Axis, direction: AxisDirection) -> bool {
         if self.is_direction_locked(axis, direction) {
             return false;
@@ -112,7 +112,8 @@ impl Cnc {
         overrun(later.stopping_point(&drives.limits))
     }
 
-    /// Checks that a cut which the control cannot stop ends (at `to`) within the limits.
+    /// Checks that a cut which the control cannot stop ends, at `to`, mm, within the limits;
+    /// returns the overtravel alarm as error if not.
     pub(crate) fn check_pass_end(&self, to: Point) -> Result<(), Alarm> {
         let overrun =
             self.drives
@@ -152,7 +153,8 @@ impl Cnc {
         (!messages.is_empty()).then(|| say::several(messages))
     }
 
-    /// Raises the overtravel alarm of a direction, with the block that caused it.
+    /// Raises the overtravel alarm of an axis and a direction, with the current block as its
+    /// position.
     pub(crate) fn raise_overtravel(&mut self, axis: Axis, direction: AxisDirection) {
         let alarm = Alarm::new(travel_alarm(axis, direction));
         let source = self

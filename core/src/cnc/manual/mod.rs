@@ -68,14 +68,14 @@ impl Cnc {
         }
     }
 
-    /// Jogs an axis while its key is held; `None` stops it.
+    /// Jogs an axis in the direction of its held key; `None`, without a key, stops the jog.
     fn jog_axis(&mut self, axis: Axis, key: Option<AxisDirection>) {
         let direction = key.filter(|way| !self.is_interlocked(axis) && self.can_move(axis, *way));
         let command = direction.map(|way| (way == AxisDirection::Plus, self.manual_rate(axis)));
         self.command_axis(axis, command);
     }
 
-    /// Commands a jog of an axis (true = positive) at a rate, or a standstill with `None`.
+    /// Commands a jog of an axis in a direction (true = positive) at a rate; `None` ends the jog.
     pub(crate) fn command_axis(&mut self, axis: Axis, command: Option<(bool, JogRate)>) {
         if *self.hand.jog.get(axis) != command {
             *self.hand.jog.get_mut(axis) = command;
@@ -99,7 +99,8 @@ impl Cnc {
         self.control_step(axis, rate);
     }
 
-    /// Applies the rate, the interlocks and the limits to a step under way.
+    /// Applies the rate, the interlocks and the limits to the current step of an axis; does nothing
+    /// without a step.
     pub(crate) fn control_step(&mut self, axis: Axis, rate: JogRate) {
         let Some(direction) = self
             .drives
@@ -131,7 +132,7 @@ impl Cnc {
         f64::from(increments) * least_increment(axis, &self.memory.parameters)
     }
 
-    /// Whether manual motion is possible: the program's motion is at rest or suspended.
+    /// Whether manual motion is possible: no program runs, and its motion is finished or suspended.
     fn is_manual_possible(&self) -> bool {
         match self.run.automatic.state {
             RunState::Run => false,

@@ -32,17 +32,17 @@ use crate::operation::{RunState, ZeroReturnStage};
 use crate::units::{Axis, PerAxis, Point, Pulses};
 use gsk_messages::{Message, say};
 
-/// Time to wait until a motor has stopped, ticks of 1 ms. Less than 0.1 % of the
-/// following error is left for a servo with a gain of 20/s or more.
+/// Time to wait until a motor has stopped, ticks of 1 ms. Less than 0.1 % of the following error
+/// then remains for a servo with a gain of 20/s or more.
 const MOTOR_WAIT_TICKS: u16 = 400;
 
-/// Bit of the deceleration switches X0.3 and X1.3.
+/// Mask of the bit of the deceleration switches X0.3 and X1.3 in their bytes.
 const SWITCH_MASK: u8 = 1 << 3;
 
 impl Cnc {
-    /// Handles the keys of one axis in the zero modes: either key starts the return, and
-    /// its release stops it. With 011.2 ZNIK one press is enough, because the ladder keeps
-    /// the signal.
+    /// Handles the keys of one axis in the zero return modes: either key starts the return, and its
+    /// release stops it. `held` and `pressed` tell whether a key is down and whether it went down
+    /// in this tick. With 011.2 ZNIK one press is enough, because the ladder keeps the signal.
     pub(crate) fn handle_return_keys(&mut self, axis: Axis, held: bool, pressed: bool) {
         if pressed && self.coordinates.returns.get(axis).is_none() {
             if let Err(alarm) = self.start_return(axis) {
@@ -93,6 +93,10 @@ impl Cnc {
     }
 
     /// Starts the return of an axis to its machine zero, with or without a board.
+    ///
+    /// # Errors
+    /// The alarm for a machine zero that was never set, or for an axis that is already on its
+    /// switch.
     fn start_reference_return(&mut self, axis: Axis) -> Result<(), Alarm> {
         if let Some(board) = self.drives.board
             && self.memory.parameters.has_zero_switch(axis)
@@ -129,21 +133,21 @@ impl Cnc {
         Alarm::new(number::ZERO_RETURN).with_detail(say::return_on_switch(axis, direction))
     }
 
-    /// The direction away from the machine zero, such as `X-`.
+    /// Axis and direction away from the machine zero as a text, such as `X-`.
     fn direction_off_switch(&self, axis: Axis) -> String {
         let negative = self.memory.parameters.is_zero_negative(axis);
         format!("{axis}{}", if negative { '+' } else { '-' })
     }
 
-    /// Message that a return was stopped before it reached its switch; `None` if the axis
-    /// is not approaching its switch.
+    /// Message for the operator that the return of an axis was stopped before it reached its
+    /// switch; `None` if the axis is not approaching its switch.
     pub(crate) fn missed_switch_message(&self, axis: Axis) -> Option<Message> {
         let is_approaching = *self.coordinates.returns.get(axis) == Some(ZeroReturnStage::Approach);
         is_approaching.then(|| say::return_before_switch(axis))
     }
 
-    /// Starts G28: axes without a reference point search for it; the other axes of the
-    /// block are already at theirs.
+    /// Starts G28 for the axes that are `true`: axes without a reference point search for it; the
+    /// others are already at theirs. Returns the alarm of a return that cannot start as error.
     pub(crate) fn start_zero_return(&mut self, x: bool, z: bool) -> Result<(), Alarm> {
         let mut axes = [(Axis::X, x), (Axis::Z, z)];
         // Axes without a switch first.
@@ -158,12 +162,12 @@ impl Cnc {
         Ok(())
     }
 
-    /// Whether a return of any axis is under way.
+    /// Whether a zero return of any axis is in progress.
     pub(crate) const fn is_returning(&self) -> bool {
         self.coordinates.returns.x.is_some() || self.coordinates.returns.z.is_some()
     }
 
-    /// Abandons the returns under way and stops their axes.
+    /// Abandons the zero returns in progress and stops their axes.
     pub(crate) fn abandon_returns(&mut self) {
         for axis in [Axis::X, Axis::Z] {
             if self.coordinates.returns.get_mut(axis).take().is_some() {
@@ -173,7 +177,8 @@ impl Cnc {
         }
     }
 
-    /// Advances the returns under way by one tick.
+    /// Advances the zero returns in progress by one tick, or abandons them at an emergency stop or
+    /// RESET.
     pub(crate) fn advance_returns(&mut self, inputs: &MachineInputs) {
         if !self.is_returning() {
             return;
@@ -262,7 +267,8 @@ impl Cnc {
         self.command_axis(axis, command);
     }
 
-    /// Whether a start lock, a hold or an interlock prevents a return from continuing.
+    /// Whether a start lock, a feed hold or an interlock prevents the zero return of an axis from
+    /// continuing.
     pub(crate) fn is_return_held(&self, axis: Axis) -> bool {
         let by_program = self.run.automatic.state == RunState::Run && self.plc.signals.start_lock;
         by_program || self.run.automatic.state == RunState::Hold || self.is_interlocked(axis)
@@ -286,8 +292,8 @@ impl Cnc {
         closed == self.memory.parameters.is_deceleration_closed()
     }
 
-    /// Makes the position at the zero signal the machine zero. `latch` is the pulse count
-    /// there; with `None` nothing happens.
+    /// Sets the machine zero of an axis to the position of the zero signal. `latch` is the pulse
+    /// count there; with `None` nothing happens.
     pub(crate) fn set_machine_zero_at(&mut self, axis: Axis, latch: Option<Pulses>) {
         let Some(count) = latch else { return };
         let here = self.drives.axis_chain.set_zero_at(axis, count);
@@ -383,8 +389,9 @@ impl Cnc {
         self.send_frame();
     }
 
-    /// Makes the present position of an axis its machine zero (method A: 取消 and the letter
-    /// of the axis on the page of all positions). Axes with a zero switch are not changed.
+    /// Sets the machine zero of an axis to its current position (method A: 取消 and the letter of the
+    /// axis on the page of all positions). Has no effect on an axis with a zero switch, or while
+    /// axes move or a program runs.
     pub(crate) fn set_machine_zero(&mut self, axis: Axis) {
         let at_rest = !self.is_moving() && !self.run.automatic.is_operating();
         if self.memory.parameters.has_zero_switch(axis) || !at_rest {

@@ -1,4 +1,4 @@
-//! The chain from the path to the pulses, and the drives.
+//! The path, its conversion to pulses, and the drives.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,11 +10,11 @@ use crate::motion::{Interpolator, MotionLimits};
 use crate::operation::{DriveWatch, Sensors};
 use crate::units::{Axis, Point};
 
-/// From the path to the pulses: interpolator, limits, axis chain, and the drives or the
+/// All parts from the path to the pulses: interpolator, limits, axis chain, and the drives or the
 /// board.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct DriveUnit {
-    /// Produces the path of the motion under way.
+    /// Computes the commanded position in each tick.
     pub interpolator: Interpolator,
     /// Rates and accelerations from the parameters.
     pub limits: MotionLimits,
@@ -31,7 +31,7 @@ pub(crate) struct DriveUnit {
     /// state never contains an open link.
     #[serde(skip)]
     pub board: Option<BoardDrives>,
-    /// Alarms of the board, and what is still to be added to them.
+    /// Alarms of the board, and the details that must still be added to them.
     #[serde(skip)]
     pub board_alarms: BoardAlarms,
 }
@@ -39,17 +39,16 @@ pub(crate) struct DriveUnit {
 /// Alarms of the board, and details that must still be added to them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct BoardAlarms {
-    /// An alarm that stays in force as long as its cause, regardless of RESET; `None`
-    /// without one.
+    /// An alarm that remains active as long as its cause, regardless of RESET; `None` without one.
     pub persistent: Option<Alarm>,
     /// Alarms whose detail does not name the position of the slides yet.
     pub incomplete: Vec<Alarm>,
-    /// Whether the reference was dropped while the axes could have continued.
+    /// Whether the reference was lost in a way that requires an alarm, which is not raised yet.
     pub reference_dropped: bool,
 }
 
 impl DriveUnit {
-    /// State at power-on with the slides at `start`.
+    /// Creates the state at power-on, with the slides at the machine position `start`, mm.
     pub(crate) fn new(memory: &BatteryMemory, start: Point) -> Self {
         let (parameters, pitch) = (&memory.parameters, &memory.pitch);
         let mut axis_chain = AxisChain::new(parameters, pitch);

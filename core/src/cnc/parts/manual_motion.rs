@@ -6,13 +6,13 @@ use crate::motion::JogRate;
 use crate::operation::WheelCounter;
 use crate::units::PerAxis;
 
-/// Keys that are down, and the manual motion of the axes.
+/// The axis keys that are down, and the manual motion of the axes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ManualMotion {
     /// Whether the axis key must be released first, because it was down when its motion was
     /// stopped or refused.
     pub jog_blocked: PerAxis<bool>,
-    /// Direction (`true`: plus) and rate of the jog under way; `None` without a jog.
+    /// Direction (`true`: plus) and rate of the current jog of each axis; `None` without a jog.
     pub jog: PerAxis<Option<(bool, JogRate)>>,
     /// Axis keys that were down at the last tick.
     pub axis_keys: PerAxis<bool>,

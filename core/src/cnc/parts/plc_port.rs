@@ -25,26 +25,26 @@ pub(crate) struct PlcPort {
     /// A soft switch that is changing to a new state; `None` without one.
     #[serde(rename = "turning")]
     pub switch_change: Option<SoftSwitchChange>,
-    /// Whether the OUTPUT key is down.
+    /// Whether the OUTPUT key of the panel is down.
     pub output_key: bool,
     /// Switches of the soft machine panel, as the bits of F75.
     pub soft_switches: u8,
     /// Whether the ladder is halted for stepping.
     pub halted: bool,
-    /// The ladder that the next power-on loads; `None`: the present ladder stays.
+    /// The ladder that the next power-on loads; `None` if the current ladder stays.
     pub next_ladder: Option<Arc<Ladder>>,
-    /// Whether a message of the ladder is in force.
+    /// Whether a message of the ladder is active.
     pub message: bool,
     /// Output bytes Y at their last refresh.
     pub y: Vec<u8>,
     /// Timers of outputs that a program has switched.
     #[serde(default, skip_serializing_if = "OutputTimers::is_idle")]
     pub output_timers: OutputTimers,
-    /// Levels of the model's inputs that have an own function, at their last sample, as
+    /// Levels, at the last sample, of the inputs that have a function in the control model, as
     /// bits.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub input_levels: u32,
-    /// Levels of the ladder outputs that outputs of the model follow, at their last sample,
+    /// Levels, at the last sample, of the ladder outputs that outputs of the control model follow,
     /// as bits.
     #[serde(default, skip_serializing_if = "is_zero")]
     #[serde(rename = "followed")]

@@ -30,27 +30,28 @@ pub(crate) struct CncRun {
     pub mdi: MdiBlock,
     /// Modal state of the block in execution.
     pub modal: ModalState,
-    /// The rest of a held motion while the axes are moved manually; `None` otherwise.
+    /// The interpolator with the rest of a held motion, while the axes are moved manually; `None`
+    /// otherwise.
     #[serde(rename = "held")]
     pub held_motion: Option<Interpolator>,
     /// Tool number and offset number on the T display.
     pub tool: (u8, u8),
-    /// Whether the tool-change key turns the tool post.
+    /// Whether the tool-change key is turning the tool post.
     #[serde(rename = "indexing_by_hand")]
     pub indexing_by_key: bool,
-    /// Line at which the next cycle start begins, from 1.
+    /// Line of the program at which the next cycle start begins, from 1.
     pub cursor_line: u32,
     /// Whether the next cycle start begins at the head of the program, because the program
     /// ended.
     pub rewind_at_start: bool,
-    /// Explanations of the commands that were read but have not begun, one per command;
-    /// `None`: explanations are off.
+    /// Explanations of the commands that were read but have not begun, one per command (`None` for
+    /// one without); `None` if explanations are off.
     #[serde(skip)]
     pub explanations: Option<VecDeque<Option<Explanation>>>,
 }
 
 impl CncRun {
-    /// Creates the run at power-on: no program runs, and `tool` is in position.
+    /// Creates the state at power-on: no program runs, and the tool number `tool` is in position.
     pub(crate) fn new(interpreter: Interpreter, tool: u8, registers: Registers) -> Self {
         Self {
             mode: OperatingMode::Mdi,

@@ -12,7 +12,7 @@ pub(crate) struct SpindleUnit {
     pub control: SpindleControl,
     /// Spindle angle, estimated from the encoder or measured by a board.
     pub angle: SpindleAngle,
-    /// Spindle override in force, %; a change during a thread waits for its end.
+    /// Spindle override that is applied, %; a change during a thread waits for its end.
     pub override_percent: u8,
 }
 

@@ -32,7 +32,7 @@ const ENCODER: [u16; 3] = [
 const MM_PER_INCH: f64 = 25.4;
 
 impl Cnc {
-    /// Adds a word to the block of the MDI page.
+    /// Adds a word to the block of the MDI page; returns the alarm of an invalid word as error.
     pub(super) fn add_mdi_word(&mut self, word: &str) -> Result<(), Alarm> {
         let macro_b = self.are_variables_real();
         self.run.mdi.enter(word, &self.memory.parameters, macro_b)?;
@@ -46,7 +46,8 @@ impl Cnc {
         Ok(())
     }
 
-    /// Sets a parameter within its range in the selected model.
+    /// Sets a parameter within its range in the selected control model; returns an alarm as error
+    /// if the value is out of range.
     pub(super) fn set_parameter(&mut self, number: u16, value: i32) -> Result<(), Alarm> {
         let record = self.memory.model.record();
         self.change_parameters(|parameters| parameters.set_for_model(record, number, value))
@@ -71,8 +72,9 @@ impl Cnc {
         }
     }
 
-    /// Sets a tool offset as the offset page does (manual III-7): the value is stored,
-    /// measured, added, or the relative coordinate.
+    /// Sets a tool offset as the offset page does (manual III-7): stores the value, computes the
+    /// offset from a measured coordinate, adds the value, or takes the relative coordinate. Returns
+    /// alarm 030 or 043 as error.
     pub(super) fn set_offset(&mut self, number: u8, entry: OffsetEntry) -> Result<(), Alarm> {
         if self.rights().check_offsets().is_err() {
             return Ok(());
@@ -132,8 +134,8 @@ impl Cnc {
         }
     }
 
-    /// Calculates an offset from a measured coordinate (mm): the displayed coordinate, plus
-    /// the offset in force (005.1 PPD), minus the measured coordinate.
+    /// Calculates an offset from a measured coordinate, mm: the displayed coordinate, plus the
+    /// current offset (005.1 PPD), minus the measured coordinate.
     fn measured_offset(&self, axis: Axis, coordinate: f64) -> f64 {
         let radius = match axis {
             Axis::X if !self.memory.parameters.is_radius_programming() => coordinate / 2.0,
@@ -164,7 +166,8 @@ impl Cnc {
         }
     }
 
-    /// Changes parameters and applies them, if the operator is permitted to.
+    /// Changes parameters and applies them, if the operator is permitted to. Returns the alarm of
+    /// an invalid value as error.
     pub(super) fn change_parameters(
         &mut self,
         change: impl FnOnce(&mut ControlParameters) -> Result<(), ParameterError>,
@@ -178,8 +181,8 @@ impl Cnc {
         Ok(())
     }
 
-    /// Applies new values of all parameters. Some of them wait for the next power-on (alarm
-    /// 000).
+    /// Applies new values of all parameters. Some of them take effect only at the next power-on;
+    /// then alarm 000 is raised.
     pub(super) fn apply_parameters(&mut self, changed: ControlParameters) {
         let needs_power_cycle = changed.needs_power_cycle(&self.memory.parameters);
         let encoder = ENCODER
@@ -205,8 +208,8 @@ impl Cnc {
         }
     }
 
-    /// Sets a variable of macro B (a local variable only while no program runs) or of the
-    /// Huaxing lathes; `None`: null.
+    /// Sets a variable of macro B (a local variable only while no program runs) or of the Huaxing
+    /// lathes; `None` makes it null. Returns the alarm of an invalid number or value as error.
     pub(super) fn set_macro_variable(
         &mut self,
         number: u16,
@@ -231,7 +234,8 @@ impl Cnc {
         }
     }
 
-    /// Sets a point of the pitch error table.
+    /// Sets a point of the pitch error table of an axis to `value`, in 0.001 mm, if the operator is
+    /// permitted to.
     pub(super) fn set_pitch(&mut self, axis: Axis, point: u8, value: i16) -> Result<(), Alarm> {
         if self.rights().check_parameters().is_ok() {
             self.memory.pitch.set(axis, point, value)?;
@@ -314,8 +318,8 @@ impl Cnc {
         Ok(())
     }
 
-    /// Sets a preset of the PLC. Timers that a data parameter presets cannot be changed
-    /// here.
+    /// Sets a preset of the PLC, if the operator is permitted to. Timers that a data parameter
+    /// presets are not changed. Returns an alarm as error if the value is out of range.
     pub(super) fn set_preset(&mut self, address: ByteAddress, value: i32) -> Result<(), Alarm> {
         let is_timer_parameter =
             |entry: u16| TIMER_PRESETS.iter().any(|(preset, _)| *preset == entry);

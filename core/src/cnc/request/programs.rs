@@ -43,7 +43,7 @@ impl Cnc {
         })
     }
 
-    /// Moves the cursor to a line (from 1) of the selected program, if no program runs.
+    /// Moves the cursor to a line, from 1, of the selected program, if no program runs.
     pub(super) fn move_cursor(&mut self, line: u32) {
         if !self.run.automatic.is_operating() {
             self.drop_stopped_run();
@@ -154,7 +154,7 @@ impl Cnc {
         self.invalidate_run();
     }
 
-    /// Drops the run because its program has changed: the next start begins at the head.
+    /// Drops the run because its program has changed: the next start begins at the first line.
     pub(super) fn invalidate_run(&mut self) {
         if self.run.automatic.is_operating() {
             self.stop_run(RunState::Reset);

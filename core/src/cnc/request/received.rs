@@ -10,7 +10,7 @@ use crate::program::Program;
 /// State of the serial port, which the ladder reads in F213.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum SerialPort {
-    /// No transfer is under way.
+    /// No transfer is in progress.
     #[default]
     Idle,
     /// Data is being sent.
@@ -30,7 +30,7 @@ pub enum ReceivedData {
     Deletion(u16),
     /// Renaming of a program.
     Renaming {
-        /// Present O number.
+        /// Current O number.
         from: u16,
         /// New O number.
         to: u16,
@@ -44,7 +44,8 @@ pub enum ReceivedData {
 }
 
 impl Cnc {
-    /// Stores received data completely, or changes nothing.
+    /// Stores received data completely, or changes nothing and returns the alarm as error; data
+    /// that the operator may not change is ignored.
     pub(super) fn store_received(&mut self, received: ReceivedData) -> Result<(), Alarm> {
         match received {
             ReceivedData::Program(text) => {
@@ -106,8 +107,8 @@ impl Cnc {
         self.memory.programs.selected() == Some(ProgramId::Stored(number))
     }
 
-    /// Makes the next start begin at the head, if the program with this O number is
-    /// selected.
+    /// If the program with this O number is selected, drops its run: the next start begins at its
+    /// first line.
     fn note_replaced_program(&mut self, number: u16) {
         if self.is_selected(number) {
             self.invalidate_run();

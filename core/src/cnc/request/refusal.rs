@@ -35,8 +35,8 @@ fn refusal_message(refusal: WriteRefusal, mode: OperatingMode) -> Message {
 }
 
 impl Cnc {
-    /// Message why a request would be refused now without an alarm. `None` if it would be
-    /// executed, or if an alarm names the reason.
+    /// Message that explains why a request would be refused now without an alarm. `None` if it
+    /// would be executed, or if an alarm names the reason.
     pub fn request_refusal(&self, request: &ControlRequest) -> Option<Message> {
         let rights = self.rights();
         let check_running = |refused: bool| {

@@ -1,14 +1,14 @@
-//! Finds threads that are more than one straight pass, as far as the text shows it. Macros
-//! are checked at their execution.
+//! Searches a program for threads that are more than one straight pass, as far as the text shows
+//! it. Macros are checked at their execution.
 
 use crate::command::ThreadPassFeature;
 
-/// State that the blocks read so far have left for the next thread.
+/// Modal state of the blocks read so far that applies to the next thread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct ThreadScan {
     /// Whether threads have a run-out by No.019, which G76 can change with P.
     has_run_out: bool,
-    /// Number of the last G code of motion.
+    /// Number of the last G code of the motion group.
     motion: u32,
     /// Whether J of G92 makes a run-out; `None` if J has not been programmed.
     run_out_by_j: Option<bool>,
@@ -18,7 +18,7 @@ pub(super) struct ThreadScan {
 type WordValue = Option<f64>;
 
 impl ThreadScan {
-    /// State before the first block; `width` is No.019.
+    /// Creates the state before the first block; `width` is the run-out width of No.019.
     pub(super) const fn new(width: i32) -> Self {
         Self {
             has_run_out: width != 0,
@@ -27,8 +27,8 @@ impl ThreadScan {
         }
     }
 
-    /// Reads the next block. Returns its feature that a single pass cannot have; `None`
-    /// without one.
+    /// Reads the next block. Returns the feature of its thread that a single pass cannot have;
+    /// `None` without one.
     pub(super) fn read_block(&mut self, block: &str) -> Option<ThreadPassFeature> {
         let words = words(block);
         let word = |wanted: char| {
@@ -79,7 +79,7 @@ impl ThreadScan {
     }
 }
 
-/// The words of a block as letters and numbers, without comments.
+/// Splits a block into words, each a letter and a number, without comments.
 fn words(block: &str) -> Vec<(char, WordValue)> {
     let mut words = Vec::new();
     let mut comment = false;
