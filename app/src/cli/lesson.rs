@@ -18,7 +18,7 @@ pub enum LessonCommand {
 /// `lesson list`.
 #[derive(Args, Debug)]
 pub struct LessonListArgs {
-    /// Data folder whose `lessons` hold those of a teacher
+    /// Data folder with a teacher's lessons in its folder `lessons`
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
 }
@@ -37,7 +37,7 @@ pub struct LessonRunArgs {
     /// Its name, as `lesson list` says it, or its file
     #[arg(value_name = "NAME|FILE")]
     pub lesson: PathBuf,
-    /// Data folder whose `lessons` hold those of a teacher
+    /// Data folder with a teacher's lessons in its folder `lessons`
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
 }

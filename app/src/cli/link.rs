@@ -80,7 +80,7 @@ pub struct LinkTwinArgs {
     /// Delay all bytes to the board by this time, ms
     #[arg(long, default_value_t = 0, value_name = "MS")]
     pub delay_ms: u64,
-    /// Speed of its spindle at full output, turns a minute
+    /// Speed of the simulated spindle at full output, r/min
     #[arg(long, default_value_t = 9999.0, value_name = "RPM", value_parser = setup_args::parse_number)]
     pub spindle_top: f64,
     /// Klipper: ripple of the spindle speed, percent
