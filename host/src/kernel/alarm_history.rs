@@ -20,7 +20,7 @@ impl AlarmHistory {
         }
     }
 
-    /// Returns the alarms, the newest first.
+    /// Returns the alarms raised since the control was opened, the newest first.
     pub(super) fn records(&self) -> Arc<Vec<AlarmRecord>> {
         Arc::clone(&self.published)
     }

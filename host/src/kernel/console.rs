@@ -51,7 +51,7 @@ pub enum Command {
     },
     /// Press a key and release it.
     Tap(Key),
-    /// A typed character that has no key on the panel.
+    /// Type a character that has no key on the panel.
     Type(char),
     /// Turn the handwheel by this number of detents.
     Turn(i32),
@@ -62,7 +62,7 @@ pub enum Command {
     OpenAndStart(Box<OpenedProgram>),
     /// Pass a file to the control through its serial port.
     Receive(Box<SerialFile>),
-    /// The partner could not take the file that the control has sent.
+    /// Report to the control that the partner could not take the file that it has sent.
     TransferFailed,
     /// Fit the graphic page to the range of the opened program's cuts.
     FitGraphic {
@@ -71,9 +71,9 @@ pub enum Command {
         /// Corner with the greatest coordinates, mm, X as a radius.
         greatest: Point,
     },
-    /// Start to take samples for the scope; `None` stops the sampling.
+    /// Start to take samples for the scope with these settings; `None` stops the sampling.
     Probe(Option<Probe>),
-    /// Whether to publish the state of machine and PLC with the snapshots.
+    /// Publish the state of machine and PLC (true), or stop publishing it.
     Monitor(bool),
     /// Set (true) or clear (false) a fault of the lathe.
     Fault(LatheFault, bool),
@@ -92,49 +92,50 @@ pub enum Command {
     ClearFaults,
     /// End the faults of a crash and press RESET.
     FreeLathe,
-    /// Run programs at this speed, unless a board moves real slides.
+    /// Set the speed at which programs run, unless a board moves real slides.
     Speed(RunSpeed),
     /// Start, control or end a lesson.
     Lesson(LessonAction),
     /// Reconnect, set up or check the pulse board.
     Link(LinkAction),
-    /// Whether to publish the LCD in the other language, too.
+    /// Publish the LCD in the other language, too (true), or stop publishing it.
     Translate(bool),
-    /// Whether to publish the motion for the sound of the machine.
+    /// Publish the motion for the sound of the machine (true), or stop publishing it.
     PublishMotion(bool),
-    /// Whether to publish the state of the pulse board.
+    /// Publish the state of the pulse board (true), or stop publishing it.
     WatchLink(bool),
     /// Store a text as a program of the memory; the channel receives its number or why it
     /// is not stored.
     Store(String, Sender<Result<u16, NotStored>>),
     /// Send once the setup for a preview of the current control.
     SendSetup(Sender<Box<Setup>>),
-    /// Send once the content of the control and the operation level in force.
+    /// Send once the content of the control and the current operation level.
     SendState(Sender<Box<(ProjectState, OperationLevel)>>),
     /// Set the job of the part in the simulated lathe, on fresh stock; `None` removes the
     /// part.
     Job(Option<Box<SelectedJob>>),
     /// Clamp uncut stock.
     FreshStock,
-    /// Whether the simulated lathe stops at a collision.
+    /// Set whether the simulated lathe stops at a collision.
     CrashStops(bool),
-    /// Whether to publish the part with the snapshots. The part is cut in either case.
+    /// Publish the part with the snapshots (true), or stop publishing it. The part is cut in either
+    /// case.
     ShowPart(bool),
-    /// Proves that the window is alive: held keys stay down.
+    /// Prove that the window is alive, so that held keys stay down.
     Alive,
     /// Release every key.
     ReleaseAll,
     Quit,
 }
 
-/// What the window requests of the pulse board.
+/// A command of the window for the pulse board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LinkAction {
     /// Close the port and open it again.
     Reconnect,
     /// Write the settings that differ into the board.
     WriteSettings,
-    /// Compare the board's count with the commanded pulses now.
+    /// Compare the board's count with the commanded pulses at once.
     Check,
 }
 
@@ -164,13 +165,13 @@ pub struct OpenedProgram {
     pub subprograms: Vec<Program>,
 }
 
-/// Where the kernel has put an opened program.
+/// The location where the kernel has stored an opened program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ProgramPlacement {
     /// In the memory, under this number.
     Stored(u16),
-    /// Outside the memory, for this reason: the program can be run and read, but not edited,
-    /// and it is lost at power-off.
+    /// Outside the memory, because the memory does not store it for this reason. The program can be
+    /// run and read, but not edited, and it is lost at power-off.
     OnlyRun(NotStored),
 }
 
@@ -181,38 +182,39 @@ pub enum NotStored {
     NoNumber,
     /// Another program has this number and is kept.
     NumberTaken(u16),
-    /// The program switch, a program lock or the operation level forbids it, as the payload
-    /// says.
+    /// The program switch, a program lock or the operation level forbids it; the payload names
+    /// which.
     Refused(WriteRefusal),
     /// The memory refuses it with this alarm.
     Alarm(Alarm),
 }
 
-/// What the kernel reports to the window besides snapshots; no notice is lost.
+/// A report of the kernel to the window, besides snapshots; no notice is lost while the window
+/// reads them.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Notice {
     /// A program was opened: its name, file and storage.
     Opened {
         /// Name of the program.
         name: String,
-        /// Its file, if it has one.
+        /// Path of its file; `None` for a sample.
         path: Option<PathBuf>,
-        /// Where the kernel has put it.
+        /// Where the kernel has stored the program.
         placement: ProgramPlacement,
     },
     /// The program was not opened because another program in the memory has this number.
     NumberTaken(Box<OpenedProgram>, u16),
-    /// A file that the control has sent was written; the payload names its location.
+    /// A file that the control has sent was written at this path.
     Sent(String),
     /// A message to the operator.
     Message(Message),
     /// The tool has collided, as the message describes.
     Collided(Message),
-    /// New stock is clamped: earlier collisions do not count any more.
+    /// New stock is clamped: earlier collisions no longer count.
     FreshStock,
     /// The control has refused a request with this alarm.
     Refused(Alarm),
-    /// The preview of an opened program is finished; holds its file name and the findings.
+    /// The preview of an opened program is finished: its file name and the findings.
     Previewed(String, Box<ProgramSummary>),
     /// Why a key does nothing; `None` once a key acts again.
     KeyRefusal(Option<Message>),
@@ -227,7 +229,7 @@ pub struct PanelSnapshot {
     pub translated: Option<Box<Screen>>,
     /// The page on the LCD.
     pub page: PageId,
-    /// Which axis keys act in the reverse direction.
+    /// Axes whose keys act in the reverse direction.
     pub keys_reversed: KeysReversed,
     pub model: ModelId,
     /// Brightness of the LCD, 0 (darkest) to 15.
@@ -243,10 +245,10 @@ pub struct PanelSnapshot {
     pub speed_percent: u32,
     /// The speed that the operator has selected for programs.
     pub speed: RunSpeed,
-    /// Machine time divided by wall time; `None` unless a speed other than a real lathe's is
-    /// in force.
+    /// Machine time divided by wall time; `None` while the control runs at the speed of a real
+    /// lathe.
     pub speed_ratio: Option<SpeedRatio>,
-    /// Number of forced bits, forced inputs and faults.
+    /// Numbers of forced bits, forced inputs and faults.
     pub forced: ForcedState,
     /// The newest active alarm, or the first message of the ladder.
     pub alarm: Option<Alarm>,
@@ -258,15 +260,14 @@ pub struct PanelSnapshot {
     pub run_state: RunState,
     /// What the running program waits for; `None` unless that takes longer than usual.
     pub program_wait: Option<ProgramWait>,
-    /// The distance from the last start of the selected program, if its G50 would take another
-    /// start point.
+    /// The distance of the slides from the last start of the selected program, if its G50 would now
+    /// take another start point; `None` otherwise.
     pub start_distance: Option<StartDistance>,
-    /// A slide or the spindle moves.
+    /// Whether a slide or the spindle moves.
     pub is_moving: bool,
     /// The selected program; `None` if none is selected.
     pub program: Option<ProgramId>,
-    /// The lesson under way, whose practice machine the snapshot shows; `None` outside
-    /// lessons.
+    /// The current lesson, whose practice machine the snapshot shows; `None` outside lessons.
     pub lesson: Option<LessonState>,
     /// The alarms raised since the control was opened, the newest first.
     pub alarm_records: Arc<Vec<AlarmRecord>>,
@@ -298,8 +299,8 @@ pub struct KeysReversed {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpeedRatio(pub f64);
 
-/// Numbers of what views have forced on control and lathe; it remains forced until it is
-/// released, also when the view is closed.
+/// Numbers of the bits, inputs and faults that views have forced on control and lathe. They remain
+/// forced until they are released, also when the view is closed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ForcedState {
     /// Number of forced bits of the PLC.
@@ -325,7 +326,7 @@ pub struct Console {
     pub part: Arc<ArrayQueue<PartView>>,
     /// Receives the notices of the kernel.
     pub notices: Receiver<Notice>,
-    /// Sender for helper threads, whose notices come out of `notices`, too.
+    /// Sender for helper threads, whose notices are received from `notices`, too.
     pub notice_sender: Sender<Notice>,
     /// Holds the proof that held keys are still held.
     pub input_watch: InputWatch,
@@ -348,8 +349,8 @@ impl Console {
         platform::wait_for_answer(&answer, ANSWER_TIMEOUT).map(|setup| *setup)
     }
 
-    /// Returns the content of the control and the operation level in force; `None` if the
-    /// kernel does not answer within 5 s. It blocks, as [`Self::setup`] does.
+    /// Returns the content of the control and the current operation level; `None` if the kernel
+    /// does not answer within 5 s. It blocks, as [`Self::setup`] does.
     pub fn state(&self) -> Option<(ProjectState, OperationLevel)> {
         const ANSWER_TIMEOUT: Duration = Duration::from_secs(5);
         let (to, answer) = bounded(1);
@@ -357,8 +358,9 @@ impl Console {
         platform::wait_for_answer(&answer, ANSWER_TIMEOUT).map(|state| *state)
     }
 
-    /// Stores a text as a program of the memory and selects it; returns its number. `None`
-    /// if the kernel does not answer within 5 s. It blocks, as [`Self::setup`] does.
+    /// Stores a text as a program of the memory and selects it; returns its number, or why it is
+    /// not stored. `None` if the kernel does not answer within 5 s. It blocks, as [`Self::setup`]
+    /// does.
     pub fn store(&self, text: String) -> Option<Result<u16, NotStored>> {
         const ANSWER_TIMEOUT: Duration = Duration::from_secs(5);
         let (to, answer) = bounded(1);

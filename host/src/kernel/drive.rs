@@ -23,18 +23,18 @@ use crate::guard::Orphan;
 use crate::host_clock::HostClock;
 use crate::ports;
 
-/// Number of lines of traffic kept for the link page.
+/// Greatest number of lines of traffic that are stored for the link page.
 const MAX_TRAFFIC_LINES: usize = 200;
 /// Number of round trips from which median and maximum are computed.
 const MAX_ROUND_TRIPS: usize = 100;
 /// Time between two updates of the link page.
 const VIEW_INTERVAL: Duration = Duration::from_millis(100);
-/// A computer that has not read the port for this time counts as busy.
+/// Time without a read of the port from which on the computer counts as busy.
 const BUSY_ABSENCE: Duration = Duration::from_millis(20);
-/// Interval over which the longest absence from the port is collected; the recent absence
-/// covers the current and the previous one.
+/// Interval over which the longest time between two reads of the port is determined; the recent one
+/// covers the current and the previous interval.
 const ABSENCE_INTERVAL: Duration = Duration::from_secs(5);
-/// Number of position checks kept for the link page.
+/// Greatest number of position checks that are stored for the link page.
 const MAX_LOG_LINES: usize = 20;
 
 /// Extension of the files with the dictionaries of boards. The constants after it limit their
@@ -49,28 +49,28 @@ const MAX_NAME_CHARS: usize = 80;
 pub struct BoardConnection {
     /// The section `link` of the machine file.
     pub config: LinkConfig,
-    /// Log file of position checks; `None`: no log.
+    /// Log file of position checks; `None` for no log.
     pub log_path: Option<PathBuf>,
-    /// Folder in which the dictionaries of boards are kept, so that a known board connects
-    /// faster; `None`: keep none.
+    /// Folder in which the dictionaries of boards are stored, so that a known board connects
+    /// faster; `None` to store none.
     pub dictionary_folder: Option<PathBuf>,
-    /// The executable file of the guard process, which holds the port:
+    /// The executable file of the guard process, which holds the port; usually
     /// [`crate::platform::own_executable`].
     pub holder_program: PathBuf,
 }
 
-/// Measures how long the computer did not read the port, because it was busy.
+/// Measures the times between two reads of the port, which are long on a busy computer.
 #[derive(Clone, Copy, Debug, Default)]
 struct PortAbsence {
     last_read: Duration,
-    /// The longest absence of the current interval, then that of the one before it.
+    /// The longest time between two reads in the current interval, then that in the previous one.
     recent: [Duration; 2],
     interval_end: Duration,
     longest: Duration,
 }
 
 impl PortAbsence {
-    /// Records that the port was read at `now`.
+    /// Records that the port was read at the host time `now`.
     fn record_read(&mut self, now: Duration) {
         let away = now.saturating_sub(self.last_read);
         self.last_read = now;
@@ -82,7 +82,8 @@ impl PortAbsence {
         self.longest = self.longest.max(away);
     }
 
-    /// Returns the longest absence of the last two intervals, and the longest of all.
+    /// Returns the longest time between two reads in the last two intervals, and the longest of
+    /// all.
     fn longest(&self) -> (Duration, Duration) {
         (self.recent[0].max(self.recent[1]), self.longest)
     }
@@ -99,7 +100,7 @@ pub(super) struct Drive {
     /// holder is gone; `None` otherwise.
     stop_answer: Option<Receiver<Vec<u8>>>,
     view_requested: bool,
-    /// Time at which the next view of the link page is due.
+    /// Host time at which the next view of the link page is due.
     next_view: Duration,
     snapshots: VecDeque<(MotionStamp, PanelSnapshot)>,
     traffic_lines: VecDeque<TrafficLine>,
@@ -163,7 +164,8 @@ impl Drive {
         }
     }
 
-    /// Stops the board and returns the slides to the simulation.
+    /// Stops the board, closes its port and returns the slides to the simulation. Returns the
+    /// connection, with which the board can be opened again.
     pub fn close(mut self, simulation: &mut Simulation) -> BoardConnection {
         self.linked.check_count_before_close();
         for note in self.linked.take_notes() {
@@ -182,7 +184,8 @@ impl Drive {
         connection
     }
 
-    /// Reads the board's bytes and advances its time; waits at most 2 ms.
+    /// Reads the bytes that the board has sent and advances the time of its link; waits at most 2
+    /// ms.
     pub fn read_board(&mut self) {
         let bytes = match self.port_io.as_mut().map(PortIo::read) {
             Some(Ok(bytes)) => bytes,
@@ -332,8 +335,7 @@ impl Drive {
         }
     }
 
-    /// Stores a dictionary of a board under `name`; without a folder it is read from the board
-    /// each time.
+    /// Writes the dictionary of a board to a file named `name`; does nothing without a folder.
     fn keep_dictionary(&self, name: &str, packed: &[u8]) {
         let Some(folder) = &self.connection.dictionary_folder else {
             return;
@@ -362,17 +364,17 @@ impl Drive {
         }
     }
 
-    /// Takes the messages for the operator.
+    /// Removes and returns the messages for the operator.
     pub fn take_messages(&mut self) -> Vec<Message> {
         core::mem::take(&mut self.messages)
     }
 
-    /// Keeps a snapshot until the slides have reached its positions.
+    /// Stores a snapshot until the slides have reached its positions.
     pub fn keep_snapshot(&mut self, snapshot: PanelSnapshot) {
         self.snapshots.push_back((self.linked.stamp(), snapshot));
     }
 
-    /// Returns the newest snapshot whose motion the board has made.
+    /// Removes and returns the newest snapshot whose motion the board has made; `None` without one.
     pub fn take_due_snapshot(&mut self) -> Option<PanelSnapshot> {
         // After a stop, the board may never make the motion of waiting snapshots.
         self.snapshots
@@ -392,27 +394,27 @@ impl Drive {
         self.linked.write_settings();
     }
 
-    /// Compares the board's count with the commanded pulses now.
+    /// Queries the board's count at once and compares it with the commanded pulses.
     pub fn check(&mut self) {
         self.linked.check_count();
     }
 
-    /// Starts or stops making the views for the link page.
+    /// Sets whether [`Self::due_view`] makes views for the link page.
     pub const fn request_view(&mut self, on: bool) {
         self.view_requested = on;
     }
 
-    /// Whether the port is open; reading it then sets the pace of the kernel.
+    /// Whether the port of the board is open; reading it then sets the pace of the kernel.
     pub const fn has_port(&self) -> bool {
         self.port_io.is_some()
     }
 
-    /// Whether RESET was pressed to open the port of the lost board again.
+    /// Whether the operator has pressed RESET to open the port of the lost board again.
     pub const fn needs_reopen(&self) -> bool {
         self.linked.needs_reopening()
     }
 
-    /// Returns the view for the link page; `None` unless the page is open and the view is due.
+    /// Returns a view for the link page; `None` unless the page is open and a view is due.
     pub fn due_view(&mut self) -> Option<LinkView> {
         let now = self.clock.now();
         if !self.view_requested || now < self.next_view {
@@ -467,7 +469,8 @@ fn file_name(path: &str) -> String {
     )
 }
 
-/// Reads the dictionaries of known boards. The caller ignores damaged ones.
+/// Reads the dictionaries of known boards from `folder`; empty if it cannot be read. The caller
+/// ignores damaged ones.
 fn read_dictionaries(folder: &Path) -> Vec<Vec<u8>> {
     let Ok(entries) = std::fs::read_dir(folder) else {
         return Vec::new();
@@ -492,7 +495,7 @@ fn read_dictionaries(folder: &Path) -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// Appends to a list and drops its oldest entries above a limit.
+/// Appends the entries of `new` to a list and drops the oldest entries above `limit`.
 fn push_limited<T>(list: &mut VecDeque<T>, new: impl IntoIterator<Item = T>, limit: usize) {
     list.extend(new);
     while list.len() > limit {

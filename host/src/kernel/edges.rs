@@ -9,13 +9,13 @@ use std::collections::{BTreeMap, VecDeque};
 use gsk_panel::keys::{Key, KeyRole};
 use gsk_panel::panel::KeyEvent;
 
-/// Shortest time a key contact stays closed, ticks: the ladder detects even a click between
-/// two frames.
+/// Shortest time for which a key contact stays closed, ticks, so that the ladder detects even a
+/// click between two frames.
 const MIN_PRESS_TICKS: u64 = 50;
-/// Shortest time a key contact stays open before the next press of the same key, ticks: three
-/// samples of the input filter and two slots of the ladder.
+/// Shortest time for which a key contact stays open before the next press of the same key, ticks:
+/// three samples of the input filter and two slots of the ladder.
 const MIN_REST_TICKS: u64 = 28;
-/// How long a key pressed by a screen reader stays down, ticks.
+/// Time for which a key that a screen reader presses stays down, ticks.
 const TAP_TICKS: u64 = 100;
 
 /// A change of a key by the operator.
@@ -39,7 +39,7 @@ impl KeyEdge {
     }
 }
 
-/// When the panel sees the release of a key.
+/// The moment at which the panel receives the release of a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ReleaseTiming {
     /// In the tick after the press: fingers that roll from key to key stay below parameter
@@ -63,7 +63,7 @@ const fn release_timing(key: Key) -> ReleaseTiming {
     }
 }
 
-/// Whether a key ends a motion. Its press carries out all earlier waiting changes at once.
+/// Whether a key ends a motion. Its press applies all earlier waiting changes at once.
 const fn ends_motion(key: Key) -> bool {
     matches!(key, Key::Reset | Key::FeedHold | Key::SpindleStop)
 }
@@ -86,20 +86,20 @@ pub(super) const fn starts_motion(key: Key) -> bool {
     )
 }
 
-/// Key changes that wait for their tick, and the keys that are down.
+/// Changes of keys that wait for their tick, and the keys that are down.
 #[derive(Debug, Default)]
 pub(super) struct KeyEdgeQueue {
     pending: VecDeque<KeyEdge>,
     /// Keys that are down, with the tick at which they were pressed.
     down: BTreeMap<Key, u64>,
-    /// Planned releases: tick and key.
+    /// Planned releases, each with its tick and key.
     releases: Vec<(u64, Key)>,
-    /// Tick until which the contact of a key stays open.
+    /// Tick until which the contact of each released key must stay open.
     open_until: BTreeMap<Key, u64>,
 }
 
 impl KeyEdgeQueue {
-    /// Adds a change of a key.
+    /// Adds a change of a key; the release of a machine key that is down is planned at once.
     pub fn push(&mut self, edge: KeyEdge) {
         if let KeyEdge::Up(key) = edge
             && release_timing(key) == ReleaseTiming::Contact
@@ -152,7 +152,7 @@ impl KeyEdgeQueue {
         events
     }
 
-    /// Whether a waiting change may be carried out at `tick`.
+    /// Whether a waiting change may be applied at `tick`.
     fn is_due(&self, edge: KeyEdge, tick: u64) -> bool {
         let rested = |key| self.open_until.get(&key).is_none_or(|until| *until <= tick);
         match edge {

@@ -19,9 +19,9 @@ use crate::termination::{SignalError, TerminationFlag};
 
 /// Time between two ticks of the link while its port is closed.
 const NO_PORT_INTERVAL: Duration = Duration::from_millis(4);
-/// Longest time for which the control makes ticks before it reads the port again.
+/// Longest time for which the control makes ticks before the port is read again.
 const MAX_TICK_TIME: Duration = Duration::from_millis(3);
-/// Longest time to wait after the last command until all motion has ended, ticks.
+/// Longest wait for the end of all motion before the port is closed, ticks.
 const MAX_STOP_TICKS: u32 = 2000;
 
 /// Why a board is not ready for motion.
@@ -63,7 +63,8 @@ pub struct HeadlessBoard {
 }
 
 impl HeadlessBoard {
-    /// Opens the port and handles Ctrl-C and `kill` from now on: they stop the board.
+    /// Opens the port of the board and installs handlers for Ctrl-C and `kill`, which stop the
+    /// board.
     ///
     /// # Errors
     /// The signal handlers cannot be installed.
@@ -84,7 +85,8 @@ impl HeadlessBoard {
         self.drive.is_none()
     }
 
-    /// Makes ticks until the board is ready; `tick` makes one tick of the control.
+    /// Makes ticks until the board is ready. `simulation` returns the simulation of `machine`;
+    /// `tick` makes one tick of the control.
     ///
     /// # Errors
     /// The board does not answer in time, raises an alarm or has other settings; or the
@@ -123,8 +125,9 @@ impl HeadlessBoard {
         Err(NotReady::Silent)
     }
 
-    /// Waits until the board has made its remaining motion, then closes the port: this
-    /// stops spindle and coolant, too.
+    /// Waits until the board has made its remaining motion, then closes the port, which stops
+    /// spindle and coolant, too. `simulation` returns the simulation of `machine`; `tick` makes one
+    /// tick of the control.
     pub fn close<M>(
         mut self,
         machine: &mut M,

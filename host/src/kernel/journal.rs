@@ -1,5 +1,5 @@
-//! Logs changes of the control and its board: alarms, states of the link, a computer that
-//! is too slow.
+//! Logs changes of the control and its board: alarms, states of the link, and delays of the kernel
+//! thread.
 
 use gsk_core::alarm::Alarm;
 use gsk_core::cnc::Cnc;
@@ -68,8 +68,8 @@ impl ChangeLog {
         }
     }
 
-    /// Logs the delay of a turn of the kernel thread that was due at `due` and begins at
-    /// `now`, if it is long.
+    /// Logs the delay of a turn of the kernel thread that was due at `due` and begins at `now`, if
+    /// it is longer than 100 ms and none was logged recently.
     pub(super) fn log_delay(&mut self, now: Instant, due: Instant) {
         let late = now.saturating_duration_since(due);
         let recently_logged = self

@@ -4,7 +4,7 @@ use gsk_core::cnc::Cnc;
 use gsk_messages::Message;
 use gsk_panel::refusal::{CHECK_DELAY_TICKS, KeyPress};
 
-/// What to report to the window about keys that do nothing.
+/// A report to the window about keys that do nothing.
 pub(super) enum RefusalReport {
     /// The key does nothing, for this reason.
     Refused(Message),
@@ -22,9 +22,9 @@ pub(super) struct KeyRefusals {
 }
 
 impl KeyRefusals {
-    /// Records a key press at a tick. `press` is the check that follows, if the key has one;
-    /// `refused` is the reason if page, mode or a switch forbids the key. Returns what to
-    /// report.
+    /// Records a key press at a tick. `press` is the check that follows; `None` for a key without
+    /// one. `refused` is the reason if page, mode or a switch forbids the key. Returns the report
+    /// to the window; `None` if there is nothing to report.
     pub(super) fn record_press(
         &mut self,
         press: Option<KeyPress>,
@@ -42,8 +42,8 @@ impl KeyRefusals {
         }
     }
 
-    /// Checks the machine keys that are due at `tick`; returns the refusal of the last one
-    /// that does nothing.
+    /// Checks the machine keys that are due at `tick`; returns the refusal of the last one that
+    /// does nothing, or `None` if all act.
     pub(super) fn check_due(&mut self, tick: u64, cnc: &Cnc) -> Option<RefusalReport> {
         if self.pending.is_empty() {
             return None;

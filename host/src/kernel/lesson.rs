@@ -18,7 +18,7 @@ use super::program_start::StartWatch;
 use super::{Kernel, Notice};
 use crate::job::SelectedJob;
 
-/// What the window requests of a lesson.
+/// A command of the window for a lesson.
 #[derive(Clone, Debug)]
 pub enum LessonAction {
     /// Start this lesson at its beginning.
@@ -35,11 +35,11 @@ pub enum LessonAction {
     Leave,
 }
 
-/// The state of the lesson under way, for the window.
+/// The state of the current lesson, for the window.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LessonState {
     pub name: String,
-    /// Current step of the lesson, and what to show besides the step.
+    /// The current step of the lesson, and what the window displays with it.
     pub view: PracticeView,
 }
 
@@ -59,7 +59,7 @@ impl PracticeSession {
         self.practice.tick(emulator);
     }
 
-    /// Returns the state for the window.
+    /// Returns the state of the lesson for the window.
     pub(super) fn state(&self) -> LessonState {
         LessonState {
             name: self.practice.lesson().name.clone(),
@@ -125,8 +125,8 @@ impl Kernel {
         self.start_practice(Practice::begin(lesson), job);
     }
 
-    /// Starts a demonstration. If the learner is in a lesson, refuses with a notice, because
-    /// the progress would be lost.
+    /// Starts a demonstration. If the learner is in a lesson, a board is connected or a program
+    /// runs, sends a notice instead.
     fn demonstrate_lesson(&mut self, lesson: Arc<Lesson>) {
         let under_way = self.lesson.as_ref().map(PracticeSession::state);
         if under_way.is_some_and(|it| find_demonstration(&it.name).is_none()) {
@@ -147,8 +147,8 @@ impl Kernel {
         !matches!(run, RunState::Reset | RunState::Stop)
     }
 
-    /// Replaces the learner's own machine with a practice machine, or notifies the window why
-    /// it did not begin.
+    /// Replaces the learner's own machine with a practice machine, or notifies the window why the
+    /// practice did not begin. `job` is the job of the lesson; `None` for a usual bar.
     fn start_practice(&mut self, begun: Result<(Practice, Emulator), Message>, job: Option<Job>) {
         let (practice, machine) = match begun {
             Ok(begun) => begun,

@@ -1,4 +1,4 @@
-//! The view of the link page: the board, its wire and its counts at one moment.
+//! The data of the link page: state of the board, traffic and counts at one moment.
 
 use std::time::Duration;
 
@@ -15,7 +15,7 @@ use crate::board::port_io::TrafficLine;
 /// A comparison of the board's count with the commanded pulses.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PositionCheck {
-    /// The line of the log: time, program and both counts.
+    /// The line of the position log: time, program and both counts.
     pub message: Message,
     /// True if both counts agree.
     pub agrees: bool,
@@ -28,7 +28,7 @@ pub struct LinkView {
     /// True if the board is connected and has reported its settings, so that its reports are
     /// current.
     pub is_connected: bool,
-    /// Protocol that the board speaks.
+    /// Protocol of the board.
     pub protocol: Protocol,
     /// Name of the board's port.
     pub port: String,
@@ -38,22 +38,23 @@ pub struct LinkView {
     pub position_known: bool,
     /// Median and longest of the last round trips; `None` before the first one.
     pub round_trip: Option<(Duration, Duration)>,
-    /// Longest absences of the computer from the port: in the last 5 to 10 s, and since
-    /// the board was connected.
+    /// Longest times between two reads of the port by the computer: in the last 5 to 10 s, and
+    /// since the board was connected.
     pub absence: (Duration, Duration),
-    /// Motion that the board holds and may not have made yet.
+    /// Duration of the motion that the board holds and may not have made yet.
     pub outstanding: Duration,
-    /// Longest motion that the board may hold: the limit of `outstanding`.
+    /// Longest duration of motion that the board may hold: the limit of `outstanding`.
     pub lookahead: Duration,
-    /// Numbers of bytes and messages on the line.
+    /// Counters of the bytes, lines and reports on the serial line.
     pub traffic: Traffic,
     /// Inputs of the board: true if operated (contact closed), `None` if not wired.
     pub inputs: Vec<(Input, Option<bool>)>,
     /// Outputs that are not wired.
     pub missing_outputs: Vec<Output>,
-    /// Outputs that the board has switched; `None` while a command to switch is under way.
+    /// States of the outputs that the board has switched; `None` while the board has not answered a
+    /// command to switch.
     pub outputs: Option<BoardOutputs>,
-    /// The spindle whose index the board reads; `None` if it reads none.
+    /// The spindle whose one-turn signal the board reads; `None` if it reads none.
     pub spindle: Option<SpindleView>,
     /// Pulses that the control has commanded, per axis.
     pub commanded: PerAxis<Pulses>,

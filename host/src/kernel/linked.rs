@@ -1,4 +1,5 @@
-//! Runs the kernel while a pulse board moves the slides: the clock of the board counts.
+//! Runs the kernel while a pulse board moves the slides: the clock of the board determines the
+//! ticks.
 
 use gsk_link::LinkState;
 use web_time::{Duration, Instant};
@@ -16,8 +17,8 @@ const MAX_TICK_TIME: Duration = Duration::from_millis(3);
 const BUSY_SNAPSHOT_TICKS: u64 = 4 * SNAPSHOT_TICKS;
 
 impl Kernel {
-    /// Connects a board: it moves the slides from now on. A missing port raises an alarm
-    /// of the control.
+    /// Connects a board, which then moves the slides; disconnects an earlier board. A missing port
+    /// raises an alarm of the control.
     pub fn connect(&mut self, connection: BoardConnection) {
         self.disconnect();
         let mut drive = Drive::open(connection, &mut self.emulator.simulation);
@@ -32,8 +33,8 @@ impl Kernel {
         Some(drive.close(&mut self.emulator.simulation))
     }
 
-    /// Returns when the kernel thread has work again; `None` if at once, because a board needs
-    /// constant reading.
+    /// Returns the time at which the kernel thread has work again; `None` if it has work at once,
+    /// because a board needs constant reading.
     pub(super) fn wake_time(&self, now: Instant, pace: &TickPacer) -> Option<Instant> {
         match &self.drive {
             None => Some(pace.next_due()),
@@ -51,9 +52,9 @@ impl Kernel {
         self.drive.as_ref().map(Drive::state)
     }
 
-    /// Carries out the window's commands, reads the board, runs the ticks that it permits and
-    /// publishes snapshots whose motion the board has made. Waits 2 ms at most. Returns true
-    /// if there is something new to show.
+    /// Executes the window's commands, reads the board, runs the ticks that it permits and
+    /// publishes snapshots whose motion the board has made. Waits 2 ms at most. Returns true if
+    /// there is something new to show.
     pub fn run_linked(&mut self) -> bool {
         self.execute_commands();
         let Some(mut drive) = self.drive.take() else {

@@ -1,5 +1,5 @@
-//! The kernel: owns the emulator, carries out the window's commands and publishes
-//! snapshots. The same code runs in its thread and, step by step, in a test.
+//! The kernel: owns the emulator, executes the window's commands and publishes snapshots. The same
+//! code runs in its thread and, step by step, in a test.
 
 mod alarm_history;
 mod console;
@@ -72,12 +72,12 @@ pub use thread::{KernelEnvironment, KernelThread, start};
 pub const SNAPSHOT_TICKS: u64 = 25;
 /// Ticks of 1 ms between two views of machine and PLC, while the window shows them.
 const MACHINE_VIEW_TICKS: u64 = 50;
-/// A handwheel that has not turned for this time is at rest.
+/// Time without a turn after which a handwheel counts as at rest.
 const WHEEL_REST_TIME: Duration = Duration::from_millis(300);
-/// Capacity of the command queue and of the notice queue.
+/// Capacity of the command queue and of the notice queue, entries.
 const QUEUE_CAPACITY: usize = 1024;
 
-/// What the kernel has published of machine and PLC, and when it publishes again.
+/// The last published state of machine and PLC, and the tick of the next publication.
 #[derive(Debug, Default)]
 struct MachineMonitor {
     last_view: Option<MachineView>,
@@ -85,29 +85,30 @@ struct MachineMonitor {
     next_tick: u64,
 }
 
-/// Runs the control and carries out the commands of the window.
+/// Runs the control and executes the commands of the window.
 #[derive(Debug)]
 pub struct Kernel {
     emulator: Emulator,
     commands: Receiver<Command>,
     snapshots: Arc<ArrayQueue<PanelSnapshot>>,
     machine: Arc<ArrayQueue<MachineView>>,
-    /// State of the publishing of machine and PLC; `Some` only while a view shows them.
+    /// State of the publication of machine and PLC; `None` while no view shows them.
     machine_monitor: Option<MachineMonitor>,
-    /// The board that moves real slides, if one is connected.
+    /// The board that moves real slides; `None` if none is connected.
     drive: Option<Drive>,
-    /// The partner that sends programs in DNC operation.
+    /// The partner that sends programs in DNC operation; `None` without a source.
     partner: Option<DncPartner>,
-    /// The control's serial port, connected to a port of the computer.
+    /// The control's serial port, connected to a port of the computer; `None` if it is not
+    /// connected.
     serial: Option<SerialLine>,
     links: Arc<ArrayQueue<LinkView>>,
     link_watched: bool,
     /// Whether snapshots contain the LCD in the other language, too.
     translate_screen: bool,
-    /// Whether snapshots contain the motion, for the sound of the machine.
+    /// Whether snapshots contain the motion of slides and spindle, for the sound of the machine.
     publish_motion: bool,
-    /// The lesson under way, in which a practice machine replaces the learner's own machine;
-    /// `None` outside lessons.
+    /// The current lesson, in which a practice machine replaces the learner's own machine; `None`
+    /// outside lessons.
     lesson: Option<PracticeSession>,
     /// The alarms raised since the control was opened.
     alarm_history: AlarmHistory,
@@ -124,7 +125,7 @@ pub struct Kernel {
     speed_percent: u32,
     speed: RunSpeed,
     speed_ratio: Option<SpeedRatio>,
-    /// The running scope recording; `Some` only while a scope is open.
+    /// The sampling for the scope; `None` while no scope is open.
     active_probe: Option<ActiveProbe>,
     /// The part in the lathe, with its job.
     part: KernelPart,
@@ -132,14 +133,15 @@ pub struct Kernel {
     command_count: u64,
     /// Holds the proof that held keys are still held.
     input_watch: InputWatch,
-    /// After the display has hung, handwheel turns are dropped until this time on the clock
-    /// with sleep; each further turn moves it by `WHEEL_REST_TIME`.
+    /// Time, on the clock that includes sleep, until which handwheel turns are dropped after the
+    /// display has hung; each further turn postpones it by `WHEEL_REST_TIME`.
     wheel_rests_until: Duration,
     quit_requested: bool,
 }
 
 impl Kernel {
-    /// Creates a kernel for an emulator, and the console through which its window talks to it.
+    /// Creates a kernel for an emulator, and the console with the channels between the kernel and
+    /// its window.
     pub fn new(emulator: Emulator) -> (Self, Console) {
         let (commands, from_window) = bounded(QUEUE_CAPACITY);
         let (notices, from_kernel) = bounded(QUEUE_CAPACITY);
@@ -211,8 +213,8 @@ impl Kernel {
         &self.emulator
     }
 
-    /// Returns the speed in force: the selected one while a program runs automatically on the
-    /// simulated lathe, else that of a real lathe (decision WINDOW-9).
+    /// Returns the current speed of machine time: the selected one while a program runs
+    /// automatically on the simulated lathe, else that of a real lathe (decision WINDOW-9).
     pub fn speed(&self) -> RunSpeed {
         let runs = self.emulator.simulation.cnc.run_state() == RunState::Run;
         match runs && self.drive.is_none() {
@@ -221,7 +223,7 @@ impl Kernel {
         }
     }
 
-    /// Carries out the window's commands and runs this number of ticks.
+    /// Executes the window's commands and runs this number of ticks.
     pub fn run(&mut self, ticks: u64) {
         self.execute_commands();
         for _ in 0..ticks {
@@ -300,8 +302,8 @@ impl Kernel {
         true
     }
 
-    /// Publishes machine and PLC if a view shows them and they have changed; returns true if
-    /// so.
+    /// Publishes the state of machine and PLC if a view shows them, a publication is due and they
+    /// have changed; returns true if so.
     fn publish_machine(&mut self) -> bool {
         let Some(monitor) = &mut self.machine_monitor else {
             return false;
@@ -515,8 +517,8 @@ impl Kernel {
         (retained::project::state_of_emulator(own), level)
     }
 
-    /// Whether the command would move a real machine although its age is unknown, because the
-    /// display has hung.
+    /// Whether the command would move a real machine although the window may have sent it long ago,
+    /// because the display has hung.
     fn is_late(&mut self, command: &Command) -> bool {
         let turns = matches!(command, Command::Turn(_));
         let moves = match command {
@@ -535,8 +537,8 @@ impl Kernel {
         late
     }
 
-    /// Writes parameters, pitch errors, offsets and variables all or none: if the control
-    /// refuses one of them, it writes none.
+    /// Writes parameters, pitch errors, offsets and variables if the operator is permitted to
+    /// change all of them; otherwise writes none and sends a notice.
     fn write_all_or_none(&mut self, requests: Vec<ControlRequest>) {
         let rights = self.emulator.simulation.cnc.rights();
         let taken = |request: &ControlRequest| match request {
@@ -560,7 +562,7 @@ impl Kernel {
     }
 
     /// Turns the handwheel by this number of detents. In step mode nothing moves and a notice
-    /// says why.
+    /// explains why.
     fn turn_handwheel(&mut self, detents: i32) {
         self.emulator.turn(detents);
         let cnc = &self.emulator.simulation.cnc;
@@ -600,7 +602,7 @@ impl Kernel {
     }
 
     /// Releases every key and drops the handwheel detents that the axis has not followed yet,
-    /// because nothing proves any more that a hand is at the machine.
+    /// because there is no longer proof that the operator is at the machine.
     fn release_keys_and_wheel(&mut self) {
         self.release_all_keys();
         self.drop_wheel();

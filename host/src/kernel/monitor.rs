@@ -10,11 +10,11 @@ use gsk_core::plc::{Ladder, Plc};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::pages::CoordinateFormat;
 
-/// State of machine and PLC at one moment, made only while a view shows it.
+/// State of machine, control data and PLC at one moment, made only while a view shows it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MachineView {
     pub lathe: SimulatedLathe,
-    /// Inputs of the machine, each by contact or sensor.
+    /// States of the contacts and sensors of the machine.
     pub inputs: MachineInputs,
     pub plc: Plc,
     /// Whether the scan of the PLC is halted for single steps.
@@ -33,7 +33,7 @@ pub struct MachineView {
     pub alarms: Vec<String>,
 }
 
-/// The tool offsets at one moment, and how they may be written.
+/// The tool offsets at one moment, their display format, and whether they may be written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OffsetTable {
     pub rows: Offsets,
@@ -43,7 +43,7 @@ pub struct OffsetTable {
     pub refused: Option<WriteRefusal>,
 }
 
-/// The macro variables at one moment, and how they may be written.
+/// The macro variables at one moment, and whether they may be written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VariableTable {
     /// Number and value of each variable; the value is `None` if it is null (empty).

@@ -1,20 +1,20 @@
-//! Paces machine time by wall time: how many ticks are due, and whether the computer keeps
-//! up.
+//! Paces machine time by wall time: determines how many ticks are due, and measures whether the
+//! computer is fast enough.
 
 use web_time::{Duration, Instant};
 
 /// Time between two turns of the kernel thread, ms.
 pub const TURN_MS: u64 = 8;
-/// Limit of the ticks in one turn at the speed of a real lathe, so that keys take effect
+/// Greatest number of ticks in one turn at the speed of a real lathe, so that keys take effect
 /// between turns.
 const MAX_TICKS_REAL: u64 = 40;
-/// Longest delay that is caught up, ms. After a longer one the machine is slower than the
-/// clock, and no motion is skipped.
+/// Longest delay for which ticks are made up, ms. After a longer one machine time is slower than
+/// the clock; no motion is skipped.
 const CATCH_UP_MS: u64 = 250;
 /// Interval over which the ratio of machine time to wall time is measured.
 const WINDOW: Duration = Duration::from_secs(2);
 
-/// Limit of the ticks in one turn at the speed of the computer.
+/// Greatest number of ticks in one turn at the speed of the computer.
 const MAX_TICKS_FASTEST: u64 = 100_000;
 
 /// Speed of machine time while a program runs on the simulated lathe.
@@ -30,7 +30,7 @@ impl RunSpeed {
     /// The speed of a real lathe.
     pub const REAL: Self = Self::Percent(100);
 
-    /// Speeds to choose from, the slowest first.
+    /// Speeds that the operator can select, the slowest first.
     pub const CHOICES: [Self; 11] = [
         Self::Percent(10),
         Self::Percent(25),
@@ -74,12 +74,12 @@ impl TickPacer {
         }
     }
 
-    /// Returns the speed in force.
+    /// Returns the current speed of machine time.
     pub const fn speed(&self) -> RunSpeed {
         self.speed
     }
 
-    /// Sets the speed; drops the ticks that are due by the old one.
+    /// Sets the speed of machine time; at a change drops the ticks that are due at the old speed.
     pub fn set_speed(&mut self, speed: RunSpeed, now: Instant) {
         if speed == self.speed {
             return;
@@ -118,8 +118,8 @@ impl TickPacer {
         overdue_ticks.min((MAX_TICKS_REAL * percent / 100).max(1))
     }
 
-    /// Returns ticks that [`Self::take_due`] has counted as done but that have not run, for
-    /// lack of time.
+    /// Makes this number of ticks due again: [`Self::take_due`] has returned them, but there was no
+    /// time to run them.
     pub const fn give_back(&mut self, ticks: u64) {
         self.done_ticks = self.done_ticks.saturating_sub(ticks);
     }
@@ -135,8 +135,8 @@ impl TickPacer {
         }
     }
 
-    /// Returns machine time divided by wall time, measured over the last two seconds: the
-    /// speed in force unless the computer is too slow.
+    /// Returns machine time divided by wall time, measured over 2 s: that of the current speed
+    /// unless the computer is too slow.
     pub const fn ratio(&self) -> f64 {
         self.ratio
     }

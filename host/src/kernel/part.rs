@@ -23,9 +23,9 @@ pub struct PartView {
     pub job: Arc<Job>,
     /// Name of the job file; `None` if the job was guessed.
     pub job_name: Option<Arc<str>>,
-    /// Half section of what remains of the stock.
+    /// Half section of the remaining stock.
     pub section: Arc<Region>,
-    /// Number of the tool in the working position, 0 = none.
+    /// Number of the tool in the working position; 0 for none.
     pub tool: u8,
     /// Position of the tool tip, part coordinates, mm.
     pub tip: Point,
@@ -46,7 +46,7 @@ pub struct PartView {
     pub door_open: bool,
     /// Collisions since the stock was clamped.
     pub findings: Vec<CollisionFinding>,
-    /// The block under execution; `None` if no program runs.
+    /// The block in execution; `None` if no program runs.
     pub block: Option<SourcePosition>,
 }
 
@@ -64,7 +64,7 @@ pub(super) fn end_crash_faults(simulation: &mut Simulation) {
     }
 }
 
-/// The part in the simulated lathe with its job, and what the window has been shown of it.
+/// The part in the simulated lathe with its job, and the view of it that was last published.
 #[derive(Debug)]
 pub(super) struct KernelPart {
     live: Option<LivePart>,
@@ -83,7 +83,7 @@ pub(super) struct KernelPart {
 }
 
 impl KernelPart {
-    /// Creates a lathe without a part; `views` takes the states for the window.
+    /// Creates the state without a part; `views` is the queue that takes the views for the window.
     pub(super) fn new(views: Arc<ArrayQueue<PartView>>) -> Self {
         Self {
             live: None,
@@ -99,12 +99,12 @@ impl KernelPart {
         }
     }
 
-    /// Creates a state without a part for the same window, with the same switches.
+    /// Creates the state without a part for the same window, with the same settings of that window.
     pub(super) fn empty_for_same_window(&self) -> Self {
         Self::new(Arc::clone(&self.views)).with_switches_of(self)
     }
 
-    /// Copies the switches of the window, stop at a collision and visible, from `other`.
+    /// Copies the settings of the window, stop at a collision and visible, from `other`.
     pub(super) fn with_switches_of(mut self, other: &Self) -> Self {
         self.crash_stops = other.crash_stops;
         self.visible = other.visible;
@@ -147,10 +147,10 @@ impl KernelPart {
         self.force_publish();
     }
 
-    /// Cuts the part after a tick. Returns the first collision of the tick, if any, and
-    /// whether it stops the lathe: then it has blocked the spindle and tripped the drive of
-    /// the axis with more distance to go. A real lathe is not stopped, because its part may
-    /// differ from this one.
+    /// Cuts the part after a tick. Returns the first collision of the tick and whether it stops the
+    /// lathe; `None` without a collision. A stop blocks the spindle and trips the drive of the axis
+    /// with more distance to go. A real lathe (`simulated` is false) is not stopped, because its
+    /// part may differ from this one.
     pub(super) fn after_tick(
         &mut self,
         simulation: &mut Simulation,

@@ -1,4 +1,4 @@
-//! Takes samples for the scope: one a tick while a scope is open.
+//! Takes samples for the scope: one per tick while a scope is open.
 
 use std::sync::Arc;
 
@@ -16,15 +16,16 @@ pub const MAX_BITS: usize = 32;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ScopeSample {
     pub tick: u64,
-    /// Commanded machine coordinate, mm (X in radius).
+    /// Commanded machine coordinates, mm (X as a radius).
     pub commanded: Point,
-    /// Position of the slides in the same coordinates, mm (X in radius); with a pulse
-    /// board the position of its pulses.
+    /// Position of the slides, machine coordinates, mm (X as a radius); with a pulse board the
+    /// commanded position.
     pub actual: Point,
-    /// Following error of the motors, mm (X in radius); `None`: a pulse board cannot
+    /// Following error of the motors, mm (X as a radius); `None` with a pulse board, which cannot
     /// measure it.
     pub following_error: Option<Point>,
-    /// Spindle speed, r/min; negative in reverse. `None`: the board has no index.
+    /// Measured spindle speed, r/min; negative in reverse. `None` if a board does not read the
+    /// one-turn signal.
     pub spindle_rpm: Option<f64>,
     /// Commanded spindle speed, r/min; 0 while the spindle is off, negative in reverse.
     pub commanded_spindle_rpm: f64,
@@ -37,16 +38,16 @@ pub struct ScopeSample {
 pub struct Probe {
     /// The queue into which the kernel puts the samples.
     pub queue: Arc<ArrayQueue<ScopeSample>>,
-    /// The watched PLC bits, in the order of [`ScopeSample::bits`]; `None`: not used.
+    /// The watched PLC bits, in the order of [`ScopeSample::bits`]; `None` for an unused bit.
     pub bits: Vec<Option<BitAddress>>,
 }
 
-/// A running sampling for the scope.
+/// The sampling for an open scope.
 #[derive(Clone, Debug)]
 pub(super) struct ActiveProbe {
     probe: Probe,
-    /// Machine coordinate of the lathe's own zero; it changes when an axis makes its reference
-    /// return. `None` before the first sample.
+    /// The referenced axes, and the machine coordinates of the zero of the simulated lathe, mm,
+    /// which change when an axis makes its reference return. `None` before the first sample.
     origin: Option<(PerAxis<bool>, Point)>,
 }
 

@@ -18,7 +18,8 @@ pub(super) struct LastOpened {
 }
 
 impl Kernel {
-    /// Opens a program; returns true if the program is selected now.
+    /// Opens a program and reports the result to the window by a notice; returns true if the
+    /// program is selected then.
     pub(super) fn open(&mut self, opened: OpenedProgram) -> bool {
         let run_state = self.emulator.simulation.cnc.run_state();
         if matches!(run_state, RunState::Run | RunState::Hold) {
@@ -66,8 +67,8 @@ impl Kernel {
         true
     }
 
-    /// Whether the program of this number in the memory is neither `program` nor the text that
-    /// the same file had when it was opened last.
+    /// Whether the memory has a program of this number that is neither `program` nor the text that
+    /// the file `name` had when it was opened last.
     fn is_other_program(&self, number: u16, program: &Program, name: &str) -> bool {
         let programs = self.emulator.simulation.cnc.programs();
         let Some(existing) = programs.get(ProgramId::Stored(number)) else {
@@ -79,8 +80,8 @@ impl Kernel {
             && before.is_none_or(|before| before.text() != existing.text())
     }
 
-    /// Selects a program by its number, which it returns; stores the program first unless the
-    /// memory has the same text.
+    /// Stores a program unless the memory has the same text, and selects it. Returns its number, or
+    /// why it is not stored.
     pub(super) fn store(&mut self, program: &Program) -> Result<u16, NotStored> {
         let number = program.number().ok_or(NotStored::NoNumber)?;
         let cnc = &mut self.emulator.simulation.cnc;
@@ -112,7 +113,8 @@ impl Kernel {
     }
 }
 
-/// Returns the program with its number: that of its O word, else the one in its file name.
+/// Returns the program with a number: that of its O word, else the one in its file name; unchanged
+/// without either.
 fn with_number(opened: &OpenedProgram) -> Program {
     let program = &opened.program;
     match (

@@ -9,31 +9,33 @@ use gsk_core::operation::{OperatingMode, RunState};
 use gsk_core::program::Program;
 use gsk_core::units::Point;
 
-/// Distances up to this one are not reported, mm.
+/// Greatest distance from the last start that is not reported, mm; for X the difference of the
+/// diameters.
 const TOLERANCE_MM: f64 = 0.1;
-/// Lines of a program in which its first G50 is searched.
+/// Number of lines at the beginning of a program that are searched for a G50.
 const FIRST_LINES: usize = 12;
 
 /// The distance of the slides from the last start of the selected program.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StartDistance {
     pub program: ProgramId,
-    /// Last start minus current position, mm, X as a radius.
+    /// Position of the last start minus current position, mm, X as a radius.
     pub distance: Point,
 }
 
 /// The last start of a program.
 #[derive(Debug, Default)]
 pub(super) struct StartWatch {
-    /// Program and slide position of the last start, machine coordinates.
+    /// Program and slide position of the last start, machine coordinates, mm; `None` before the
+    /// first one.
     last_start: Option<(ProgramId, Point)>,
-    /// The last run came to its end: the next start may be anywhere.
+    /// Whether the last run came to its end: the next start may be at any position.
     is_complete: bool,
     run_state: Option<RunState>,
 }
 
 impl StartWatch {
-    /// Follows the control; call it after every tick.
+    /// Records the starts and ends of program runs; call it after every tick.
     pub(super) fn update(&mut self, cnc: &Cnc) {
         let now = cnc.run_state();
         let before = self.run_state.replace(now);
@@ -53,8 +55,9 @@ impl StartWatch {
         self.is_complete = false;
     }
 
-    /// The distance from the last start, while the selected program waits for its start in
-    /// automatic mode and begins with G50. `None` if it is close to that start.
+    /// Returns the distance of the slides from the last start, while the selected program waits for
+    /// its start in automatic mode and begins with G50; `None` otherwise, or if the slides are
+    /// close to that start.
     pub(super) fn report(&self, cnc: &Cnc) -> Option<StartDistance> {
         let (program, last) = self.last_start?;
         let waits = cnc.run_state() == RunState::Reset && !cnc.is_position_unknown();
@@ -69,7 +72,7 @@ impl StartWatch {
     }
 }
 
-/// Whether one of the first blocks is G50 with coordinates.
+/// Whether one of the first blocks of a program is G50 with coordinates.
 fn begins_with_g50(program: &Program) -> bool {
     program.text().lines().take(FIRST_LINES).any(|line| {
         let code = line.split(['(', ';']).next().unwrap_or_default();

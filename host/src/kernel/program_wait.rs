@@ -10,10 +10,10 @@ use gsk_runner::machining::live_part::running_block;
 /// reported.
 const USUAL_WAIT_TICKS: u64 = 3000;
 
-/// The condition a program waits for, and the block that waits.
+/// The condition for which a program waits, and the block that waits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProgramWait {
-    /// Describes the condition that the program waits for.
+    /// Describes the condition for which the program waits.
     pub condition: Message,
     pub block: Option<SourcePosition>,
 }

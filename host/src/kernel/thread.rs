@@ -15,27 +15,28 @@ use crate::retained::Keeper;
 use crate::termination::{TERMINATED_EXIT_CODE, TerminationFlag};
 use crate::{log, output, transfer};
 
-/// Time between two checks whether memory needs to be saved.
+/// Time between two checks whether the memory of the control needs to be saved.
 const KEEPER_INTERVAL: Duration = Duration::from_millis(100);
 /// Time that the window has to close when the program ends.
 const WINDOW_CLOSE_TIMEOUT: Duration = Duration::from_secs(3);
 
 /// Time between two snapshots: the duration of [`SNAPSHOT_TICKS`] on a real lathe.
 const SNAPSHOT_INTERVAL: Duration = Duration::from_millis(SNAPSHOT_TICKS);
-/// A process that got no processor time for this duration was asleep, or the computer was.
+/// Least time without processor time after which the process or the computer counts as having
+/// slept.
 const MIN_SLEEP: Duration = Duration::from_secs(2);
-/// Ticks that the thread makes between two checks of keys and clock.
+/// Number of ticks that the thread makes between two checks of keys and clock.
 const TICKS_PER_CHECK: u64 = 40;
 /// Longest time for which the thread makes ticks without other work.
 const MAX_TICK_TIME: Duration = Duration::from_millis(10);
 
-/// What the kernel thread needs from the rest of the program.
+/// The parts of the rest of the program that the kernel thread uses.
 pub struct KernelEnvironment {
     /// Wakes the window for a new snapshot or notice; it must not wait for the window.
     pub wake: Box<dyn Fn() + Send>,
-    /// Saves the memory; `None` if there is no data directory.
+    /// Saves the memory of the control; `None` if there is no data directory.
     pub keeper: Option<Keeper>,
-    /// The folder for files that the control sends; `None` keeps none.
+    /// The folder for files that the control sends; `None` to store none.
     pub partner_folder: Option<PathBuf>,
     /// Set by a termination signal to end the program.
     pub termination: TerminationFlag,
@@ -72,7 +73,7 @@ impl Drop for KernelThread {
     }
 }
 
-/// Starts the kernel thread.
+/// Starts the kernel thread. `outside` is its environment.
 ///
 /// # Errors
 /// The system starts no thread.
@@ -104,9 +105,11 @@ struct KernelLoop {
     journal: ChangeLog,
     /// Time at which the next snapshot is due.
     next_snapshot: Instant,
-    /// A time just before the window's last command, and the number of commands by then.
+    /// A time just before the window's last command, on the clock that includes sleep, and the
+    /// number of commands up to it.
     last_command: (Duration, u64),
-    /// Time at which a key was first seen down; `None` while no key is down.
+    /// Time, on the clock that includes sleep, at which a key was first down; `None` while no key
+    /// is down.
     held_since: Option<Duration>,
     /// Time at which the loop last checked the clock.
     last_check: Instant,
@@ -311,8 +314,8 @@ impl KernelLoop {
     }
 }
 
-/// Runs the `due` ticks until the time `until`, or until the speed in force is no longer
-/// `speed`; returns the number of ticks. Keys are checked every `TICKS_PER_CHECK` ticks.
+/// Runs the number `due` of ticks, but not beyond the time `until` and only while the current speed
+/// is `speed`. Returns the number of ticks run. Keys are checked every `TICKS_PER_CHECK` ticks.
 fn run_ticks(kernel: &mut Kernel, due: u64, speed: RunSpeed, until: Instant) -> u64 {
     let mut ran = 0;
     loop {
@@ -351,8 +354,8 @@ fn report_transfer(console: &Console, written: Result<String, Message>) {
     }
 }
 
-/// Rounds a ratio to steps of at most a twentieth of its power of ten, so that snapshots do
-/// not change needlessly.
+/// Rounds the ratio of machine time to wall time to steps of a twentieth of the next higher power
+/// of ten, so that snapshots do not change needlessly.
 fn round_ratio(ratio: f64) -> SpeedRatio {
     let step = match ratio {
         ..1.0 => 0.05,
@@ -363,8 +366,8 @@ fn round_ratio(ratio: f64) -> SpeedRatio {
     SpeedRatio((ratio / step).round() * step)
 }
 
-/// Converts a ratio to percent, rounded down to steps of 5 % so that snapshots do not change
-/// needlessly; 100 above a ratio of 0.95.
+/// Converts the ratio of machine time to wall time to percent, rounded down to steps of 5 % so that
+/// snapshots do not change needlessly; 100 above a ratio of 0.95.
 fn speed_percent(ratio: f64) -> u32 {
     if ratio > 0.95 {
         100

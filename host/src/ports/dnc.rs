@@ -21,13 +21,13 @@ pub const FILE_IN_FOLDER: &str = "DNC.CNC";
 
 /// Size of a read, bytes.
 const CHUNK_BYTES: usize = 4096;
-/// Number of chunks that the reader keeps in advance for the control.
+/// Greatest number of chunks that the reader reads in advance for the control.
 const MAX_CHUNKS: usize = 2;
-/// Control characters that start (DC1) and stop (DC3) the reader of the sender.
+/// Control character (XON) that lets the sending device start. `DC3` (XOFF) stops it.
 const DC1: u8 = 0x11;
 const DC3: u8 = 0x13;
 
-/// Where programs for DNC operation come from.
+/// The source of programs for DNC operation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum DncSource {
     /// A file, sent from its beginning each time the control requests a program.
@@ -77,11 +77,11 @@ type Chunk = io::Result<Vec<u8>>;
 #[derive(Debug)]
 pub struct DncPartner {
     source: DncSource,
-    /// The request of the control that is being served, as the control counts them.
+    /// Number of the program request that is being served, as the control counts them.
     call_number: u32,
     chunks: Option<Receiver<Chunk>>,
-    /// Channel to the thread that reads a port: DC1 or DC3 for the sender; `None` if no port
-    /// is open.
+    /// Channel to the thread that reads a port, which writes the characters DC1 and DC3 to the
+    /// port; `None` if no port is open.
     to_port: Option<Sender<u8>>,
     /// The chunk that is being passed to the control.
     chunk: Vec<u8>,
@@ -101,7 +101,7 @@ impl DncPartner {
         }
     }
 
-    /// Opens the source when the control requests a program.
+    /// Opens the source when the control requests a program; an error if it cannot be opened.
     fn open_source(&mut self, cnc: &Cnc) -> Result<(), SourceError> {
         match &self.source {
             DncSource::File(path) => {
@@ -133,8 +133,8 @@ impl DncPartner {
         self.sent = 0;
     }
 
-    /// Fetches the next chunk; returns `false` if none has arrived. Reports the end of the
-    /// source or its error to the control.
+    /// Takes the next chunk from the reader; returns `false` if none has arrived. `wait` tells
+    /// whether it may wait for one. Reports the end of the source or its error to the control.
     fn fetch_chunk(&mut self, cnc: &mut Cnc, wait: PartnerWait) -> bool {
         let Some(chunks) = &self.chunks else {
             cnc.end_dnc();
@@ -183,7 +183,8 @@ impl gsk_runner::partner::ProgramPartner for DncPartner {
     }
 }
 
-/// Reads `source` in a separate thread, only as far ahead as the channel has space.
+/// Starts a thread that reads `source`, only as far ahead as the channel has space. Returns the
+/// channel with the chunks.
 fn start_reader(mut source: impl Read + Send + 'static) -> Result<Receiver<Chunk>, SourceError> {
     start_thread(move |chunks| {
         let mut buffer = vec![0; CHUNK_BYTES];
@@ -202,7 +203,8 @@ fn start_reader(mut source: impl Read + Send + 'static) -> Result<Receiver<Chunk
     })
 }
 
-/// Reads a port in a separate thread and writes the characters of `to_send` to it.
+/// Starts a thread that reads a port and writes the characters from `to_send` to it. Returns the
+/// channel with the chunks.
 fn start_port_reader(
     mut port: Port,
     to_send: Receiver<u8>,

@@ -14,12 +14,12 @@ use web_time::{Duration, Instant};
 use crate::message_format::{describe_io_error, describe_port_error};
 use crate::platform::{self, Serial};
 
-/// How long a read waits for its first byte, and a write for space.
+/// Time for which a read waits for its first byte, and a write for space.
 const IO_TIMEOUT: Duration = Duration::from_millis(2);
 /// Address of a virtual board on a system without pseudo terminals. With port 0 the system
 /// chooses the port number.
 const LOOPBACK_ADDRESS: &str = "127.0.0.1:0";
-/// Time between two attempts to open a port that is in use.
+/// Time between two attempts to open a serial port that is in use.
 const RETRY_INTERVAL: Duration = Duration::from_millis(20);
 
 /// Why a port cannot be used.
@@ -68,7 +68,7 @@ pub enum PortError {
         /// Error of the operating system.
         error: io::Error,
     },
-    /// The system gives no second handle of an open port.
+    /// The operating system gives no second handle of an open port.
     Clone(serialport::Error),
     /// The system opens no pseudo terminal.
     NoTerminal(serialport::Error),
@@ -76,7 +76,7 @@ pub enum PortError {
     NoName,
     /// The pseudo terminal refuses its settings.
     Terminal(serialport::Error),
-    /// The system does not list its ports.
+    /// The operating system does not list its ports.
     Unknown(serialport::Error),
 }
 
@@ -126,11 +126,11 @@ enum PortDevice {
 }
 
 impl Port {
-    /// Opens a serial device exclusively, or connects with `tcp:HOST:PORT`. Retries a device
-    /// that is in use for the time `timeout`.
+    /// Opens the serial device `path` exclusively at `baud`, bit/s, or connects with
+    /// `tcp:HOST:PORT`. Retries a device that is in use until `timeout` has passed.
     ///
     /// # Errors
-    /// The port cannot be opened: names the port and what to do.
+    /// The port cannot be opened; the error names the port and the remedy.
     pub fn open_with_retry(path: &str, baud: u32, timeout: Duration) -> Result<Self, PortError> {
         if let Some(address) = path.strip_prefix(tcp::PREFIX) {
             return match tcp::TcpConnection::open(address) {
@@ -160,11 +160,11 @@ impl Port {
         }
     }
 
-    /// Returns another handle of the same port, for a reader that waits `wait` for the first
-    /// byte.
+    /// Returns another handle of the same port, for a reader that waits for the time `wait` for the
+    /// first byte.
     ///
     /// # Errors
-    /// The system refuses.
+    /// The operating system refuses it.
     pub fn clone_for_reading(&self, wait: Duration) -> Result<Self, PortError> {
         let again = match &self.0 {
             PortDevice::Serial(port) => port.try_clone().and_then(|mut port| {
@@ -179,11 +179,11 @@ impl Port {
         again.map(Self).map_err(PortError::Clone)
     }
 
-    /// Opens a serial device with software flow control: XOFF stops the sender while the
-    /// program does not read.
+    /// Opens the serial device `path` at `baud`, bit/s, with software flow control: XOFF stops the
+    /// sender while the program does not read.
     ///
     /// # Errors
-    /// The port cannot be opened: names the port and what to do.
+    /// The port cannot be opened; the error names the port and the remedy.
     pub fn open_with_handshake(path: &str, baud: u32) -> Result<Self, PortError> {
         let port = serialport::new(path, baud)
             .timeout(IO_TIMEOUT)
@@ -193,8 +193,8 @@ impl Port {
             .map_err(|error| PortError::from_open_error(path, error))
     }
 
-    /// Returns the bytes that have arrived; waits 2 ms for the first one, or the time of
-    /// [`Port::clone_for_reading`], and returns an empty vector without one.
+    /// Returns the bytes that have arrived. Waits 2 ms for the first one, or the time given to
+    /// [`Port::clone_for_reading`]; returns an empty vector if none arrives.
     ///
     /// # Errors
     /// The port is gone.
@@ -254,11 +254,11 @@ pub enum OfferedPort {
 }
 
 impl OfferedPort {
-    /// Listens at a network address; without one opens a pseudo terminal. On a system without
-    /// pseudo terminals, listens at an address that only this computer reaches.
+    /// Listens at the network address `HOST:PORT`; with `None` opens a pseudo terminal. On a system
+    /// without pseudo terminals, listens at an address that only this computer can reach.
     ///
     /// # Errors
-    /// The system refuses.
+    /// The operating system refuses it.
     pub fn open(address: Option<&str>) -> Result<Self, PortError> {
         let listen = |address: &str| {
             let listening = tcp::TcpOffer::listen(address).map(Self::Tcp);
@@ -281,10 +281,10 @@ impl OfferedPort {
         }
     }
 
-    /// Returns the name under which another program opens the other end.
+    /// Returns the name under which another program opens the other end of the port.
     ///
     /// # Errors
-    /// The system does not report it.
+    /// The operating system does not report the name.
     pub fn name(&self) -> Result<String, PortError> {
         match self {
             Self::Terminal { far, .. } => far.name(),
@@ -350,7 +350,7 @@ pub fn closed_error() -> io::Error {
     io::Error::new(io::ErrorKind::BrokenPipe, say::port_closed().to_string())
 }
 
-/// Returns the message for the failure of an open port.
+/// Returns the message for the operator about the failure of an open port with this error.
 pub fn failure_message(error: &io::Error) -> Message {
     if error.kind() == io::ErrorKind::ConnectionAborted {
         return say::port_holder_gone();
@@ -372,9 +372,10 @@ pub fn failure_message(error: &io::Error) -> Message {
 /// A serial port of this computer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PortInfo {
-    /// Path of the device.
+    /// Path of the device, for example `/dev/ttyUSB0` or `COM3`.
     pub path: String,
-    /// The persistent path of the port; `None` where the system has none.
+    /// The path of the device that does not change when it is plugged in again; `None` where the
+    /// system has none.
     pub by_id: Option<PathBuf>,
 }
 

@@ -1,5 +1,5 @@
-//! A virtual board at a network address instead of a serial port: for systems without
-//! pseudo terminals, and for boards on another computer.
+//! Network connections instead of serial ports: for a virtual board on a system without pseudo
+//! terminals, and for boards on another computer.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream, ToSocketAddrs};
@@ -12,7 +12,7 @@ use super::{IO_TIMEOUT, closed_error, is_transient};
 /// Prefix of the name of a network port: `tcp:HOST:PORT`.
 pub const PREFIX: &str = "tcp:";
 
-/// Longest time for a computer to answer a connection request.
+/// Longest time within which a computer must answer a connection request.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
 /// Time between two checks for arrived bytes.
 const POLL_INTERVAL: Duration = Duration::from_millis(1);
@@ -24,7 +24,7 @@ pub struct TcpConnection {
 }
 
 impl TcpConnection {
-    /// Connects with `HOST:PORT`.
+    /// Connects to the program that listens at `HOST:PORT`.
     ///
     /// # Errors
     /// The computer does not exist, or no program listens there.
@@ -48,11 +48,11 @@ impl TcpConnection {
         })
     }
 
-    /// Returns another handle of the same connection, for a reader that waits `wait` for the
-    /// first byte.
+    /// Returns another handle of the same connection, for a reader that waits for the time `wait`
+    /// for the first byte.
     ///
     /// # Errors
-    /// The system refuses.
+    /// The operating system refuses it.
     pub fn clone_for_reading(&self, wait: Duration) -> io::Result<Self> {
         let stream = self.stream.try_clone()?;
         Ok(Self { stream, wait })
@@ -109,16 +109,16 @@ impl TcpOffer {
     /// Returns the name of the port, `tcp:HOST:PORT`, under which another program opens it.
     ///
     /// # Errors
-    /// The system does not report it.
+    /// The operating system does not report the address.
     pub fn name(&self) -> io::Result<String> {
         Ok(format!("{PREFIX}{}", self.listener.local_addr()?))
     }
 
-    /// Returns the bytes of the partner that have arrived; waits 2 ms for the first one.
-    /// Returns an empty vector without one, or without a partner.
+    /// Returns the bytes of the partner that have arrived. Waits 2 ms for the first one; returns an
+    /// empty vector if none arrives or no partner is connected.
     ///
     /// # Errors
-    /// The system accepts no connection.
+    /// The operating system accepts no connection.
     pub fn read(&mut self) -> io::Result<Vec<u8>> {
         let Some(partner) = self.accept_partner()? else {
             thread::sleep(IO_TIMEOUT);

@@ -32,34 +32,35 @@ use crate::curves::RapidRates;
 use tool_uses::{ToolStep, ToolUse, ToolWork, tool_steps, tool_uses};
 use tools::{ToolKnowledge, ToolPose};
 
-/// Number of moves from the beginning of a program that a guess uses.
+/// Greatest number of moves, from the beginning of a program, that a guess uses.
 pub const MAX_GUESS_MOVES: usize = 20_000;
-/// Maximum number of motions on which tools and bars are tried.
+/// Greatest number of motions with which the guessed tools and bars are tested.
 const MAX_TRIED_MOTIONS: usize = 2_000;
-/// Maximum number of bar radii that are tried.
+/// Greatest number of radii that are tried for the bar.
 const MAX_TRIED_BARS: usize = 8;
-/// Length of stock left between the deepest cut and the jaws, mm.
+/// Length of stock between the deepest cut and the jaws of a guessed bar, mm.
 const JAW_CLEARANCE_MM: f64 = 10.0;
-/// Least ratio of the chuck's diameter to the radius of its stock.
+/// Least ratio of the chuck's diameter to the radius of the guessed stock.
 const CHUCK_TO_STOCK_RATIO: f64 = 5.0;
-/// Greatest allowance for a facing cut, mm.
+/// Greatest length of stock that a facing cut is assumed to remove, mm.
 const FACING_ALLOWANCE_MM: f64 = 0.5;
-/// Radius below which a radius is not that of a bar, mm.
+/// Least radius of a guessed bar, mm.
 const MIN_BAR_RADIUS_MM: f64 = 1.0;
-/// Allowance of the bar beyond the widest longitudinal cut, mm of radius.
+/// Excess of the radius of a guessed bar over its widest longitudinal cut, mm.
 const OUTSIDE_ALLOWANCE_MM: f64 = 1.0;
-/// Wall thickness of a bar around its widest bore, mm.
+/// Wall thickness of a guessed bar around its widest bore, mm.
 const BORE_WALL_MM: f64 = 10.0;
 /// Greatest Z at which cuts begin if the program zero is at the face of the part, mm.
 const FACE_APPROACH_MM: f64 = 10.0;
-/// Maximum number of Z positions of the bar's face that are tried.
+/// Greatest number of Z positions that are tried for the face of the bar.
 const MAX_TRIED_FACES: usize = 4;
 /// Depth of a metric external thread, as a radius, divided by its lead.
 const THREAD_DEPTH_PER_LEAD: f64 = 0.613_4;
-/// Area of the half section below which a tool's intrusion into the stock is accepted, mm²:
-/// its pose is right.
+/// Greatest area, in the half section, in which a guessed tool may pass through the stock without
+/// cutting, mm²; with a smaller area its pose counts as right.
 const ACCEPTED_INTRUSION_MM2: f64 = 1.0;
-/// Factor by which another pose must reduce the intrusion to be chosen.
+/// Greatest ratio of the intrusion area of another pose to that of the current pose at which the
+/// other one is chosen.
 const POSE_CHANGE_FACTOR: f64 = 0.5;
 
 /// Creates a bar and tools for practice without a program. At power-on the tip of the first
@@ -98,8 +99,8 @@ pub fn guess_program_job(
     guess_job(&moves, &setup.memory.offsets, rates)
 }
 
-/// Guesses stock and tools for the executed moves of a program. `rates` give the path of
-/// rapids. `None` if the program cuts nothing.
+/// Guesses stock and tools from the executed moves of a program. `rates` are the rapid rates, which
+/// determine the path of rapids. `None` if the program cuts nothing.
 pub fn guess_job(moves: &[ExecutedMove], offsets: &Offsets, rates: RapidRates) -> Option<Job> {
     let steps = tool_steps(&moves[..moves.len().min(MAX_GUESS_MOVES)], rates);
     let cuts: Vec<&ToolStep> = steps.iter().filter(|step| step.is_cut()).collect();
@@ -134,8 +135,8 @@ pub fn guess_job(moves: &[ExecutedMove], offsets: &Offsets, rates: RapidRates) -
     Some(guess.fit_job(radius, front))
 }
 
-/// Possible Z positions of the bar's face, the most probable first: at the facing cuts and in
-/// front of them, at the program zero, or where the cuts begin if the zero is at the chuck.
+/// Returns possible Z positions of the bar's face, mm, the most probable first: at the facing cuts
+/// and in front of them, at the program zero, or where the cuts begin if the zero is at the chuck.
 fn find_fronts(cuts: &[&ToolStep]) -> Vec<f64> {
     let ends = |cut: &&ToolStep| (cut.motion.from, cut.motion.to);
     let begins = || cuts.iter().map(ends).map(|(from, to)| from.z.max(to.z));
@@ -179,7 +180,7 @@ struct JobGuess<'a> {
     slimness: BTreeMap<u8, u8>,
 }
 
-/// A region of the stock that a tool passes through without cutting; the stock must not be
+/// A region of the largest bar that a tool passes through without cutting: the real stock cannot be
 /// there.
 struct StockIntrusion {
     tool: u8,
@@ -206,14 +207,14 @@ impl JobGuess<'_> {
             || self.uses.get(&tool).is_some_and(is_drill)
     }
 
-    /// Whether a tool cuts the outside of the bar, so that its cuts show how wide the bar is.
+    /// Whether a tool cuts the outside of the bar, so that its cuts show the radius of the bar.
     fn is_outside(&self, tool: u8) -> bool {
         let faces = |used: &ToolUse| used.work == Some(ToolWork::FaceGroove);
         !self.is_internal(tool) && !self.uses.get(&tool).is_some_and(faces)
     }
 
-    /// Possible radii of the bar, the largest first, mm: where outside cuts begin and end, and
-    /// the widest longitudinal cut with an allowance.
+    /// Returns possible radii of the bar, the largest first, mm: those at which outside cuts begin
+    /// and end, and that of the widest longitudinal cut with an allowance.
     fn find_bar_radii(&self, cuts: &[&ToolStep]) -> Vec<f64> {
         let outside = |cut: &&&ToolStep| self.is_outside(cut.tool) && !cut.threads;
         let mut radii: Vec<f64> = cuts
@@ -298,8 +299,8 @@ impl JobGuess<'_> {
         self.uses.iter().filter_map(tool).collect()
     }
 
-    /// Moves the guessed tools through the largest bar and lists the stock that they intrude
-    /// into.
+    /// Moves the guessed tools through the largest bar and returns the regions that they pass
+    /// through without cutting.
     fn find_intrusions(&self) -> Vec<StockIntrusion> {
         let radius = self.radii.first().copied().unwrap_or(MIN_BAR_RADIUS_MM);
         let front = self.fronts.first().copied().unwrap_or(0.0);
@@ -329,8 +330,8 @@ impl JobGuess<'_> {
         intrusions
     }
 
-    /// Chooses for each tool the pose with the least intrusion, and returns the intrusions
-    /// that remain.
+    /// Chooses for each tool the pose with which it passes through the least stock without cutting.
+    /// Returns the intrusions that remain.
     fn choose_poses(&mut self) -> Vec<StockIntrusion> {
         let of_tool = |intrusions: &[StockIntrusion], tool: u8| -> f64 {
             let own = intrusions.iter().filter(|it| it.tool == tool);
@@ -399,8 +400,9 @@ impl JobGuess<'_> {
         tried.filter(|pose| Some(*pose) != first).collect()
     }
 
-    /// Radius and Z of the face, mm, of the largest bar that is cut and has no intrusion;
-    /// otherwise of the bar with the least misfit. `None` if the program cuts no bar.
+    /// Returns radius and Z of the face, mm, of the largest bar that the program cuts and that none
+    /// of `intrusions` lies in; otherwise of the bar with the least misfit. `None` if the program
+    /// cuts no bar.
     fn choose_bar(&self, intrusions: &[StockIntrusion]) -> Option<(f64, f64)> {
         let widest = self.widest_cut();
         let bore = self.bore_radius().unwrap_or(0.0);
@@ -457,11 +459,11 @@ impl JobGuess<'_> {
 /// longitudinal cut is wider than it, whether a tool body passes through it.
 type BarMisfit = (usize, bool, bool);
 
-/// Greatest length of a bar, mm.
+/// Greatest length of a guessed bar, mm.
 const MAX_BAR_LENGTH_MM: f64 = 2_000.0;
 
-/// Whether a region is thicker than the rounding error of surfaces that slide along each
-/// other.
+/// Whether a region is thicker, in both directions, than the rounding error of surfaces that slide
+/// along each other.
 fn is_thick(region: &Region) -> bool {
     const THIN: i32 = 50;
     region.bounds().is_some_and(|bounds| {

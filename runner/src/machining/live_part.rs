@@ -9,13 +9,13 @@ use gsk_workpiece::motion::{MotionKind, ToolMotion};
 
 use super::{CollisionFinding, Machining};
 
-/// Greatest distance by which a tick may leave the straight motion that it extends, mm: one
-/// grid unit.
+/// Greatest distance of the tip position after a tick from the straight motion that the tick
+/// extends, mm: one grid unit.
 const STRAIGHTNESS_MM: f64 = 0.000_1;
-/// Ticks after which a pending motion is cut even if it continues, so that each picture shows
-/// it.
+/// Number of ticks after which a pending motion is cut even if it continues, so that each picture
+/// shows it.
 const MAX_PIECE_TICKS: u32 = 25;
-/// Below this speed the spindle counts as stopped, r/min.
+/// Speed below which the spindle counts as stopped, r/min.
 const STANDSTILL_RPM: f64 = 1.0;
 
 /// A part that is machined live: it follows each tick of a running control.
@@ -35,7 +35,7 @@ pub struct LivePart {
 struct TickState {
     /// Slide position in machine coordinates, mm.
     slide: Point,
-    /// Tip of the tool in part coordinates, mm.
+    /// Position of the tool tip in part coordinates, mm.
     tip: Point,
     spindle_turns: f64,
 }
@@ -48,7 +48,8 @@ struct PendingCut {
     to: Point,
     ticks: u32,
     conditions: MotionConditions,
-    /// Tip positions, in part coordinates, at which a thread passed the drawn plane.
+    /// Tip positions, in part coordinates, mm, at which the spindle passed the drawn plane in a
+    /// thread.
     imprints: Vec<Point>,
 }
 
@@ -63,7 +64,7 @@ struct MotionConditions {
 }
 
 impl LivePart {
-    /// Makes this part, which must be uncut, follow a control.
+    /// Creates a live part from `machining`, whose part must be uncut.
     pub const fn new(machining: Machining) -> Self {
         Self {
             machining,
@@ -86,8 +87,8 @@ impl LivePart {
         self.reported_findings = 0;
     }
 
-    /// Follows one tick of the control. Call it after every tick. Returns the collisions found
-    /// since the last call, empty if there are none.
+    /// Cuts the part with the motion of the last tick of the control; call it after every tick.
+    /// Returns the collisions found since the last call, empty if there are none.
     pub fn follow_tick(&mut self, simulation: &Simulation) -> &[CollisionFinding] {
         let cnc = &simulation.cnc;
         let tool = simulation.lathe.station().unwrap_or(cnc.tool().0);
@@ -196,7 +197,8 @@ impl LivePart {
 }
 
 impl PendingCut {
-    /// Whether a tick from `from` to `to` continues the pending motion in its direction.
+    /// Whether a tick in which the tip moves from `from` to `to`, mm, continues the pending motion
+    /// in its direction.
     fn is_continued_by(&self, from: Point, to: Point) -> bool {
         let along = self.to - self.from;
         let Some(direction) = along.unit() else {
@@ -209,8 +211,8 @@ impl PendingCut {
     }
 }
 
-/// The block that the program runs, or the last one between two blocks. `None` after the end
-/// of an MDI block and when nothing runs.
+/// Returns the block that the program executes, or between two blocks the last one. `None` after
+/// the end of an MDI block and when nothing runs.
 pub fn running_block(simulation: &Simulation) -> Option<SourcePosition> {
     let cnc = &simulation.cnc;
     let cursor = cnc.cursor();
@@ -226,14 +228,14 @@ pub fn running_block(simulation: &Simulation) -> Option<SourcePosition> {
     })
 }
 
-/// The block of the program that moves the tool; `None` in manual operation.
+/// Returns the block of the program that moves the tool; `None` in manual operation.
 fn moving_block(simulation: &Simulation) -> Option<SourcePosition> {
     let by_program = matches!(simulation.cnc.run_state(), RunState::Run | RunState::Hold);
     running_block(simulation).filter(|_| by_program)
 }
 
-/// Tip position at which the spindle passed the drawn plane between two ticks; `None` if it
-/// did not.
+/// Returns the tip position in part coordinates, mm, at which the spindle passed the drawn plane
+/// between two ticks; `None` if it did not.
 fn plane_crossing(before: TickState, now: TickState) -> Option<Point> {
     let (low, high) = (
         before.spindle_turns.min(now.spindle_turns),

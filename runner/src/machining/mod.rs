@@ -1,5 +1,5 @@
-//! Executes a program on the part: its moves cut the stock, and collisions are found with
-//! their blocks.
+//! Machines the part with a program: its moves cut the stock, and each collision is stored with its
+//! block.
 //!
 //! Two sources use the same sweeps: the moves of a preview ([`Machining::execute_move`]), and the
 //! ticks of a running control ([`live_part`]).
@@ -25,9 +25,9 @@ pub use mounting::Mounting;
 
 use crate::curves::RapidRates;
 
-/// Maximum number of stored collisions.
+/// Greatest number of collisions that are stored; further ones are dropped.
 const MAX_FINDINGS: usize = 100;
-/// Radius at which an insert has parted the bar off, mm.
+/// Greatest radius of a grooving cut that parts the bar off, mm.
 const PART_OFF_RADIUS_MM: f64 = 0.05;
 
 /// A collision, and the block and tool that caused it.
@@ -54,7 +54,7 @@ pub struct Machining {
 }
 
 impl Machining {
-    /// Clamps new stock of the job.
+    /// Creates the machining of a job with uncut stock.
     pub fn new(job: Job) -> Self {
         let cutters = job
             .tools
@@ -81,12 +81,12 @@ impl Machining {
         &self.scene
     }
 
-    /// Volume removed by cutting, mm³, without the parted-off pieces.
+    /// Volume that cuts have removed, mm³, without the parted-off pieces.
     pub fn removed_volume(&self) -> f64 {
         self.job.stock.section().volume() - self.scene.part().volume() - self.parted_volume_mm3
     }
 
-    /// The collisions in the order of their detection, each kind once per block.
+    /// The collisions in the order of their detection, each kind once per block and tool.
     pub fn findings(&self) -> &[CollisionFinding] {
         &self.findings
     }
@@ -96,14 +96,16 @@ impl Machining {
         self.track.mounting()
     }
 
-    /// Clamps new stock and discards the collisions. The tools stay where they are.
+    /// Replaces the part by uncut stock and discards the collisions. The positions of the tools are
+    /// kept.
     pub fn clamp_new_stock(&mut self) {
         self.scene = LatheScene::new(&self.job.stock);
         self.parted_volume_mm3 = 0.0;
         self.findings.clear();
     }
 
-    /// Cuts the part with a move of the program. `rates` give the path of rapids.
+    /// Cuts the part with a move of the program. `rates` are the rapid rates, which determine the
+    /// path of rapids.
     pub fn execute_move(&mut self, executed: &ExecutedMove, rates: RapidRates) {
         let tool = executed.conditions.tool;
         for motion in self.track.tip_motions(executed, rates) {
@@ -111,8 +113,8 @@ impl Machining {
         }
     }
 
-    /// Moves a tool relative to the part: cuts it, and stores collisions under the block
-    /// `source`.
+    /// Moves a tool relative to the part: cuts the part, and stores a collision with the block
+    /// `source`; `None` in manual operation.
     fn move_tool(&mut self, source: Option<SourcePosition>, tool: u8, motion: &ToolMotion) {
         let Some(cutter) = self.cutters.get(&tool) else {
             return;

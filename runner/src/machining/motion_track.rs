@@ -8,17 +8,17 @@ use gsk_workpiece::motion::{MotionKind, ThreadPath, ToolMotion};
 use super::Mounting;
 use crate::curves::{RapidRates, rapid_bend};
 
-/// Converts executed moves to motions of the tool tips: where tools and part are, and where
-/// the last thread ended.
+/// Converts executed moves to motions of the tool tips; stores the position of tools and part, and
+/// the spindle angle at which the last thread ended.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MotionTrack {
     mounting: Mounting,
-    /// Spindle angle where the last thread ended, turns.
+    /// Spindle angle at which the last thread ended, turns.
     phase_turns: f64,
 }
 
 impl MotionTrack {
-    /// Starts with the tool lengths and the zero of a job.
+    /// Creates a track from the tool lengths and the zero of a job.
     pub(super) fn from_job(job: &Job) -> Self {
         Self {
             mounting: Mounting::from_job(job),
@@ -31,14 +31,15 @@ impl MotionTrack {
         &self.mounting
     }
 
-    /// The mapping of [`MotionTrack::mounting`], mutable: a running control fixes a tool in
-    /// it.
+    /// The mapping from slide positions to tip positions, mutable, so that a running control can
+    /// fix the position of a tool.
     pub(super) const fn mounting_mut(&mut self) -> &mut Mounting {
         &mut self.mounting
     }
 
-    /// The tip motions of a move: none for a dwell and for a move to or from a machine zero at
-    /// an unknown position, two for a rapid with a bend.
+    /// Returns the tip motions of a move in part coordinates: none for a dwell and for a move to or
+    /// from a machine zero at an unknown position, two for a rapid with a bend. `rates` are the
+    /// rapid rates.
     pub(super) fn tip_motions(
         &mut self,
         executed: &ExecutedMove,
@@ -85,7 +86,8 @@ impl MotionTrack {
         vec![motion(from, to, kind)]
     }
 
-    /// The motion of a thread as its imprints in the drawn plane; a straight cut for a tap.
+    /// Returns the motion of a thread from `from` to `to`, part coordinates, mm, as its imprints in
+    /// the drawn plane; a straight cut for a tap.
     fn thread_motion(&mut self, executed: &ExecutedMove, from: Point, to: Point) -> MotionKind {
         let (Some(thread), Some(Feed::PerRevolution(lead))) =
             (executed.conditions.thread, executed.feed)

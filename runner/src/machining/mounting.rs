@@ -31,8 +31,8 @@ impl Mounting {
         }
     }
 
-    /// Slide position, machine coordinates in mm, at which the tip of `tool` is at the zero of
-    /// the part.
+    /// Slide position, machine coordinates, mm, at which the tip of `tool` is at the zero of the
+    /// part.
     pub fn slide_at_part_zero(&self, tool: u8, frame: &Frame) -> Point {
         if let Some(zero) = self.fixed_zeros.get(&tool) {
             return *zero;
@@ -49,13 +49,14 @@ impl Mounting {
         self.zero.is_some() || self.fixed_zeros.contains_key(&tool)
     }
 
-    /// Tip of a tool in part coordinates, with the slide at machine position `machine`.
+    /// Position of the tip of a tool in part coordinates, mm, with the slide at the machine
+    /// position `machine`, mm.
     pub fn tip_in_part(&self, tool: u8, machine: Point, frame: &Frame) -> Point {
         machine - self.slide_at_part_zero(tool, frame)
     }
 
-    /// Stores the position of a tool at its first cut. Later changes of offset or work zero
-    /// then move the cut.
+    /// Stores the position of a tool relative to the part at its first cut; later calls have no
+    /// effect. Later changes of offset or work zero then move the cut.
     pub(super) fn fix_tool(&mut self, tool: u8, frame: &Frame) {
         let zero = self.slide_at_part_zero(tool, frame);
         self.fixed_zeros.entry(tool).or_insert(zero);

@@ -13,9 +13,9 @@ use gsk_workpiece::tool::{Insert, InsertLetter, Tool};
 use super::Machining;
 use crate::curves::{RapidRates, arc_points};
 
-/// Greatest deviation of a chord from its arc, mm.
+/// Greatest distance of the chords that replace an arc from that arc, mm.
 const MAX_SAGITTA_MM: f64 = 0.002;
-/// Maximum number of stored pieces of a path.
+/// Greatest number of pieces of a path that are stored; the rest is dropped.
 const MAX_PATH_PIECES: usize = 200_000;
 
 /// A straight piece of a path, in part coordinates.
@@ -44,8 +44,8 @@ pub struct PartComparison {
     pub nose_center_path: Vec<PathPiece>,
 }
 
-/// Machines the part in the three ways of a [`PartComparison`]. `can_continue` receives the
-/// progress and returns false to cancel; the result is then `None`.
+/// Machines the part in the three ways of a [`PartComparison`]. `rates` are the rapid rates.
+/// `can_continue` receives the progress and returns false to cancel; the result is then `None`.
 pub fn compare_parts(
     setup: &Setup,
     job: &Job,
@@ -83,7 +83,8 @@ pub fn compare_parts(
     (!stopped).then_some(compared)
 }
 
-/// Adds a cut to the path of the tip, or to the path of the nose centre of the tool `nose_of`.
+/// Adds a cut to `path`, a path of the nose centre of the tool `nose_of`; with `None` a path of the
+/// tip. A rapid or a dwell is not added.
 fn add_cut(
     path: &mut Vec<PathPiece>,
     executed: &ExecutedMove,
@@ -120,7 +121,7 @@ fn add_cut(
     }
 }
 
-/// The job with inserts without nose radius, as the programmer assumes them.
+/// Returns the job with inserts without nose radius, as the programmer assumes them.
 fn with_sharp_tools(job: &Job) -> Job {
     let mut job = job.clone();
     for tool in job.tools.values_mut() {
@@ -129,7 +130,7 @@ fn with_sharp_tools(job: &Job) -> Job {
     job
 }
 
-/// The insert without its nose radius. Threading inserts and drills are unchanged. A round
+/// Returns the insert without its nose radius. Threading inserts and drills are unchanged. A round
 /// insert becomes a narrow one.
 const fn without_nose(insert: Insert) -> Insert {
     match insert {

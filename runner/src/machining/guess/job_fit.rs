@@ -1,5 +1,5 @@
-//! Fits tools and bar to the moves of a program: tools as slim as needed, the bar far enough
-//! out of the jaws.
+//! Fits tools and bar to the moves of a program: makes the tools as slim as needed, and the bar
+//! protrude far enough from the jaws.
 
 use std::collections::{BTreeMap, BTreeSet};
 

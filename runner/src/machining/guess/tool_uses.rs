@@ -1,4 +1,4 @@
-//! Finds out from its moves what a program does with each tool.
+//! Determines from the moves of a program what it does with each tool.
 
 use std::collections::BTreeMap;
 
@@ -11,16 +11,16 @@ use gsk_workpiece::stock::Stock;
 use super::super::motion_track::MotionTrack;
 use crate::curves::RapidRates;
 
-/// Lengths up to this count as zero, mm.
+/// Greatest length of a displacement that counts as zero, mm.
 const ZERO_LENGTH_MM: f64 = 1e-6;
-/// Radius up to which a tool is on the spindle axis and drills, mm.
+/// Greatest distance from the spindle axis at which a tool counts as on the axis and drills, mm.
 const AXIS_TOLERANCE_MM: f64 = 0.01;
-/// Length up to which a feed along Z is a chamfer or a run-in, mm.
+/// Greatest length of a feed along Z that counts as a chamfer or a run-in, mm.
 const MAX_RUN_IN_MM: f64 = 3.0;
-/// Depth from the face up to which a cut across the axis faces the part, mm.
+/// Greatest depth from the face of the bar at which a cut parallel to X counts as facing, mm.
 const MAX_FACING_DEPTH_MM: f64 = 1.0;
-/// Greatest depth that one pass turns off, mm of radius. With more material above it, a tool
-/// that plunges from the front cuts a groove into the face.
+/// Greatest depth of cut of one turning pass, mm of radius. A tool that plunges from the front with
+/// more material outside it cuts a groove into the face.
 const MAX_PASS_DEPTH_MM: f64 = 4.0;
 
 /// A motion of the tool tip in a program, with the number of the tool.
@@ -74,39 +74,42 @@ pub(super) struct ToolUse {
     across_count: u32,
     /// Number of feeds on the spindle axis.
     pub(super) drill_count: u32,
-    /// Number of feeds parallel to X that retract straight, as from a groove [0], and of the
-    /// others [1].
+    /// Number of feeds parallel to X after which the tool retracts in the opposite direction, as
+    /// from a groove (index 0), and of the other ones (index 1).
     groove_counts: [u32; 2],
     ring_counts: [u32; 2],
-    /// Number of plunges into a face with a break for the chip, or with a dwell at the bottom.
+    /// Number of plunges into a face that are interrupted to break the chip or end with a dwell.
     peck_count: u32,
-    /// Number of retractions after a cut: towards the spindle axis [0], away from it [1].
+    /// Number of retractions after a cut: towards the spindle axis (index 0), and away from it
+    /// (index 1).
     retractions: [u32; 2],
-    /// Number of retractions after a cut parallel to X: towards the chuck [0], away from it
-    /// [1].
+    /// Number of retractions after a cut parallel to X: towards the chuck (index 0), and away from
+    /// it (index 1).
     cross_retractions: [u32; 2],
-    /// Steepest cut towards both axis and chuck, degrees from Z; 0 if there is none.
+    /// Angle from Z of the steepest cut towards both spindle axis and chuck, degrees; 0 without
+    /// such a cut.
     pub(super) steepest_deg: f64,
-    /// Least distance of the tool from the axis in motions that end on the chuck side of the
-    /// bar's face, mm of radius; `None` without such motions.
+    /// Least distance of the tool from the spindle axis in motions that end on the chuck side of
+    /// the bar's face, mm of radius; `None` without such motions.
     pub(super) nearest_mm: Option<f64>,
-    /// Least distance of the tool's cuts from the axis, mm of radius.
+    /// Least distance of the tool's cuts from the spindle axis, mm of radius.
     pub(super) nearest_cut_mm: f64,
-    /// Greatest distance of the tool's cuts (`farthest_cut_mm`) and of its longitudinal cuts
-    /// (`widest_mm`) from the axis, mm of radius.
+    /// Greatest distance of the tool's cuts from the spindle axis, mm of radius. `widest_mm` is
+    /// that of its longitudinal cuts.
     pub(super) farthest_cut_mm: f64,
     pub(super) widest_mm: f64,
-    /// Least (`deepest_z`) and greatest (`first_z`) Z of the tool's cuts, mm.
+    /// Least Z of the tool's cuts, mm. `first_z` is the greatest one.
     pub(super) deepest_z: f64,
     pub(super) first_z: f64,
-    /// Where cuts into grooves begin, mm: Z, or X for grooves in a face.
+    /// Positions at which cuts into grooves begin, mm: Z, or X for grooves in a face.
     positions: Vec<f64>,
-    /// Least and greatest radius of the threads, mm; `None` without threads.
+    /// Least and greatest radius at which threads are cut, mm; `None` without threads.
     pub(super) crests: Option<(f64, f64)>,
     pub(super) work: Option<ToolWork>,
 }
 
-/// Converts executed moves to motions of the tool tips; `rates` give the path of rapids.
+/// Converts executed moves to motions of the tool tips; `rates` are the rapid rates, which
+/// determine the path of rapids.
 pub(super) fn tool_steps(moves: &[ExecutedMove], rates: RapidRates) -> Vec<ToolStep> {
     let mut track = MotionTrack::from_job(&Job::new(Stock::bar(50.0, 0.0, 60.0)));
     let step = |executed: &ExecutedMove| {
@@ -122,7 +125,8 @@ pub(super) fn tool_steps(moves: &[ExecutedMove], rates: RapidRates) -> Vec<ToolS
     moves.iter().flat_map(step).collect()
 }
 
-/// How a program uses each tool that cuts, by tool number. `front` is Z of the bar's face, mm.
+/// Returns the use of each tool that cuts, by tool number. `steps` are the tip motions of `moves`;
+/// `front` is Z of the bar's face, mm.
 pub(super) fn tool_uses(
     moves: &[ExecutedMove],
     steps: &[ToolStep],
@@ -313,14 +317,14 @@ impl ToolUse {
         }
     }
 
-    /// Whether the tool seems to cut the inside: it retracts towards the axis more often than
-    /// away.
+    /// Whether the tool seems to cut the inside: it retracts towards the spindle axis more often
+    /// than away from it.
     pub(super) const fn is_internal(&self) -> bool {
         self.retractions[0] > self.retractions[1]
     }
 
     /// Whether the tool seems to cut away from the chuck: after cuts parallel to X it retracts
-    /// towards the chuck more often than away.
+    /// towards the chuck more often than away from it.
     pub(super) const fn is_left_hand(&self) -> bool {
         self.cross_retractions[0] > self.cross_retractions[1]
     }

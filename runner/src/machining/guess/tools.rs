@@ -1,4 +1,4 @@
-//! Chooses tools for what a program does with them, the most usual one first.
+//! Chooses the tools for their use in a program, the most usual ones first.
 
 use std::collections::BTreeMap;
 
@@ -13,15 +13,15 @@ const DEFAULT_GROOVE_WIDTH_MM: f64 = 3.0;
 const GROOVE_OVERLAP_MM: f64 = 0.5;
 /// Diameter of a drill, mm, if the program does not show it.
 const DEFAULT_DRILL_DIAMETER_MM: f64 = 10.0;
-/// Depth up to which a drill is a centre drill if another drill goes deeper, mm.
+/// Greatest depth of a drill that counts as a centre drill if another drill drills deeper, mm.
 const MAX_CENTER_DRILL_DEPTH_MM: f64 = 8.0;
 /// Diameter of a centre drill, mm.
 const CENTER_DRILL_DIAMETER_MM: f64 = 4.0;
 /// Extra length of a blade or drill beyond its depth of cut, mm.
 const EXTRA_REACH_MM: f64 = 2.0;
-/// Ratio of a boring bar's diameter to the hole that it enters.
+/// Ratio of the diameter of a boring bar to the free diameter of the hole that it enters.
 const BAR_TO_HOLE_RATIO: f64 = 0.7;
-/// Entering angle of an edge that finishes a shoulder, degrees.
+/// Entering angle of an insert that finishes a shoulder, degrees.
 const SHOULDER_ANGLE_DEG: f64 = 90.0;
 /// Depth of an internal groove, mm, if the program does not show it.
 const DEFAULT_INSIDE_GROOVE_DEPTH_MM: f64 = 3.0;
@@ -36,8 +36,8 @@ pub(super) struct ToolPose {
 }
 
 impl ToolPose {
-    /// The number of the imaginary tip (1 to 4) of a tool in this pose. `beyond` reverses the
-    /// directions for a tool beyond the spindle axis.
+    /// Returns the number of the imaginary tip, 1 to 4, of a tool in this pose; `beyond` tells that
+    /// the tool cuts beyond the spindle axis.
     const fn tip_number(self, beyond: bool) -> u8 {
         match (self.internal != beyond, self.left_hand) {
             (false, false) => 3,
@@ -47,8 +47,8 @@ impl ToolPose {
         }
     }
 
-    /// The slimness levels to judge the pose with, in their order. A square insert leaves
-    /// nothing on shoulders and steps that a rapid would hit.
+    /// Returns the slimness levels with which the pose is tested, in their order. A square insert
+    /// leaves nothing on shoulders and steps that a rapid would hit.
     pub(super) const fn slimness_levels(self) -> [u8; 3] {
         if self.internal {
             [0, SQUARE_BLADE_LEVEL, MAX_SLIMNESS]
@@ -57,7 +57,7 @@ impl ToolPose {
         }
     }
 
-    /// All four poses, the most probable first.
+    /// Returns all four poses for a use of a tool, the most probable first.
     fn probable_poses(used: &ToolUse) -> [Self; 4] {
         let (internal, left_hand) = (used.is_internal(), used.is_left_hand());
         let pose = |internal, left_hand| Self {
@@ -78,14 +78,14 @@ impl ToolPose {
 pub(super) struct ToolKnowledge<'a> {
     pub(super) uses: &'a BTreeMap<u8, ToolUse>,
     pub(super) offsets: &'a Offsets,
-    /// Greatest radius (`radius`) and Z of the face (`front`) of the stock, mm.
+    /// Greatest radius of the stock, mm. `front` is Z of its face, mm.
     pub(super) radius: f64,
     pub(super) front: f64,
 }
 
 impl ToolKnowledge<'_> {
-    /// The poses that a tool can have, the most probable first; only those of its tip number
-    /// if the offset table has one.
+    /// Returns the poses that a tool can have, the most probable first; only those of its tip
+    /// number if the offset table has one.
     pub(super) fn possible_poses(&self, used: &ToolUse) -> Vec<ToolPose> {
         let all = ToolPose::probable_poses(used);
         match (used.work, self.offset_row(used).t) {
@@ -145,7 +145,7 @@ impl ToolKnowledge<'_> {
         }
     }
 
-    /// Depth of a tool's cuts from the face of the stock, mm; at least 0.
+    /// Returns the depth of a tool's cuts from the face of the stock, mm; at least 0.
     fn cut_depth(&self, used: &ToolUse) -> f64 {
         (self.front - used.deepest_z).max(0.0)
     }
@@ -247,7 +247,8 @@ impl ToolKnowledge<'_> {
         tool
     }
 
-    /// Builds a boring bar that fits into the hole with an insert that protrudes by `out`, mm.
+    /// Builds a boring bar that fits, with an insert that protrudes by `out`, mm, into the hole
+    /// that the tool enters; no holder at a high `slimness`.
     fn build_bar(&self, used: &ToolUse, out: f64, slimness: u8) -> Holder {
         if slimness > 1 {
             return Holder::None;
@@ -261,12 +262,12 @@ impl ToolKnowledge<'_> {
     }
 }
 
-/// Slimness level with a square blade, if the contour allows it.
+/// Slimness level of a turning tool with a square blade, if the contour permits it.
 const SQUARE_BLADE_LEVEL: u8 = 2;
 /// The highest slimness level, with the tool that touches least.
 pub(super) const MAX_SLIMNESS: u8 = 6;
 
-/// Width of the blade for a groove, mm. A groove wider than the blade is cut in several
+/// Returns the width of the blade for a groove, mm. A groove wider than the blade is cut in several
 /// plunges.
 fn groove_blade_width(used: &ToolUse) -> f64 {
     let step = used.plunge_step(DEFAULT_GROOVE_WIDTH_MM);
@@ -275,7 +276,8 @@ fn groove_blade_width(used: &ToolUse) -> f64 {
     })
 }
 
-/// Builds an outside tool whose back clears a contour of this steepness, degrees from Z.
+/// Builds an outside turning tool whose trailing edge clears a contour with the angle `steepest`
+/// from Z, degrees.
 fn build_turning_tool(steepest: f64, slimness: u8) -> Tool {
     // Angle left between the second edge and the spindle axis.
     let clears = |letter: InsertLetter, entering: f64| 180.0 - entering - letter.corner();
