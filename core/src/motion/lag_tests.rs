@@ -236,7 +236,7 @@ fn the_rapid_override_acts_within_a_tick() {
     assert!((speed(&interpolator) - rate / 4.0).abs() < 1e-6);
 }
 
-/// A cut from the end of the previous one.
+/// A random cut that begins at the end of the previous one.
 #[derive(Clone, Copy, Debug)]
 enum RandomCut {
     Line(Point, f64),

@@ -1,4 +1,5 @@
-//! Property tests of the interpolator over random moves, and tests of the laws' figures.
+//! Property tests of the interpolator over random moves, and tests of the figures of the speed
+//! laws.
 
 use proptest::prelude::*;
 
@@ -17,7 +18,7 @@ fn limits() -> MotionLimits {
     MotionLimits::from(&ControlParameters::default())
 }
 
-/// Limits from parameters over their whole ranges.
+/// Generates limits from random parameters over their whole ranges.
 fn any_limits() -> impl Strategy<Value = MotionLimits> {
     (
         (6i32..15_000, 6i32..15_000, 8i32..4000, 8i32..4000),
@@ -52,7 +53,8 @@ fn any_limits() -> impl Strategy<Value = MotionLimits> {
 enum RandomBlock {
     Rapid(Point),
     Line(Point, f64),
-    /// Angle of the centre, radius, angle swept (positive counter-clockwise), feed.
+    /// Angle of the centre, rad; radius, mm; angle swept, rad (positive counter-clockwise); feed,
+    /// mm/min.
     Arc(f64, f64, f64, f64),
 }
 
@@ -156,7 +158,8 @@ fn check_speed(interpolator: &Interpolator, begun: &StartedBlock, limits: &Motio
     }
 }
 
-/// Checks that the commanded path is the programmed one, far below 0.001 mm.
+/// Checks that the distance of the commanded position from the programmed path is far below 0.001
+/// mm.
 fn check_path(position: Point, begun: &StartedBlock) {
     if let Some(center) = begun.center {
         let off = (position - center).length() - (begun.from - center).length();
@@ -274,7 +277,7 @@ proptest! {
         }
     }
 
-    /// Steps and a wheel turned to and fro end at their sum.
+    /// Steps and turns of the handwheel in both directions end at their sum.
     #[test]
     fn steps_add_up(steps in prop::collection::vec((-200i32..200, 1u32..120), 1..20)) {
         let limits = limits();

@@ -23,8 +23,8 @@ struct Rig {
 }
 
 impl Rig {
-    /// Creates a rig with a spindle that has been turning for a while; `changes` are
-    /// parameters.
+    /// Creates a test rig whose spindle has been turning at `rpm`, r/min, for some time; `changes`
+    /// are parameters with their values.
     fn new(rpm: f64, changes: &[(u16, i32)]) -> Self {
         let mut parameters = ControlParameters::default();
         for (number, value) in changes {
@@ -107,7 +107,7 @@ fn thread(to: Point, lead: f64, start: ThreadStart) -> ThreadMove {
     }
 }
 
-/// Distance of two fractions of a turn.
+/// Distance of two spindle angles, given as fractions of a turn; at most half a turn.
 fn turn_distance(one: f64, other: f64) -> f64 {
     let distance = (one - other).abs();
     distance.min(1.0 - distance)
@@ -419,8 +419,9 @@ proptest! {
     }
 }
 
-/// Cuts a thread and compares its duration with the predicted one. `distance` in mm,
-/// lead and its change, r/min, parameters 028, 029 and 175.4.
+/// Cuts a thread and compares its duration with the predicted one. The parameters are the distance,
+/// mm, the lead, mm per turn, and its change, the spindle speed, r/min, and the values of 028, 029
+/// and 175.4.
 fn check_predicted_duration(
     distance: f64,
     (lead, increase): (f64, f64),

@@ -240,8 +240,8 @@ mod tests {
     use crate::line::RequiredSettings;
     use gsk_units::PerAxis;
 
-    /// The format of `$CD`: two spaces for each level, quotes around a value with a colon,
-    /// an empty line after some sections.
+    /// An answer to `$CD`: two spaces for each level, quotes around a value with a colon, an empty
+    /// line after some sections.
     const CONFIG_DUMP: &str = "\
 board: None
 name: lathe

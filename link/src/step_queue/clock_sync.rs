@@ -214,7 +214,8 @@ mod tests {
         }
     }
 
-    /// Answers delayed on their way back must not shift the estimate.
+    /// Answers that are delayed on the way from the board to the host must not shift the estimate
+    /// of the clock.
     #[test]
     fn a_line_that_becomes_slow_does_not_shift_the_clock() {
         let rate = 16e6 * (1.0 + 100e-6);

@@ -274,8 +274,9 @@ mod tests {
 
     const RATE: f64 = 16e6;
 
-    /// Simulates both edges of a spindle, polled every 0.1 ms and reported every 20 ms.
-    /// Returns the clock at the end.
+    /// Simulates a one-turn signal for `seconds`, with the spindle angle `angle`, turns, over the
+    /// time, s: polled every 0.1 ms and reported to the estimator every 20 ms. Returns the board
+    /// clock at the end, ticks.
     fn spin(turns: &mut SpindleEstimator, seconds: f64, angle: impl Fn(f64) -> f64) -> Ticks {
         let (mut count, mut level, mut edge) = (0_u32, false, 0_u64);
         let polls = (seconds / POLL) as u64;

@@ -138,7 +138,8 @@ mod tests {
         min_first_interval: 500,
     };
 
-    /// Compresses all steps, checks each of them, and returns the number of runs.
+    /// Compresses the steps due at the clocks `due`, checks each against the tolerance, and returns
+    /// the number of runs.
     fn compressed(due: &[Ticks], tolerance: Tolerance) -> usize {
         let (mut last, mut done, mut runs) = (0, 0, 0);
         while done < due.len() {

@@ -212,8 +212,8 @@ mod tests {
         reversal: 660,
     };
 
-    /// Follows a path in pulses with samples of a millisecond. Compares each step of each run
-    /// with its due time, and returns the number of steps.
+    /// Follows a path, one position in pulses per ms, and compresses its steps every `flush`
+    /// samples. Compares each step of each run with its due time, and returns the number of steps.
     fn follow(path: &[f64], timing: Timing, flush: usize) -> u64 {
         let mut steps = Steps::new(timing);
         let ms = (timing.rate / 1000.0) as Ticks;
@@ -324,7 +324,7 @@ mod tests {
         assert!(one(&mut steps, 9_000_000, 7_400_000, 2).from.is_some());
     }
 
-    /// The environment variable STEPS sets the number of steps.
+    /// The environment variable `STEPS` sets the number of steps that the test compares.
     #[test]
     fn no_step_misses_its_time() {
         let wanted: u64 = std::env::var("STEPS")

@@ -172,7 +172,8 @@ mod tests {
 
     const NOSE: f64 = 0.8;
 
-    /// Compares the parts of a program that turns a cone of 45° between two cylinders.
+    /// Compares the parts of a program that turns a cone of 45° between two cylinders, with the G
+    /// code `compensation` (G40, G41 or G42).
     fn cone(compensation: &str) -> PartComparison {
         let mut setup = Setup::default();
         let text = format!(
@@ -195,7 +196,8 @@ mod tests {
         compare_parts(&setup, &job, rates, &mut |_| true).unwrap()
     }
 
-    /// Least and greatest deviation of a part from the wanted one at Z above -25, mm.
+    /// Returns the least and the greatest deviation, mm, of a part from the wanted one at Z above
+    /// -25.
     fn deviation_range(part: &Region, wanted: &Region) -> (f64, f64) {
         let found = deviations(part, wanted, -25.0);
         let each = found.iter().flatten().map(|it| it.distance);

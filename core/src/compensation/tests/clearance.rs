@@ -11,7 +11,7 @@ use crate::command::{ExecutedMove, MoveKind};
 use crate::memory::ToolOffset;
 use crate::units::Point;
 
-/// How far the nose may cut into the surface, mm.
+/// Greatest permitted depth to which the nose cuts into the surface, mm.
 const TOLERANCE: f64 = 0.001;
 /// Distance between sampled points on the nose path, mm.
 const STEP: f64 = 0.02;
@@ -26,7 +26,7 @@ struct ProfileStep {
     arc: Option<(i64, bool)>,
 }
 
-/// An element of the part's surface.
+/// An element of the surface of the part: a line, or an arc about `about`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ProfileSurface {
     pub(super) from: Point,
@@ -39,7 +39,7 @@ fn polar_angle(center: Point, point: Point) -> f64 {
     libm::atan2(point.x - center.x, point.z - center.z)
 }
 
-/// Angle swept from `from` to `to`, 0 to a full turn, rad.
+/// Angle of an arc about `center` from `from` to `to`, 0 to a full turn, rad.
 fn swept(center: Point, from: Point, to: Point, clockwise: bool) -> f64 {
     use core::f64::consts::TAU;
     let difference = polar_angle(center, to) - polar_angle(center, from);
@@ -74,7 +74,7 @@ impl ProfileSurface {
     }
 }
 
-/// Points on a move at a distance of [`STEP`].
+/// Points on the executed move `made`, [`STEP`] apart.
 fn points(made: &ExecutedMove) -> Vec<Point> {
     let (from, to) = (made.from, made.to);
     let pieces = |length: f64| (length / STEP).ceil().max(1.0) as usize;
@@ -195,8 +195,8 @@ fn run_profile(steps: &[ProfileStep], nose: ToolOffset, left: bool) -> ProfileRe
     ProfileResult::Cut(deep, format!("{position} in\n{text}"))
 }
 
-/// How deep the nose cuts into the surface on the moves of the lines `lines`, mm, and a text
-/// with the position.
+/// Greatest depth to which the nose cuts into the surface on the moves of the lines `lines`, mm,
+/// and a text with the position.
 pub(super) fn deepest_cut(
     surface: &[ProfileSurface],
     moves: &[ExecutedMove],
@@ -223,7 +223,7 @@ pub(super) fn deepest_cut(
     worst
 }
 
-/// Random profiles towards the chuck that never come back in Z.
+/// Generates random profiles that lead towards the chuck and never back in Z.
 fn steps() -> impl Strategy<Value = Vec<ProfileStep>> {
     let long = (1_000_i64..8_000, -4_000_i64..4_000);
     let short = (0_i64..800, -600_i64..600);

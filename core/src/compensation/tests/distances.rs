@@ -14,7 +14,7 @@ fn point() -> impl Strategy<Value = Point> {
     (coordinate(), coordinate()).prop_map(|(x, z)| Point::new(x, z))
 }
 
-/// A random line, or a random arc.
+/// Generates random lines and arcs.
 fn piece() -> impl Strategy<Value = ContourSegment> {
     let line = (point(), point()).prop_filter_map("no length", |(from, to)| {
         ContourSegment::line(from, to).ok()
@@ -71,7 +71,7 @@ proptest! {
         prop_assert!(sampled - exact <= 0.08, "{} {}", exact, sampled);
     }
 
-    /// The quick tests with boxes and sides agree with `distance`.
+    /// The quick checks with bounding boxes and sides of lines agree with `distance`.
     #[test]
     fn closeness_agrees_with_the_distance(a in piece(), b in piece(), least in 0.01_f64..3.0) {
         let (a, b) = (Curve::surface(&a), Curve::surface(&b));

@@ -1,4 +1,4 @@
-//! Worked cases and properties.
+//! Worked cases and property tests of compensation C.
 
 mod cases;
 mod clearance;

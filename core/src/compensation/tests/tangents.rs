@@ -12,7 +12,7 @@ use super::clearance::{ProfileSurface, deepest_cut, mm};
 use crate::memory::ToolOffset;
 use crate::units::Point;
 
-/// How far the nose may cut into the contour, mm.
+/// Greatest permitted depth to which the nose cuts into the contour, mm.
 const TOLERANCE: f64 = 0.001;
 /// Alarms that an arc raises without compensation: its ends are farther apart than its
 /// diameter, or its end is too far from its circle.

@@ -8,7 +8,7 @@ fn message(byte: u8, size: usize) -> QueuedMessage {
     QueuedMessage::plain(vec![byte; size])
 }
 
-/// Creates a synchronized queue; the board expects block 5.
+/// Creates a send queue that knows the sequence number that the board expects: 5.
 fn synced() -> SendQueue {
     let mut send_queue = SendQueue::new();
     send_queue.begin();
