@@ -33,9 +33,9 @@ pub struct LinkConfig {
     /// Greatest speed of the slide at which the reference remains valid after a stop
     /// without deceleration, mm/min.
     pub flush_keep_speed: u32,
-    /// Wiring of the cross slide.
+    /// Wiring and settings of the cross slide (X).
     pub x: LinkAxis,
-    /// Wiring of the carriage.
+    /// Wiring and settings of the carriage (Z).
     pub z: LinkAxis,
     /// Wiring of the other pins, for boards without fixed pins.
     pub io: LinkIo,

@@ -42,15 +42,15 @@ pub(super) struct ClockSync {
     /// The first answer, from which the slope of the line is computed; `None` before the first
     /// answer.
     origin: Option<Answer>,
-    /// Host time of a point on the line, s.
+    /// Host time of a point on the line of board ticks over host time, s.
     last_host_s: f64,
     /// Board clock of the point at `last_host_s`, ticks.
     last_clock_ticks: f64,
-    /// Slope of the line, ticks per second.
+    /// Estimated clock rate of the board, ticks per second: the slope of the line.
     ticks_per_s: f64,
     /// Greatest distance of a fitted answer from the line, s.
     spread_s: f64,
-    /// Round trip of the best answer, s.
+    /// Time from query to answer of the most accurate answer, s.
     round_trip_s: f64,
     /// Time that the last report took from the board to the host.
     report_delay: Duration,

@@ -31,7 +31,7 @@ pub(super) struct Startup {
 }
 
 impl Startup {
-    /// Expects a restart within the next second.
+    /// Expects a restart of the board within a second from the host time `now`.
     pub(super) fn excuse(&mut self, now: HostTime) {
         self.excused_until = now + EXCUSED;
     }

@@ -33,9 +33,9 @@ const INHERITED: Duration = Duration::from_millis(800);
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Enable {
     pub(super) on: bool,
-    /// Whether the last message has enabled the drives.
+    /// Whether the last enable message has enabled the drives.
     sent: bool,
-    /// The board clock at which the last message takes effect, ticks.
+    /// The board clock at which the last enable message takes effect, ticks.
     sent_for: u64,
     due: HostTime,
 }

@@ -149,7 +149,8 @@ impl StepLink {
         }
     }
 
-    /// Compresses and sends the rest of the motion; the kernel is at standstill.
+    /// Compresses and sends the steps that still wait to be compressed with later ones, when the
+    /// kernel is at standstill. Never fails.
     pub(super) fn take_rest(&mut self) -> Result<(), MotionRefused> {
         self.motion.path.finished = true;
         self.compress();

@@ -42,8 +42,8 @@ pub(super) struct StepQueueStop {
 }
 
 impl StepLink {
-    /// Handles an emergency stop contact of the board that is open: disables the drives and stops
-    /// the axes.
+    /// Disables the drives and stops the axes, because the emergency stop contact of the board is
+    /// operated.
     pub(super) fn trip(&mut self) {
         self.periodic.enable.on = false;
         if self.takes_motion() || self.session.state == LinkState::Homing {
