@@ -27,8 +27,8 @@ pub struct LinkConfig {
     pub port: String,
     /// Baud rate, bit/s, 9600–4 000 000.
     pub baud: u32,
-    /// How far the kernel may run ahead of the board, ms, 50–400; each feed hold is delayed by
-    /// this time. `None`: 150 for a line board, 100 for timed steps.
+    /// Time by which the kernel may run ahead of the board, ms, 50–400; each feed hold is delayed
+    /// by this time. `None`: 150 for a line board, 100 for timed steps.
     pub lookahead_ms: Option<u32>,
     /// Greatest speed of the slide at which the reference remains valid after a stop
     /// without deceleration, mm/min.

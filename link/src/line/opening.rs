@@ -122,8 +122,8 @@ impl LineOpening {
         }
     }
 
-    /// Returns the last reported value of a numbered setting; 0 if the board did not report
-    /// it.
+    /// Returns the last reported value of a numbered setting, in Grbl's unit; 0 if the board did
+    /// not report it.
     pub(super) fn setting(&self, number: u16) -> f64 {
         self.reported.setting(number).unwrap_or_default()
     }

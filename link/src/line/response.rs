@@ -66,13 +66,13 @@ pub enum BoardState {
 pub struct StatusReport {
     /// The state of the board.
     pub state: BoardState,
-    /// Machine position of X and Z, mm.
+    /// Machine position of X and Z, mm; `None` if the report lacks it.
     pub position: Option<[f64; 2]>,
-    /// Free entries of the motion queue.
+    /// Number of free entries of the motion queue; `None` if the report lacks it.
     pub free_blocks: Option<u16>,
-    /// Speed along the path, mm/min.
+    /// Speed along the path, mm/min; `None` if the report lacks it.
     pub feed: Option<f64>,
-    /// Measured spindle speed, r/min.
+    /// Measured spindle speed, r/min; `None` if the report lacks it.
     pub spindle: Option<f64>,
     /// The switches that are operated.
     pub pins: Pins,

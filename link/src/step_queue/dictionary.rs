@@ -301,7 +301,8 @@ fn parameters(text: &str) -> Result<Vec<Parameter>, DictionaryError> {
     text.split_whitespace().skip(1).map(kind).collect()
 }
 
-/// Expands the ranges of pins in a dictionary; `"PA0": [0, 8]` stands for PA0 to PA7.
+/// Returns the numbers of the pins of a dictionary by their names; `"PA0": [0, 8]` stands for PA0
+/// to PA7. An error names an invalid range.
 fn pins(
     written: Option<&BTreeMap<String, Value>>,
 ) -> Result<BTreeMap<String, u32>, DictionaryError> {

@@ -381,9 +381,9 @@ impl SendQueue {
         self.send_new(now, times)
     }
 
-    /// Retransmits the unconfirmed blocks, unless a step in them would be late. Such a block
-    /// may have arrived, with its confirmation in transit. When the due time of the step
-    /// has passed the link stops.
+    /// Retransmits the unconfirmed blocks, unless a step in them would be late. Such a block may
+    /// have arrived, with its confirmation in transit. When the due time of the step has passed
+    /// without a confirmation, returns [`SendError::Late`].
     fn retransmit(
         &mut self,
         now: HostTime,

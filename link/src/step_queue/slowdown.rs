@@ -19,7 +19,7 @@ const RELEASES: f64 = 0.002;
 /// The slowdown of motion in the board compared with the kernel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slowdown {
-    /// Duration of motion in the board, divided by that of the kernel.
+    /// Ratio of the duration of motion in the board to that in the kernel.
     factor: f64,
     /// Recent number of messages per ms of motion.
     density: f64,
