@@ -25,7 +25,7 @@ pub struct PartView {
     pub job_name: Option<Arc<str>>,
     /// Half section of the remaining stock.
     pub section: Arc<Region>,
-    /// Number of the tool in the working position; 0 for none.
+    /// Number of the tool in the working position, 0 = none.
     pub tool: u8,
     /// Position of the tool tip, part coordinates, mm.
     pub tip: Point,
@@ -46,7 +46,7 @@ pub struct PartView {
     pub door_open: bool,
     /// Collisions since the stock was clamped.
     pub findings: Vec<CollisionFinding>,
-    /// The block in execution; `None` if no program runs.
+    /// The block under execution; `None` if no program runs.
     pub block: Option<SourcePosition>,
 }
 

@@ -64,7 +64,7 @@ struct MotionConditions {
 }
 
 impl LivePart {
-    /// Creates a live part from `machining`, whose part must be uncut.
+    /// Makes this part, which must be uncut, follow a control.
     pub const fn new(machining: Machining) -> Self {
         Self {
             machining,
@@ -234,8 +234,8 @@ fn moving_block(simulation: &Simulation) -> Option<SourcePosition> {
     running_block(simulation).filter(|_| by_program)
 }
 
-/// Returns the tip position in part coordinates, mm, at which the spindle passed the drawn plane
-/// between two ticks; `None` if it did not.
+/// Tip position at which the spindle passed the drawn plane between two ticks; `None` if it
+/// did not.
 fn plane_crossing(before: TickState, now: TickState) -> Option<Point> {
     let (low, high) = (
         before.spindle_turns.min(now.spindle_turns),
