@@ -197,10 +197,10 @@ impl PanelColour {
     }
 }
 
-/// A part of the panel: what it is, and how and where it is drawn.
+/// A part of the panel: its kind, and the way and position in which it is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PanelPart {
-    /// What the part is and what it shows.
+    /// The kind of the part, with the data that it shows.
     pub what: PartKind,
     /// Position and size on the panel, panel units.
     pub rect: Rect,

@@ -26,7 +26,7 @@ const AUTO_KEY: BitAddress = BitAddress::new(Area::X, 20, 1);
 const START_KEY: BitAddress = BitAddress::new(Area::X, 25, 0);
 const M03_OUTPUT: BitAddress = BitAddress::new(Area::Y, 1, 2);
 const M04_OUTPUT: BitAddress = BitAddress::new(Area::Y, 0, 4);
-/// How long a panel key is held, and the pause after it, ms.
+/// Time for which a panel key is held, and duration of the pause after it, ms.
 const PRESS_MS: u32 = 100;
 /// Time limit for the axes to stop and for the last outputs to switch off after the end, ms.
 const SETTLE_MS: u32 = 5000;
@@ -131,7 +131,8 @@ struct ProgramRun<'a> {
     blocks: u64,
     moves: u64,
     cutting_s: f64,
-    /// End of the last counted move and modal state of the last counted block.
+    /// End of the last counted move, mm; `None` before the first one. The next field is the modal
+    /// state of the last counted block.
     last_point: Option<Point>,
     last_modal: Option<ModalState>,
     pending_end: Option<ExecutionEnd>,

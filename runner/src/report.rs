@@ -51,16 +51,17 @@ pub struct AlarmReport {
     /// Sequence number of the block; `None` without an N word. Not part of the JSON.
     #[serde(skip)]
     pub sequence: Option<u32>,
-    /// The program that contains the block. Not part of the JSON.
+    /// The program that contains the block; `None` without a block. Not part of the JSON.
     #[serde(skip)]
     pub program: Option<ProgramId>,
-    /// The text of the block that raised the alarm.
+    /// The text of the block that raised the alarm; `None` without a block.
     pub block: Option<String>,
-    /// Which rule of the program is broken, as a text.
+    /// Text that names the cause of the alarm more precisely; `None` without one.
     pub detail: Option<String>,
     /// What raises the alarm, from the alarm table; `None` if the table has no cause.
     pub cause: Option<&'static str>,
-    /// How to remove the alarm: the parameter, the word or the key.
+    /// Text that explains how to remove the alarm: the parameter, the word or the key; `None`
+    /// without one.
     pub way_out: Option<&'static str>,
 }
 
@@ -202,7 +203,7 @@ pub struct ProgramReport {
     pub modal: Vec<String>,
     /// F word in force at the end: the feed in the unit of the G code in force.
     pub f: f64,
-    /// S word in force at the end.
+    /// S word at the end: r/min, or m/min under G96.
     pub s: f64,
     /// Tool and offset in force at the end, as the digits of a T word.
     pub t: String,
@@ -220,7 +221,7 @@ pub struct ProgramReport {
     /// `None` from `run`.
     #[serde(flatten)]
     pub path: Option<PathReport>,
-    /// The machined part, if the program ran on a part.
+    /// The machined part; `None` if the program did not run on a part.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub part: Option<PartReport>,
 }

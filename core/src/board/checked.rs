@@ -40,8 +40,8 @@ const RATES: [(Axis, [u16; 3]); 2] = [
 pub(crate) struct CheckedParameters {
     gear: [i32; 4],
     increment: [bool; 2],
-    /// Rapid rate, time constant and feed limit of X and Z. Set only for boards that plan
-    /// motion with their own rates.
+    /// Rapid rate, time constant and feed limit of X and Z. Set only for boards that plan motion
+    /// with their own rates. Otherwise `None`.
     rates: Option<[[i32; 3]; 2]>,
 }
 

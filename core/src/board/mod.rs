@@ -30,7 +30,8 @@ pub(crate) struct BoardInputs {
     pub dropped: Vec<BitAddress>,
     /// Fraction of the thread pass that the board has made, 0–1; `None` without a pass.
     pub pass_fraction: Option<f64>,
-    /// Set when the slides stand still: what the board knows about their position.
+    /// The certainty of the position of the slides, set when they are at standstill; `None`
+    /// otherwise.
     pub standstill: Option<Standstill>,
 }
 

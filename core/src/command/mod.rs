@@ -221,7 +221,7 @@ pub enum Action {
     Arc {
         /// End point; equal to the start for a full circle.
         to: Point,
-        /// Centre of the arc.
+        /// Centre of the arc, machine coordinates, mm.
         center: Point,
         /// Whether the arc is clockwise, as seen with +Z to the right and +X up.
         clockwise: bool,
@@ -257,7 +257,7 @@ pub enum Action {
     /// Tapping in Z (G33): feed in, stop the spindle, reverse it, feed out. The tap ends at
     /// its start point with the spindle stopped.
     Tap {
-        /// Bottom of the hole.
+        /// Bottom of the hole, machine coordinates, mm.
         to: Point,
         /// Lead, mm per revolution.
         lead: f64,

@@ -37,9 +37,9 @@ pub enum LinkNote {
 pub(super) struct LinkLog {
     /// Set while a requested comparison of the counts is under way.
     pub(super) checking: bool,
-    /// A count that agreed at a standstill and is not logged yet.
+    /// A count that agreed at a standstill and is not logged yet; `None` without one.
     pub(super) agreed_count: Option<PerAxis<Pulses>>,
-    /// A program that ended and whose final count is not checked yet.
+    /// A program that ended and whose final count is not checked yet; `None` without one.
     pub(super) ended_program: Option<ProgramId>,
     pub(super) notes: Vec<LinkNote>,
 }

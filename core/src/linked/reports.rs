@@ -10,10 +10,11 @@ use gsk_messages::Message;
 #[derive(Clone, Debug, Default)]
 pub(super) struct PendingReports {
     waiting: Vec<BoardReport>,
-    /// Set when the slides stand still: what the board knows about their position.
+    /// The certainty of the position of the slides, set when they are at standstill; `None`
+    /// otherwise.
     pub(super) standstill: Option<Standstill>,
-    /// Why and at which host time motion came too late. The alarm waits until the board has
-    /// answered.
+    /// Why and at which host time motion was too late; `None` if it was not. The alarm waits until
+    /// the board has answered.
     pub(super) late_motion: Option<(Message, HostTime)>,
 }
 

@@ -31,7 +31,8 @@ impl fmt::Display for ConfigError {
 
 impl core::error::Error for ConfigError {}
 
-/// Longest slide, fastest spindle and longest time that are accepted.
+/// Greatest length that is accepted, mm. The next constants are the limits of the spindle speed and
+/// of times.
 const MAX_LENGTH_MM: f64 = 9999.999;
 const MAX_SPEED_RPM: f64 = 99_999.0;
 const MAX_TIME_MS: u32 = 600_000;

@@ -29,8 +29,8 @@ pub(super) struct SpindleDrive {
     rpm: f64,
     /// Spindle revolutions since the start.
     turns: f64,
-    /// Speed of a spindle that turns without M03 or M04, r/min; negative in reverse.
-    /// `None`: it stands still without them.
+    /// Speed of a spindle that turns without M03 or M04, r/min; negative in reverse. `None` if it
+    /// is at standstill without them.
     coasting: Option<f64>,
     /// Whether the spindle is jammed by a fault.
     pub blocked: bool,

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::alarm::{Alarm, number};
 
-/// First number, and how many numbers follow, of the two groups of variables of macro A.
+/// First number and count of the numbers of the two groups of variables of macro A.
 const MACRO_A_GROUPS: [(u16, usize); 2] = [(200, 32), (500, 16)];
 const MACRO_A_COUNT: usize = 48;
 

@@ -139,7 +139,8 @@ pub(super) fn gear_law(parameters: &ControlParameters) -> GearLaw {
 pub(crate) struct GearEnd {
     /// Number of thread turns of the whole motion.
     pub total: f64,
-    /// Rate of the gear at the end; `None`: the next thread continues without slowing down.
+    /// Rate of the gear at the end, thread turns per spindle turn; `None` if the next thread
+    /// continues without slowing down.
     pub last: Option<f64>,
 }
 

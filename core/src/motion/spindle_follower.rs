@@ -41,7 +41,8 @@ impl Handover {
 /// The event for which a thread or a tap waits before it begins to follow the spindle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum FollowerWait {
-    /// A one-turn signal after the one at the angle `seen`, and then `phase` turns more.
+    /// A one-turn signal after the one at the angle `seen`, turns, and then `phase` turns more.
+    /// `seen` is `None` before the first tick.
     Index { seen: Option<f64>, phase: f64 },
     /// The next time that the spindle passes this angle, turns (or a whole number of turns
     /// more).

@@ -105,7 +105,7 @@ pub(crate) struct SuspendedRun {
     /// The rest of the motion of a block that was held; `None` if the run stopped between
     /// blocks.
     pub held: Option<Interpolator>,
-    /// How far the program was read, if that differs from the position of the tool.
+    /// Position up to which the program was read; `None` if it is that of the tool.
     pub read_to: Option<ReadState>,
     /// The coordinate frame in force when the run was suspended.
     pub frame: Frame,

@@ -4,7 +4,7 @@ use crate::command::ControlCommand;
 use crate::units::Point;
 use serde::{Deserialize, Serialize};
 
-/// How far manual motion has shifted the path of a cycle G70 to G75.
+/// The displacement, mm, by which manual motion has shifted the path of a cycle G70 to G75.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct CycleShift {
     #[serde(rename = "by")]

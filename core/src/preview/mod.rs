@@ -350,7 +350,7 @@ struct PreviewRun<'a> {
     /// depends on the next command.
     sequel: CutChain,
     pending_cut: Option<(ExecutedMove, Option<Explanation>)>,
-    /// A rapid that may lead to a machine zero; the next command decides whether it does.
+    /// A rapid that may lead to a machine zero, which the next command decides; `None` without one.
     pending_return: Option<(ExecutedMove, Option<Explanation>)>,
     last_reported: Option<ReportedEnd>,
     /// Time that the spindle needs to reach a new speed, s.

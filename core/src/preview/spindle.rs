@@ -28,7 +28,8 @@ enum CommandedSpeed {
 /// The state of the spindle as commanded by the program so far.
 pub(super) struct PreviewSpindle {
     rotation: SpindleRotation,
-    /// M code (3 or 4) that starts the spindle in parallel with the rest of its block.
+    /// M code (3 or 4) that starts the spindle in parallel with the rest of its block; `None`
+    /// without one.
     pending: Option<u8>,
     /// Direction before the last tap, which stopped the spindle.
     rotation_before_tap: SpindleRotation,

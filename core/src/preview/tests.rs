@@ -217,8 +217,8 @@ fn cautions_after_an_alarm_need_certain_facts() {
 /// X as a diameter, and Z, mm.
 type PresetPoint = (f64, f64);
 
-/// If the program ends elsewhere than its G50 sets: the line of the G50, its position, and the
-/// end position.
+/// Returns, if the program ends at another position than its G50 sets, the line of the G50, its
+/// position, and the end position; otherwise `None`.
 fn end_elsewhere(setup: &Setup, text: &str) -> Option<(u32, PresetPoint, PresetPoint)> {
     let (preview, _) = run_preview(setup, text);
     preview

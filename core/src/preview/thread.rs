@@ -11,8 +11,8 @@ use crate::units::{Axis, Feed, Point};
 const M_LATENCY_S: f64 = 0.04;
 
 impl PreviewRun<'_> {
-    /// Executes a thread. The clock includes half a turn, the average wait for the one-turn
-    /// signal.
+    /// Executes a thread. The clock includes half a turn, the average wait for the one-turn signal.
+    /// Returns the alarm of a spindle that is at standstill or too fast as error.
     pub(super) fn execute_thread(
         &mut self,
         command: &ControlCommand,

@@ -302,7 +302,8 @@ impl ProgramBlock {
         true
     }
 
-    /// Recomputes the data derived from the words and checks the ranges of their numbers.
+    /// Recomputes the data derived from the words and checks the ranges of their numbers. Returns
+    /// an error for a number out of range.
     fn reindex(&mut self, syntax: Syntax) -> Result<(), BlockError> {
         let words = self.words;
         let len = usize::from(self.len);

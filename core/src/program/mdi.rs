@@ -74,7 +74,8 @@ impl MdiBlock {
         Ok(())
     }
 
-    /// Replaces the block by a typed statement of macro B.
+    /// Replaces the block by a typed statement of macro B. Returns the alarm of a faulty statement
+    /// as error.
     fn enter_statement(&mut self, text: &str, parameters: &ControlParameters) -> Result<(), Alarm> {
         let text = text.trim().trim_end_matches(';').to_ascii_uppercase();
         let syntax = Syntax {

@@ -26,7 +26,8 @@ pub(crate) fn parse_block(text: &str, syntax: Syntax) -> Result<ProgramBlock, Bl
     Ok(block)
 }
 
-/// Parses the first block of `text` into `block`, which must be empty.
+/// Parses the first block of `text` into `block`, which must be empty. Returns the first fault of
+/// its syntax as error.
 pub(super) fn read_block(
     text: &str,
     syntax: Syntax,
@@ -44,8 +45,8 @@ pub(super) fn read_block(
         .map_err(|error| error.with_character_column(text))
 }
 
-/// Reads the words from the position of the lexer to the end of the block. `seen` has one bit
-/// for each address already read.
+/// Reads the words from the position of the lexer to the end of the block. `seen` has one bit for
+/// each address already read. Returns the first fault of the syntax as error.
 fn read_words(
     text: &str,
     mut lexer: Lexer<'_>,
@@ -260,7 +261,8 @@ fn read_count_words(
     Ok(())
 }
 
-/// Reads the macro call after a G code: G65 without H, G66 or G67; `None` for other codes.
+/// Reads the macro call after a G code: G65 without H, G66 or G67; `None` for other codes. Returns
+/// the first fault of its syntax as error.
 #[cold]
 fn read_macro_call(
     lexer: &mut Lexer<'_>,
@@ -325,7 +327,8 @@ fn statement_not_alone(at: usize) -> BlockError {
     BlockError::at(number::MIXED_BLOCK, at, say::macro_statement_not_alone())
 }
 
-/// Checks that only blanks and comments follow a macro statement in its block.
+/// Checks that only blanks and comments follow a macro statement in its block. Returns an error if
+/// not.
 #[cold]
 fn check_block_end(lexer: &mut Lexer<'_>) -> Result<(), BlockError> {
     skip_blanks(lexer)?;

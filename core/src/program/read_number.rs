@@ -250,7 +250,8 @@ fn missing_digits(lexer: &Lexer<'_>, name: char, start: usize, marks: bool) -> B
     }
 }
 
-/// Reads the reference `#i` after an address; the lexer is at the `#`.
+/// Reads the reference `#i` after an address; the lexer is at the `#`. Returns the fault of its
+/// syntax as error.
 #[cold]
 fn read_variable(
     lexer: &mut Lexer<'_>,

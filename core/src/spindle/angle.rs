@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 use super::encoder::Encoder;
 use crate::memory::ControlParameters;
 
-/// Fractions of the observed error by which angle and rate are corrected in a tick.
+/// Fraction of the observed error by which the angle is corrected in a tick. The next constant is
+/// that of the rate.
 const ANGLE_GAIN: f64 = 0.4;
 const RATE_GAIN: f64 = 0.05;
 

@@ -227,7 +227,8 @@ fn graduations(text: &str) -> Result<i32, ParseError> {
     })
 }
 
-/// Parses a time (`500ms`, `2s`, `1.5s`, `10m`, `10min`) and returns it in milliseconds.
+/// Parses a time (`500ms`, `2s`, `1.5s`, `10m`, `10min`) and returns it in milliseconds. Returns an
+/// error for another text.
 fn duration(text: &str) -> Result<u64, ParseError> {
     let end = text
         .find(|c: char| c.is_ascii_alphabetic())
@@ -278,7 +279,7 @@ fn bit(text: &str) -> Result<BitAddress, ParseError> {
     Ok(text.parse()?)
 }
 
-/// Parses the address of a byte or entry of PLC memory.
+/// Parses the address of a byte or entry of PLC memory. Returns an error for another text.
 fn byte(text: &str) -> Result<ByteAddress, ParseError> {
     Ok(text.parse()?)
 }
@@ -289,7 +290,7 @@ fn whole_number(text: &str) -> Result<i32, ParseError> {
 }
 
 /// Parses the address of a machine input: X0.0 to X3.7, and X4.0 to X4.7 of models with more
-/// inputs.
+/// inputs. Returns an error for another text.
 fn input(text: &str) -> Result<BitAddress, ParseError> {
     let address = bit(text)?;
     if address.area == Area::X && address.byte <= 4 {
@@ -433,7 +434,7 @@ fn voltage(text: &str) -> Result<f64, ParseError> {
     coordinate(number).map_err(|_| ParseError::NoVoltage(text.to_owned()))
 }
 
-/// Parses a number of pulses, or a range `LOW..HIGH`.
+/// Parses a number of pulses, or a range `LOW..HIGH`. Returns an error for another text.
 fn pulses(text: &str) -> Result<RangeInclusive<i64>, ParseError> {
     let (low, high) = text.split_once("..").unwrap_or((text, text));
     let number = |text: &str| {

@@ -22,7 +22,7 @@ const TICKS_PER_GRADUATION: u64 = 5;
 pub enum Effect {
     /// Print this text: the rows of the LCD.
     Show(String),
-    /// Save a picture of the LCD or the panel as it is now.
+    /// Save a picture of the current state of the LCD or the panel.
     Shot {
         /// Path of the picture file.
         path: String,

@@ -306,7 +306,7 @@ fn whole<T: core::str::FromStr>(text: &str) -> Result<T, ParseError> {
         .map_err(|_| ParseError::NotWhole(text.to_owned()))
 }
 
-/// Parses the number of a program: `1`, `0001`, `O0001`.
+/// Parses the number of a program: `1`, `0001`, `O0001`. Returns an error for another text.
 fn number(text: &str) -> Result<u16, ParseError> {
     whole(text.strip_prefix('O').unwrap_or(text))
 }
@@ -344,7 +344,7 @@ fn parameter(name: &str, value: &str) -> Result<ExpectedState, ParseError> {
     Ok(ExpectedState::Parameter(whole(number)?, bit, whole(value)?))
 }
 
-/// Parses a tool word: `2` is the tool, `0202` tool and offset.
+/// Parses a tool word: `2` is the tool, `0202` tool and offset. Returns an error for another text.
 fn tool(word: &str) -> Result<ExpectedState, ParseError> {
     match word.len() {
         4 if word.is_ascii() => Ok(ExpectedState::Tool(

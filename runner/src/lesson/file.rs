@@ -245,8 +245,8 @@ fn parse_conditions(
     parsed.collect()
 }
 
-/// Parses the lines of a solution. Each character of a `type` line becomes the presses of its
-/// keys.
+/// Parses the lines of a solution. Each character of a `type` line becomes the presses of its keys.
+/// Returns the first fault as error.
 fn parse_solution(lines: &[String], location: &LessonLocation<'_>) -> Result<Script, LessonError> {
     let script = Script::parse(&lines.join("\n")).map_err(|errors| {
         let first = errors

@@ -23,9 +23,11 @@ const MAX_PREPARATION_MS: u64 = 600_000;
 pub(super) struct LessonStartFile {
     /// Whether both axes are referenced.
     referenced: bool,
-    /// Position of the slides: X as a diameter and Z, machine coordinates.
+    /// Position of the slides: X as a diameter and Z, machine coordinates, mm; `None` for the usual
+    /// one.
     slides: Option<(f64, f64)>,
-    /// Absolute position that the display shows at `slides`: X as a diameter and Z, mm.
+    /// Absolute position that the display shows at `slides`: X as a diameter and Z, mm; `None` for
+    /// the usual one.
     absolute: Option<(f64, f64)>,
     /// Parameter settings: `"22=3800"` for a number, `"1.4=0"` for bit 4 of parameter 1.
     params: Vec<String>,

@@ -40,7 +40,8 @@ pub(super) struct BlockLabels {
     cell_mm: f64,
     /// The block in progress, and the end of its last move; `None` before the first.
     current: Option<(SourcePosition, Point)>,
-    /// The block that introduced the sequence number in force: program, N word and line.
+    /// The block that has set the current sequence number: program, N word and line; `None` before
+    /// the first one.
     sequence_start: Option<(ProgramId, Option<u32>, u32)>,
     count: u64,
 }

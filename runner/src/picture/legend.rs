@@ -31,7 +31,7 @@ pub struct LegendEntry {
     pub pen: LinePen,
     /// Left end of the line: right and down from the upper left corner, picture units.
     pub line_start: (f64, f64),
-    /// What the line stands for: T word and cutting time of a tool, or rapids.
+    /// Meaning of the line: T word and cutting time of a tool, or rapids.
     pub text: String,
 }
 

@@ -36,7 +36,7 @@ pub struct CollisionReport {
     pub line: Option<u32>,
     /// Sequence number of the block; `None` without an N word.
     pub n: Option<u32>,
-    /// The program that contains the block. Not part of the JSON.
+    /// The program that contains the block; `None` without a block. Not part of the JSON.
     #[serde(skip)]
     pub program: Option<ProgramId>,
     /// The T number of the tool.

@@ -81,7 +81,8 @@ impl ViewDirection {
         Mat3::from_cols(right, x, y)
     }
 
-    /// How far right and down in the picture a millimetre of Z, and one of X, leads.
+    /// Displacements to the right and downwards in the picture, in its mm, of a travel of 1 mm
+    /// along Z, and of one along X.
     pub fn axes(self) -> [(f32, f32); 2] {
         let matrix = self.matrix();
         [matrix.x_axis, matrix.y_axis].map(|axis| (axis.x, -axis.y))

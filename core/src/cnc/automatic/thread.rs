@@ -119,7 +119,8 @@ impl Cnc {
     }
 
     /// Starts tapping to the bottom `to`, mm, with `lead`, mm per turn. Without control of the
-    /// spindle (dry run, M locked) the tap is two cuts.
+    /// spindle (dry run, M locked) the tap is two cuts. Returns alarm 092 for the encoder, or the
+    /// alarm of a spindle that is at standstill or too fast, as error.
     pub(crate) fn start_tap(&mut self, to: Point, lead: f64) -> Result<(), Alarm> {
         if self.is_dry_tap() {
             self.run.automatic.tap = Some(TapStage::In);

@@ -124,8 +124,8 @@ impl Cnc {
         self.store_offset(number, offset)
     }
 
-    /// Stores an offset under a number. Number 000 exists only for the work shift (012.6
-    /// WSFT).
+    /// Stores an offset under a number. Number 000 exists only for the work shift (012.6 WSFT).
+    /// Returns the alarm of a wrong number or value as error.
     fn store_offset(&mut self, number: u8, offset: ToolOffset) -> Result<(), Alarm> {
         if number == 0 && self.memory.parameters.has_work_shift() {
             self.memory.offsets.set_work_shift(offset)
@@ -301,8 +301,8 @@ impl Cnc {
         }
     }
 
-    /// Sets the number of the tool in position (DGN.075), after the tool post was turned
-    /// manually with the power off.
+    /// Sets the number of the tool in position (DGN.075), after the tool post was turned manually
+    /// with the power off. Returns an alarm as error if the number is out of range.
     pub(super) fn set_tool_in_position(&mut self, tool: u8) -> Result<(), Alarm> {
         if self.rights().check_machine_data().is_err() || self.run.automatic.is_operating() {
             return Ok(());

@@ -51,7 +51,8 @@ impl Cnc {
         }
     }
 
-    /// Stores a program text in the program memory and selects the program.
+    /// Stores a program text in the program memory and selects the program. Returns the alarm of
+    /// the program memory as error.
     pub(super) fn store_program(&mut self, text: String) -> Result<(), Alarm> {
         if self.is_memory_protected() {
             return Ok(());
@@ -63,7 +64,7 @@ impl Cnc {
         Ok(())
     }
 
-    /// Opens a program outside the memory and selects it.
+    /// Opens a program outside the memory and selects it. Does nothing while a program runs.
     pub(super) fn open_external(&mut self, program: Program) -> Result<(), Alarm> {
         if self.run.automatic.is_operating() {
             return Ok(());
@@ -132,8 +133,8 @@ impl Cnc {
         Ok(())
     }
 
-    /// Stores the edited text of a program, even if the mode has changed since the text was
-    /// typed.
+    /// Stores the edited text of a program, even if the mode has changed since the text was typed.
+    /// Returns the alarm of the program memory as error.
     pub(super) fn store_edited(&mut self, number: u16, program: Program) -> Result<(), Alarm> {
         if self.run.automatic.state == RunState::Run
             || !check_allowed(self.rights().check_program_store(number))?

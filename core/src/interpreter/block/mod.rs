@@ -141,7 +141,7 @@ pub(crate) fn evaluate(
 }
 
 /// Plans the tool change and the offset of the block. Returns true if the slides must travel a
-/// change of the offset in this block.
+/// change of the offset in this block. Returns the alarm of a wrong T or offset word as error.
 #[inline]
 fn plan_tool(
     state: &mut State,
@@ -164,7 +164,8 @@ fn plan_tool(
     Ok(execution == OffsetExecution::Travel && state.offset != before)
 }
 
-/// Plans the call of a program that an M or T word makes by parameters of macro B.
+/// Plans the call of a program that an M or T word makes by parameters of macro B. Returns an alarm
+/// as error if the program does not exist or the call is not permitted here.
 fn plan_special(
     call: SpecialCall,
     state: &State,
@@ -197,8 +198,8 @@ fn plan_thread_travel(context: &BlockContext<'_>, plan: &mut Plan) {
     }
 }
 
-/// Applies the modal G codes and F to the state. In a thread block F and I set the lead
-/// instead of the feed.
+/// Applies the modal G codes and F to the state. In a thread block F and I set the lead instead of
+/// the feed. Returns the alarm of a wrong lead as error.
 fn apply_modal_codes(state: &mut State, words: &SortedWords) -> Result<(), Alarm> {
     if let Some(code) = words.motion {
         state.modal.motion = code;
@@ -251,8 +252,8 @@ fn find_offset_execution(context: &BlockContext<'_>, kind: BlockMotion) -> Offse
     }
 }
 
-/// Plans the spindle command of a block. S of a G50 block limits the spindle speed, any other
-/// S sets the speed. `None` if nothing changes.
+/// Plans the spindle command of a block. S of a G50 block limits the spindle speed, any other S
+/// sets the speed. `None` if nothing changes. Returns the alarm of a wrong S as error.
 fn plan_spindle(
     state: &mut State,
     context: &BlockContext<'_>,
@@ -270,7 +271,8 @@ fn plan_spindle(
     Ok(Some(SpindleCommand::Limit(limit)))
 }
 
-/// Plans the motion of a block and sets `state.position` to its end.
+/// Plans the motion of a block and sets `state.position` to its end. Returns the alarm of a wrong
+/// word or of an end point outside the stroke as error.
 #[expect(
     clippy::inline_always,
     reason = "called, it costs a twentieth of the time of a block"
@@ -386,7 +388,8 @@ fn find_end_point(
     check_stroke(axes.resolve_end(state.position), reach)
 }
 
-/// Plans the flow after G20, G24 and G25 to G27 of the Huaxing lathes.
+/// Plans the flow after G20, G24 and G25 to G27 of the Huaxing lathes. Returns the alarm of a wrong
+/// target or of a call that is not permitted here as error.
 fn plan_block_call(
     code: OneShot,
     state: &State,
@@ -416,7 +419,8 @@ fn plan_block_call(
     Ok(())
 }
 
-/// Plans the M00, M30, M98 or M99 of the block, which act after the motion.
+/// Plans the M00, M30, M98 or M99 of the block, which act after the motion. Returns the alarm of a
+/// missing target or of a call that is not permitted here as error.
 fn plan_flow(
     state: &mut State,
     context: &BlockContext<'_>,

@@ -104,8 +104,8 @@ pub(crate) fn find(
     Ok(call)
 }
 
-/// Completes a call by the parameters 240 to 243 of macro B: L is the number of runs of a call
-/// by M; a T calls once.
+/// Completes a call by the parameters 240 to 243 of macro B: L is the number of runs of a call by
+/// M; a T calls once. Returns an alarm as error if L is out of range.
 fn from_parameter_call(call: PlainCall, words: &SortedWords) -> Result<SpecialCall, Alarm> {
     let PlainCall {
         program,

@@ -114,7 +114,8 @@ pub(crate) fn plan_return(context: &BlockContext<'_>, p: Option<i64>) -> Result<
     }))
 }
 
-/// Plans an M99 of the main program: jumps to the first block, or to the block N`p`.
+/// Plans an M99 of the main program: jumps to the first block, or to the block N`p`. Returns an
+/// alarm as error if the block is missing or the program is received in DNC.
 fn plan_restart(context: &BlockContext<'_>, p: Option<i64>) -> Result<Flow, Alarm> {
     let program = context.position.program;
     if program == ProgramId::Dnc {

@@ -120,8 +120,9 @@ pub(crate) fn plan(
     Ok(motion)
 }
 
-/// Finds the shape and the signed size (units of [`ExactPoint`], a radius in X) of the corner
-/// after a move of `axis`. Exactly one of R and the chamfer's word may be programmed.
+/// Finds the shape and the signed size (units of [`ExactPoint`], a radius in X) of the corner after
+/// a move of `axis`. Exactly one of R and the chamfer's word may be programmed. Returns an alarm as
+/// error otherwise.
 fn find_join_and_size(words: &SortedWords, axis: Axis) -> Result<(CornerJoin, i64), Alarm> {
     let nonzero = |size: Option<i64>| size.filter(|&size| size != 0);
     let chamfer = match axis {
@@ -136,7 +137,7 @@ fn find_join_and_size(words: &SortedWords, axis: Axis) -> Result<(CornerJoin, i6
 }
 
 /// Finds the programmed coordinate of `axis` at the end of the next block, in units of
-/// [`ExactPoint`].
+/// [`ExactPoint`]. Returns an alarm as error if the next block does not fit a corner.
 fn find_next_end(
     context: &BlockContext<'_>,
     state: &State,

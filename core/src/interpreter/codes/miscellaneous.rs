@@ -150,7 +150,8 @@ fn read_milliseconds(words: &SortedWords) -> u32 {
     u32::try_from(ms).unwrap_or(0)
 }
 
-/// Reads the output number of P, 0 to 15.
+/// Reads the output number of P, 0 to 15. Returns an alarm as error if it is missing or out of
+/// range.
 fn read_output(words: &SortedWords) -> Result<u8, Alarm> {
     match words.p.map(u8::try_from) {
         Some(Ok(number @ 0..=15)) => Ok(number),
@@ -159,7 +160,8 @@ fn read_output(words: &SortedWords) -> Result<u8, Alarm> {
     }
 }
 
-/// Reads the relay number of K, 1 to 17. Returns the output number, which counts from 0.
+/// Reads the relay number of K, 1 to 17. Returns the output number, which counts from 0. Returns an
+/// alarm as error if K is missing or out of range.
 fn read_relay(words: &SortedWords) -> Result<u8, Alarm> {
     match words.k.map(to_integer).map(u8::try_from) {
         Some(Ok(number @ 1..=17)) => Ok(number - 1),
@@ -193,7 +195,8 @@ const fn to_integer(millionths: i64) -> i64 {
     millionths / UNITS_PER_MM
 }
 
-/// Plans the wait for an input, 0 to 23: H waits until the input is on, L until it is off.
+/// Plans the wait for an input, 0 to 23: H waits until the input is on, L until it is off. Returns
+/// an alarm as error unless exactly one of them has a valid number.
 fn plan_input_wait(words: &SortedWords) -> Result<Action, Alarm> {
     let (number, high) = match (words.h, words.l) {
         (Some(_), Some(_)) | (None, None) => {

@@ -28,8 +28,8 @@ pub(crate) fn check_option(
     }
 }
 
-/// Checks an arc under nose radius compensation: an arc cannot start or cancel the
-/// compensation (034, 056), and its data must fit (048, 051, 052).
+/// Checks an arc under nose radius compensation: an arc cannot start or cancel the compensation
+/// (034, 056), and its data must fit (048, 051, 052). Returns the alarm as error.
 pub(crate) fn check_arc_block(
     state: &State,
     compensation: CompensationMode,

@@ -54,8 +54,8 @@ pub(crate) fn plan_spindle(
     Ok(Some(command))
 }
 
-/// Plans the command for a stepped spindle: the last two digits of S choose one of four
-/// outputs, 00 none. `None` for a block without S.
+/// Plans the command for a stepped spindle: the last two digits of S choose one of four outputs, 00
+/// none. `None` for a block without S. Returns an alarm as error for other digits.
 fn plan_stepped_speed(state: &mut State, s: Option<i64>) -> Result<Option<SpindleCommand>, Alarm> {
     let Some(s) = s else {
         return Ok(None);

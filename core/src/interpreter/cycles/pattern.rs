@@ -62,8 +62,8 @@ pub(crate) fn store_data(words: &SortedWords, writes: &mut ParameterWrites) -> R
     store_passes(words, writes)
 }
 
-/// Stores the number of passes, R(d), which either block of the cycle may contain, into
-/// parameter 055.
+/// Stores the number of passes, R(d), which either block of the cycle may contain, into parameter
+/// 055. Returns an alarm as error if it is less than 1.
 fn store_passes(words: &SortedWords, writes: &mut ParameterWrites) -> Result<(), Alarm> {
     if let Some(passes) = words.r {
         if passes < UNITS_PER_MM {

@@ -328,6 +328,7 @@ fn count_steps(distance: i64, step: i64) -> i64 {
 }
 
 /// Converts P or Q from thousandths of a millimetre to units of [`ExactPoint`]; 0 if missing.
+/// Returns an alarm as error if it is out of range.
 fn read_amount(axis: Axis, address: char, value: Option<i64>) -> Result<i64, Alarm> {
     match value {
         None => Ok(0),

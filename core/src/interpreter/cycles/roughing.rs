@@ -112,6 +112,7 @@ pub(crate) fn store_data(
 }
 
 /// Stores the retract, R(e), which either block of the cycle may contain, into parameter 052.
+/// Returns an alarm as error if it is negative.
 fn store_retract(words: &SortedWords, writes: &mut ParameterWrites) -> Result<(), Alarm> {
     if let Some(retract) = words.r {
         if retract < 0 {
@@ -192,7 +193,8 @@ struct RoughingLevels {
     origin: ExactPoint,
 }
 
-/// Plans a roughing cycle over the blocks `range`.
+/// Plans a roughing cycle over the blocks `range`. Returns an alarm as error if the depth of cut or
+/// the feed is missing, or the profile breaks a rule.
 fn plan_levels(
     plane: CutPlane,
     state: &State,

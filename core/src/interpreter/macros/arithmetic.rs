@@ -145,7 +145,8 @@ fn hypotenuse(j: i64, k: i64) -> i128 {
     square(j).saturating_add(square(k)).isqrt() as i128
 }
 
-/// Converts a binary-coded decimal, four bits per digit, to its number.
+/// Converts a binary-coded decimal, four bits per digit, to its number. Returns an error if the
+/// code is negative or has an invalid digit.
 fn from_decimal_code(code: i64) -> Result<i128, ArithmeticFault> {
     let mut rest = u64::try_from(code).map_err(|_| ArithmeticFault::NegativeDecimalCode)?;
     let (mut value, mut weight) = (0, 1);
@@ -161,7 +162,8 @@ fn from_decimal_code(code: i64) -> Result<i128, ArithmeticFault> {
     Ok(value)
 }
 
-/// Converts a number to a binary-coded decimal, four bits per digit.
+/// Converts a number to a binary-coded decimal, four bits per digit. Returns an error if the number
+/// is negative.
 fn to_decimal_code(value: i64) -> Result<i128, ArithmeticFault> {
     let mut rest = u64::try_from(value).map_err(|_| ArithmeticFault::NegativeDecimalCode)?;
     let (mut code, mut shift) = (0, 0);
@@ -213,8 +215,8 @@ fn multiply_by_tangent(factor: i64, angle: i64) -> Result<i128, ArithmeticFault>
     })
 }
 
-/// The direction of the vector (`k`, `j`) in thousandths of a degree, 0 to 359999: the arc
-/// tangent of `j` / `k`.
+/// The direction of the vector (`k`, `j`) in thousandths of a degree, 0 to 359999: the arc tangent
+/// of `j` / `k`. Returns an error if both are 0.
 fn direction_angle(j: i64, k: i64) -> Result<i128, ArithmeticFault> {
     if j == 0 && k == 0 {
         return Err(ArithmeticFault::UndefinedDirection);

@@ -95,7 +95,8 @@ pub(crate) fn evaluate_formula(
     Ok(stack.pop().flatten())
 }
 
-/// Copies a block with values in place of the formulas of its words.
+/// Copies a block with values in place of the formulas of its words. Returns an error if a formula
+/// has no value or must wait, or if a value is out of range.
 pub(crate) fn evaluate_words(
     block: &ProgramBlock,
     formulas: &[FormulaCode],
@@ -117,6 +118,7 @@ pub(crate) fn evaluate_words(
 }
 
 /// Whether a condition holds. Null equals only null; in comparisons of size null counts as 0.
+/// Returns an error if one of the formulas has no value or must wait.
 pub(crate) fn is_condition_true(
     condition: &MacroCondition,
     context: FormulaContext<'_>,
@@ -345,7 +347,8 @@ fn tangent(degrees: f64) -> Result<f64, ReadError> {
     })
 }
 
-/// The arc tangent of `up` / `across`, −180 to 180 degrees.
+/// The arc tangent of `up` / `across`, −180 to 180 degrees. Returns an alarm as error if both are
+/// 0.
 fn arc_tangent(up: f64, across: f64) -> Result<f64, ReadError> {
     if up == 0.0 && across == 0.0 {
         return Err(division_by_zero_alarm(say::macro_angle_of_nothing()));

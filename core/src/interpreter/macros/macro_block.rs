@@ -90,7 +90,8 @@ fn missing_h_alarm(block: &ProgramBlock) -> Alarm {
     Alarm::new(number::BAD_OPERATION).with_detail(say::macro_operation_missing())
 }
 
-/// Reads an operand: a constant or the value of a variable; 0 if the word is missing.
+/// Reads an operand: a constant or the value of a variable; 0 if the word is missing. Returns an
+/// error if the constant is out of range, or the variable is invalid or must wait.
 fn read_operand(number: Option<WordNumber>, host: &impl Host) -> Result<i64, ReadError> {
     let Some(number) = number else {
         return Ok(0);
@@ -108,7 +109,8 @@ fn read_operand(number: Option<WordNumber>, host: &impl Host) -> Result<i64, Rea
     Ok(if variable.negative { -value } else { value })
 }
 
-/// Finds the variable of P, in which an operation stores its result.
+/// Finds the variable of P, in which an operation stores its result. Returns an error if P names no
+/// variable that can be written.
 fn find_result_variable(
     p: Option<WordNumber>,
     host: &impl Host,

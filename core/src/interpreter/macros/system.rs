@@ -78,7 +78,8 @@ impl VariableSources<'_> {
         }
     }
 
-    /// Copies a block with values in place of its formulas.
+    /// Copies a block with values in place of its formulas. Returns an error if a formula has no
+    /// value or must wait, or if a value is out of range.
     pub(crate) fn evaluate_words(
         &self,
         block: &ProgramBlock,
@@ -154,7 +155,8 @@ impl VariableSources<'_> {
     }
 }
 
-/// Checks that `number` is that of a variable common to all programs, and returns it.
+/// Checks that `number` is that of a variable common to all programs, and returns it. Returns an
+/// alarm as error if it is not.
 fn check_common(number: u32) -> Result<u16, ReadError> {
     let common = u16::try_from(number).ok();
     let common = common.filter(|it| Variables::has_real(*it));
@@ -240,7 +242,8 @@ enum OffsetTableField {
     T,
 }
 
-/// Finds the row and the column of the offset table that a variable reads or writes.
+/// Finds the row and the column of the offset table that a variable reads or writes. Returns an
+/// alarm as error if the control has no such row.
 fn find_offset_field(number: u32, host: &impl Host) -> Result<(u8, OffsetTableField), ReadError> {
     let field = match (number / 100, number % 100) {
         (20, row @ 1..=32) => (row as u8, OffsetTableField::X),

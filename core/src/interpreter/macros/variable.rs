@@ -165,12 +165,14 @@ fn illegal_variable_alarm(detail: Message) -> Alarm {
     Alarm::new(number::BAD_VARIABLE).with_detail(detail)
 }
 
-/// Reads the referenced variable, without the sign of the reference.
+/// Reads the referenced variable, without the sign of the reference. Returns an error if the
+/// variable is invalid or must wait.
 pub(crate) fn read_value(variable: VariableReference, host: &impl Host) -> Result<i64, ReadError> {
     MacroVariable::find(variable.number, host)?.read(host)
 }
 
-/// Copies a block with numbers in place of its references to variables.
+/// Copies a block with numbers in place of its references to variables. Returns an error if a
+/// variable is invalid or must wait, or if a number is out of range.
 pub(crate) fn resolve_variables(
     block: ProgramBlock,
     syntax: Syntax,

@@ -94,6 +94,7 @@ impl<H: Host> BlockEvaluation<'_, H> {
 }
 
 /// Plans the macro call that G66 makes after a block that moves, outside the profile of a G70.
+/// Returns the alarm of a call that is not possible as error.
 #[inline]
 fn plan_modal_call(
     run: &InterpreterRun,

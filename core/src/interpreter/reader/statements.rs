@@ -96,7 +96,8 @@ impl Interpreter {
         }
     }
 
-    /// Finds the index of the block that a jump to the sequence number `p` leads to.
+    /// Finds the index of the block that a jump to the sequence number `p` leads to. Returns an
+    /// alarm as error if it is missing.
     fn find_jump_target<H: Host>(
         &mut self,
         position: ProgramPosition,
@@ -167,8 +168,8 @@ pub(super) fn huaxing_alarm(statement: &MacroStatement) -> Option<Alarm> {
     Some(Alarm::new(number::BAD_G).with_detail(say::g_unknown(code)))
 }
 
-/// Copies a block with numbers in place of its variables and formulas; `None` if the block has
-/// only numbers.
+/// Copies a block with numbers in place of its variables and formulas; `None` if the block has only
+/// numbers. Returns an error if a variable or formula has no value or must wait.
 pub(super) fn resolve_block<H: Host>(
     block: &ProgramBlock,
     sources: Option<&VariableSources<'_>>,

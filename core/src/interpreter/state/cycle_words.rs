@@ -12,11 +12,11 @@ pub(crate) struct CycleWords {
     x: Option<i64>,
     z: Option<i64>,
     r: i64,
-    /// J of G92: height of the run-out, in units of [`ExactPoint`].
+    /// J of G92: height of the run-out, in units of [`ExactPoint`]; `None` if it is not programmed.
     j: Option<i64>,
-    /// K of G92: length of the run-out, in units of [`ExactPoint`].
+    /// K of G92: length of the run-out, in units of [`ExactPoint`]; `None` if it is not programmed.
     k: Option<i64>,
-    /// L of G92: number of thread starts.
+    /// L of G92: number of thread starts; `None` if it is not programmed.
     l: Option<i64>,
 }
 

@@ -216,8 +216,8 @@ impl CompoundThread {
         Ok(cycle)
     }
 
-    /// Checks that the first and the last pass begin before the end of the thread. Every other
-    /// pass begins between them.
+    /// Checks that the first and the last pass begin before the end of the thread. Every other pass
+    /// begins between them. Returns an alarm as error if not.
     fn check_infeed(&self) -> Result<(), Alarm> {
         let geometry = &self.geometry;
         let length = (to_mm(geometry.end_z) - to_mm(geometry.a.z)).abs();

@@ -278,7 +278,8 @@ pub(crate) fn plan_thread(
     Ok(motion)
 }
 
-/// Reads R of G34, the change of the lead per revolution, mm; 0 if missing.
+/// Reads R of G34, the change of the lead per revolution, mm; 0 if missing. Returns an alarm as
+/// error if it is out of range.
 fn read_lead_change(r: Option<i64>) -> Result<f64, Alarm> {
     let Some(r) = r else {
         return Ok(0.0);

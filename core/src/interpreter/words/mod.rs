@@ -193,15 +193,15 @@ pub(crate) enum ReturnRoute {
 /// millimetre, `x` and `u` as written (diameter or radius).
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SortedWords {
-    /// The code of group 00 in the block.
+    /// The code of group 00 in the block; `None` without one.
     pub(crate) one_shot: Option<OneShot>,
-    /// The code of group 01 (motion and G90, G92, G94) in the block.
+    /// The code of group 01 (motion and G90, G92, G94) in the block; `None` without one.
     pub(crate) motion: Option<MotionCode>,
-    /// Group 04: 40, 41 or 42 for G40, G41 or G42.
+    /// Group 04: 40, 41 or 42 for G40, G41 or G42; `None` without one.
     pub(crate) nose: Option<u8>,
-    /// Group 02: true for G96, false for G97.
+    /// Group 02: true for G96, false for G97; `None` without one.
     pub(crate) surface: Option<bool>,
-    /// Group 03: true for G99, false for G98.
+    /// Group 03: true for G99, false for G98; `None` without one.
     pub(crate) per_revolution: Option<bool>,
     pub(crate) m: Option<u8>,
     pub(crate) s: Option<i64>,
@@ -223,15 +223,15 @@ pub(crate) struct SortedWords {
     pub(crate) q: Option<i64>,
     pub(crate) l: Option<i64>,
     pub(crate) h: Option<u8>,
-    /// L as a factor, in millionths: 1 000 000 for L1.
+    /// L as a factor, in millionths: 1 000 000 for L1; `None` without L.
     pub(crate) l_exact: Option<i64>,
-    /// P as a length or lead, in millionths of a millimetre.
+    /// P as a length or lead, in millionths of a millimetre; `None` without P.
     pub(crate) p_exact: Option<i64>,
-    /// D in millionths: 1 000 000 for D1, a length in mm or a time in ms.
+    /// D in millionths: 1 000 000 for D1, a length in mm or a time in ms; `None` without D.
     pub(crate) d_exact: Option<i64>,
-    /// N as a word of a call or cycle (Huaxing), not as a sequence number.
+    /// N as a word of a call or cycle (Huaxing), not as a sequence number; `None` without it.
     pub(crate) n: Option<u32>,
-    /// True for G91, false for G90.
+    /// True for G91, false for G90; `None` without either.
     pub(crate) incremental: Option<bool>,
     /// Whether the block has G09, exact stop.
     pub(crate) exact_stop: bool,

@@ -136,7 +136,8 @@ impl FormulaCode {
     }
 }
 
-/// Reads the `#i`, `#[formula]` or `[formula]` that a word has instead of a number.
+/// Reads the `#i`, `#[formula]` or `[formula]` that a word has instead of a number. Returns the
+/// first fault of its syntax as error.
 pub(in crate::program) fn read_word_formula(
     lexer: &mut Lexer<'_>,
 ) -> Result<FormulaCode, BlockError> {
@@ -223,13 +224,15 @@ impl<'l, 't> FormulaReader<'l, 't> {
         }
     }
 
-    /// Skips blanks and returns the next byte without skipping it.
+    /// Skips blanks and returns the next byte without skipping it; an error for a comment without
+    /// its end.
     fn peek_byte(&mut self) -> Result<u8, BlockError> {
         skip_blanks(self.lexer)?;
         Ok(self.lexer.peek().0)
     }
 
-    /// Skips the byte `wanted` if it is the next one after blanks; returns whether it was.
+    /// Skips the byte `wanted` if it is the next one after blanks; returns whether it was. An error
+    /// for a comment without its end.
     fn skip_byte(&mut self, wanted: u8) -> Result<bool, BlockError> {
         let here = self.peek_byte()? == wanted;
         if here {
@@ -238,7 +241,8 @@ impl<'l, 't> FormulaReader<'l, 't> {
         Ok(here)
     }
 
-    /// Reads the next operator if it is in the list `of`; otherwise returns `None`.
+    /// Reads the next operator if it is in the list `of`; otherwise returns `None`. An error for a
+    /// comment without its end.
     fn read_operator(
         &mut self,
         of: &[(&str, FormulaOperator)],
