@@ -133,8 +133,8 @@ impl DncPartner {
         self.sent = 0;
     }
 
-    /// Takes the next chunk from the reader; returns `false` if none has arrived. `wait` tells
-    /// whether it may wait for one. Reports the end of the source or its error to the control.
+    /// Fetches the next chunk; returns `false` if none has arrived. Reports the end of the
+    /// source or its error to the control.
     fn fetch_chunk(&mut self, cnc: &mut Cnc, wait: PartnerWait) -> bool {
         let Some(chunks) = &self.chunks else {
             cnc.end_dnc();
