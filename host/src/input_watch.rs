@@ -60,18 +60,18 @@ impl Holders {
 /// Reply of a display to a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DisplayReply {
-    /// The display reports what is down.
+    /// The display reports which keys and buttons are down.
     Down {
         /// Number of keys, modifiers not counted.
         keys: usize,
         /// Whether a mouse button is down.
         pointer: bool,
     },
-    /// The display responds but cannot report what is down.
+    /// The display responds but cannot report which keys are down.
     Alive,
 }
 
-/// Where the proof that keys are held comes from.
+/// The source of the proof that keys are held.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum ProofSource {
     /// The display; there is no proof before its first reply.
@@ -89,9 +89,10 @@ struct State {
     linked: bool,
     /// The control is off, so the queries end.
     ended: bool,
-    /// Time of the newest query with a reply.
+    /// Time of the newest query with a reply; `None` before the first one.
     last_reply: Option<Duration>,
-    /// Time of the newest query whose reply confirmed the holders.
+    /// Time of the newest query whose reply confirmed that keys are held; `None` before the first
+    /// one.
     last_proof: Option<Duration>,
     /// Time since which the display has replied without a pause; `None` while it does not.
     steady_since: Option<Duration>,

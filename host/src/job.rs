@@ -101,7 +101,7 @@ impl JobError {
     }
 }
 
-/// The job selected for a program, and where it comes from.
+/// The job selected for a program, and the file from which it was read.
 #[derive(Clone, Debug)]
 pub struct SelectedJob {
     pub job: Job,
@@ -165,7 +165,7 @@ pub fn write(path: &Path, job: &Job) -> Result<(), WriteError> {
     atomic::write(path, text.as_bytes()).map_err(|error| WriteError::new(path, error))
 }
 
-/// Formats a job as RON text.
+/// Formats a job as RON text; an error only for values that RON cannot store.
 fn to_ron_text(job: &Job) -> Result<String, ron::Error> {
     let pretty = ron::ser::PrettyConfig::new()
         .depth_limit(3)

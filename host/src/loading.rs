@@ -190,8 +190,8 @@ pub fn command_setup(
     Ok(setup)
 }
 
-/// Makes the setup of a mill for `check` and `plot`, and the setup of the control that reads
-/// its programs.
+/// Makes the setup of a mill for `check` and `plot`, and the setup of the control that reads its
+/// programs. Returns an error for a wrong option or a file that cannot be read.
 pub fn mill_setup(args: &SetupArgs) -> Result<(MillSetup, Setup), LoadError> {
     args.check_lathe_options()?;
     let mut setup = Setup::default();
@@ -217,7 +217,8 @@ pub fn mill_setup(args: &SetupArgs) -> Result<(MillSetup, Setup), LoadError> {
     Ok((mill, setup))
 }
 
-/// Applies the options of control and lathe to `setup`.
+/// Applies the options of control and lathe to `setup`. Returns an error for a wrong option or a
+/// file that cannot be read.
 pub fn apply_options(setup: &mut Setup, args: &SetupArgs) -> Result<(), LoadError> {
     args.refuse_mill()?;
     apply_options_from(setup, args, None)
@@ -283,7 +284,7 @@ fn apply_options_from(
     Ok(())
 }
 
-/// Checks that the start position is within the travel of the slides.
+/// Checks that the start position is within the travel of the slides. Returns an error if not.
 fn check_start(setup: &Setup) -> Result<(), LoadError> {
     let beyond = setup.axes_beyond_ends();
     let Some((axis, ends)) = beyond.first() else {
@@ -326,7 +327,7 @@ fn apply_offset(setup: &mut Setup, word: &OffsetOption) -> Result<(), LoadError>
         .map_err(|alarm| LoadError::Offset(Box::new(alarm)))
 }
 
-/// Parses a PLC address such as `X0.4`.
+/// Parses a PLC address such as `X0.4`. Returns an error for another text.
 pub fn parse_address(text: &str) -> Result<BitAddress, LoadError> {
     text.parse().map_err(|error| LoadError::Address {
         text: text.to_owned(),
@@ -347,7 +348,8 @@ pub fn load_ladder(path: &Path) -> Result<Arc<Ladder>, LoadError> {
     }
 }
 
-/// Reads a machine file (`docs/machine-file.md`) and checks its rules.
+/// Reads a machine file (`docs/machine-file.md`) and checks its rules. Returns an error if it
+/// cannot be read or breaks a rule.
 pub fn load_machine(path: &Path) -> Result<LatheConfig, LoadError> {
     parse_machine(path, &program_file::read(path)?.text)
 }
@@ -457,7 +459,8 @@ fn load_text(
     Ok(program)
 }
 
-/// Stores all programs of the files in `programs`.
+/// Stores all programs of the files in `programs`. Returns an error for a file that cannot be read
+/// or a program that cannot be stored.
 pub fn store_files(programs: &mut ProgramMemory, files: &[PathBuf]) -> Result<Notices, LoadError> {
     let mut notices = Vec::new();
     for path in files {
@@ -496,7 +499,8 @@ fn main_program_index(parts: &[Program], model: &ControlModel) -> usize {
     free.unwrap_or(0)
 }
 
-/// Stores a subprogram; a text without an O word gets `number`.
+/// Stores a subprogram; a text without an O word gets `number`. Returns an error if the memory
+/// refuses it.
 fn store_subprogram(
     programs: &mut ProgramMemory,
     text: &str,
@@ -520,8 +524,8 @@ fn store_subprogram(
     }
 }
 
-/// Makes the setup of a command that starts with a new control: the data directory is not
-/// read, the options are applied.
+/// Makes the setup of a command that starts with a new control: the data directory is not read, the
+/// options are applied. Returns an error for a wrong option or a file that cannot be read.
 pub fn dry_run_setup(args: &SetupArgs) -> Result<Setup, LoadError> {
     let mut setup = with_training_lathe(Setup::default(), args.machine.as_ref());
     apply_options(&mut setup, args)?;

@@ -111,7 +111,8 @@ pub fn start_on_terminal(level: LevelFilter) -> Option<RunningLog> {
     Some(RunningLog(()))
 }
 
-/// Opens one file a day and deletes the oldest ones.
+/// Opens one file a day and deletes the oldest ones. Returns an error if the folder cannot be
+/// written.
 fn open_log_file(folder: &Path) -> Result<(LogFile, LogGuard), LogError> {
     log_file(folder, MAX_FILES).map_err(|cause| LogError {
         folder: folder.to_owned(),

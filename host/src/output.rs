@@ -45,7 +45,8 @@ impl WriteError {
 /// Size of the write buffers, bytes.
 const BUFFER_BYTES: usize = 64 * 1024;
 
-/// Opens a file to write into, replacing its contents; `-` is standard output.
+/// Opens a file to write into, replacing its contents; `-` is standard output. Returns an error if
+/// it cannot be created.
 pub fn open(path: &Path) -> Result<Box<dyn Write>, WriteError> {
     if path.as_os_str() == "-" {
         return Ok(Box::new(BufWriter::with_capacity(

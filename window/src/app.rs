@@ -60,7 +60,8 @@ pub struct WindowStart {
 /// Prepares the start of another control model with these settings, in the same window.
 pub type ModelStarter = Box<dyn Fn(ModelId, &WindowSettings) -> Result<WindowStart, Message>>;
 
-/// Opens the window and returns when the operator has closed it.
+/// Opens the window and returns when the operator has closed it. Returns a message as error if the
+/// window cannot be opened.
 pub fn run(start: WindowStart) -> Result<(), Message> {
     let viewport = egui::ViewportBuilder::default()
         .with_title(TITLE)
@@ -93,7 +94,8 @@ struct App {
     data: Option<Arc<DataDir>>,
     model: ModelId,
     saved_settings: Option<WindowSettings>,
-    /// Settings that are not written yet, and the time of their last change.
+    /// Settings that are not written yet, and the time of their last change; `None` if all are
+    /// written.
     unsaved_settings: Option<(WindowSettings, Instant)>,
     is_size_restored: bool,
     title: String,

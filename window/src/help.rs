@@ -81,7 +81,7 @@ impl HelpWindow {
         }
     }
 
-    /// Draws the window, if it is open, and returns the operator's request, if any.
+    /// Draws the window, if it is open, and returns the operator's request; `None` without one.
     pub fn show(
         &mut self,
         context: &Context,
@@ -197,7 +197,8 @@ impl HelpWindow {
     }
 }
 
-/// Draws topics by their headings. Returns the topic that was clicked, if any.
+/// Draws a list of topics with their headings. Returns the topic that was clicked; `None` without
+/// one.
 fn show_topic_list(
     ui: &mut Ui,
     topics: &[&'static Topic],
@@ -233,8 +234,8 @@ fn related_topics(subject: Subject<'_>) -> Vec<&'static Topic> {
     }
 }
 
-/// Draws a topic with its demonstrations and, for an alarm, its occurrences. Returns the
-/// operator's request, if any.
+/// Draws a topic with its demonstrations and, for an alarm, its occurrences. Returns the operator's
+/// request; `None` without one.
 fn show_topic(
     ui: &mut Ui,
     topic: &Topic,

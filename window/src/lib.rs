@@ -155,7 +155,8 @@ impl Window {
         };
     }
 
-    /// Takes the control model that the operator has requested since the last call, if any.
+    /// Removes and returns the control model that the operator has requested since the last call;
+    /// `None` without one.
     pub const fn take_requested_model(&mut self) -> Option<ModelId> {
         self.models.requested.take()
     }
@@ -175,8 +176,8 @@ impl Window {
         }
     }
 
-    /// Takes the values of a project that the operator chose to take over, if any. The caller
-    /// turns the control off to write them.
+    /// Removes and returns the values of a project that the operator has chosen to take over;
+    /// `None` without any. The caller turns the control off to write them.
     pub const fn take_project_selection(&mut self) -> Option<ProjectSelection> {
         self.views.project().take_selection()
     }

@@ -85,13 +85,14 @@ pub const CHOICE_GROUND: Color32 = Color32::from_gray(42);
 
 // Success, warning, danger.
 
-/// Marks what is done, valid or connected.
+/// Colour of marks for states that are complete, valid or connected.
 pub const SUCCESS: Color32 = Color32::from_rgb(110, 230, 120);
 /// Text of a job that is saved and valid.
 pub const JOB_VALID: Color32 = SUCCESS;
 /// A connection that moves the machine, and the lines that are sent to it.
 pub const BUSY: Color32 = ACCENT;
-/// Marks what is uncertain, waiting or on trial, and the signs of the top bar.
+/// Colour of marks for states that are uncertain, waiting or on trial, and of the signs of the top
+/// bar.
 pub const WARNING: Color32 = Color32::from_rgb(255, 196, 90);
 /// Marks a bit that is forced.
 pub const FORCED: Color32 = WARNING;

@@ -100,14 +100,16 @@ pub enum ExistingFile {
     Skip,
 }
 
-/// Parses the name of a partition of the control's memory: USER, USER1 or USER2.
+/// Parses the name of a partition of the control's memory: USER, USER1 or USER2. Returns an error
+/// for another text.
 fn parse_partition(word: &str) -> Result<Partition, OptionValueError> {
     let mut all = Partition::ALL.into_iter();
     let found = all.find(|partition| partition.name().eq_ignore_ascii_case(word));
     found.ok_or(OptionValueError::UnknownPartition)
 }
 
-/// Parses the name of a file at the control, such as `O0001.CNC`.
+/// Parses the name of a file at the control, such as `O0001.CNC`. Returns an error for an invalid
+/// name.
 fn parse_file_name(word: &str) -> Result<FileName, gsk_transfer::FileNameError> {
     FileName::new(word)
 }

@@ -18,7 +18,8 @@ use super::results::{check_files, check_into_file, print_results};
 use super::{CommandError, mill, output};
 use crate::cli::CheckArgs;
 
-/// Checks programs, prints the results and returns the highest exit code.
+/// Checks programs, prints the results and returns the highest exit code. Returns an error if a
+/// file cannot be read or written.
 pub fn check(args: &CheckArgs, language: Option<Language>) -> Result<u8, CommandError> {
     if args.setup.selected_model().is_mill() {
         return mill::check(args, language);

@@ -50,7 +50,8 @@ fn list(data: Option<&Path>, language: Option<Language>) -> u8 {
     }
 }
 
-/// Finds a lesson by its name; a name that is unknown is read as a file.
+/// Finds a lesson by its name; a name that is unknown is read as a file. Returns an error if
+/// neither exists or the file is wrong.
 fn find(name: &Path, data: Option<&Path>) -> Result<Lesson, CommandError> {
     let all_lessons = lessons::load_lessons(data).lessons;
     let names: Vec<String> = all_lessons
@@ -69,6 +70,7 @@ fn find(name: &Path, data: Option<&Path>) -> Result<Lesson, CommandError> {
 }
 
 /// Plays the solution of a lesson and prints the outcome of every step; returns the exit code.
+/// Returns an error if the lesson cannot be started.
 fn run(lesson: Lesson, language: Option<Language>) -> Result<u8, CommandError> {
     let lesson = Arc::new(lesson);
     let text_language = language.unwrap_or(Language::En);

@@ -42,8 +42,8 @@ fn list() -> Result<u8, CommandError> {
     Ok(EXIT_OK)
 }
 
-/// Opens the board with the link settings of the machine file, the parameters of the control
-/// and the options.
+/// Opens the board with the link settings of the machine file, the parameters of the control and
+/// the options. Returns an error if the settings are wrong or the port cannot be opened.
 fn open(args: &LinkBoardArgs) -> Result<BoardSession, CommandError> {
     let setup = loading::command_setup(&args.setup, None, None)?;
     let mut config: LinkConfig = setup.lathe.link.unwrap_or_default();

@@ -15,7 +15,8 @@ use gsk_runner::report;
 use super::{CommandError, EXIT_OK, output};
 use crate::cli::{GearArgs, HomingArgs, MILL_AXES, MillCommand, MillKeysArgs, PitchArgs};
 
-/// Carries out a `mill` command and prints its result; returns the exit code.
+/// Carries out a `mill` command and prints its result; returns the exit code. Returns an error if
+/// an option or a file is wrong.
 pub fn run_mill_command(
     command: &MillCommand,
     language: Option<Language>,
@@ -51,7 +52,7 @@ pub fn run_mill_command(
 }
 
 /// Describes how each axis returns to the reference point with the given machine parameters;
-/// returns the exit code.
+/// returns the exit code. Returns an error if a parameter is wrong.
 fn describe_homing(args: &HomingArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let mut values = ParameterValues::default();
     if let Some(path) = &args.params {

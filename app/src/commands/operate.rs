@@ -28,7 +28,8 @@ use super::{CommandError, EXIT_ALARM, EXIT_OK, output};
 use crate::cli::OperateArgs;
 use crate::picture::check_png;
 
-/// Plays a script of key presses. Returns exit code 1 if an expectation is not met.
+/// Plays a script of key presses. Returns exit code 1 if an expectation is not met. Returns an
+/// error if the script is wrong or a file cannot be read or written.
 pub fn operate(args: &OperateArgs, language: Option<Language>) -> Result<u8, CommandError> {
     args.setup.refuse_mill().map_err(LoadError::from)?;
     let path = &args.script;

@@ -171,7 +171,8 @@ pub(super) fn report_denied_changes(taken: &ImportResult, language: Option<Langu
     complain!("gsk980td: {count}");
 }
 
-/// Reads one of the two states that are compared, from a project or a data directory.
+/// Reads one of the two states that are compared, from a project or a data directory. Returns an
+/// error if it cannot be read.
 fn read_side(
     path: &Path,
     model: Option<ModelId>,

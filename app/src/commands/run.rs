@@ -39,7 +39,8 @@ use crate::terminal::StdinOperator;
 /// Interval at which the progress line is updated, ms of machine time.
 const PROGRESS_INTERVAL_MS: u64 = 4096;
 
-/// Executes a program and returns the exit code.
+/// Executes a program and returns the exit code. Returns an error if an option is wrong or a file
+/// cannot be read or written.
 pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError> {
     args.setup.refuse_mill().map_err(LoadError::from)?;
     check_outputs(args)?;
@@ -132,7 +133,7 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
 }
 
 /// Checks that the picture has a valid name and that no result overwrites an input or another
-/// result.
+/// result; returns an error if not.
 fn check_outputs(args: &RunArgs) -> Result<(), CommandError> {
     if let Some(path) = &args.plot {
         check_name(path)?;
@@ -155,8 +156,9 @@ fn check_outputs(args: &RunArgs) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// Prepares control and lathe from the options and the data directory. Also returns that
-/// directory with the memory loaded from it, if there is one.
+/// Prepares control and lathe from the options and the data directory. Also returns that directory
+/// with the memory loaded from it; `None` without one. Returns an error if an option or a file is
+/// wrong.
 fn prepare_setup(args: &RunArgs) -> Result<(Setup, Option<(DataDir, Restored)>), CommandError> {
     let initial_setup = match args.link {
         Some(_) => Setup::for_operator_script(),
@@ -181,7 +183,8 @@ fn prepare_setup(args: &RunArgs) -> Result<(Setup, Option<(DataDir, Restored)>),
     Ok((setup, memory))
 }
 
-/// Selects the job of the part; `None` if no requested result needs the part.
+/// Selects the job of the part; `None` if no requested result needs the part. Returns an error if
+/// the job file is wrong.
 fn choose_job(
     args: &RunArgs,
     main: Option<&Path>,
@@ -247,7 +250,8 @@ fn write_results(
     failures
 }
 
-/// Prints the report of the run and, if the position of the slides is unknown, advice.
+/// Prints the report of the run and, if the position of the slides is unknown, advice. Returns an
+/// error if it cannot be written.
 fn print_result(
     args: &RunArgs,
     report: &ProgramReport,
@@ -267,7 +271,8 @@ fn print_result(
     Ok(())
 }
 
-/// Draws the toolpath and writes the picture into `target`; `path` gives its format.
+/// Draws the toolpath and writes the picture into `target`; `path` gives its format. Returns an
+/// error if that fails.
 fn write_picture(
     path: &Path,
     drawing: &PathDrawing,
@@ -328,13 +333,13 @@ struct RunOutputs {
     /// The part that the program cuts; `None` if no result needs it.
     live_part: Option<LivePart>,
     stops_at_collision: bool,
-    /// The first error of a result file; the run continues after it.
+    /// The first error of a result file, after which the run continues; `None` without one.
     first_error: Option<CommandError>,
 }
 
 impl RunOutputs {
     /// Opens the result files that the options request. `main` is the path of the program that
-    /// runs.
+    /// runs. Returns an error if a file cannot be created.
     fn open(
         args: &RunArgs,
         main: Option<&Path>,

@@ -341,7 +341,8 @@ pub fn signals(args: &TableArgs, language: Option<Language>) -> Result<u8, Comma
     table.print(args)
 }
 
-/// Translates the text of the signal table that says where a signal acts.
+/// Translates the text of the signal table that names the effect of a signal; `None` for an unknown
+/// text.
 fn describe_signal_effect(written: &str) -> Option<Message> {
     Some(match written {
         "control" => say::table_acts_control(),

@@ -25,7 +25,8 @@ use web_time::Instant;
 use super::{CommandError, EXIT_OK, EXIT_USAGE};
 use crate::cli::{SerialArgs, TextEnd, WindowArgs, first_window_language, system_language};
 
-/// Opens the window and returns the exit code after it is closed.
+/// Opens the window and returns the exit code after it is closed. Returns an error if an option is
+/// wrong or the window cannot be opened.
 pub fn open(
     args: WindowArgs,
     language: Option<Language>,
@@ -213,7 +214,8 @@ impl WindowStarter {
         })
     }
 
-    /// Starts the control with another model and stores it as the model of the next start.
+    /// Starts the control with another model and stores it as the model of the next start. Returns
+    /// a message as error if its memory cannot be opened.
     fn start_model(
         &self,
         model: ModelId,
@@ -243,7 +245,8 @@ const fn needs_first_start(args: &WindowArgs, is_unanswered: bool) -> bool {
     }
 }
 
-/// Opens the control's serial port if an option names one.
+/// Opens the port of the computer for the control's serial port; `None` if no option names one.
+/// Returns an error if it cannot be opened.
 pub fn serial_line(args: &SerialArgs) -> Result<Option<SerialLine>, CommandError> {
     let Some(port) = &args.serial else {
         return Ok(None);
@@ -272,8 +275,9 @@ fn report_refusal(error: &DataDirError, language: Option<Language>) -> u8 {
     EXIT_USAGE
 }
 
-/// Configures the connection to the board that `port` or the machine file names; `None` if
-/// neither does. `data`: folder for the log of the link.
+/// Configures the connection to the board that `port` or the machine file names; `None` if neither
+/// does. `data`: folder for the log of the link. Returns an error if the settings of the link are
+/// wrong.
 pub fn board_connection(
     port: Option<String>,
     setup: &Setup,

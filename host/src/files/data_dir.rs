@@ -103,7 +103,8 @@ pub struct StoredProgram {
     pub encoding: TextEncoding,
 }
 
-/// Returns the default data directory of the platform.
+/// Returns the default data directory of the platform. Returns an error if the platform does not
+/// report one.
 pub fn default_data_path() -> Result<PathBuf, DataDirError> {
     platform::data_folder("gsk980td").ok_or(DataDirError::NoDefault)
 }

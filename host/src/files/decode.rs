@@ -312,7 +312,8 @@ fn has_binary_characters(text: &[u8]) -> bool {
     (text.iter()).fold(false, |any, byte| any | is_binary(*byte))
 }
 
-/// Checks a decoded text for binary characters and cuts it at the end mark of DOS.
+/// Checks a decoded text for binary characters and cuts it at the end mark of DOS. Returns an error
+/// if it has binary characters.
 fn check_text(mut text: String, encoding: TextEncoding) -> Result<DecodedText, DecodeError> {
     if !has_control_characters(text.as_bytes()) {
         return Ok(DecodedText { text, encoding });
@@ -334,8 +335,8 @@ fn check_text(mut text: String, encoding: TextEncoding) -> Result<DecodedText, D
     Ok(DecodedText { text, encoding })
 }
 
-/// The first line, from 1, with a full-width letter or digit outside a comment. The control
-/// reads it as ASCII; the operator is notified.
+/// The first line, from 1, with a full-width letter or digit outside a comment; `None` without one.
+/// The control reads it as ASCII; the operator is notified.
 pub fn find_full_width_line(text: &str) -> Option<usize> {
     if text.is_ascii() {
         return None;

@@ -275,7 +275,8 @@ fn read_manifest(folder: &Path) -> Result<Manifest, (Manifest, FileDamage)> {
     }
 }
 
-/// Reads a regular file; `None` if it does not exist.
+/// Reads a regular file; `None` if it does not exist. Returns a message as error if it cannot be
+/// read or is larger than `max_bytes`.
 fn read_regular_file(path: &Path, max_bytes: u64) -> Result<Option<Vec<u8>>, Message> {
     let facts = match platform::path_facts(path) {
         Ok(facts) => facts,

@@ -13,9 +13,9 @@ use crate::platform::same_file;
 pub struct CommandInputs<'a> {
     /// Files named on the command line or in a script.
     pub files: Vec<&'a Path>,
-    /// The main program: its folder is searched for subprograms.
+    /// The main program, whose folder is searched for subprograms; `None` without one.
     pub main_program: Option<&'a Path>,
-    /// The data directory of the control, if the command uses one.
+    /// The data directory of the control; `None` if the command uses none.
     pub data_dir: Option<&'a Path>,
 }
 

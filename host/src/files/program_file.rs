@@ -67,7 +67,8 @@ fn describe_read_error(error: &io::Error) -> Message {
     }
 }
 
-/// Reads a program file of any supported encoding, up to 256 MB.
+/// Reads a program file of any supported encoding, up to 256 MB. Returns an error if it cannot be
+/// read, is too large or is no text.
 pub fn read(path: &Path) -> Result<ProgramFile, ProgramFileError> {
     let bytes = read_bytes(path)?;
     let decoded = decode::decode(bytes).map_err(|source| ProgramFileError::NotText {

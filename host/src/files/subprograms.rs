@@ -208,8 +208,8 @@ fn candidate_lines(text: &str, g_can_call: bool) -> impl Iterator<Item = &str> {
     })
 }
 
-/// The index of the first byte that is M, P, S or T or part of a full-width letter; with
-/// `g_can_call` also G.
+/// The index of the first byte that is M, P, S or T or part of a full-width letter, with
+/// `g_can_call` also G; `None` without one.
 fn find_call_candidate(bytes: &[u8], g_can_call: bool) -> Option<usize> {
     let g = if g_can_call { b'g' } else { b'm' };
     let can_call = |byte: &u8| {

@@ -13,8 +13,8 @@ pub enum FrameKind {
     /// To the holder: bytes for the board, after the time at which they were sent (see
     /// [`append_dated`]).
     Dated,
-    /// To the holder: how long the program may be silent, and how old bytes for the board
-    /// may be: see [`Lease`].
+    /// To the holder: the longest silence of the program, and the greatest age of bytes for the
+    /// board: see [`Lease`].
     Lease,
     /// From the holder: the program has not renewed its lease, or its bytes were too old.
     /// The holder has stopped the board; the content is the board's answer.
@@ -75,7 +75,7 @@ pub fn split_dated(content: &[u8]) -> Option<(u64, &[u8])> {
     Some((u64::from_le_bytes(*at), bytes))
 }
 
-/// How long the holder waits for the program before it stops the board.
+/// The times for which the holder waits for the program before it stops the board.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Lease {
     /// The holder stops the board when the program was silent for this time, ms; 0: never.

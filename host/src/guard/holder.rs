@@ -13,7 +13,7 @@ use super::now_ms;
 use crate::platform::{self, ProgramConnection};
 use crate::ports::Port;
 
-/// How long to retry a port that a program has just closed.
+/// Time for which the holder retries to open a port that another program has just closed.
 const OPEN_RETRY_TIME: Duration = Duration::from_secs(1);
 /// Time between two checks for bytes of the port.
 const READ_WAIT: Duration = Duration::from_secs(1);
@@ -25,8 +25,8 @@ const STUCK_TIMEOUT: Duration = Duration::from_millis(500);
 /// copy may be lost, and FluidNC carries out a line that it had received after the first
 /// copy.
 const STOP_TIMES_MS: [u64; 5] = [0, 30, 100, 250, 600];
-/// How long the holder reads the board's answer to the stop bytes: the next program that
-/// opens the port would take it for its own.
+/// Time for which the holder reads the board's answer to the stop bytes, because the next program
+/// that opens the port would mistake it for an answer to its commands.
 const ANSWER_TIME: Duration = Duration::from_millis(200);
 
 /// Time between two checks whether the program renews its lease.
@@ -120,8 +120,8 @@ fn lock_answer(answers: &StopAnswer) -> MutexGuard<'_, Option<Vec<u8>>> {
     answers.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Starts the thread that passes the board's bytes to the program, or to `answers` while the
-/// holder stops the board.
+/// Starts the thread that passes the board's bytes to the program, or to `answers` while the holder
+/// stops the board. Returns an error if the system starts no thread.
 fn start_board_reader(
     mut port: Port,
     mut partner: ProgramConnection,
@@ -210,7 +210,7 @@ fn relay_program_bytes(
 }
 
 /// Writes all bytes. While the port accepts none, calls `give_up` with the time since it last
-/// accepted some; `give_up` returns true to end the write.
+/// accepted some; `give_up` returns true to end the write. Returns an error if the port has failed.
 fn write_all(
     port: &mut Port,
     mut bytes: &[u8],

@@ -30,7 +30,7 @@ use crate::ports;
 /// The hidden command of this program that starts a holder process.
 pub const HOLDER_COMMAND: &str = "hold-port";
 
-/// How long a read waits for the first byte.
+/// Time for which a read waits for the first byte.
 const READ_WAIT: Duration = Duration::from_millis(2);
 /// Longest time for a holder to answer after its start.
 const START_TIMEOUT: Duration = Duration::from_secs(10);
@@ -43,7 +43,8 @@ const POLL_INTERVAL: Duration = Duration::from_millis(2);
 const MAX_SILENCE: Duration = Duration::from_secs(1);
 /// Longest time between two renewals of the lease.
 const RENEW_INTERVAL: Duration = Duration::from_millis(100);
-/// How long bytes for the board may take to reach the holder, in addition to the lookahead.
+/// Greatest time that bytes for the board may take to reach the holder, in addition to the
+/// lookahead.
 const TRANSIT_TIME: Duration = Duration::from_millis(100);
 /// Limit of the bytes that wait for the holder.
 const MAX_WAITING_BYTES: usize = frame::MAX_CONTENT;
@@ -153,7 +154,8 @@ impl PortGuard {
         Ok(guard)
     }
 
-    /// Waits until the holder has opened the port.
+    /// Waits until the holder has opened the port. Returns an error if the holder cannot open it or
+    /// does not answer.
     fn wait_until_open(&mut self) -> Result<(), GuardError> {
         let port = self.port.clone();
         let begun = Instant::now();
@@ -269,8 +271,8 @@ impl PortGuard {
         // Dropping the value waits for the rest.
     }
 
-    /// Reads the bytes of the holder that arrive within the time `within` into the frame
-    /// reader.
+    /// Reads the bytes of the holder that arrive within the time `within` into the frame reader.
+    /// Returns an error if the holder has ended.
     fn receive(&mut self, within: Duration) -> io::Result<()> {
         self.reader.push_bytes(&self.holder.receive(within)?);
         Ok(())

@@ -250,7 +250,7 @@ pub struct PanelSnapshot {
     pub speed_ratio: Option<SpeedRatio>,
     /// Numbers of forced bits, forced inputs and faults.
     pub forced: ForcedState,
-    /// The newest active alarm, or the first message of the ladder.
+    /// The newest active alarm, or the first message of the ladder; `None` without either.
     pub alarm: Option<Alarm>,
     /// Whether the slides of a pulse board need a reference return.
     pub position_unknown: bool,

@@ -11,7 +11,7 @@ use web_time::{Duration, Instant};
 use super::{FilesError, PcError};
 use crate::ports::Port;
 
-/// How long to retry opening a port that another program has just closed.
+/// Time for which opening a port that another program has just closed is retried.
 const OPEN_RETRY_TIME: Duration = Duration::from_millis(500);
 /// Longest time to wait until the last replies have left.
 const DRAIN_TIMEOUT: Duration = Duration::from_millis(300);
@@ -52,7 +52,7 @@ pub struct TransferTotals {
 }
 
 impl TransferTotals {
-    /// Returns the average rate, bytes a second (传输速率).
+    /// Returns the average transfer rate, bytes per second (传输速率).
     pub fn rate(&self) -> f64 {
         self.byte_count as f64 / self.busy_time.as_secs_f64().max(0.001)
     }
@@ -111,8 +111,8 @@ impl TransferSession {
         self.run_command(PcCommand::Connect).map(drop)
     }
 
-    /// Moves bytes in both directions once; returns the outcome of the running command, or
-    /// `None` while it has none.
+    /// Moves bytes in both directions once; returns the outcome of the running command, or `None`
+    /// while it has none. Returns an error if the port has failed.
     fn pump(&mut self) -> Result<Option<TransferOutcome>, PcError> {
         let received = self.port.read().map_err(FilesError::Gone)?;
         let now = self.begun.elapsed();
@@ -130,8 +130,9 @@ impl TransferSession {
         Ok(outcome)
     }
 
-    /// Starts a command and waits for its outcome. Drops files that the control sends
-    /// meanwhile.
+    /// Starts a command and waits for its outcome. Drops files that the control sends meanwhile.
+    /// Returns an error if the port has failed, the control does not answer or the operator
+    /// cancels.
     fn run_command(&mut self, order: PcCommand) -> Result<TransferOutcome, PcError> {
         self.side.start(order);
         let mut cancelled = false;
@@ -222,8 +223,8 @@ impl TransferSession {
         self.run_file_command(name, order).map(drop)
     }
 
-    /// Moves bytes while no command runs; returns a file if the control has sent one
-    /// unrequested.
+    /// Moves bytes while no command runs; returns a file that the control has sent unrequested, or
+    /// `None` without one.
     ///
     /// # Errors
     /// The port has gone.
@@ -260,7 +261,8 @@ impl TransferSession {
         }
     }
 
-    /// Moves bytes until the last replies have left, at most `DRAIN_TIMEOUT`.
+    /// Moves bytes until the last replies have left, at most `DRAIN_TIMEOUT`. Returns an error if
+    /// the port has failed.
     fn drain(&mut self) -> Result<(), PcError> {
         let begun = Instant::now();
         while !self.side.is_drained() && begun.elapsed() < DRAIN_TIMEOUT {

@@ -286,8 +286,8 @@ struct PcWorkerThread {
 }
 
 impl PcWorkerThread {
-    /// Carries out the next command, or moves bytes if there is none; returns false when the
-    /// thread must end.
+    /// Executes the next command, or moves bytes without one; returns false when the thread must
+    /// end.
     fn take_turn(&mut self) -> bool {
         if self.session.is_none() {
             return match platform::receive(&self.commands, None) {

@@ -184,7 +184,7 @@ impl gsk_runner::partner::ProgramPartner for DncPartner {
 }
 
 /// Starts a thread that reads `source`, only as far ahead as the channel has space. Returns the
-/// channel with the chunks.
+/// channel with the chunks. Returns an error if the system starts no thread.
 fn start_reader(mut source: impl Read + Send + 'static) -> Result<Receiver<Chunk>, SourceError> {
     start_thread(move |chunks| {
         let mut buffer = vec![0; CHUNK_BYTES];
@@ -204,7 +204,7 @@ fn start_reader(mut source: impl Read + Send + 'static) -> Result<Receiver<Chunk
 }
 
 /// Starts a thread that reads a port and writes the characters from `to_send` to it. Returns the
-/// channel with the chunks.
+/// channel with the chunks. Returns an error if the system starts no thread.
 fn start_port_reader(
     mut port: Port,
     to_send: Receiver<u8>,

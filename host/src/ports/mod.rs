@@ -305,8 +305,8 @@ impl OfferedPort {
         }
     }
 
-    /// Writes as many bytes to the other end as it accepts now; returns their number. Without
-    /// a connection all bytes are lost, as on a wire.
+    /// Writes as many bytes to the other end as it accepts now; returns their number. Without a
+    /// connection all bytes are lost, as on an open line.
     ///
     /// # Errors
     /// The other end can never come back.

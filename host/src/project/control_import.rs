@@ -76,8 +76,7 @@ pub struct ImportResult {
 }
 
 impl ImportResult {
-    /// Returns the message for the operator: how many changes were written, or that there were
-    /// none.
+    /// Returns the message for the operator with the number of changes that were written.
     pub fn message(&self) -> Message {
         match &self.backup_folder {
             Some(backup) => {

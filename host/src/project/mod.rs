@@ -41,8 +41,7 @@ const UNFINISHED_MARKER: &str = ".gsk980td-unfinished";
 const NEW_FOLDER_SUFFIX: &str = ".gsk980td-new";
 /// Folders of a project, besides tables at its top.
 const PROJECT_FOLDERS: [&str; 3] = ["programs", "ladder", "disks"];
-/// Name of the folder in the data directory that keeps the memory as it was before each
-/// import.
+/// Name of the folder in the data directory that stores the state of the memory before each import.
 const BACKUP_FOLDER: &str = "backups";
 
 /// Size limit of a project file that is not a program, bytes: a hundred times the usual size.
@@ -134,7 +133,8 @@ pub fn read_control(
     Ok(read_content(&data, factory_setup(model, None)))
 }
 
-/// Lists the project files in a folder, as relative paths with `/`.
+/// Lists the project files in a folder, as relative paths with `/`. Returns an error if the folder
+/// cannot be read.
 fn list_project_files(folder: &Path) -> Result<Vec<String>, ProjectError> {
     let mut found = Vec::new();
     let mut pending_folders: Vec<String> = vec![String::new()];
@@ -370,8 +370,8 @@ fn write_file(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), ProjectErro
     atomic::write(&path, bytes).map_err(system_error(&path))
 }
 
-/// Writes the files into a hidden folder and renames that to `folder`: the project appears
-/// complete or not at all.
+/// Writes the files into a hidden folder and renames that to `folder`: the project appears complete
+/// or not at all. Returns an error if that fails.
 fn write_new(
     folder: &Path,
     bytes: &BTreeMap<String, Vec<u8>>,

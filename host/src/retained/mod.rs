@@ -92,8 +92,8 @@ impl Restored {
     }
 }
 
-/// Loads the memory of a data directory, if there is one, into the setup of a command;
-/// prints damage on standard error.
+/// Loads the memory of a data directory into the setup of a command and returns it; prints damage
+/// on standard error. `None` without a directory.
 pub fn load_and_report(data: Option<&DataDir>, setup: &mut Setup) -> Option<Restored> {
     let restored = load(data?, setup);
     for complaint in &restored.complaints {

@@ -53,7 +53,8 @@ fn to_fault(refusal: &FileRefusal) -> TransferFault {
     }
 }
 
-/// Returns the id of the file to read; the partitions other than USER have none.
+/// Returns the id of the file to read; the partitions other than USER have none. Returns a fault as
+/// error for these or an invalid name.
 fn file_to_read(place: &RemotePath) -> Result<FileId, TransferFault> {
     match place.partition {
         Partition::User => FileId::of(place.name.as_str()).ok_or(TransferFault::NotFound),

@@ -17,7 +17,7 @@ const QUEUE_CAPACITY: usize = 64;
 const RETRY_INTERVAL: Duration = Duration::from_secs(1);
 /// Time between two checks whether the program still runs, while the port is not open.
 const CHECK_INTERVAL: Duration = Duration::from_millis(20);
-/// How long to retry opening a port that was closed to change its rate.
+/// Time for which opening a port that was closed to change its baud rate is retried.
 const OPEN_RETRY_TIME: Duration = Duration::from_millis(500);
 
 /// An event of the port for the kernel.
@@ -44,7 +44,8 @@ pub(super) struct SerialPortHandle {
 }
 
 impl SerialPortHandle {
-    /// Starts the thread, which opens the port once the rate is set.
+    /// Starts the thread, which opens the port once the rate is set. Returns an error if the system
+    /// starts no thread.
     pub(super) fn open(end: SerialEnd) -> io::Result<Self> {
         let (to_port, commands) = bounded(QUEUE_CAPACITY);
         let (events, from_port) = bounded(QUEUE_CAPACITY);
@@ -68,7 +69,7 @@ impl SerialPortHandle {
         let _ = self.to_port.send(SerialPortCommand::Rate(baud));
     }
 
-    /// Queues bytes to be sent; returns how many the queue accepts now.
+    /// Queues bytes to be sent; returns the number of bytes that the queue accepts now.
     pub(super) fn send(&self, bytes: &[u8]) -> usize {
         match self
             .to_port
@@ -115,7 +116,7 @@ struct SerialPortThread {
     baud: Option<u32>,
     /// Bytes that the port has not accepted yet.
     unsent: Vec<u8>,
-    /// The reason why the port is not open, as last reported.
+    /// The last reported reason why the port is not open; `None` without one.
     last_error: Option<Message>,
 }
 

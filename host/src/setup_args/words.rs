@@ -91,7 +91,7 @@ impl OptionValueError {
     }
 }
 
-/// The value of `--param`: a parameter or a bit, and what it is set to.
+/// The value of `--param`: a parameter or a bit, with its new value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParameterOption {
     /// A whole parameter and its value, `N=V`.
@@ -127,7 +127,7 @@ pub struct InputBit {
     pub state: bool,
 }
 
-/// Parses any finite number, of any unit.
+/// Parses any finite number, of any unit. Returns an error for another text.
 pub fn parse_number(word: &str) -> Result<f64, OptionValueError> {
     parse_finite(word.trim()).ok_or_else(|| OptionValueError::NotANumber(word.to_owned()))
 }
@@ -157,7 +157,8 @@ fn model_parser_for(is_accepted: fn(&ModelId) -> bool) -> impl TypedValueParser<
         .map(|word| ModelId::from_command_word(&word).unwrap_or_default())
 }
 
-/// Parses the date and time of `--clock`, such as `1993-03-28T15:34:56`.
+/// Parses the date and time of `--clock`, such as `1993-03-28T15:34:56`. Returns an error for
+/// another text.
 pub(super) fn parse_moment(word: &str) -> Result<DayTime, OptionValueError> {
     DayTime::from_text(word).ok_or(OptionValueError::WrongForm("YYYY-MM-DDThh:mm:ss"))
 }
@@ -169,7 +170,7 @@ pub(super) fn parse_model_parameter(word: &str) -> Result<(u16, i32), OptionValu
     }
 }
 
-/// Parses `X,Z`; both are at most 9999.999 in size.
+/// Parses `X,Z`; both are at most 9999.999 in size. Returns an error for another text.
 pub fn parse_xz(word: &str) -> Result<(f64, f64), OptionValueError> {
     let (x, z) = word
         .split_once(',')
@@ -177,7 +178,8 @@ pub fn parse_xz(word: &str) -> Result<(f64, f64), OptionValueError> {
     Ok((parse_length(x)?, parse_length(z)?))
 }
 
-/// Parses the distance of a move there and back, mm, positive or negative, at least 0.1 mm.
+/// Parses the distance of a move there and back, mm, positive or negative, at least 0.1 mm. Returns
+/// an error for another text.
 pub fn parse_distance(word: &str) -> Result<f64, OptionValueError> {
     let value = parse_length(word)?;
     if value.abs() < 0.1 {
@@ -186,7 +188,7 @@ pub fn parse_distance(word: &str) -> Result<f64, OptionValueError> {
     Ok(value)
 }
 
-/// Parses a feed, mm/min, at least 1.
+/// Parses a feed, mm/min, at least 1. Returns an error for another text.
 pub fn parse_feed(word: &str) -> Result<f64, OptionValueError> {
     let value = parse_length(word)?;
     if value < 1.0 {
@@ -204,7 +206,7 @@ pub(super) fn parse_spindle_speed(word: &str) -> Result<f64, OptionValueError> {
     }
 }
 
-/// Parses `on` (true) and `off` (false).
+/// Parses `on` (true) and `off` (false). Returns an error for another text.
 pub fn parse_switch(word: &str) -> Result<bool, OptionValueError> {
     match word.trim() {
         "on" => Ok(true),
@@ -286,7 +288,7 @@ pub(super) fn parse_offset(word: &str) -> Result<OffsetOption, OptionValueError>
     })
 }
 
-/// Parses an input and its state, such as `X0.4=1`.
+/// Parses an input and its state, such as `X0.4=1`. Returns an error for another text.
 pub fn parse_input_bit(word: &str) -> Result<InputBit, OptionValueError> {
     let (address, value) = word
         .split_once('=')
@@ -297,8 +299,8 @@ pub fn parse_input_bit(word: &str) -> Result<InputBit, OptionValueError> {
     })
 }
 
-/// Parses a time such as `500ms`, `90s`, `1.5m`, `24h` to ms; without a unit it is in
-/// seconds.
+/// Parses a time such as `500ms`, `90s`, `1.5m`, `24h` to ms; without a unit it is in seconds.
+/// Returns an error for another text.
 pub fn parse_duration_ms(word: &str) -> Result<u64, OptionValueError> {
     let word = word.trim();
     let split = word

@@ -12,7 +12,7 @@ pub const OUTPUTS: usize = 4;
 const REST_AFTER_S: f32 = 0.15;
 /// Slide speed above which the pitch of its tone does not rise, mm/s.
 const MAX_SLIDE_MM_PER_S: f32 = 300.0;
-/// Share of its remaining difference by which a tone changes at each sample.
+/// Fraction of the remaining difference by which a tone changes at each sample.
 const GLIDE: f32 = 1.0 / 1500.0;
 /// Number of tones of an alarm. The constant after it is the length of one tone with its
 /// pause, s.

@@ -13,7 +13,7 @@ pub use mixer::{OUTPUTS, SoundState};
 
 /// Volumes that the operator can select, %.
 pub const VOLUMES: [u8; 4] = [10, 25, 50, 100];
-/// How long before their time samples are passed to the player.
+/// Time by which samples are passed to the player before they are due.
 const LEAD_TIME: Duration = Duration::from_millis(60);
 /// Time between two turns of the sound thread.
 const TURN_INTERVAL: Duration = Duration::from_millis(10);

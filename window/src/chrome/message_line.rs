@@ -146,7 +146,8 @@ impl Window {
             .then(|| fixed(say::window_hint_emergency_stop()))
     }
 
-    /// The crash that has stopped the lathe. Its alarm and its fault are the same event.
+    /// The crash that has stopped the lathe; `None` without one. Its alarm and its fault are the
+    /// same event.
     fn crash_message(&self) -> Option<LineMessage> {
         let crash = self
             .message
@@ -166,7 +167,8 @@ impl Window {
         })
     }
 
-    /// What the state of the control means for the next key.
+    /// Message that explains what the state of the control means for the next key; `None` in a
+    /// usual state.
     fn state_message(&self, in_list: bool) -> Option<LineMessage> {
         let language = self.settings.language;
         let hint = |severity, message| {

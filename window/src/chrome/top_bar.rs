@@ -101,7 +101,7 @@ pub struct ModelChoice {
     pub refusal: Option<Message>,
 }
 
-/// Draws the top bar and returns the operator's request, if any.
+/// Draws the top bar and returns the operator's request; `None` without one.
 pub fn show(
     ui: &mut Ui,
     settings: &WindowSettings,
@@ -175,8 +175,8 @@ pub fn show(
     request
 }
 
-/// Draws the menu of program speeds and returns the request to set one, if any. With a board
-/// the speed is fixed.
+/// Draws the menu of program speeds and returns the request to set one; `None` without one. With a
+/// board the speed is fixed.
 fn show_speeds(ui: &mut Ui, language: Language, snapshot: &PanelSnapshot) -> Option<TopBarRequest> {
     let name = |speed: RunSpeed| match speed {
         RunSpeed::Percent(percent) => format!("{}x", f64::from(percent) / 100.0),
@@ -217,8 +217,8 @@ fn show_speeds(ui: &mut Ui, language: Language, snapshot: &PanelSnapshot) -> Opt
     request
 }
 
-/// Draws the sign that the practice machine replaces the learner's machine. Returns the
-/// request from its menu, if any.
+/// Draws the sign that the practice machine replaces the learner's machine. Returns the request
+/// from its menu; `None` without one.
 fn show_practice_sign(ui: &mut Ui, language: Language, is_open: bool) -> Option<TopBarRequest> {
     let mut request = None;
     let text = RichText::new(say::window_lesson_menu().text(language)).color(theme::TEXT_ON_BRIGHT);

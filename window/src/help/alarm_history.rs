@@ -11,9 +11,9 @@ use crate::widgets::alarm_text;
 /// Maximum number of listed occurrences.
 const MAX_LISTED: usize = 5;
 
-/// Draws the last occurrences of an alarm, the newest first; nothing if there are none.
-/// `number` is the first alarm number of its row in the alarm table. Returns the operator's
-/// request to show a block, if any.
+/// Draws the last occurrences of an alarm, the newest first; nothing if there are none. `number` is
+/// the first alarm number of its row in the alarm table. Returns the operator's request to show a
+/// block; `None` without one.
 pub fn show_occurrences(
     ui: &mut Ui,
     number: u16,

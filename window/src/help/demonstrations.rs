@@ -22,8 +22,8 @@ fn demonstrations_of(subject: Subject<'_>) -> impl Iterator<Item = &'static Demo
     })
 }
 
-/// Draws a button for each demonstration of a subject. Returns the request to start the one
-/// that was clicked, if any.
+/// Draws a button for each demonstration of a subject. Returns the request to start the one that
+/// was clicked; `None` without one.
 pub fn show_offers(ui: &mut Ui, subject: Subject<'_>, language: Language) -> Option<HelpRequest> {
     let mut order = None;
     for demonstration in demonstrations_of(subject) {

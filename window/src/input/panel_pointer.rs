@@ -37,7 +37,7 @@ pub struct PanelPointer {
 }
 
 impl PanelPointer {
-    /// Handles the events of one frame and returns what they did. `is_panel` reports whether a
+    /// Handles the events of one frame and returns their effects. `is_panel` reports whether a
     /// position belongs to the panel and is not covered.
     pub fn handle_events(
         &mut self,

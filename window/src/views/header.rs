@@ -37,7 +37,8 @@ pub enum HeaderAction {
     Close,
 }
 
-/// Draws the header line of a view. Returns the action of the icon that was clicked, if any.
+/// Draws the header line of a view. Returns the action of the icon that was clicked; `None` without
+/// one.
 pub fn show(
     ui: &mut Ui,
     row: &ViewRow,

@@ -32,7 +32,7 @@ pub struct LessonView {
     /// of the step.
     step_start_s: Option<f64>,
     hint_requested: bool,
-    /// A sample program that the user has chosen, until the window takes it.
+    /// A sample program that the user has chosen, until the window takes it; `None` without one.
     sample: Option<SampleRequest>,
     /// Whether a lesson has begun since the window last queried it.
     has_begun: bool,
@@ -65,7 +65,8 @@ impl LessonView {
         }
     }
 
-    /// Takes the sample program that the user has chosen since the last call, if any.
+    /// Removes and returns the sample program that the user has chosen since the last call; `None`
+    /// without one.
     pub const fn take_sample(&mut self) -> Option<SampleRequest> {
         self.sample.take()
     }

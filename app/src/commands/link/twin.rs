@@ -151,8 +151,8 @@ const fn machine_file(firmware: TwinBoard) -> &'static str {
     }
 }
 
-/// Simulates a board until Ctrl-C or until the time of `--seconds` is over. Returns the exit
-/// code.
+/// Simulates a board until Ctrl-C or until the time of `--seconds` has passed. Returns the exit
+/// code. Returns an error if the port cannot be offered.
 pub fn run_twin(args: &LinkTwinArgs) -> Result<u8, CommandError> {
     if args.print_machine {
         output::print(machine_file(args.firmware));

@@ -160,7 +160,8 @@ fn find_document<'a>(desk: &'a ServerState, uri: &Uri) -> Result<&'a OpenDocumen
         .ok_or(RequestRefusal::NotOpen)
 }
 
-/// The document of a request and the position in its text.
+/// Returns the document of a request and the position in its text; an error if the document is not
+/// open.
 fn document_position<'a>(
     desk: &'a ServerState,
     params: &TextDocumentPositionParams,

@@ -85,8 +85,8 @@ fn is_part_of_text(structure: &Structure, number: u16) -> bool {
         .any(|part| part.number == Some(number))
 }
 
-/// The range of the first word that calls program `number`. If only another program calls it,
-/// the range of the first call in the text.
+/// The range of the first word that calls program `number`. If only another program calls it, the
+/// range of the first call in the text; `None` without a call.
 fn find_call(structure: &Structure, number: u16) -> Option<TextRange> {
     let calls = || {
         let references = structure.references.iter();

@@ -44,7 +44,7 @@ impl FolderIndexes {
 }
 
 /// Program number and path of an open document if it is in the same folder as `path` and has a
-/// number.
+/// number; otherwise `None`.
 fn numbered_beside(path: &Path, document: &OpenDocument) -> Option<(u16, PathBuf)> {
     let other = document.path.as_deref()?;
     if other == path || other.parent() != path.parent() {

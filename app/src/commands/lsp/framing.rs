@@ -40,8 +40,8 @@ pub fn read_message(input: &mut impl BufRead) -> io::Result<Option<Message>> {
     Ok(Some(message))
 }
 
-/// Reads a header and returns the length of the message after it, bytes; `None` at the end of
-/// the stream.
+/// Reads a header and returns the length of the message after it, bytes; `None` at the end of the
+/// stream. Returns an error for a wrong header.
 fn read_header(input: &mut impl BufRead) -> io::Result<Option<u64>> {
     let mut length = None;
     loop {

@@ -50,7 +50,7 @@ fn create_bar(name: &FileName, size: usize) -> Option<ProgressBar> {
 }
 
 /// Returns the port and its speed in bits per second: from the options, else from the window's
-/// settings.
+/// settings. Returns an error if neither names a port.
 pub(super) fn select_port(args: &TransferPortArgs) -> Result<(String, u32), CommandError> {
     let settings = match &args.port {
         Some(port) => TransferSettings {
@@ -62,7 +62,7 @@ pub(super) fn select_port(args: &TransferPortArgs) -> Result<(String, u32), Comm
     Ok((settings.port, args.baud.unwrap_or(settings.baud)))
 }
 
-/// Opens the port without connecting to the control.
+/// Opens the port without connecting to the control. Returns an error if it cannot be opened.
 pub(super) fn open_port(args: &TransferPortArgs) -> Result<TransferSession, CommandError> {
     let (port, baud) = select_port(args)?;
     Ok(TransferSession::open(

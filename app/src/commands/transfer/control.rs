@@ -113,7 +113,8 @@ fn print_message(message: &Message, port_printed_at: &mut Option<Instant>) {
     output::print_message(message);
 }
 
-/// Stores the program of a file in the control's memory and returns its number.
+/// Stores the program of a file in the control's memory and returns its number. Returns an error if
+/// the file cannot be read or the memory refuses it.
 fn load_program(path: &Path, setup: &mut Setup) -> Result<u16, CommandError> {
     let file = program_file::read(path)?;
     let program_number = Program::new(file.text).number();

@@ -24,7 +24,8 @@ enum ConflictChoice {
     Skip,
 }
 
-/// Sends a file. If its name is taken at the control, applies `on_existing`.
+/// Sends a file. If its name is taken at the control, applies `on_existing`. Returns an error if
+/// the transfer fails.
 pub(super) fn send(
     talk: &mut TransferSession,
     file: TransferFile,
@@ -79,14 +80,16 @@ fn resolve_conflict(
     })
 }
 
-/// Finds the next free program number for the program that has the name of `file`.
+/// Finds the next free program number for the program that has the name of `file`. Returns an error
+/// if the directory cannot be read or no number is free.
 fn free_name(talk: &mut TransferSession, file: &TransferFile) -> Result<FileName, CommandError> {
     let name = &file.remote_path.name;
     let entries = talk.list(file.remote_path.partition)?;
     pc::free_name(name, &entries).ok_or_else(|| FilesError::NoFreeName(name.clone()).into())
 }
 
-/// Prompts the operator for what to do with a taken name, until the answer is valid.
+/// Prompts the operator for the action at a taken name, until the answer is valid. Returns an error
+/// if the input ends.
 fn prompt_choice(name: &FileName) -> Result<ConflictChoice, CommandError> {
     loop {
         let answer = prompt_line(&say::transfer_exists_ask(name))?;

@@ -95,7 +95,8 @@ fn restore(args: &TransferRestoreArgs) -> Result<(), CommandError> {
     send_all(&args.port, &files, Partition::User, args.on_existing)
 }
 
-/// Reads all files, then sends them to the control.
+/// Reads all files, then sends them to the control. Returns an error if a file cannot be read or
+/// the transfer fails.
 fn send_all(
     port: &TransferPortArgs,
     files: &[PcFile],

@@ -13,7 +13,7 @@ use web_time::{Duration, Instant};
 use super::{CommandError, bar, output, print_received};
 use crate::cli::{TransferReceiveTextArgs, TransferSendTextArgs};
 
-/// How long to retry a port that another program has just closed.
+/// Time for which opening a port that another program has just closed is retried.
 const PORT_RETRY_TIME: Duration = Duration::from_millis(500);
 /// Pause between two programs, in which the receiver stores the first one.
 const PROGRAM_PAUSE: Duration = Duration::from_millis(300);

@@ -163,9 +163,9 @@ impl Lock {
         Self::acquire(file, File::try_lock_shared)
     }
 
-    /// Tries to get the lock `LOCK_TRIES` times: a process that ends, or a child that has
-    /// just been started, may keep it for a moment. The child inherits the open files of its
-    /// parent until it runs its own program.
+    /// Tries to get the lock `LOCK_TRIES` times: a process that ends, or a child that has just been
+    /// started, may keep it for a moment. The child inherits the open files of its parent until it
+    /// runs its own program. Returns an error if another process holds the lock.
     fn acquire(file: File, lock: fn(&File) -> Result<(), TryLockError>) -> io::Result<Self> {
         let mut left = LOCK_TRIES;
         loop {

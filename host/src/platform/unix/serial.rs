@@ -30,7 +30,7 @@ impl Serial {
         self.0.try_clone_native().map(Self)
     }
 
-    /// Sets how long a read waits for its first byte and a write for space.
+    /// Sets the time for which a read waits for its first byte and a write for space.
     ///
     /// # Errors
     /// The port refuses it.

@@ -103,8 +103,8 @@ impl Disk {
     }
 }
 
-/// Writes a file of [`STORAGE_FOLDER`] to the browser's storage; `None` removes the file
-/// there.
+/// Writes a file of [`STORAGE_FOLDER`] to the browser's storage; `None` removes the file there.
+/// Returns an error if the storage refuses it.
 fn update_storage(path: &Path, bytes: Option<&[u8]>) -> io::Result<()> {
     if !path.starts_with(STORAGE_FOLDER) {
         return Ok(());
@@ -252,8 +252,8 @@ pub fn is_persistent(path: &Path) -> bool {
     path.starts_with(STORAGE_FOLDER)
 }
 
-/// Puts files into the folder of the user's files and returns the path of the first
-/// program, or of the first file.
+/// Writes files into the folder of the user's files and returns the path of the first program, or
+/// of the first file; `None` without files.
 pub fn add_user_files(files: Vec<(String, Vec<u8>)>) -> Option<PathBuf> {
     let paths = files.into_iter().map(|(name, bytes)| {
         let path = Path::new(USER_FOLDER).join(name);

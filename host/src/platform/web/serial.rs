@@ -31,7 +31,7 @@ impl Serial {
         match *self {}
     }
 
-    /// Sets how long a read and a write wait; never called.
+    /// Sets the time for which a read and a write wait; never called.
     ///
     /// # Errors
     /// The port refuses it.
@@ -44,7 +44,7 @@ impl Serial {
         match *self {}
     }
 
-    /// Returns the name of the port; never called.
+    /// Returns the name of the port; `None` if it has none. Never called.
     pub fn name(&self) -> Option<String> {
         match *self {}
     }

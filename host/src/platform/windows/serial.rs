@@ -45,8 +45,8 @@ impl Serial {
         Ok(Self { port, wait })
     }
 
-    /// Sets how long a read waits for its first byte. The limit of a write remains the one
-    /// at opening.
+    /// Sets the time for which a read waits for its first byte. The limit of a write remains the
+    /// one at opening.
     ///
     /// # Errors
     /// Never.

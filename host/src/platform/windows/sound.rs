@@ -66,8 +66,8 @@ impl Player {
     }
 }
 
-/// Opens a stream that plays the samples of `waiting`, recorded at `rate` Hz, at the rate and
-/// on all channels of the device.
+/// Opens a stream that plays the samples of `waiting`, recorded at `rate` Hz, at the rate and on
+/// all channels of the device. Returns an error if the device refuses it.
 fn stream<T: SizedSample + FromSample<i16>>(
     device: &cpal::Device,
     config: StreamConfig,

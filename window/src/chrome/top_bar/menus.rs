@@ -16,8 +16,8 @@ use crate::samples::SAMPLES;
 use crate::view::{VIEWS, key_name};
 use crate::views::project::COMMANDS;
 
-/// Draws the menu entries for programs (open, recent, samples, lessons) and projects. Returns
-/// the request of the chosen one, if any.
+/// Draws the menu entries for programs (open, recent, samples, lessons) and projects. Returns the
+/// request of the chosen one; `None` without one.
 pub fn show_programs(
     ui: &mut Ui,
     settings: &WindowSettings,
@@ -74,8 +74,8 @@ pub fn show_programs(
     request
 }
 
-/// Draws the menu entries for the look of the window: layouts, theme, zoom, sound, control
-/// model. Returns the request of the chosen one, if any.
+/// Draws the menu entries for the look of the window: layouts, theme, zoom, sound, control model.
+/// Returns the request of the chosen one; `None` without one.
 pub fn show_appearance(
     ui: &mut Ui,
     settings: &WindowSettings,
@@ -128,8 +128,8 @@ pub fn show_appearance(
     request
 }
 
-/// Draws the menu entries that open and close views. Returns the request of the chosen one, if
-/// any.
+/// Draws the menu entries that open and close views. Returns the request of the chosen one; `None`
+/// without one.
 pub fn show_views(ui: &mut Ui, settings: &WindowSettings) -> Option<TopBarRequest> {
     let language = settings.language;
     let mut request = None;
@@ -148,7 +148,7 @@ pub fn show_views(ui: &mut Ui, settings: &WindowSettings) -> Option<TopBarReques
 }
 
 /// Draws the menu of zooms; `chosen` is the current one, per cent. Returns the request to set
-/// another, if any.
+/// another; `None` without one.
 fn show_zooms(ui: &mut Ui, language: Language, chosen: Option<u16>) -> Option<TopBarRequest> {
     let mut request = None;
     ui.menu_button(say::window_zoom().text(language), |ui| {
@@ -170,8 +170,8 @@ fn show_zooms(ui: &mut Ui, language: Language, chosen: Option<u16>) -> Option<To
     request
 }
 
-/// Draws the menu of volumes; `chosen` is the current one, per cent. Returns the request to
-/// set another, if any.
+/// Draws the menu of volumes; `chosen` is the current one, per cent. Returns the request to set
+/// another; `None` without one.
 fn show_volumes(ui: &mut Ui, language: Language, chosen: Option<u8>) -> Option<TopBarRequest> {
     let mut request = None;
     ui.menu_button(say::window_sound().text(language), |ui| {
@@ -190,8 +190,8 @@ fn show_volumes(ui: &mut Ui, language: Language, chosen: Option<u8>) -> Option<T
     request
 }
 
-/// Draws the menu of control models. Another model can be turned on while nothing runs.
-/// Returns that request, if any.
+/// Draws the menu of control models. Another model can be turned on while nothing runs. Returns
+/// that request; `None` without one.
 fn show_models(ui: &mut Ui, language: Language, models: &ModelChoice) -> Option<TopBarRequest> {
     let mut request = None;
     for id in ModelId::ALL.into_iter().filter(|id| !id.is_mill()) {

@@ -55,12 +55,13 @@ impl Default for CommissionInputs {
     }
 }
 
-/// Parses a number with a decimal point or comma.
+/// Parses a number with a decimal point or comma. Returns a message as error for another text.
 pub fn parse_number(text: &str) -> Result<f64, Message> {
     parse_finite(&text.trim().replace(',', ".")).ok_or_else(say::commission_numbers)
 }
 
-/// Parses a number with a decimal point or comma; `None` if the text is empty.
+/// Parses a number with a decimal point or comma; `None` if the text is empty. Returns a message as
+/// error for another text.
 pub fn parse_optional(text: &str) -> Result<Option<f64>, Message> {
     match text.trim().is_empty() {
         true => Ok(None),
@@ -68,7 +69,7 @@ pub fn parse_optional(text: &str) -> Result<Option<f64>, Message> {
     }
 }
 
-/// Parses pairs of readings, one pair per line.
+/// Parses pairs of readings, one pair per line. Returns a message as error for a wrong line.
 pub fn parse_readings(text: &str) -> Result<Vec<BacklashReading>, Message> {
     let lines = text.lines().filter(|line| !line.trim().is_empty());
     lines

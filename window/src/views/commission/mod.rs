@@ -296,7 +296,8 @@ impl CommissionView {
         has_new_file
     }
 
-    /// Computes the changes that the current step proposes; `None` if input is missing.
+    /// Computes the changes that the current step proposes; `None` if input is missing. Returns a
+    /// message as error for wrong input.
     fn propose(&mut self, machine: &MachineView) -> Result<Option<Proposal>, Message> {
         let (axis, parameters) = (self.axis, &machine.parameters);
         let fields = &self.fields;

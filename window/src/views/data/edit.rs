@@ -301,14 +301,14 @@ impl DataField {
         }))
     }
 
-    /// Parses a number with a decimal point or comma.
+    /// Parses a number with a decimal point or comma. Returns a message as error for another text.
     fn parse_number(self, text: &str) -> Result<f64, Message> {
         parse_finite(&text.replace(',', "."))
             .ok_or_else(|| say::data_not_a_value(self.name(), text))
     }
 
     /// Parses an offset in mm. After U or W the number is added to the current value (decision
-    /// DATA-3, manual III-7).
+    /// DATA-3, manual III-7). Returns a message as error for a wrong number.
     fn parse_offset(
         self,
         number: u8,

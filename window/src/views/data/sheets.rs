@@ -96,7 +96,8 @@ impl DataSheets {
         }
     }
 
-    /// Draws the selected page and handles its input. Returns the values to write, if any.
+    /// Draws the selected page and handles its input. Returns the values to write; `None` without
+    /// any.
     pub fn show(
         &mut self,
         ui: &mut Ui,

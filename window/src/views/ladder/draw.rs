@@ -63,8 +63,8 @@ pub(super) struct RungPainter<'a> {
     clicked: Option<usize>,
 }
 
-/// Draws a rung with its upper left corner at `corner`. Returns the index of the statement
-/// that was clicked, if any.
+/// Draws a rung with its upper left corner at `corner`. Returns the index of the statement that was
+/// clicked; `None` without one.
 pub fn draw_rung(
     ui: &Ui,
     sheet: &RungContext<'_>,

@@ -455,8 +455,8 @@ impl LadderView {
     }
 }
 
-/// Draws the messages of the compiler. Lines of the edited rung `rung` count from its first
-/// line. Returns the line in the list of a message that was clicked, if any.
+/// Draws the messages of the compiler. Lines of the edited rung `rung` count from its first line.
+/// Returns the line in the list of a message that was clicked; `None` without one.
 fn show_compiler_messages(
     ui: &mut Ui,
     language: Language,

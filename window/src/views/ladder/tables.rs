@@ -198,8 +198,8 @@ impl LadderView {
     }
 }
 
-/// Draws a table with `count` rows; `row` returns the texts of a row. Returns the index of the
-/// row that was clicked, if any.
+/// Draws a table with `count` rows; `row` returns the texts of a row. Returns the index of the row
+/// that was clicked; `None` without one.
 fn show_table(
     ui: &mut Ui,
     language: Language,

@@ -138,8 +138,8 @@ impl Microscope {
         self.reach_mm = REACH_POINTS / camera.points_per_mm;
     }
 
-    /// Draws the choice of the surface, the tolerance, the legend and the worst positions.
-    /// Returns the position, part coordinates, that was clicked, if any. `partial`: the end of
+    /// Draws the choice of the surface, the tolerance, the legend and the worst positions. Returns
+    /// the position, part coordinates, that was clicked; `None` without one. `partial`: the end of
     /// the path is not known.
     pub fn show_bar(&mut self, ui: &mut Ui, partial: bool, language: Language) -> Option<Pos2> {
         let mut clicked = None;

@@ -54,7 +54,7 @@ pub struct PreviewResult {
     pub fault_block: Option<BlockRef>,
     /// Whether the executed text is a trial that differs from the control's.
     pub is_trial: bool,
-    /// Whether the job is a practice job, because no program defines what is cut.
+    /// Whether the job is a practice job, because no program determines the part.
     pub is_practice_job: bool,
     /// Why the program's job file cannot be used; `None` if it can or does not exist.
     pub job_file_error: Option<Message>,
@@ -158,12 +158,12 @@ impl PreviewWorker {
         let _ = self.requests.send(PreviewRequest::SetTrial(text));
     }
 
-    /// Takes the newest comparison, if there is a new one.
+    /// Removes and returns the newest comparison; `None` without a new one.
     pub fn take_comparison(&self) -> Option<Arc<PartComparison>> {
         self.compared.pop()
     }
 
-    /// Takes the newest result, if there is a new one.
+    /// Removes and returns the newest result; `None` without a new one.
     pub fn take_result(&self) -> Option<PreviewResult> {
         self.results.pop()
     }
@@ -194,13 +194,15 @@ struct PreviewThread {
     results: Arc<ArrayQueue<PreviewResult>>,
     compared: Arc<ArrayQueue<Arc<PartComparison>>>,
     flags: Arc<WorkerFlags>,
-    /// The program that was opened last from a file, and the path of this file.
+    /// The program that was opened last from a file, and the path of this file; `None` before the
+    /// first one.
     file: Option<(ProgramId, PathBuf)>,
-    /// The program that is executed with another text than the control's, and this text.
+    /// The program that is executed with another text than the control's, and this text; `None`
+    /// without a trial.
     tried: Option<(ProgramId, Program)>,
     /// Jobs that the user has changed, by their programs.
     changed_jobs: ChangedJobs,
-    /// The inputs of the path that was sent to the window last.
+    /// The inputs of the path that was sent to the window last; `None` before the first one.
     last_inputs: Option<PreviewInputs>,
     /// The program and the file whose job the kernel has; `None` before the first job.
     job_owner: Option<ProgramAndFile>,

@@ -47,7 +47,7 @@ const FIELD_WIDTH: f32 = 90.0;
 const MENU_HEIGHT: f32 = 400.0;
 
 impl ProgramBar {
-    /// Draws the tools and returns the user's command, if any. `memory`: numbers of the
+    /// Draws the tools and returns the user's command; `None` without one. `memory`: numbers of the
     /// programs in the control's memory.
     pub fn show(
         &mut self,

@@ -135,7 +135,7 @@ impl TextChecker {
         self.sent_revision = None;
     }
 
-    /// Takes the result of the last check, if there is a new one.
+    /// Removes and returns the result of the last check; `None` without a new one.
     pub fn take_result(&self) -> Option<TextCheck> {
         self.results.pop()
     }

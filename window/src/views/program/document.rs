@@ -10,7 +10,7 @@ use gsk_host::files::program_file::ProgramFile;
 /// would be slow with a larger one.
 pub const MAX_EDITABLE_BYTES: usize = 300_000;
 
-/// Where a text comes from and is saved to.
+/// The source of a text, to which it is saved, too.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum TextOrigin {
     /// A new text that has no file or program yet.

@@ -49,7 +49,7 @@ impl DocumentStore {
         }
     }
 
-    /// Takes the next result, if there is one.
+    /// Removes and returns the next result; `None` without one.
     pub fn next_event(&self) -> Option<DocumentEvent> {
         self.receiver.try_recv().ok()
     }

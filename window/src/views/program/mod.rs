@@ -59,7 +59,7 @@ pub struct ProgramView {
     text_to_load: Option<TextToLoad>,
     /// Whether a text was requested and has not arrived yet.
     is_loading: bool,
-    /// A request of another view that waits for its text.
+    /// A request of another view that waits for its text; `None` without one.
     request: Option<EditorRequest>,
     /// The revision of the document that was passed to other views last.
     reported_revision: u64,

@@ -203,8 +203,8 @@ impl Comparison {
         self.counts.get(&node).copied().unwrap_or(0)
     }
 
-    /// Draws the differences of a node and returns the user's request, if any. `refusal`: why
-    /// a control cannot take values over now.
+    /// Draws the differences of a node and returns the user's request; `None` without one.
+    /// `refusal`: why a control cannot take values over now.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -244,8 +244,8 @@ impl Comparison {
         request
     }
 
-    /// Draws which sides are compared and the choice of the side that takes values over.
-    /// Returns the request to change it, if any.
+    /// Draws which sides are compared and the choice of the side that takes values over. Returns
+    /// the request to change it; `None` without one.
     fn show_heading(&self, ui: &mut Ui, language: Language) -> Option<ComparisonRequest> {
         let mut request = None;
         let project = say::project_view_into_project().text(language);

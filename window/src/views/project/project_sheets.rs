@@ -53,7 +53,7 @@ impl ProjectSheets {
         self.sheets.show_refusal(reason, request);
     }
 
-    /// Draws a page and returns the values to write into the project, if any.
+    /// Draws a page and returns the values to write into the project; `None` without any.
     pub fn show(
         &mut self,
         ui: &mut Ui,

@@ -34,8 +34,7 @@ impl SampleRecord {
         Arc::clone(&self.queue)
     }
 
-    /// Moves the samples from the queue into the record; returns how many of its samples are
-    /// new.
+    /// Moves the samples from the queue into the record; returns the number of new samples in it.
     pub fn take_samples(&mut self) -> usize {
         let mut count = 0;
         while let Some(sample) = self.queue.pop() {

@@ -5,9 +5,9 @@ use super::trace::Quantity;
 /// The range of values that a lane shows, in the unit of its quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LaneRange {
-    /// Value at the lower edge of the lane.
+    /// Value at the lower edge of the lane, in the unit of its trace.
     pub low: f64,
-    /// Value at the upper edge of the lane.
+    /// Value at the upper edge of the lane, in the unit of its trace.
     pub high: f64,
 }
 
@@ -21,7 +21,7 @@ impl LaneRange {
         }
     }
 
-    /// The difference between the values at both edges.
+    /// The difference between the values at both edges of the lane, in the unit of its trace.
     pub fn span(self) -> f64 {
         self.high - self.low
     }

@@ -171,7 +171,7 @@ impl TransferView {
         };
     }
 
-    /// Draws 发送文件设置. Returns the dialog while it stays open.
+    /// Draws 发送文件设置. Returns the dialog while it stays open. `None` once it is closed.
     fn show_file_dialog(
         &mut self,
         context: &Context,
@@ -250,7 +250,7 @@ impl TransferView {
         );
     }
 
-    /// Draws CNC文件重命名. Returns the dialog while it stays open.
+    /// Draws CNC文件重命名. Returns the dialog while it stays open. `None` once it is closed.
     fn show_rename_dialog(
         &self,
         context: &Context,
@@ -337,7 +337,7 @@ impl TransferView {
     }
 
     /// Draws 接收到CNC上传的文件,保存在硬盘上吗? (save the received file?). Returns the dialog while it stays
-    /// open.
+    /// open, and `None` once it is closed.
     fn show_save_dialog(
         &self,
         context: &Context,

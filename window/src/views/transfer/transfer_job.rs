@@ -127,7 +127,8 @@ impl TransferJob {
         })
     }
 
-    /// Draws the dialog of the job and its question. Returns the operator's request, if any.
+    /// Draws the dialog of the job and its question. Returns the operator's request; `None` without
+    /// one.
     pub fn show(
         &mut self,
         context: &Context,
@@ -235,8 +236,8 @@ impl TransferJob {
         }
     }
 
-    /// Draws the question with 是 (yes), 否 (no), 取消 (cancel) and returns the answer, if any. 否
-    /// for a file of the control first requests its new name.
+    /// Draws the question with 是 (yes), 否 (no), 取消 (cancel) and returns the answer; `None` without
+    /// one. 否 for a file of the control first requests its new name.
     fn show_question(
         &mut self,
         context: &Context,

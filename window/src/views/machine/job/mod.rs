@@ -58,16 +58,17 @@ pub struct JobContext<'a> {
 #[derive(Default)]
 pub struct JobPanel {
     selected: JobItem,
-    /// The lathe's job with which the draft began.
+    /// The job of the lathe with which the draft began; `None` without one.
     base_job: Option<Arc<Job>>,
     draft: Option<Job>,
-    /// The draft that was clamped in the lathe last.
+    /// The draft that was clamped in the lathe last; `None` before the first one.
     clamped: Option<Job>,
-    /// The job of the lathe before the first change in this panel.
+    /// The job of the lathe before the first change in this panel; `None` before that change.
     original_job: Option<Job>,
-    /// The path of the program's job file, whether the file exists or not.
+    /// The path of the program's job file, whether the file exists or not; `None` without a program
+    /// file.
     job_file: Option<PathBuf>,
-    /// The job file that was read or written last, and its contents.
+    /// The job file that was read or written last, and its contents; `None` before that.
     saved: Option<(PathBuf, Job)>,
     message: Option<(Message, Color32)>,
 }
