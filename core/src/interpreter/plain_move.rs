@@ -29,7 +29,7 @@ pub(crate) struct PlainMove {
     arc: ArcWords,
 }
 
-/// The data that decide a plain move besides its words and the state.
+/// The data that determine a plain move, besides its words and the state of the interpreter.
 #[derive(Clone, Copy)]
 pub(crate) struct MoveContext<'a> {
     pub(crate) record: &'a ModelRecord,

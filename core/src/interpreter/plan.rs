@@ -135,7 +135,7 @@ pub(crate) struct Plan {
     /// The action after the motion: M00, M30, M99 of the main program, an exact stop, or the
     /// action of an otherwise empty block.
     pub(crate) after: Option<Action>,
-    /// What the run does after the last action.
+    /// The continuation of the run after the last action.
     pub(crate) flow: Flow,
     /// Whether single block stops at the end of the block.
     #[serde(rename = "stops")]

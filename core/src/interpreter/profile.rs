@@ -56,7 +56,7 @@ pub(crate) struct ProfileSegment {
     pub(crate) line: u32,
 }
 
-/// A contour: the start A of the cycle, the step to the begin B, and the steps from B to the
+/// A contour: the start A of the cycle, the step to the beginning B, and the steps from B to the
 /// end C.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Profile {

@@ -90,7 +90,7 @@ pub struct ModelRecord {
     /// Letters that are accepted only as arguments of macro calls.
     #[serde(default)]
     argument_addresses: String,
-    /// How the model reads words and codes, besides the effect of each code.
+    /// The conventions by which the model reads words and codes, besides the effect of each code.
     pub conventions: Conventions,
     /// The meanings of the model's G codes, by number.
     pub g: BTreeMap<u8, GCode>,

@@ -31,7 +31,7 @@ const CENTER_TOLERANCE: f64 = 4000.0;
 /// units.
 const HALF_UNITS_PER_MM: f64 = 2_000_000.0;
 
-/// Direction of an arc, and what its R and I mean on a control model.
+/// Direction of an arc, and the meaning of its R and I on a control model.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ArcTurn {
     clockwise: bool,

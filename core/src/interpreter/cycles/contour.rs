@@ -90,9 +90,9 @@ impl CutPlane {
 /// Directions of a cut as signs, 1 or -1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct CutDirections {
-    /// Direction of the depth, from the start A to the begin B of the contour, 1 or -1.
+    /// Direction of the depth, from the start A to the beginning B of the contour, 1 or -1.
     pub(crate) depth: i64,
-    /// Direction of the cut, from the begin B to the end C of the contour, 1 or -1.
+    /// Direction of the cut, from the beginning B to the end C of the contour, 1 or -1.
     pub(crate) along: i64,
 }
 

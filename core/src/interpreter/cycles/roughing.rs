@@ -57,7 +57,7 @@ pub(crate) struct RoughingCycle {
     directions: CutDirections,
     /// A, from which the levels count.
     start: ExactPoint,
-    /// B, the begin of the contour.
+    /// B, the beginning of the contour.
     begin: ExactPoint,
     /// The point to which the tool returns: A without the allowances.
     #[serde(rename = "rest")]

@@ -11,7 +11,7 @@ use crate::command::SourcePosition;
 use crate::interpreter::exact::ExactPoint;
 use crate::interpreter::flow::program_position::{ProgramCall, ProgramPosition};
 
-/// What a run does after a block.
+/// The continuation of a run after a block: the next block, a jump, a call, a return or the end.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Flow {
     /// Continues with the next block of the program.
@@ -39,7 +39,7 @@ pub(crate) enum Flow {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct MacroEntry {
     pub(crate) call: ProgramCall,
-    /// Values of the local variables at the begin of the call, by variable number.
+    /// Values of the local variables at the beginning of the call, by variable number.
     pub(crate) arguments: BTreeMap<u8, f64>,
 }
 

@@ -76,7 +76,8 @@ pub trait Host {
 pub enum InterpreterStep {
     /// The next command of the run.
     Command(Box<ControlCommand>),
-    /// The reader needs a finished machine: query again when [`Host::is_settled`] holds.
+    /// The next block must wait until all earlier commands are finished: call again when
+    /// [`Host::is_settled`] returns true.
     Wait,
     /// The run has ended; no command follows.
     Ended,

@@ -48,8 +48,8 @@ pub(crate) enum StatementEffect {
     Nothing,
 }
 
-/// The data that decide what a statement does besides its formulas: program, block and running
-/// calls.
+/// The data that determine the effect of a statement, besides its formulas: program, block and
+/// running calls.
 pub(crate) struct StatementContext<'a> {
     pub(crate) program: &'a Program,
     pub(crate) programs: &'a ProgramMemory,

@@ -251,7 +251,7 @@ fn dwells_relays_and_tools() {
     }
 }
 
-/// Sequence numbers have up to five digits, at the begin of a block and as a word of a code.
+/// Sequence numbers have up to five digits, at the beginning of a block and as a word of a code.
 #[test]
 fn block_numbers_have_five_digits() {
     let text = "N10010 G26 N70000.99999.2\nN10020 G27 N99998\nN70000 G91 G00 X1\n\

@@ -45,7 +45,7 @@ struct ThreadGeometry {
     b_x: i64,
     /// Z of D, the end of the thread, in units of [`ExactPoint`].
     end_z: i64,
-    /// X of D, the end at full depth, minus X of C, the begin at full depth.
+    /// X of D, the end at full depth, minus X of C, the start at full depth.
     rise: i64,
     /// +1 for an outer thread, -1 for an inner thread.
     side: f64,
@@ -74,7 +74,7 @@ pub(crate) struct CompoundThread {
     /// k, the height of the thread, in units of [`ExactPoint`].
     height: i64,
     finishing: u32,
-    /// The pass whose moves the cycle makes at present.
+    /// The pass whose moves the cycle currently makes.
     pass: CompoundPass,
     step: u8,
 }

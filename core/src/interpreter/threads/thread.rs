@@ -99,7 +99,7 @@ pub(crate) struct ThreadCut {
 /// The run-out of a thread: the move that leaves the thread before its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RunOut {
-    /// Distance from the begin of the run-out to the end of the thread along the long axis, in
+    /// Distance from the start of the run-out to the end of the thread along the long axis, in
     /// units of [`ExactPoint`]; a radius for X.
     pub(crate) length: i64,
     /// The point where the run-out ends.
