@@ -83,7 +83,7 @@ pub(super) struct KernelPart {
 }
 
 impl KernelPart {
-    /// Creates the state without a part; `views` is the queue that takes the views for the window.
+    /// Creates a lathe without a part; `views` takes the states for the window.
     pub(super) fn new(views: Arc<ArrayQueue<PartView>>) -> Self {
         Self {
             live: None,
