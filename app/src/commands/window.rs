@@ -15,6 +15,7 @@ use gsk_host::setup_args::SetupArgs;
 use gsk_host::{loading, log, platform, retained, transfer};
 use gsk_messages::{Language, Message, say};
 use gsk_panel::emulator::Emulator;
+use gsk_panel::panel::SerialCable;
 use gsk_runner::report;
 use gsk_window::WindowSettings;
 use gsk_window::app::{self, WindowStart};
@@ -183,7 +184,7 @@ impl WindowStarter {
         };
         let link = board_connection(args.link.clone(), &setup, Some(&path))?;
         let mut emulator = Emulator::new(setup);
-        emulator.panel.connect(true);
+        emulator.connect_cable(SerialCable::Simulated);
         restored.restore_panel(&mut emulator);
         let (mut kernel, console) = Kernel::new(emulator);
         if let (Some(port), DncSource::Port(same)) = (&args.serial.serial, &source)
@@ -368,7 +369,7 @@ mod tests {
             ..WindowSettings::default()
         };
         let start = turn_on(&folder, Some(&chosen("small-flat-bed.ron")), false);
-        let lathe = |start: &WindowStart| start.kernel.emulator().simulation.lathe.config().clone();
+        let lathe = |start: &WindowStart| start.kernel.emulator().lathe().config().clone();
         let read = loading::load_machine(&machines.join("small-flat-bed.ron")).expect("a machine");
         assert_eq!(lathe(&start), read);
         drop(start);

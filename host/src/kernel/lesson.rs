@@ -143,7 +143,7 @@ impl Kernel {
     }
 
     fn is_own_machine_running(&self) -> bool {
-        let run = self.own_machine().simulation.cnc.run_state();
+        let run = self.own_machine().cnc().run_state();
         !matches!(run, RunState::Reset | RunState::Stop)
     }
 

@@ -9,6 +9,7 @@ use gsk_core::command::{Frame, SourcePosition};
 use gsk_core::machine::LatheFault;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
+use gsk_panel::emulator::Emulator;
 use gsk_runner::machining::CollisionFinding;
 use gsk_runner::machining::live_part::{LivePart, running_block};
 use gsk_workpiece::collision::TouchingPart;
@@ -58,9 +59,9 @@ const CRASH_FAULTS: [LatheFault; 3] = [
 ];
 
 /// Clears the faults that a collision has set. Faults of another kind remain.
-pub(super) fn end_crash_faults(simulation: &mut Simulation) {
+pub(super) fn end_crash_faults(emulator: &mut Emulator) {
     for fault in CRASH_FAULTS {
-        simulation.lathe.set_fault(fault, false);
+        emulator.set_fault(fault, false);
     }
 }
 
@@ -153,10 +154,14 @@ impl KernelPart {
     /// differ from this one.
     pub(super) fn after_tick(
         &mut self,
-        simulation: &mut Simulation,
+        emulator: &mut Emulator,
         simulated: bool,
     ) -> Option<(CollisionFinding, bool)> {
-        let finding = *self.live.as_mut()?.follow_tick(simulation).first()?;
+        let finding = *self
+            .live
+            .as_mut()?
+            .follow_tick(emulator.simulation())
+            .first()?;
         // With a guessed job the position of the part is an assumption by hand, and the shape of
         // a tool beyond its edge is one always: such a collision is reported and stops nothing
         // (WINDOW-29).
@@ -165,13 +170,13 @@ impl KernelPart {
         let is_certain = is_given || (finding.source.is_some() && !by_body);
         let stops = self.crash_stops && simulated && is_certain;
         if stops {
-            let left = simulation.cnc.distance_to_go();
+            let left = emulator.cnc().distance_to_go();
             let drive = match left.x.abs() > left.z.abs() {
                 true => LatheFault::DriveX,
                 false => LatheFault::DriveZ,
             };
-            simulation.lathe.set_fault(drive, true);
-            simulation.lathe.set_fault(LatheFault::SpindleBlocked, true);
+            emulator.set_fault(drive, true);
+            emulator.set_fault(LatheFault::SpindleBlocked, true);
         }
         Some((finding, stops))
     }

@@ -211,8 +211,7 @@ impl KernelLoop {
             pace.give_back(due.saturating_sub(ran));
         }
         let link = kernel.link_state();
-        self.journal
-            .log_changes(&kernel.emulator.simulation.cnc, link);
+        self.journal.log_changes(kernel.emulator.cnc(), link);
     }
 
     /// Publishes a snapshot when one is due; with a board, snapshots are published with its
@@ -240,7 +239,7 @@ impl KernelLoop {
         let Some(folder) = &self.outside.partner_folder else {
             return;
         };
-        let files = self.kernel.emulator.panel.take_sent();
+        let files = self.kernel.emulator.take_sent();
         if !files.is_empty() {
             let console = self.console.clone();
             transfer::write_in_background(folder.clone(), files, move |written| {
@@ -299,7 +298,7 @@ impl KernelLoop {
         kernel.release_all_keys();
         kernel.leave_lesson();
         kernel.disconnect();
-        journal.log_changes(&kernel.emulator.simulation.cnc, kernel.link_state());
+        journal.log_changes(kernel.emulator.cnc(), kernel.link_state());
         if let Some(keeper) = outside.keeper {
             kernel.emulator.store_edited();
             keeper.finish(&kernel.emulator);
