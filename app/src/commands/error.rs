@@ -65,6 +65,8 @@ pub enum CommandError {
     Picture(#[from] PictureError),
     /// A serial port cannot be opened.
     Port(#[from] PortError),
+    /// A recording cannot be replayed; holds file and reason.
+    Recording(Message),
     /// The project cannot be read or written.
     Project(#[from] ProjectError),
     /// A port or stream failed after it had been opened.
@@ -159,7 +161,9 @@ impl CommandError {
             Self::Editor(reason) => say::lsp_ended(reason),
             Self::File(error) => error.message(),
             Self::Job(error) => error.message(),
-            Self::Lesson(message) | Self::Pitch(message) => message.clone(),
+            Self::Lesson(message) | Self::Pitch(message) | Self::Recording(message) => {
+                message.clone()
+            }
             Self::Json(error) => say::as_written(error),
             Self::Link(error) => say::as_written(error),
             Self::Load(error) => error.message(),

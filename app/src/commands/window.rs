@@ -6,6 +6,7 @@ use gsk_core::model::ModelId;
 use gsk_core::setup::Setup;
 use gsk_host::files::data_dir::{self, DataDir, DataDirError};
 use gsk_host::files::models;
+use gsk_host::flight::{self, FlightRecorder, RecordingTarget};
 use gsk_host::kernel::{BoardConnection, Kernel};
 use gsk_host::loading::LoadError;
 use gsk_host::message_format::describe_io_error;
@@ -198,6 +199,12 @@ impl WindowStarter {
         }
         if let Some(link) = link {
             kernel.connect(link);
+        }
+        let folder = RecordingTarget::Folder(path.join(flight::FOLDER));
+        let file = args.record.clone().map(RecordingTarget::File);
+        for target in core::iter::once(folder).chain(file) {
+            let recorder = FlightRecorder::start(target).map_err(CommandError::Gone)?;
+            kernel.add_flight_recorder(recorder);
         }
         Ok(WindowStart {
             kernel,

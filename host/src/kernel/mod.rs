@@ -5,6 +5,7 @@ mod alarm_history;
 mod console;
 mod drive;
 mod edges;
+mod flight_recording;
 pub mod headless_board;
 mod journal;
 mod key_refusals;
@@ -40,6 +41,7 @@ use gsk_project::ProjectState;
 use gsk_runner::partner::{PartnerWait, ProgramPartner as _};
 use web_time::Duration;
 
+use crate::flight::FlightRecorder;
 use crate::input_watch::InputWatch;
 use crate::job::SelectedJob;
 use crate::kernel::pace::RunSpeed;
@@ -128,6 +130,8 @@ pub struct Kernel {
     active_probe: Option<ActiveProbe>,
     /// The part in the lathe, with its job.
     part: KernelPart,
+    /// The recorders that follow the learner's own machine.
+    recorders: Vec<FlightRecorder>,
     /// Number of commands received so far; an increase proves that the window is alive.
     command_count: u64,
     /// Holds the proof that held keys are still held.
@@ -175,6 +179,7 @@ impl Kernel {
             speed_ratio: None,
             active_probe: None,
             part: KernelPart::new(Arc::clone(&part)),
+            recorders: Vec::new(),
             command_count: 0,
             input_watch: InputWatch::default(),
             wheel_rests_until: Duration::ZERO,
@@ -247,6 +252,7 @@ impl Kernel {
             None => self.emulator.tick(),
         }
         self.tick += 1;
+        self.cut_part();
         self.alarm_history.update(self.emulator.cnc());
         self.start_watch.update(self.emulator.cnc());
         if let Some(serial) = &mut self.serial {
@@ -269,6 +275,12 @@ impl Kernel {
         if let Some(probing) = &mut self.active_probe {
             probing.take_sample(self.tick, &self.emulator);
         }
+        self.follow_with_recorders();
+    }
+
+    /// Cuts the part after a tick of the machine, before anything else changes the machine: a
+    /// replay has the same order.
+    fn cut_part(&mut self) {
         let simulated = self.drive.is_none();
         if let Some((finding, stops)) = self.part.after_tick(&mut self.emulator, simulated) {
             let collision = finding.collision;

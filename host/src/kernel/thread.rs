@@ -17,6 +17,8 @@ use crate::{log, output, transfer};
 
 /// Time between two checks whether memory needs to be saved.
 const KEEPER_INTERVAL: Duration = Duration::from_millis(100);
+/// Interval between two hand-overs of the recordings to the disk.
+const RECORDING_INTERVAL: Duration = Duration::from_secs(1);
 /// Time that the window has to close when the program ends.
 const WINDOW_CLOSE_TIMEOUT: Duration = Duration::from_secs(3);
 
@@ -112,6 +114,8 @@ struct KernelLoop {
     last_check: Instant,
     /// Time at which the keeper last checked the memory for changes.
     last_keeper_check: Instant,
+    /// Time at which the recordings are handed over to the disk next.
+    next_flush: Instant,
 }
 
 impl KernelLoop {
@@ -130,6 +134,7 @@ impl KernelLoop {
             held_since: None,
             last_check: now,
             last_keeper_check: now,
+            next_flush: now,
         }
     }
 
@@ -148,6 +153,10 @@ impl KernelLoop {
         self.publish_snapshot(now);
         self.pass_sent_files();
         self.save_changes(now);
+        if now >= self.next_flush {
+            self.next_flush = now + RECORDING_INTERVAL;
+            self.kernel.flush_recorders();
+        }
         let keep_running = self.wait_for_command(now);
         // The computer may have slept since: a command counts from the moment before it
         // was received.
@@ -303,6 +312,7 @@ impl KernelLoop {
             kernel.emulator.store_edited();
             keeper.finish(&kernel.emulator);
         }
+        kernel.finish_recorders();
         if outside.termination.is_requested() {
             (outside.wake)();
             wait_for_window(&kernel);
