@@ -192,9 +192,12 @@ impl FlightRecorder {
         if self.has_state {
             self.add(&RecordingEvent::End(self.last_tick));
         }
-        if let Some(to_disk) = self.to_disk.take() {
+        if let Some(to_disk) = self.to_disk.take()
+            && !self.pending.is_empty()
+        {
             let is_first = self.file_bytes == 0;
             let bytes = core::mem::take(&mut self.pending);
+            // A disk that has failed needs no more bytes.
             let _ = to_disk.send(DiskJob { is_first, bytes });
         }
         if let Some(task) = self.task.take() {

@@ -23,11 +23,13 @@ impl Kernel {
         let mut drive = Drive::open(connection, self.emulator.board_simulation());
         drive.request_view(self.link_watched);
         self.drive = Some(drive);
+        self.has_real_slides = true;
         self.input_watch.set_linked(true);
     }
 
     pub(super) fn disconnect(&mut self) -> Option<BoardConnection> {
         let drive = self.drive.take()?;
+        self.has_real_slides = false;
         self.input_watch.set_linked(false);
         Some(drive.close(self.emulator.board_simulation()))
     }

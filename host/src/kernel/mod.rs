@@ -98,6 +98,8 @@ pub struct Kernel {
     machine_monitor: Option<MachineMonitor>,
     /// The board that moves real slides, if one is connected.
     drive: Option<Drive>,
+    /// Whether a board is connected, also while [`Self::run_linked`] holds its drive.
+    has_real_slides: bool,
     /// The partner that sends programs in DNC operation.
     partner: Option<DncPartner>,
     /// The control's serial port, connected to a port of the computer.
@@ -158,6 +160,7 @@ impl Kernel {
             machine: Arc::clone(&machine),
             machine_monitor: None,
             drive: None,
+            has_real_slides: false,
             partner: None,
             serial: None,
             links: Arc::clone(&links),
@@ -281,7 +284,7 @@ impl Kernel {
     /// Cuts the part after a tick of the machine, before anything else changes the machine: a
     /// replay has the same order.
     fn cut_part(&mut self) {
-        let simulated = self.drive.is_none();
+        let simulated = !self.has_real_slides;
         if let Some((finding, stops)) = self.part.after_tick(&mut self.emulator, simulated) {
             let collision = finding.collision;
             let (x, z) = (collision.tip.diameter().0, collision.tip.z);
