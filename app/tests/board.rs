@@ -106,7 +106,7 @@ impl BoardLathe {
     }
 
     fn alarm_numbers(&self) -> Vec<u16> {
-        let alarms = self.kernel.emulator().simulation.cnc.alarms();
+        let alarms = self.kernel.emulator().cnc().alarms();
         alarms.iter().map(|alarm| alarm.number).collect()
     }
 
@@ -144,9 +144,9 @@ impl BoardLathe {
 
     fn tap(&mut self, key: Key) {
         self.console.send(Command::Tap(key));
-        let ticks = self.kernel.emulator().simulation.cnc.ticks();
+        let ticks = self.kernel.emulator().cnc().ticks();
         self.run_until(TIME_LIMIT, |lathe| {
-            lathe.kernel.emulator().simulation.cnc.ticks() >= ticks + 300
+            lathe.kernel.emulator().cnc().ticks() >= ticks + 300
         });
     }
 
@@ -174,7 +174,7 @@ impl BoardLathe {
         self.tap(Key::MachineZero);
         for (key, axis) in [(Key::XDown, Axis::X), (Key::ZRight, Axis::Z)] {
             let is_referenced = move |lathe: &Self| {
-                let cnc = &lathe.kernel.emulator().simulation.cnc;
+                let cnc = lathe.kernel.emulator().cnc();
                 *cnc.referenced_axes().get(axis) || !cnc.alarms().is_empty()
             };
             if !is_referenced(self) {
@@ -201,7 +201,7 @@ impl BoardLathe {
     fn run_program(&mut self) -> bool {
         self.start_program();
         self.run_until(TIME_LIMIT, |lathe| {
-            let is_finished = lathe.kernel.emulator().simulation.cnc.run_state() == RunState::Reset
+            let is_finished = lathe.kernel.emulator().cnc().run_state() == RunState::Reset
                 && lathe.state == LinkState::Ready
                 && lathe.log_text().contains("O0007");
             is_finished || !lathe.alarm_numbers().is_empty()
@@ -239,7 +239,7 @@ fn make_part_and_unplug(firmware: &str, config: &str) {
 
     lathe.start_program();
     lathe.run_until(TIME_LIMIT, |lathe| {
-        lathe.kernel.emulator().simulation.cnc.is_moving() || !lathe.alarm_numbers().is_empty()
+        lathe.kernel.emulator().cnc().is_moving() || !lathe.alarm_numbers().is_empty()
     });
     twin.unplug();
     assert!(lathe.run_until(TIME_LIMIT, |lathe| lathe.state == LinkState::Lost));
@@ -248,12 +248,12 @@ fn make_part_and_unplug(firmware: &str, config: &str) {
         "{:?}",
         lathe.alarm_numbers()
     );
-    let cnc = &lathe.kernel.emulator().simulation.cnc;
+    let cnc = lathe.kernel.emulator().cnc();
     assert!(!cnc.referenced_axes().x && !cnc.is_moving());
     // RESET opens the port again: it is missing, and the alarm names it.
     lathe.tap(Key::Reset);
     lathe.run_until(Duration::from_secs(1), |_| false);
-    let alarms = lathe.kernel.emulator().simulation.cnc.alarms();
+    let alarms = lathe.kernel.emulator().cnc().alarms();
     let detail = alarms
         .iter()
         .find(|alarm| matches!(alarm.number, 601 | 605))

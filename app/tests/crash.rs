@@ -58,8 +58,8 @@ fn a_crash_stops_the_lathe_with_the_machine_view_closed_and_one_button_leads_out
     assert!(comes(&mut bench, "CRASH"), "the rapid went through the bar");
     bench.run(500);
     let emulator = bench.kernel.emulator();
-    assert!(!emulator.simulation.cnc.is_moving(), "the lathe goes on");
-    assert!(!emulator.simulation.cnc.alarms().is_empty());
+    assert!(!emulator.cnc().is_moving(), "the lathe goes on");
+    assert!(!emulator.cnc().alarms().is_empty());
     // The crash stays on the line: its alarm says less.
     assert!(bench.harness.query_by_label_contains("CRASH").is_some());
     bench.click("Free the lathe");
@@ -71,7 +71,7 @@ fn a_crash_stops_the_lathe_with_the_machine_view_closed_and_one_button_leads_out
             .is_some()
     );
     assert!(bench.harness.query_by_label("Free the lathe").is_none());
-    let simulation = &bench.kernel.emulator().simulation;
+    let simulation = bench.kernel.emulator().simulation();
     assert_eq!(simulation.lathe.fault_count(), 0);
     assert_eq!(simulation.cnc.alarms(), []);
 }
@@ -82,5 +82,5 @@ fn a_crash_goes_through_where_it_is_not_to_stop_the_lathe() {
     bench.console.send(Command::CrashStops(false));
     assert!(comes(&mut bench, "COLLISION"));
     assert!(bench.harness.query_by_label("Free the lathe").is_none());
-    assert_eq!(bench.kernel.emulator().simulation.lathe.fault_count(), 0);
+    assert_eq!(bench.kernel.emulator().lathe().fault_count(), 0);
 }

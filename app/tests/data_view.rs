@@ -55,7 +55,7 @@ fn send_request(bench: &mut WindowBench, request: ControlRequest) {
 }
 
 fn cnc(bench: &WindowBench) -> &Cnc {
-    &bench.kernel.emulator().simulation.cnc
+    bench.kernel.emulator().cnc()
 }
 
 /// Clicks the widget with exactly this name.

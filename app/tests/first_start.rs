@@ -78,7 +78,7 @@ fn three_clicks_lead_from_the_first_start_to_a_cut() {
     let cuts = (0..600).any(|_| {
         std::thread::sleep(core::time::Duration::from_millis(5));
         bench.run(100);
-        let cnc = &bench.kernel.emulator().simulation.cnc;
+        let cnc = bench.kernel.emulator().cnc();
         let position = cnc.position_machine() - cnc.frame().zero;
         cnc.run_state() == RunState::Run && position.x < 27.0 && position.z < 2.0
     });

@@ -259,15 +259,15 @@ fn a_focused_list_blocks_axis_keys_and_shows_why() {
     let mut bench = open_view(Some(ViewId::Data), vec2(1366.0, 768.0));
     hold_with_control(&mut bench, Key::Num6, 100);
     tab_to(&mut bench, "001 ");
-    let before = bench.kernel.emulator().simulation.cnc.position_machine();
+    let before = bench.kernel.emulator().cnc().position_machine();
     hold_with_control(&mut bench, Key::ArrowLeft, 300);
-    let after = bench.kernel.emulator().simulation.cnc.position_machine();
+    let after = bench.kernel.emulator().cnc().position_machine();
     assert_eq!(before, after);
     let message = "axis keys do not act while the cursor keys move in a list";
     assert!(bench.harness.query_by_label_contains(message).is_some());
     // The focus has left the list: the next press jogs the axis.
     hold_with_control(&mut bench, Key::ArrowLeft, 300);
-    let after = bench.kernel.emulator().simulation.cnc.position_machine();
+    let after = bench.kernel.emulator().cnc().position_machine();
     assert_ne!(before, after);
 }
 

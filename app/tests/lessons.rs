@@ -57,7 +57,7 @@ fn leaving_a_lesson_restores_the_learners_machine() {
     bench.click("MDI mode");
     bench.run(300);
     assert_eq!(current_step(&bench), Some(1));
-    let programs = bench.kernel.emulator().simulation.cnc.programs();
+    let programs = bench.kernel.emulator().cnc().programs();
     assert_eq!(programs.count(), 0, "no program of his is in it");
     click(&mut bench, "Leave");
     assert_eq!(current_step(&bench), None);
@@ -274,7 +274,7 @@ fn the_topic_of_an_alarm_lists_its_time_and_links_to_its_block() {
     bench.run(1000);
     bench.click("Reset");
     bench.run(500);
-    assert!(bench.kernel.emulator().simulation.cnc.alarms().is_empty());
+    assert!(bench.kernel.emulator().cnc().alarms().is_empty());
     let raised = bench.kernel.snapshot().alarm_records;
     assert_eq!(raised.len(), 1);
     assert_eq!(raised[0].block, "N20 G77 X1;");

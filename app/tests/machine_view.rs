@@ -162,7 +162,7 @@ fn a_work_zero_set_by_the_program_causes_no_collision() {
             .query_by_label_contains("Collisions")
             .is_none()
     );
-    let cnc = &bench.kernel.emulator().simulation.cnc;
+    let cnc = bench.kernel.emulator().cnc();
     assert_eq!(cnc.run_state(), RunState::Reset, "it has come to its end");
 }
 

@@ -111,7 +111,7 @@ fn the_view_writes_only_in_mdi_and_can_undo() {
     bench.run(300);
     // In automatic mode the view shows why it cannot write, and the button is disabled.
     let zero_speed_and_pitch = |bench: &WindowBench| {
-        let cnc = &bench.kernel.emulator().simulation.cnc;
+        let cnc = bench.kernel.emulator().cnc();
         (
             cnc.parameters().value(parameter::ZERO_LOW_SPEED),
             cnc.pitch().value(Axis::Z, 1),
@@ -129,13 +129,10 @@ fn the_view_writes_only_in_mdi_and_can_undo() {
             .query_by_label_contains("cannot be written now:")
             .is_some()
     );
-    let previous = bench.kernel.emulator().simulation.cnc.parameters().clone();
+    let previous = bench.kernel.emulator().cnc().parameters().clone();
     bench.harness.get_by_label_contains("Write ").click();
     bench.run(100);
-    assert_eq!(
-        *bench.kernel.emulator().simulation.cnc.parameters(),
-        previous
-    );
+    assert_eq!(*bench.kernel.emulator().cnc().parameters(), previous);
     // In MDI the value is written and undone.
     bench.harness.key_press_modifiers(control, egui::Key::Num3);
     bench.run(300);
@@ -143,7 +140,7 @@ fn the_view_writes_only_in_mdi_and_can_undo() {
     bench.harness.get_by_label_contains("Write ").click();
     bench.run(1);
     bench.run(100);
-    let current = bench.kernel.emulator().simulation.cnc.parameters().clone();
+    let current = bench.kernel.emulator().cnc().parameters().clone();
     let one_switch_of_z = current.has_one_zero_switch(Axis::Z);
     let rate = current.value(parameter::ZERO_HIGH_SPEED);
     assert!(one_switch_of_z && rate == 5000, "{current:?}");
@@ -151,10 +148,7 @@ fn the_view_writes_only_in_mdi_and_can_undo() {
     bench.harness.get_by_label_contains("Undo: ").click();
     bench.run(1);
     bench.run(100);
-    assert_eq!(
-        *bench.kernel.emulator().simulation.cnc.parameters(),
-        previous
-    );
+    assert_eq!(*bench.kernel.emulator().cnc().parameters(), previous);
     assert_eq!(
         zero_speed_and_pitch(&bench),
         (previous.value(parameter::ZERO_LOW_SPEED), 0)

@@ -29,7 +29,7 @@ fn a_start_after_reset_in_the_cut_is_explained_until_the_tool_is_back() {
     for _ in 0..100 {
         bench.run(200);
     }
-    let cnc = &bench.kernel.emulator().simulation.cnc;
+    let cnc = bench.kernel.emulator().cnc();
     assert_eq!(cnc.run_state(), RunState::Run);
     tap(&mut bench, Key::Reset);
     bench.run(1000);

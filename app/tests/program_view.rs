@@ -161,7 +161,7 @@ fn unsaved_text_is_discarded_only_after_a_question() {
 fn a_text_is_stored_in_the_control_only_with_the_rights() {
     let mut bench = open_view();
     let stored = |bench: &WindowBench| {
-        let programs = bench.kernel.emulator().simulation.cnc.programs();
+        let programs = bench.kernel.emulator().cnc().programs();
         let program = programs.get(ProgramId::Stored(7));
         program.map(|program| program.text().to_owned())
     };
@@ -231,7 +231,7 @@ fn the_emergency_stop_key_works_while_a_text_is_typed() {
     type_at_end(&mut bench, "G00 X10\n");
     bench.harness.key_press(Key::F12);
     bench.run(50);
-    let pressed = bench.kernel.emulator().panel.pressed();
+    let pressed = bench.kernel.emulator().panel().pressed();
     assert!(pressed.contains(&gsk_panel::keys::Key::EmergencyStop));
     assert_eq!(editor_text(&bench), "G00 X10\n");
 }

@@ -40,7 +40,7 @@ fn only_a_running_program_is_faster_than_real_time() {
     for _ in 0..10 {
         bench.run(50);
     }
-    assert!(bench.kernel.emulator().simulation.cnc.is_moving());
+    assert!(bench.kernel.emulator().cnc().is_moving());
     assert_eq!(bench.kernel.speed(), RunSpeed::REAL, "it is moved by hand");
 }
 

@@ -10,6 +10,7 @@ use gsk_host::termination::TerminationFlag;
 use gsk_host::transfer;
 use gsk_panel::emulator::{Emulator, WaitCondition};
 use gsk_panel::keys::Key;
+use gsk_panel::panel::SerialCable;
 
 use crate::common::folder::TempFolder;
 use crate::process::executable;
@@ -24,7 +25,7 @@ fn ready_to_send() -> Emulator {
         .expect("room for a program");
     let mut emulator = Emulator::new(setup);
     emulator.run_until(&WaitCondition::SelfTestOver, 10_000);
-    emulator.panel.connect(true);
+    emulator.connect_cable(SerialCable::Simulated);
     emulator.press(Key::Edit);
     emulator.press(Key::Program);
     emulator.type_text("O331");

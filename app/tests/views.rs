@@ -40,7 +40,7 @@ fn the_scope_opens_by_its_key_and_shows_axis_motion() {
     for _ in 0..20 {
         bench.run(50);
     }
-    let rate = bench.kernel.emulator().simulation.cnc.jog_rate();
+    let rate = bench.kernel.emulator().cnc().jog_rate();
     assert!(rate > 0.0);
     let expected = format!("{:.1}", -rate);
     assert!(
@@ -94,7 +94,7 @@ fn the_commanded_spindle_speed_of_the_scope_ends_with_m05_and_reset() {
         &mut bench,
         "O1\nG97 S500 M03\nG04 X0.5\nM05\nG04 X0.2\nM00\nM30\n",
     );
-    let spindle = bench.kernel.emulator().simulation.cnc.spindle().s_word();
+    let spindle = bench.kernel.emulator().cnc().spindle().s_word();
     assert_eq!(spindle, 500.0, "S stays for the next M03");
     assert_eq!(commanded_speeds(&queue), (BTreeSet::from([0, 500]), 0));
     bench.click("Reset");
@@ -189,9 +189,9 @@ fn the_fault_bench_sets_and_clears_faults() {
     bench.harness.get_by_label(name).click();
     bench.run(100);
     bench.run(100);
-    let lathe = |bench: &WindowBench| bench.kernel.emulator().simulation.lathe.clone();
+    let lathe = |bench: &WindowBench| bench.kernel.emulator().lathe().clone();
     assert!(lathe(&bench).has_fault(LatheFault::DriveZ));
-    assert!(bench.kernel.emulator().simulation.cnc.is_in_alarm());
+    assert!(bench.kernel.emulator().cnc().is_in_alarm());
 
     bench.harness.get_by_label("X0000.5 0").click();
     bench.run(100);
@@ -223,9 +223,9 @@ fn the_ladder_can_be_searched_forced_halted_and_stepped() {
     click(&mut bench, "X0000.5 normally open");
     assert!(bench.harness.query_by_label("LD X0000.5").is_some());
     click(&mut bench, "Force X0000.5 0");
-    let plc = |bench: &WindowBench| bench.kernel.emulator().simulation.cnc.plc().clone();
+    let plc = |bench: &WindowBench| bench.kernel.emulator().cnc().plc().clone();
     assert_eq!(plc(&bench).forces().len(), 1);
-    assert!(bench.kernel.emulator().simulation.cnc.is_shown_not_ready());
+    assert!(bench.kernel.emulator().cnc().is_shown_not_ready());
     click(&mut bench, "Release X0000.5");
     assert!(plc(&bench).forces().is_empty());
 
@@ -247,7 +247,7 @@ fn the_ladder_can_be_searched_forced_halted_and_stepped() {
     assert!(bench.harness.query_all_by_label(timer).count() > 0);
 
     click(&mut bench, "Halt");
-    assert!(bench.kernel.emulator().simulation.cnc.is_ladder_halted());
+    assert!(bench.kernel.emulator().cnc().is_ladder_halted());
     let previous_rung = plc(&bench).next_rung();
     click(&mut bench, "One rung");
     assert_ne!(plc(&bench).next_rung(), previous_rung);
@@ -255,7 +255,7 @@ fn the_ladder_can_be_searched_forced_halted_and_stepped() {
     bench.harness.key_press_modifiers(shift, egui::Key::F4);
     bench.run(100);
     bench.run(100);
-    assert!(!bench.kernel.emulator().simulation.cnc.is_ladder_halted());
+    assert!(!bench.kernel.emulator().cnc().is_ladder_halted());
 }
 
 #[test]
@@ -350,7 +350,7 @@ fn a_ladder_is_saved_only_when_the_control_allows_it() {
         }
         assert_eq!(bench.harness.query_by_label(requirement).is_none(), allowed);
         click(&mut bench, "Save");
-        let next = bench.kernel.emulator().simulation.cnc.next_ladder();
+        let next = bench.kernel.emulator().cnc().next_ladder();
         assert_eq!(next.is_some(), allowed);
         let shift = egui::Modifiers::SHIFT;
         bench.harness.key_press_modifiers(shift, egui::Key::F4);
@@ -386,7 +386,7 @@ fn a_rung_is_edited_undone_saved_and_runs_after_power_on() {
     click(&mut bench, "Undo");
     click(&mut bench, "X0000.5 normally open");
     let stored_source = |bench: &WindowBench| {
-        let plc = bench.kernel.emulator().simulation.cnc.plc();
+        let plc = bench.kernel.emulator().cnc().plc();
         plc.ladder().source().to_owned()
     };
     let standard = stored_source(&bench);
@@ -419,7 +419,7 @@ fn a_rung_is_edited_undone_saved_and_runs_after_power_on() {
     click(&mut bench, "Power off and on");
     bench.run(4000);
     assert!(stored_source(&bench).contains("SET R99.7"));
-    let memory = bench.kernel.emulator().simulation.cnc.plc().memory();
+    let memory = bench.kernel.emulator().cnc().plc().memory();
     assert!(memory.bit("R99.7".parse().unwrap()), "and it runs");
 }
 

@@ -93,16 +93,10 @@ fn a_held_mouse_button_holds_the_key() {
     for _ in 0..20 {
         bench.run(50);
     }
-    assert!(
-        emulator(&bench).simulation.cnc.is_moving(),
-        "held: the axis moves"
-    );
+    assert!(emulator(&bench).cnc().is_moving(), "held: the axis moves");
     bench.harness.event(button(false));
     bench.run(1000);
-    assert!(
-        !emulator(&bench).simulation.cnc.is_moving(),
-        "let go: it stands"
-    );
+    assert!(!emulator(&bench).cnc().is_moving(), "let go: it stands");
 }
 
 /// Jogs the axis, then the window loses the focus. The axis stops although the release never
@@ -114,15 +108,15 @@ fn assert_stops_without_focus(hold_key: impl Fn(&WindowBench)) {
     for _ in 0..20 {
         bench.run(50);
     }
-    let is_moving = |bench: &WindowBench| bench.kernel.emulator().simulation.cnc.is_moving();
+    let is_moving = |bench: &WindowBench| bench.kernel.emulator().cnc().is_moving();
     assert!(is_moving(&bench), "held: the axis moves");
     bench.harness.input_mut().focused = false;
     bench.run(1000);
     assert!(!is_moving(&bench), "nobody sees whether it is held");
-    let stopped_pulses = bench.kernel.emulator().simulation.cnc.pulses();
+    let stopped_pulses = bench.kernel.emulator().cnc().pulses();
     bench.harness.input_mut().focused = true;
     bench.run(1000);
-    let current_pulses = bench.kernel.emulator().simulation.cnc.pulses();
+    let current_pulses = bench.kernel.emulator().cnc().pulses();
     assert_eq!(
         current_pulses, stopped_pulses,
         "nor does it go on by itself"
@@ -361,7 +355,7 @@ fn a_right_click_latches_overtravel_release_for_one_axis_key() {
     bench.click("Jog mode");
     let (left, right) = (egui::PointerButton::Primary, egui::PointerButton::Secondary);
     let held_keys = |bench: &WindowBench| {
-        let panel = &bench.kernel.emulator().panel;
+        let panel = bench.kernel.emulator().panel();
         [Key::OvertravelRelease, Key::ZLeft].map(|key| panel.is_held(key))
     };
     let latched_text = "is kept for the next key";
@@ -470,7 +464,7 @@ fn a_burst_of_keys_within_one_frame_arrives_complete() {
     let text = "G01X11.5Z-1.25F120;G00X31.125Z1.5S600M03;";
     type_burst(&mut bench, text);
     bench.click("Automatic mode");
-    let programs = bench.kernel.emulator().simulation.cnc.programs();
+    let programs = bench.kernel.emulator().cnc().programs();
     let program = programs.get(ProgramId::Stored(7)).unwrap();
     let stored: String = program.text().split_whitespace().collect();
     assert!(stored.starts_with(&format!("O0007;{text}")), "{stored}");
@@ -571,7 +565,7 @@ fn an_opened_program_is_stored_and_never_overwrites_another() {
     click(&mut bench, "English");
 
     let text = |bench: &WindowBench| {
-        let programs = bench.kernel.emulator().simulation.cnc.programs();
+        let programs = bench.kernel.emulator().cnc().programs();
         let program = programs.get(ProgramId::Stored(1));
         program
             .map(|program| program.text().to_owned())
@@ -602,7 +596,7 @@ fn an_opened_program_is_stored_and_never_overwrites_another() {
         "It is not stored: the memory keeps its own O0001"
     ));
     assert_eq!(text(&bench), edited);
-    let programs = bench.kernel.emulator().simulation.cnc.programs();
+    let programs = bench.kernel.emulator().cnc().programs();
     assert_eq!(programs.selected(), Some(ProgramId::External));
 }
 

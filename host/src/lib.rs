@@ -12,6 +12,7 @@ pub mod output;
 
 pub mod board;
 pub mod files;
+pub mod flight;
 pub mod guard;
 pub mod host_clock;
 pub mod input_watch;

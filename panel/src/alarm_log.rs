@@ -91,7 +91,7 @@ mod tests {
     fn run(emulator: &mut Emulator, record: &mut AlarmLog, ms: u64) {
         for _ in 0..ms {
             emulator.tick();
-            record.update(&emulator.simulation.cnc);
+            record.update(emulator.cnc());
         }
     }
 
@@ -122,13 +122,13 @@ mod tests {
             assert_eq!(newest.block, "N20 G77 X1;");
             let source = newest.alarm.source.unwrap();
             assert_eq!((source.program, source.line), (ProgramId::Stored(7), 3));
-            assert!(newest.at_ms > 0 && newest.at_ms <= emulator.simulation.cnc.ticks());
+            assert!(newest.at_ms > 0 && newest.at_ms <= emulator.cnc().ticks());
             assert!(newest.date == 20_240_301 || newest.date == 20_240_229);
             emulator.key_down(Key::Reset);
             run(&mut emulator, &mut record, 200);
             emulator.key_up(Key::Reset);
             run(&mut emulator, &mut record, 200);
-            assert!(emulator.simulation.cnc.alarms().is_empty());
+            assert!(emulator.cnc().alarms().is_empty());
         }
         let times: Vec<u64> = record.newest_first().map(|it| it.at_ms).collect();
         assert!(times[0] > times[1], "the newest first");

@@ -1,10 +1,11 @@
 //! Combines control, lathe and panel into one emulator.
 
+mod input;
 mod serial;
 
 use gsk_core::alarm::Alarm;
-use gsk_core::cnc::ControlRequest;
-use gsk_core::machine::{MachineInputs, MachineOutputs};
+use gsk_core::cnc::{Cnc, ControlRequest};
+use gsk_core::machine::{MachineInputs, MachineOutputs, SimulatedLathe};
 use gsk_core::operation::RunState;
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::program::Program;
@@ -21,6 +22,9 @@ pub use crate::panel::number_of_name;
 use crate::panel::{KeyEvent, Panel, ReceiveError, SerialFile, contacts};
 use crate::raster;
 use crate::screen::Screen;
+use input::InputRecord;
+pub use input::{EmulatorInput, InputAnswer, StampedInput};
+pub use serial::PortRequest;
 
 /// Ticks for which [`Emulator::press`] holds a key, and ticks of the pause after its release.
 pub(crate) const PRESS_TICKS: u64 = 100;
@@ -42,10 +46,10 @@ const SCREEN_PERIOD: u64 = 20;
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Emulator {
-    /// The control and the simulated lathe.
-    pub simulation: Simulation,
-    /// The operator panel: keys, LCD pages, lamps.
-    pub panel: Panel,
+    simulation: Simulation,
+    panel: Panel,
+    #[serde(skip)]
+    record: InputRecord,
 }
 
 /// A condition for [`Emulator::run_until`].
@@ -80,7 +84,34 @@ impl Emulator {
         Self {
             simulation: Simulation::new(setup),
             panel: Panel::new(),
+            record: InputRecord::default(),
         }
+    }
+
+    /// Returns the control and the simulated lathe.
+    pub const fn simulation(&self) -> &Simulation {
+        &self.simulation
+    }
+
+    /// Returns the control.
+    pub const fn cnc(&self) -> &Cnc {
+        &self.simulation.cnc
+    }
+
+    /// Returns the simulated lathe.
+    pub const fn lathe(&self) -> &SimulatedLathe {
+        &self.simulation.lathe
+    }
+
+    /// Returns the operator panel: keys, LCD pages, lamps.
+    pub const fn panel(&self) -> &Panel {
+        &self.panel
+    }
+
+    /// Returns the simulation for the link to a pulse board, which exchanges reports and
+    /// orders with it beside the ticks. This exchange is not recorded.
+    pub const fn board_simulation(&mut self) -> &mut Simulation {
+        &mut self.simulation
     }
 
     /// Returns the ticks (ms) since the emulator was created, including those with the power
@@ -116,6 +147,13 @@ impl Emulator {
     /// or a switch prevents its effect, otherwise `None`. Machine keys are checked later, by
     /// [`crate::refusal::KeyPress`].
     pub fn key(&mut self, event: KeyEvent) -> Option<Message> {
+        match self.apply(EmulatorInput::Key(event)) {
+            InputAnswer::KeyRefused(why) => Some(why),
+            _ => None,
+        }
+    }
+
+    fn apply_key(&mut self, event: KeyEvent) -> Option<Message> {
         let cnc = &self.simulation.cnc;
         let by_page = match event {
             KeyEvent::Down(key) => self.panel.refuses(key, cnc),
@@ -220,9 +258,7 @@ impl Emulator {
             (None, Some(number)) => program.renumbered(number).text().to_owned(),
             _ => text.to_owned(),
         };
-        self.simulation
-            .cnc
-            .request(ControlRequest::StoreProgram(text))
+        self.request(ControlRequest::StoreProgram(text))
     }
 
     /// Starts receiving a file through the serial port, as if its partner sent it.
@@ -231,6 +267,13 @@ impl Emulator {
     ///
     /// Returns the reason why the control does not receive the file.
     pub fn receive(&mut self, file: SerialFile) -> Result<(), ReceiveError> {
+        match self.apply(EmulatorInput::Receive(file)) {
+            InputAnswer::NotReceived(refused) => Err(refused),
+            _ => Ok(()),
+        }
+    }
+
+    fn begin_reception(&mut self, file: SerialFile) -> Result<(), ReceiveError> {
         let mut requests = Vec::new();
         let taken = self
             .panel
@@ -245,15 +288,13 @@ impl Emulator {
     ///
     /// Returns the alarm with which the control refuses to open the program.
     pub fn load_external(&mut self, program: Program) -> Result<(), Alarm> {
-        self.simulation
-            .cnc
-            .request(ControlRequest::OpenExternal(program))
+        self.request(ControlRequest::OpenExternal(program))
     }
 
     /// Sets the graphic page to the extents `min` to `max` of a program, mm with X as a
     /// radius, and starts drawing. Does nothing if the operator has entered extents.
     pub fn fit_graphic(&mut self, min: Point, max: Point) {
-        self.panel.fit_graphic(min, max, &self.simulation.cnc);
+        self.apply(EmulatorInput::FitGraphic { min, max });
     }
 
     /// Returns the current picture of the LCD.
@@ -307,24 +348,37 @@ impl Emulator {
     /// Stores the program text that is open in the editor. Call it when a session ends with
     /// the power on.
     pub fn store_edited(&mut self) {
+        self.apply(EmulatorInput::StoreEdited);
+    }
+
+    fn store_edited_text(&mut self) {
         let requests = self.panel.requests_to_store();
         self.send_requests(requests);
     }
 
     /// Switches the power off: the LCD goes dark, keys are released, the lathe stops.
     pub(crate) fn power_off(&mut self) {
+        self.apply(EmulatorInput::PowerOff);
+    }
+
+    fn switch_off(&mut self) -> InputAnswer {
         self.panel.power_off();
         self.connect_keys();
+        InputAnswer::Applied
     }
 
     /// Switches the power on, if it is off.
     pub fn power_on(&mut self) {
-        if self.panel.powered() {
-            return;
+        self.apply(EmulatorInput::PowerOn);
+    }
+
+    fn switch_on(&mut self) -> InputAnswer {
+        if !self.panel.powered() {
+            self.simulation.power_cycle();
+            self.panel.power_on(&self.simulation.cnc);
+            self.connect_keys();
         }
-        self.simulation.power_cycle();
-        self.panel.power_on(&self.simulation.cnc);
-        self.connect_keys();
+        InputAnswer::Applied
     }
 
     /// Switches the power off and on again. Retained memory is kept.

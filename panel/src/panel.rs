@@ -20,8 +20,8 @@ use gsk_messages::Language;
 use serde::{Deserialize, Serialize};
 use transfer::Transfer;
 pub use transfer::{
-    DataLineError, FileId, FileRefusal, ReceiveError, SerialFile, file_of, number_of_name,
-    read_data,
+    DataLineError, FileId, FileRefusal, ReceiveError, SerialCable, SerialFile, file_of,
+    number_of_name, read_data,
 };
 
 use crate::keys::{KEYS, Key, KeyRole};

@@ -8,11 +8,12 @@ use gsk_core::command::Frame;
 use gsk_core::units::Point;
 use serde::{Deserialize, Serialize};
 
-/// Greatest number of segments of a path. Beyond it the oldest 1024 are removed.
-pub const MAX_SEGMENTS: usize = 64 * CHUNK;
+/// Greatest number of segments of a path. Beyond it the oldest 128 are removed.
+pub const MAX_SEGMENTS: usize = 512 * CHUNK;
 
-/// Number of segments in a chunk that copies of a path share.
-const CHUNK: usize = 1024;
+/// Number of segments in a chunk. Copies of a path share full chunks; each has a copy of the
+/// last one, which is small for that reason.
+const CHUNK: usize = 128;
 
 /// Greatest number of ticks of motion that are kept as pending on a pulse board. It is more
 /// than the board's lookahead, except in a thread pass that the board cuts autonomously.
@@ -148,9 +149,15 @@ impl PathTrace {
             return;
         }
         self.full.push(Arc::new(core::mem::take(&mut self.last)));
-        if self.full.len() * CHUNK > MAX_SEGMENTS - CHUNK {
+        // A path that an earlier version has stored has longer chunks.
+        while self.stored_len() > MAX_SEGMENTS - CHUNK {
             self.full.remove(0);
         }
+    }
+
+    fn stored_len(&self) -> usize {
+        let full: usize = self.full.iter().map(|chunk| chunk.len()).sum();
+        full + self.last.len()
     }
 
     /// Removes all segments of the path.
@@ -165,8 +172,7 @@ impl PathTrace {
 
     /// Returns the number of segments, with pending ones.
     pub fn len(&self) -> usize {
-        let made = self.full.len() * CHUNK + self.last.len() + usize::from(self.open.is_some());
-        made + self.ahead.len()
+        self.stored_len() + usize::from(self.open.is_some()) + self.ahead.len()
     }
 
     /// Returns all segments in the order of execution, pending ones last.

@@ -20,10 +20,10 @@ fn awake(setup: Setup) -> Emulator {
 
 /// Presses a key and returns the reason if it has no effect.
 fn pressed(emulator: &mut Emulator, key: Key) -> Option<String> {
-    let press = KeyPress::new(key, &emulator.simulation.cnc);
+    let press = KeyPress::new(key, emulator.cnc());
     let at_once = emulator.key_down(key);
     emulator.run(CHECK_DELAY_TICKS);
-    let later = press.and_then(|press| press.refusal_reason(&emulator.simulation.cnc));
+    let later = press.and_then(|press| press.refusal_reason(emulator.cnc()));
     emulator.run(100 - CHECK_DELAY_TICKS);
     emulator.key_up(key);
     emulator.run(100);
@@ -56,7 +56,7 @@ fn keys_of_the_machine_are_refused_where_the_ladder_refuses_them() {
     for (mode_key, mode) in MODES {
         let mut emulator = awake(Setup::default());
         acts(&mut emulator, mode_key);
-        assert_eq!(emulator.simulation.cnc.mode(), mode);
+        assert_eq!(emulator.cnc().mode(), mode);
         let manual = mode.is_manual();
         for key in [Key::SpindleForward, Key::ToolChange, Key::Lubrication] {
             if manual {
@@ -177,10 +177,10 @@ fn cycle_start_names_what_holds_it() {
     acts(&mut emulator, Key::CycleStart);
     emulator.run_until(&WaitCondition::Alarm, 60_000);
     refused(&mut emulator, Key::CycleStart, "alarm 1013");
-    let message = emulator.simulation.cnc.active_message().unwrap();
+    let message = emulator.cnc().active_message().unwrap();
     assert_eq!((message.number, message.source.unwrap().line), (1013, 3));
     acts(&mut emulator, Key::Reset);
-    assert_eq!(emulator.simulation.cnc.active_message(), None);
+    assert_eq!(emulator.cnc().active_message(), None);
     acts(&mut emulator, Key::CycleStart);
 }
 
@@ -195,15 +195,11 @@ fn keys_of_text_and_data_name_page_mode_and_switch() {
     acts(&mut emulator, Key::Edit);
     // The program switch is off at power-on.
     emulator
-        .simulation
-        .cnc
         .request(gsk_core::cnc::ControlRequest::SetProgramSwitch(false))
         .unwrap();
     refused(&mut emulator, Key::G, "program switch is off");
     refused(&mut emulator, Key::Delete, "program switch is off");
     emulator
-        .simulation
-        .cnc
         .request(gsk_core::cnc::ControlRequest::SetProgramSwitch(true))
         .unwrap();
     acts(&mut emulator, Key::G);

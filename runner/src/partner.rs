@@ -1,6 +1,7 @@
 //! The partner at the serial port that sends the program in DNC operation.
 
-use gsk_core::cnc::Cnc;
+use gsk_core::cnc::{Cnc, DncInput};
+use gsk_panel::emulator::{Emulator, EmulatorInput, InputAnswer};
 
 /// Whether the control waits for the partner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,11 +13,59 @@ pub enum PartnerWait {
     Forbidden,
 }
 
+/// The control's end of the serial line in DNC operation.
+pub trait DncReceiver {
+    /// Returns the control that receives.
+    fn control(&self) -> &Cnc;
+
+    /// Passes what the partner does to the control. Returns the number of accepted characters.
+    fn pass(&mut self, input: DncInput) -> usize;
+}
+
+impl DncReceiver for Cnc {
+    fn control(&self) -> &Cnc {
+        self
+    }
+
+    fn pass(&mut self, input: DncInput) -> usize {
+        self.apply_dnc(input)
+    }
+}
+
+impl DncReceiver for Emulator {
+    fn control(&self) -> &Cnc {
+        self.cnc()
+    }
+
+    fn pass(&mut self, input: DncInput) -> usize {
+        match self.apply(EmulatorInput::Dnc(input)) {
+            InputAnswer::Accepted(characters) => characters,
+            _ => 0,
+        }
+    }
+}
+
+/// Reports to a control that its partner is connected, unless the control knows it.
+pub fn connect_partner(line: &mut dyn DncReceiver) {
+    if !line.control().has_dnc_partner() {
+        line.pass(DncInput::Connected(true));
+    }
+}
+
+/// Passes as many of the characters as the control's buffer takes. Returns their number.
+pub fn pass_characters(line: &mut dyn DncReceiver, characters: &[u8]) -> usize {
+    let count = characters.len().min(line.control().dnc_free_characters());
+    match characters.get(..count) {
+        Some(taken) if count > 0 => line.pass(DncInput::Characters(taken.to_vec())),
+        _ => 0,
+    }
+}
+
 /// A partner at the serial port that sends programs in DNC operation.
 pub trait ProgramPartner {
     /// Sends as much text as the control's buffer takes. Called before every tick. With
     /// [`PartnerWait::Allowed`] the call may block until text has arrived.
-    fn send_text(&mut self, cnc: &mut Cnc, wait: PartnerWait);
+    fn send_text(&mut self, line: &mut dyn DncReceiver, wait: PartnerWait);
 }
 
 /// A partner that has the whole program text in memory, and sends it from the beginning each
@@ -39,10 +88,11 @@ impl TextPartner {
 }
 
 impl ProgramPartner for TextPartner {
-    fn send_text(&mut self, cnc: &mut Cnc, _wait: PartnerWait) {
-        cnc.set_dnc_partner(true);
-        if self.call_number != cnc.dnc_request_count() {
-            (self.call_number, self.sent_bytes) = (cnc.dnc_request_count(), 0);
+    fn send_text(&mut self, line: &mut dyn DncReceiver, _wait: PartnerWait) {
+        connect_partner(line);
+        let request_count = line.control().dnc_request_count();
+        if self.call_number != request_count {
+            (self.call_number, self.sent_bytes) = (request_count, 0);
         }
         let rest = self
             .text
@@ -50,8 +100,9 @@ impl ProgramPartner for TextPartner {
             .get(self.sent_bytes..)
             .unwrap_or_default();
         if rest.is_empty() {
-            return cnc.end_dnc();
+            line.pass(DncInput::Complete);
+            return;
         }
-        self.sent_bytes += cnc.receive_dnc(rest);
+        self.sent_bytes += pass_characters(line, rest);
     }
 }

@@ -137,13 +137,13 @@ impl<'a, S: ScriptHost> ScriptSession<'a, S> {
         let Some(board) = &mut self.board else {
             return Some(runner.advance(self.emulator, slice));
         };
-        if !board.wait_for_tick(&mut self.emulator.simulation) {
+        if !board.wait_for_tick(self.emulator.board_simulation()) {
             return None;
         }
         let tick = self.emulator.ticks();
         let progress = runner.advance(self.emulator, 1);
         if self.emulator.ticks() != tick {
-            board.finish_tick(&mut self.emulator.simulation);
+            board.finish_tick(self.emulator.board_simulation());
         }
         Some(progress)
     }
@@ -158,7 +158,7 @@ impl<'a, S: ScriptHost> ScriptSession<'a, S> {
                 let bytes = || match panel {
                     true => picture::encode_panel(emulator),
                     false => {
-                        picture::encode_lcd(&emulator.screen(), emulator.panel.view().brightness)
+                        picture::encode_lcd(&emulator.screen(), emulator.panel().view().brightness)
                     }
                 };
                 let stored = self.host.store_picture(&path, &bytes);
@@ -182,7 +182,7 @@ impl<'a, S: ScriptHost> ScriptSession<'a, S> {
             }
             Effect::DncRoom => {
                 if let Some(partner) = &mut self.partner {
-                    partner.send_text(&mut self.emulator.simulation.cnc, PartnerWait::Allowed);
+                    partner.send_text(self.emulator, PartnerWait::Allowed);
                 }
             }
         }

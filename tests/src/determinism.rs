@@ -116,7 +116,7 @@ pub fn trace_session(saves: &[u64]) -> Result<SessionTrace, String> {
             continue;
         }
         trace.ticks += 1;
-        let cnc = &emulator.simulation.cnc;
+        let cnc = emulator.cnc();
         let machine = cnc.position_machine();
         for axis in [machine.x, machine.z] {
             add_to_hash(&mut trace.positions, axis.to_bits().to_le_bytes());

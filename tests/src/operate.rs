@@ -4,7 +4,7 @@ use std::path::Path;
 
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
-use gsk_panel::panel::SerialFile;
+use gsk_panel::panel::{SerialCable, SerialFile};
 use gsk_panel::script::Script;
 use gsk_runner::partner::{ProgramPartner, TextPartner};
 use gsk_runner::picture::PictureError;
@@ -34,7 +34,9 @@ pub(crate) fn run_script_case(
         lines.join("\n")
     })?;
     let mut emulator = Emulator::new(case.setup.script_setup()?);
-    emulator.panel.connect(case.partner);
+    if case.partner {
+        emulator.connect_cable(SerialCable::Simulated);
+    }
     let mut files = CaseFiles { folder };
     let end = ScriptSession::new(&mut emulator, &mut files).run(script);
     if let ScriptEnd::Failed(failure) = end {
@@ -97,7 +99,7 @@ fn compare_sent(folder: &Path, emulator: &mut Emulator, update: bool) -> Result<
     let Some(expected) = crate::read_optional_file(folder, SENT_FILE)? else {
         return Ok(());
     };
-    let files = emulator.panel.take_sent().into_iter();
+    let files = emulator.take_sent().into_iter();
     let seen: String = files
         .map(|file| format!("== {}\n{}", file.name, file.text))
         .collect();
@@ -145,7 +147,7 @@ fn compare_picture(folder: &Path, emulator: &Emulator, update: bool) -> Result<(
     }
     let file_error = |error: std::io::Error| format!("{PICTURE_FILE}: {error}");
     let stored = std::fs::read(&path).map_err(file_error)?;
-    let (screen, brightness) = (emulator.screen(), emulator.panel.view().brightness);
+    let (screen, brightness) = (emulator.screen(), emulator.panel().view().brightness);
     if picture::is_same_picture(&stored, &screen, brightness) {
         return Ok(());
     }

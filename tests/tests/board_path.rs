@@ -11,11 +11,11 @@ use std::time::Duration;
 
 use board::{BenchBoard, LinkedMachine, TimedBoard};
 use gsk_core::linked::LinkedControl;
+use gsk_core::setup::Setup;
 use gsk_core::units::Point;
 use gsk_link::LinkState;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
-use gsk_panel::panel::Panel;
 use gsk_panel::trace::PathSegment;
 use gsk_twins::grbl::{GrblTwin, Variant};
 
@@ -33,11 +33,10 @@ struct PlottedLathe<T> {
 
 impl<T: BenchBoard> PlottedLathe<T> {
     fn new(machine: LinkedMachine<T>) -> Self {
+        let mut emulator = Emulator::new(Setup::default());
+        *emulator.board_simulation() = machine.simulation;
         let mut lathe = Self {
-            emulator: Emulator {
-                simulation: machine.simulation,
-                panel: Panel::new(),
-            },
+            emulator,
             linked: machine.linked,
             twin: machine.twin,
         };
@@ -52,9 +51,9 @@ impl<T: BenchBoard> PlottedLathe<T> {
             let now = Duration::from_nanos(self.twin.now());
             self.linked.pump(&bytes, now);
             while self.linked.can_tick() {
-                self.linked.before_tick(&mut self.emulator.simulation);
+                self.linked.before_tick(self.emulator.board_simulation());
                 self.emulator.tick();
-                self.linked.after_tick(&mut self.emulator.simulation);
+                self.linked.after_tick(self.emulator.board_simulation());
             }
             let bytes = self.linked.tx().to_vec();
             self.twin.write(&bytes);
@@ -70,12 +69,12 @@ impl<T: BenchBoard> PlottedLathe<T> {
     }
 
     fn position(&self) -> Point {
-        self.emulator.simulation.cnc.position_absolute()
+        self.emulator.cnc().position_absolute()
     }
 
     fn path(&self) -> Vec<PathSegment> {
         self.emulator
-            .panel
+            .panel()
             .view()
             .trace
             .segments()

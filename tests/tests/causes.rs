@@ -186,7 +186,7 @@ impl ExplainedEvents {
 
 impl Observer {
     fn new(emulator: &Emulator) -> Self {
-        let cnc = &emulator.simulation.cnc;
+        let cnc = emulator.cnc();
         let pulses = cnc.pulses();
         Self {
             now: 0,
@@ -216,13 +216,13 @@ impl Observer {
 
     /// The wheel was turned.
     fn wheel(&mut self, emulator: &Emulator, graduations: i32) {
-        let memory = emulator.simulation.cnc.plc().memory();
+        let memory = emulator.cnc().plc().memory();
         let axis = match memory.g(18) & 0b11 {
             1 => Axis::X,
             2 => Axis::Z,
             _ => return,
         };
-        if emulator.simulation.cnc.mode() == OperatingMode::Handwheel {
+        if emulator.cnc().mode() == OperatingMode::Handwheel {
             *self.credit.get_mut(axis) += i64::from(graduations.abs()) * INCREMENT;
         }
     }
@@ -231,7 +231,7 @@ impl Observer {
     fn check_tick(&mut self, emulator: &Emulator) -> Result<(), String> {
         self.now += 1;
         let now = self.now;
-        let cnc = &emulator.simulation.cnc;
+        let cnc = emulator.cnc();
         let memory = cnc.plc().memory();
         let contact = |at: BitAddress| memory.x(at.byte) >> at.bit & 1 == 1;
         let was = |keys: &[u8; 30], at: BitAddress| keys[usize::from(at.byte)] >> at.bit & 1 == 1;
@@ -258,7 +258,7 @@ impl Observer {
         self.tool.note(now, memory.f(7) & 0b1000 != 0);
         self.loop_closed.note(now, contact(input_bit(0, 5)));
         self.unlocked.note(now, memory.g(44) & 0b10 == 0);
-        let powered = emulator.panel.powered();
+        let powered = emulator.panel().powered();
         let let_go = was(&self.keys, CYCLE_START) && !contact(CYCLE_START);
         self.start_let_go.note(now, let_go);
 
@@ -389,7 +389,7 @@ impl Observer {
             self.seen.rises += u64::from(rises(output));
         }
         self.spindle_on.note(now, spindle);
-        let rpm = emulator.simulation.lathe.spindle_rpm().abs();
+        let rpm = emulator.lathe().spindle_rpm().abs();
         let gains = rpm > self.rpm + 1e-9;
         require(
             !gains || self.spindle_on.is_within(now, DIRECT_DELAY_MS),
@@ -493,14 +493,14 @@ fn run_random_keys(seed: u64) -> Result<ExplainedEvents, String> {
                     state
                 };
                 done.push(format!("{}: input {at:?} {state:?}", observer.now));
-                emulator.simulation.lathe.force_input(at, state);
+                emulator.force_input(at, state);
             }
             2 if dice.one_in(4) => {
                 let (name, fault) =
                     LatheFault::ALL[dice.below(LatheFault::ALL.len() as u64) as usize];
                 let on = dice.one_in(4);
                 done.push(format!("{}: fault {name} {on}", observer.now));
-                emulator.simulation.lathe.set_fault(fault, on);
+                emulator.set_fault(fault, on);
             }
             4 => {
                 let phrase = PHRASES[dice.below(PHRASES.len() as u64) as usize];
@@ -521,9 +521,9 @@ fn run_random_keys(seed: u64) -> Result<ExplainedEvents, String> {
         }
         // Faults that stop the machine for good would end the test early. So the button is
         // released and RESET is pressed more often than by chance.
-        let key = if emulator.panel.emergency_stop() && dice.one_in(2) {
+        let key = if emulator.panel().emergency_stop() && dice.one_in(2) {
             Key::EmergencyStop
-        } else if !emulator.simulation.cnc.alarms().is_empty() && dice.one_in(4) {
+        } else if !emulator.cnc().alarms().is_empty() && dice.one_in(4) {
             Key::Reset
         } else {
             random_key(&mut dice)

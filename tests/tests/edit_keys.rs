@@ -11,7 +11,7 @@ use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_panel::emulator::{Emulator, WaitCondition};
 use gsk_panel::keys::Key;
-use gsk_panel::panel::KeyEvent;
+use gsk_panel::panel::{KeyEvent, SerialCable};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -139,12 +139,16 @@ fn start_session(random: &mut KeyRandom) -> Emulator {
     }
     let mut emulator = Emulator::new(setup);
     emulator.run_until(&WaitCondition::SelfTestOver, 10_000);
-    emulator.panel.connect(random.below(2) == 0);
+    let cable = match random.below(2) {
+        0 => SerialCable::Simulated,
+        _ => SerialCable::Disconnected,
+    };
+    emulator.connect_cable(cable);
     if random.below(2) == 0 {
-        let cnc = &mut emulator.simulation.cnc;
-        cnc.request(ControlRequest::SetParameterSwitch(true))
+        emulator
+            .request(ControlRequest::SetParameterSwitch(true))
             .unwrap();
-        cnc.request(ControlRequest::CancelSwitchAlarm).unwrap();
+        emulator.request(ControlRequest::CancelSwitchAlarm).unwrap();
     }
     emulator
 }
@@ -281,17 +285,17 @@ fn no_key_panics_corrupts_the_memory_or_passes_a_protection() {
             emulator = start_session(&mut random);
             builder = false;
         }
-        let guarded = GuardedData::from_cnc(&emulator.simulation.cnc);
-        let before = emulator.simulation.cnc.programs().clone();
+        let guarded = GuardedData::from_cnc(emulator.cnc());
+        let before = emulator.cnc().programs().clone();
         press(&mut emulator, &mut random);
-        let sent = emulator.panel.take_sent();
-        builder |= emulator.simulation.cnc.authority().level().number() <= 2;
+        let sent = emulator.take_sent();
+        builder |= emulator.cnc().authority().level().number() <= 2;
         assert!(
             builder || sent.iter().all(|file| file.name != "O9001.CNC"),
             "nobody had the level that sends it"
         );
         files += sent.len();
-        let cnc = &emulator.simulation.cnc;
+        let cnc = emulator.cnc();
         guarded.check(cnc);
         changes += u64::from(*cnc.programs() != before);
         if key % CHECK_INTERVAL == 0 {

@@ -187,7 +187,7 @@ fn words_under_the_pointer_on_the_lcd_are_found() {
         (PageId::Prg, 14, 22, "key MDI"),
         (PageId::Prg, 0, 30, "field O"),
     ] {
-        emulator.panel.show(page);
+        emulator.show_page(page);
         let screen = emulator.screen();
         let found = topic_at(ModelId::default(), page, &screen, row, column)
             .map(|it| it.subject.to_string());
@@ -214,7 +214,7 @@ fn every_field_of_every_page_has_its_topic() {
     let mut silent = Vec::new();
     let mut words = 0;
     for row in &PAGES {
-        emulator.panel.show(row.page);
+        emulator.show_page(row.page);
         for screen in [emulator.screen(), emulator.translated_screen()] {
             for at in 0..gsk_panel::screen::ROWS {
                 let mut columns = 0..gsk_panel::screen::COLUMNS;
@@ -253,7 +253,7 @@ fn teach_in_of_the_nc_b08_and_macro_b_are_explained() {
     let mut emulator = Emulator::new(setup);
     emulator.run_until(&WaitCondition::SelfTestOver, 10_000);
     emulator.press(gsk_panel::keys::Key::Jog);
-    emulator.panel.show(PageId::Graph);
+    emulator.show_page(PageId::Graph);
     for screen in [emulator.screen(), emulator.translated_screen()] {
         for row in [1, 2, 11, 12] {
             let found = topic_at(ModelId::default(), PageId::Graph, &screen, row, 14);

@@ -195,7 +195,7 @@ const WRITING_PAGES: [WritingPage; 29] = [
 ];
 
 const fn cnc(emulator: &Emulator) -> &Cnc {
-    &emulator.simulation.cnc
+    emulator.cnc()
 }
 
 fn programs(emulator: &Emulator) -> String {
@@ -213,7 +213,7 @@ fn parameters(emulator: &Emulator) -> String {
 }
 
 fn graphic(emulator: &Emulator) -> String {
-    format!("{:?}", emulator.panel.view().graphic)
+    format!("{:?}", emulator.panel().view().graphic)
 }
 
 fn run_script(emulator: &mut Emulator, text: &str, why: &str) {
@@ -253,16 +253,15 @@ fn prepare_machine(page: &WritingPage, protection: &str) -> Emulator {
     setup.memory.counters.cutting_ms = 3_600_000;
     let mut emulator = Emulator::new(setup);
     // The self-test picture is skipped: there are 400 of them.
-    emulator.panel.show(PageId::PosRel);
+    emulator.show_page(PageId::PosRel);
     emulator.run(100);
-    let cnc = &mut emulator.simulation.cnc;
     let selected = if page.name.starts_with("prg-9000") {
         9001
     } else {
         12
     };
     // Hidden programs cannot be selected; that is their protection.
-    let _ = cnc.request(ControlRequest::SelectProgram(selected));
+    let _ = emulator.request(ControlRequest::SelectProgram(selected));
     emulator.press(gsk_panel::keys::Key::Reset);
     // The page sets the switches, unless a protection prevents it: then they were set before.
     let switch = protection != "PSW" && page.name != "set-switch";
@@ -292,14 +291,13 @@ fn prepare_machine(page: &WritingPage, protection: &str) -> Emulator {
 /// Switches the parameter switch on and clears its alarm. If a protection prevents it, it was
 /// switched on before.
 fn force_switch(emulator: &mut Emulator) {
-    let cnc = &mut emulator.simulation.cnc;
     for request in [
         ControlRequest::SetParameterSwitch(true),
         ControlRequest::CancelSwitchAlarm,
     ] {
-        cnc.request(request).unwrap_or_default();
+        emulator.request(request).unwrap_or_default();
     }
-    if cnc.is_parameter_switch_on() {
+    if cnc(emulator).is_parameter_switch_on() {
         return;
     }
     let text = ron::to_string(emulator).unwrap();

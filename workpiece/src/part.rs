@@ -10,6 +10,8 @@
 //!     +----+----+----+----+----+--> Z
 //! ```
 
+use std::sync::Arc;
+
 use gsk_units::Point;
 
 use crate::convex::{sweep, sweep_along};
@@ -22,8 +24,8 @@ const SLAB_UNITS: i32 = 20_000;
 /// The half section of a part that tools cut, stored in slabs along Z.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TurnedPart {
-    /// Slabs in the order of Z.
-    slabs: Vec<Slab>,
+    /// Slabs in the order of Z. Copies of a part share those that neither has cut since.
+    slabs: Vec<Arc<Slab>>,
     /// The number of the first slab; slab `n` begins at `n * SLAB_UNITS`.
     first: i32,
     version: u64,
@@ -93,7 +95,7 @@ impl TurnedPart {
                     corner(number, bounds.low.y),
                     corner(number + 1, bounds.high.y),
                 );
-                Slab::new(section.intersection(slab.contours()), number)
+                Arc::new(Slab::new(section.intersection(slab.contours()), number))
             })
             .collect();
         Self {
@@ -144,7 +146,7 @@ impl TurnedPart {
                 removed.area += slab.region.area() - left.area();
                 removed.volume += slab.region.volume() - left.volume();
                 changed = true;
-                *slab = Slab::new(left, number);
+                *slab = Arc::new(Slab::new(left, number));
             }
         }
         if changed {
@@ -154,7 +156,7 @@ impl TurnedPart {
     }
 
     /// The slabs whose material may intersect a box, each with its index in the list of slabs.
-    fn slabs_near(&mut self, bounds: &GridBounds) -> impl Iterator<Item = (usize, &mut Slab)> {
+    fn slabs_near(&mut self, bounds: &GridBounds) -> impl Iterator<Item = (usize, &mut Arc<Slab>)> {
         let index =
             |z: i32| (z.div_euclid(SLAB_UNITS) - self.first).clamp(0, self.slabs.len() as i32);
         let (from, to) = (

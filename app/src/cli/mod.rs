@@ -16,6 +16,7 @@ mod picture;
 mod pitch;
 mod preview;
 mod project;
+mod replay;
 mod run;
 mod transfer;
 
@@ -46,6 +47,7 @@ pub use project::{
     DiffFormat, ProjectDiffArgs, ProjectExportArgs, ProjectImportArgs, ProjectNewArgs,
     ProjectSubcommand,
 };
+pub use replay::ReplayArgs;
 pub use run::RunArgs;
 pub use transfer::{
     ExistingFile, SerialArgs, TextEnd, TransferArgs, TransferBackupArgs, TransferCommand,
@@ -135,6 +137,9 @@ pub struct WindowArgs {
     /// A pulse board at this port moves the slides: REAL MOTION [default: the port in the machine file, if it names one]
     #[arg(long, value_name = "PORT")]
     pub link: Option<String>,
+    /// Record the session into this file as well, for `replay`
+    #[arg(long, value_name = "FILE")]
+    pub record: Option<PathBuf>,
 }
 
 /// The commands; only the options of the one that is called are built.
@@ -170,6 +175,12 @@ pub enum CliCommand {
     /// List, check or play guided lessons
     #[command(subcommand)]
     Lesson(LessonCommand),
+    /// Replay a recording of the window and compare the states in it
+    ///
+    /// The window records every session into `recordings` of the data folder, the last 50 MB.
+    /// The replay simulates it from its first state and its inputs. Exit code 1: a state differs
+    /// from the recorded one, or the file is damaged.
+    Replay(DeferredArgs<ReplayArgs>),
     /// Print or draw one LCD page as it looks after power-on
     Screen(DeferredArgs<ScreenArgs>),
     /// Print the keys of the panel: script name, label, PC key, address

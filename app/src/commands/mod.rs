@@ -15,6 +15,7 @@ mod operate;
 mod pitch;
 mod plot;
 mod project;
+mod replay;
 mod results;
 mod run;
 mod screen;
@@ -85,6 +86,7 @@ pub fn run_command_line(cli: CommandLine) -> ExitCode {
         Some(CliCommand::Dialect(args)) => dialect::dialect(&args, language),
         Some(CliCommand::Operate(args)) => operate::operate(&args, language),
         Some(CliCommand::Lesson(command)) => lesson::lesson(&command, language),
+        Some(CliCommand::Replay(args)) => replay::replay(&args, language),
         Some(CliCommand::Screen(args)) => screen::screen(&args),
         Some(CliCommand::Keys(args)) => tables::keys(&args, language),
         Some(CliCommand::Parameters(args)) => tables::parameters(&args, language),

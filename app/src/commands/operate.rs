@@ -16,7 +16,7 @@ use gsk_host::termination::TERMINATED_EXIT_CODE;
 use gsk_host::{loading, retained, transfer};
 use gsk_messages::{Language, Message, say};
 use gsk_panel::emulator::Emulator;
-use gsk_panel::panel::SerialFile;
+use gsk_panel::panel::{SerialCable, SerialFile};
 use gsk_panel::script::{Script, ScriptAction};
 use gsk_runner::board::PulseBoard;
 use gsk_runner::partner::ProgramPartner;
@@ -72,10 +72,10 @@ pub fn operate(args: &OperateArgs, language: Option<Language>) -> Result<u8, Com
     let mut record = args.record.is_some().then(|| ScriptRecord::new(&script));
     if let Some(restored) = &restored {
         restored.restore_panel(&mut emulator);
-        emulator.panel.connect(true);
+        emulator.connect_cable(SerialCable::Simulated);
     }
     let live = match link {
-        Some(link) => Some(HeadlessBoard::open(link, &mut emulator.simulation)?),
+        Some(link) => Some(HeadlessBoard::open(link, emulator.board_simulation())?),
         None => None,
     };
     let code = play_script(script, path, &mut emulator, live, record.as_mut());
@@ -83,7 +83,7 @@ pub fn operate(args: &OperateArgs, language: Option<Language>) -> Result<u8, Com
     let mut errors = Vec::new();
     if let (Some(data), Some(restored)) = (data, restored) {
         emulator.store_edited();
-        let sent = emulator.panel.take_sent();
+        let sent = emulator.take_sent();
         let folder = data.path().join(transfer::FOLDER);
         errors.extend(
             transfer::write_files(&folder, &sent)
@@ -149,7 +149,7 @@ fn resolve_path(folder: &Path, name: &str) -> PathBuf {
 }
 
 const fn simulation(emulator: &mut Emulator) -> &mut Simulation {
-    &mut emulator.simulation
+    emulator.board_simulation()
 }
 
 /// Plays the script once the board, if any, has reported its state. Returns the exit code.
@@ -182,7 +182,7 @@ fn play_script(
         .run(script);
     let code = match end {
         ScriptEnd::Finished => {
-            let took = format_time(emulator.simulation.cnc.ticks() as f64 * 0.001);
+            let took = format_time(emulator.cnc().ticks() as f64 * 0.001);
             // On standard error: standard output has the screens of the script.
             let message = say::script_done(path.display(), lines, took);
             complain!("{}", output::localize(&message));

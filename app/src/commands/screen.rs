@@ -33,13 +33,13 @@ pub fn screen(args: &ScreenArgs) -> Result<u8, CommandError> {
     };
     let mut emulator = Emulator::new(Setup::default());
     emulator.run_until(&WaitCondition::SelfTestOver, MAX_SELF_TEST_MS);
-    emulator.panel.show(row.page);
+    emulator.show_page(row.page);
     let screen = emulator.screen();
     let Some(path) = &args.output else {
         output::print(&format!("{screen}\n"));
         return Ok(EXIT_OK);
     };
-    let bytes = picture::encode_lcd(&screen, emulator.panel.view().brightness)?;
+    let bytes = picture::encode_lcd(&screen, emulator.panel().view().brightness)?;
     std::fs::write(path, bytes).map_err(|error| output::WriteError::new(path, error))?;
     Ok(EXIT_OK)
 }

@@ -6,6 +6,7 @@ use gsk_core::model::ModelId;
 use gsk_core::setup::Setup;
 use gsk_host::files::data_dir::{self, DataDir, DataDirError};
 use gsk_host::files::models;
+use gsk_host::flight::{self, FlightRecorder, RecordingTarget};
 use gsk_host::kernel::{BoardConnection, Kernel};
 use gsk_host::loading::LoadError;
 use gsk_host::message_format::describe_io_error;
@@ -15,6 +16,7 @@ use gsk_host::setup_args::SetupArgs;
 use gsk_host::{loading, log, platform, retained, transfer};
 use gsk_messages::{Language, Message, say};
 use gsk_panel::emulator::Emulator;
+use gsk_panel::panel::SerialCable;
 use gsk_runner::report;
 use gsk_window::WindowSettings;
 use gsk_window::app::{self, WindowStart};
@@ -184,7 +186,7 @@ impl WindowStarter {
         };
         let link = board_connection(args.link.clone(), &setup, Some(&path))?;
         let mut emulator = Emulator::new(setup);
-        emulator.panel.connect(true);
+        emulator.connect_cable(SerialCable::Simulated);
         restored.restore_panel(&mut emulator);
         let (mut kernel, console) = Kernel::new(emulator);
         if let (Some(port), DncSource::Port(same)) = (&args.serial.serial, &source)
@@ -198,6 +200,12 @@ impl WindowStarter {
         }
         if let Some(link) = link {
             kernel.connect(link);
+        }
+        let folder = RecordingTarget::Folder(path.join(flight::FOLDER));
+        let file = args.record.clone().map(RecordingTarget::File);
+        for target in core::iter::once(folder).chain(file) {
+            let recorder = FlightRecorder::start(target).map_err(CommandError::Gone)?;
+            kernel.add_flight_recorder(recorder);
         }
         Ok(WindowStart {
             kernel,
@@ -372,7 +380,7 @@ mod tests {
             ..WindowSettings::default()
         };
         let start = turn_on(&folder, Some(&chosen("small-flat-bed.ron")), false);
-        let lathe = |start: &WindowStart| start.kernel.emulator().simulation.lathe.config().clone();
+        let lathe = |start: &WindowStart| start.kernel.emulator().lathe().config().clone();
         let read = loading::load_machine(&machines.join("small-flat-bed.ron")).expect("a machine");
         assert_eq!(lathe(&start), read);
         drop(start);

@@ -141,7 +141,7 @@ impl MouseOperator {
     }
 
     fn is_up(&self, key: Key) -> bool {
-        !self.bench.kernel.emulator().panel.is_held(key)
+        !self.bench.kernel.emulator().panel().is_held(key)
     }
 
     fn act(&mut self, action: &ScriptAction) -> Result<(), String> {

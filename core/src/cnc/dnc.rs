@@ -23,6 +23,19 @@ const CHARACTER_CREDIT: u32 = 10 * 1000;
 /// Greatest number of characters on the line between the sending device and the buffer.
 const MAX_ON_LINE: usize = 64;
 
+/// What a device that sends programs does on the serial line.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum DncInput {
+    /// The device is connected, or disconnected.
+    Connected(bool),
+    /// The device has sent these characters.
+    Characters(Vec<u8>),
+    /// The device has sent the whole program.
+    Complete,
+    /// The line has failed for this reason.
+    Failed(Message),
+}
+
 /// State of the serial line in DNC operation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct DncLine {
@@ -50,6 +63,22 @@ impl DncLine {
 }
 
 impl Cnc {
+    /// Applies what the sending device does. Returns the number of accepted characters.
+    pub fn apply_dnc(&mut self, input: DncInput) -> usize {
+        match input {
+            DncInput::Connected(on) => self.set_dnc_partner(on),
+            DncInput::Characters(characters) => return self.receive_dnc(&characters),
+            DncInput::Complete => self.end_dnc(),
+            DncInput::Failed(reason) => self.fail_dnc(reason),
+        }
+        0
+    }
+
+    /// Returns whether a device that sends programs is connected.
+    pub const fn has_dnc_partner(&self) -> bool {
+        self.dnc.is_connected
+    }
+
     /// Connects or disconnects the device that sends programs. A disconnection while its
     /// program runs ends the program with alarm 086.
     pub fn set_dnc_partner(&mut self, is_connected: bool) {

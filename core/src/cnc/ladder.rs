@@ -10,7 +10,7 @@ use super::parts::PlcPort;
 use crate::memory::{ControlParameters, parameter};
 
 /// Length of a step of the halted ladder.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum LadderStep {
     /// One rung of the ladder.
     Rung,

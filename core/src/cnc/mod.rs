@@ -22,6 +22,7 @@ mod view;
 use gsk_messages::Message;
 use serde::{Deserialize, Serialize};
 
+pub use dnc::DncInput;
 use dnc::DncLine;
 pub(crate) use interpreter_host::ControlHost;
 pub use ladder::LadderStep;

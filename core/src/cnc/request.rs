@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use gsk_plc::Ladder;
 use gsk_plc::address::{Area, BitAddress, ByteAddress};
+use serde::{Deserialize, Serialize};
 
 pub use received::{ReceivedData, SerialPort};
 
@@ -21,7 +22,7 @@ use crate::program::Program;
 use crate::units::Axis;
 
 /// A request of the panel to the control.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ControlRequest {
     /// Sets the relative coordinate of one axis to zero.
     ZeroRelative(Axis),
@@ -169,7 +170,7 @@ pub enum ControlRequest {
 }
 
 /// A value for a tool offset, and how the offset is calculated from it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum OffsetEntry {
     /// X or Z with a value in the unit of the display: stored as the offset, or taken as the
     /// measured coordinate (012.5 DOFSI).

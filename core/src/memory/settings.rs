@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// A row of the setting page.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum SettingRow {
     /// 奇偶校检 (parity check): stored, without effect on this control.
     Parity,

@@ -92,7 +92,11 @@ pub fn read(path: &Path) -> Result<ProgramFile, ProgramFileError> {
     })
 }
 
-fn read_bytes(path: &Path) -> Result<Vec<u8>, ProgramFileError> {
+/// Reads the bytes of a file, up to 256 MB.
+///
+/// # Errors
+/// The file cannot be read, is a folder or is larger.
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>, ProgramFileError> {
     let system = |source| ProgramFileError::System {
         path: path.to_owned(),
         source,

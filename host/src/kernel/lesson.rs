@@ -72,6 +72,11 @@ impl PracticeSession {
         &mut self.own
     }
 
+    /// Returns the learner's own machine and its part.
+    pub(super) fn own_and_part(&mut self) -> (&mut Emulator, &mut KernelPart) {
+        (&mut self.own, &mut self.own_part)
+    }
+
     /// Returns the learner's own part. A job that is set during the lesson goes to it, and
     /// applies after the lesson.
     pub(super) const fn own_part(&mut self) -> &mut KernelPart {
@@ -143,7 +148,7 @@ impl Kernel {
     }
 
     fn is_own_machine_running(&self) -> bool {
-        let run = self.own_machine().simulation.cnc.run_state();
+        let run = self.own_machine().cnc().run_state();
         !matches!(run, RunState::Reset | RunState::Stop)
     }
 

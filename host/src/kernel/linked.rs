@@ -21,16 +21,18 @@ impl Kernel {
     /// raises an alarm of the control.
     pub fn connect(&mut self, connection: BoardConnection) {
         self.disconnect();
-        let mut drive = Drive::open(connection, &mut self.emulator.simulation);
+        let mut drive = Drive::open(connection, self.emulator.board_simulation());
         drive.request_view(self.link_watched);
         self.drive = Some(drive);
+        self.has_real_slides = true;
         self.input_watch.set_linked(true);
     }
 
     pub(super) fn disconnect(&mut self) -> Option<BoardConnection> {
         let drive = self.drive.take()?;
+        self.has_real_slides = false;
         self.input_watch.set_linked(false);
-        Some(drive.close(&mut self.emulator.simulation))
+        Some(drive.close(self.emulator.board_simulation()))
     }
 
     /// Returns the time at which the kernel thread has work again; `None` if it has work at once,
@@ -68,9 +70,9 @@ impl Kernel {
         };
         let begun = Instant::now();
         while begun.elapsed() < MAX_TICK_TIME && drive.may_tick() {
-            drive.before_tick(&mut self.emulator.simulation);
+            drive.before_tick(self.emulator.board_simulation());
             self.tick();
-            drive.after_tick(&mut self.emulator.simulation);
+            drive.after_tick(self.emulator.board_simulation());
             if self.tick.is_multiple_of(snapshot_ticks) {
                 drive.keep_snapshot(self.snapshot());
             }

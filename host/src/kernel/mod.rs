@@ -5,6 +5,7 @@ mod alarm_history;
 mod console;
 mod drive;
 mod edges;
+mod flight_recording;
 pub mod headless_board;
 mod journal;
 mod key_refusals;
@@ -32,14 +33,15 @@ use gsk_core::operation::{OperatingMode, RunState};
 use gsk_core::program::Program;
 use gsk_core::simulation::Simulation;
 use gsk_messages::say;
-use gsk_panel::emulator::Emulator;
+use gsk_panel::emulator::{Emulator, EmulatorInput};
 use gsk_panel::keys::Key;
-use gsk_panel::panel::KeyEvent;
+use gsk_panel::panel::{KeyEvent, SerialCable};
 use gsk_panel::refusal::KeyPress;
 use gsk_project::ProjectState;
 use gsk_runner::partner::{PartnerWait, ProgramPartner as _};
 use web_time::Duration;
 
+use crate::flight::FlightRecorder;
 use crate::input_watch::InputWatch;
 use crate::job::SelectedJob;
 use crate::kernel::pace::RunSpeed;
@@ -96,6 +98,8 @@ pub struct Kernel {
     machine_monitor: Option<MachineMonitor>,
     /// The board that moves real slides; `None` if none is connected.
     drive: Option<Drive>,
+    /// Whether a board is connected, also while [`Self::run_linked`] holds its drive.
+    has_real_slides: bool,
     /// The partner that sends programs in DNC operation; `None` without a source.
     partner: Option<DncPartner>,
     /// The control's serial port, connected to a port of the computer; `None` if it is not
@@ -129,6 +133,8 @@ pub struct Kernel {
     active_probe: Option<ActiveProbe>,
     /// The part in the lathe, with its job.
     part: KernelPart,
+    /// The recorders that follow the learner's own machine.
+    recorders: Vec<FlightRecorder>,
     /// Number of commands received so far; an increase proves that the window is alive.
     command_count: u64,
     /// Holds the proof that held keys are still held.
@@ -156,6 +162,7 @@ impl Kernel {
             machine: Arc::clone(&machine),
             machine_monitor: None,
             drive: None,
+            has_real_slides: false,
             partner: None,
             serial: None,
             links: Arc::clone(&links),
@@ -177,6 +184,7 @@ impl Kernel {
             speed_ratio: None,
             active_probe: None,
             part: KernelPart::new(Arc::clone(&part)),
+            recorders: Vec::new(),
             command_count: 0,
             input_watch: InputWatch::default(),
             wheel_rests_until: Duration::ZERO,
@@ -205,7 +213,7 @@ impl Kernel {
 
     /// Connects the control's serial port to a port of the computer.
     pub fn connect_serial_line(&mut self, line: SerialLine) {
-        self.emulator.panel.connect_port();
+        self.emulator.connect_cable(SerialCable::Line);
         self.serial = Some(line);
     }
 
@@ -216,7 +224,7 @@ impl Kernel {
     /// Returns the current speed of machine time: the selected one while a program runs
     /// automatically on the simulated lathe, else that of a real lathe (decision WINDOW-9).
     pub fn speed(&self) -> RunSpeed {
-        let runs = self.emulator.simulation.cnc.run_state() == RunState::Run;
+        let runs = self.emulator.cnc().run_state() == RunState::Run;
         match runs && self.drive.is_none() {
             true => self.speed,
             false => RunSpeed::REAL,
@@ -242,15 +250,16 @@ impl Kernel {
             self.pass_key_event(event);
         }
         if let Some(partner) = &mut self.partner {
-            partner.send_text(&mut self.emulator.simulation.cnc, PartnerWait::Forbidden);
+            partner.send_text(&mut self.emulator, PartnerWait::Forbidden);
         }
         match &mut self.lesson {
             Some(lesson) => lesson.tick(&mut self.emulator),
             None => self.emulator.tick(),
         }
         self.tick += 1;
-        self.alarm_history.update(&self.emulator.simulation.cnc);
-        self.start_watch.update(&self.emulator.simulation.cnc);
+        self.cut_part();
+        self.alarm_history.update(self.emulator.cnc());
+        self.start_watch.update(self.emulator.cnc());
         if let Some(serial) = &mut self.serial {
             // Files are exchanged with the learner's own machine, also during a lesson.
             let own = match &mut self.lesson {
@@ -261,21 +270,24 @@ impl Kernel {
                 self.notify(Notice::Message(message));
             }
         }
-        for event in self.emulator.simulation.cnc.events() {
+        for event in self.emulator.cnc().events() {
             if let Event::Advised(text) = event {
                 self.notify(Notice::Message(text.clone()));
             }
         }
-        let verdict = self
-            .key_refusals
-            .check_due(self.tick, &self.emulator.simulation.cnc);
+        let verdict = self.key_refusals.check_due(self.tick, self.emulator.cnc());
         self.report_verdict(verdict);
         if let Some(probing) = &mut self.active_probe {
             probing.take_sample(self.tick, &self.emulator);
         }
-        let simulated = self.drive.is_none();
-        let simulation = &mut self.emulator.simulation;
-        if let Some((finding, stops)) = self.part.after_tick(simulation, simulated) {
+        self.follow_with_recorders();
+    }
+
+    /// Cuts the part after a tick of the machine, before anything else changes the machine: a
+    /// replay has the same order.
+    fn cut_part(&mut self) {
+        let simulated = !self.has_real_slides;
+        if let Some((finding, stops)) = self.part.after_tick(&mut self.emulator, simulated) {
             let collision = finding.collision;
             let (x, z) = (collision.tip.diameter().0, collision.tip.z);
             let what = collision.message();
@@ -290,9 +302,10 @@ impl Kernel {
     /// Publishes a snapshot if anything has changed since the last one; returns true if there
     /// is something new to show.
     pub fn publish(&mut self) -> bool {
-        let part_shown = self.part.publish(&self.emulator.simulation);
+        let part_shown = self.part.publish(self.emulator.simulation());
         let views_shown = self.publish_machine() || part_shown;
-        self.wait_watch.update(self.tick, &self.emulator.simulation);
+        self.wait_watch
+            .update(self.tick, self.emulator.simulation());
         let snapshot = self.snapshot();
         if self.last_snapshot.as_ref() == Some(&snapshot) {
             return views_shown;
@@ -323,17 +336,17 @@ impl Kernel {
 
     /// Returns the current state of the panel.
     pub fn snapshot(&self) -> PanelSnapshot {
-        let panel = &self.emulator.panel;
+        let panel = self.emulator.panel();
         PanelSnapshot {
             screen: self.emulator.screen(),
             translated: self
                 .translate_screen
                 .then(|| Box::new(self.emulator.translated_screen())),
             page: panel.page(),
-            model: self.emulator.simulation.cnc.model().id(),
+            model: self.emulator.cnc().model().id(),
             keys_reversed: KeysReversed {
-                x: self.emulator.simulation.cnc.parameters().is_up_positive(),
-                z: self.emulator.simulation.cnc.parameters().is_left_positive(),
+                x: self.emulator.cnc().parameters().is_up_positive(),
+                z: self.emulator.cnc().parameters().is_left_positive(),
             },
             brightness: panel.view().brightness,
             y_memory: self.emulator.lamps(),
@@ -343,22 +356,22 @@ impl Kernel {
             speed: self.speed,
             speed_ratio: self.speed_ratio,
             alarm: self.active_alarm(),
-            position_unknown: self.emulator.simulation.cnc.is_position_unknown(),
+            position_unknown: self.emulator.cnc().is_position_unknown(),
             board: self.drive.as_ref().map(Drive::state),
-            run_state: self.emulator.simulation.cnc.run_state(),
+            run_state: self.emulator.cnc().run_state(),
             program_wait: self
                 .wait_watch
-                .report(self.tick, self.emulator.simulation.cnc.run_state()),
-            start_distance: self.start_watch.report(&self.emulator.simulation.cnc),
-            is_moving: self.emulator.simulation.cnc.is_moving() || self.motion().spindle_rpm > 0.0,
-            program: self.emulator.simulation.cnc.programs().selected(),
+                .report(self.tick, self.emulator.cnc().run_state()),
+            start_distance: self.start_watch.report(self.emulator.cnc()),
+            is_moving: self.emulator.cnc().is_moving() || self.motion().spindle_rpm > 0.0,
+            program: self.emulator.cnc().programs().selected(),
             lesson: self.lesson.as_ref().map(PracticeSession::state),
             alarm_records: self.alarm_history.records(),
             motion: self.publish_motion.then(|| self.motion()),
             forced: ForcedState {
-                forced_bits: self.emulator.simulation.cnc.plc().forces().len(),
-                forced_inputs: self.emulator.simulation.lathe.forced_input_count(),
-                faults: self.emulator.simulation.lathe.fault_count(),
+                forced_bits: self.emulator.cnc().plc().forces().len(),
+                forced_inputs: self.emulator.lathe().forced_input_count(),
+                faults: self.emulator.lathe().fault_count(),
             },
         }
     }
@@ -368,7 +381,7 @@ impl Kernel {
     fn motion(&self) -> MachineMotion {
         /// Step to which the spindle speed is rounded, r/min.
         const STEP: f64 = 10.0;
-        let Simulation { cnc, lathe, .. } = &self.emulator.simulation;
+        let Simulation { cnc, lathe, .. } = self.emulator.simulation();
         let (slides, spindle) = match cnc.has_board() {
             true => (cnc.position_machine(), cnc.board_spindle_rpm()),
             false => (lathe.slide_position(), Some(lathe.spindle_rpm())),
@@ -407,13 +420,15 @@ impl Kernel {
                     self.notify(Notice::Message(refused.message()));
                 }
             }
-            Command::TransferFailed => self.emulator.panel.transfer_failed(),
+            Command::TransferFailed => {
+                self.emulator.apply(EmulatorInput::TransferFailed);
+            }
             Command::FitGraphic { least, greatest } => self.emulator.fit_graphic(least, greatest),
             Command::Probe(probe) => self.set_probe(probe),
             Command::Monitor(on) => self.machine_monitor = on.then(MachineMonitor::default),
-            Command::Fault(fault, on) => self.emulator.simulation.lathe.set_fault(fault, on),
+            Command::Fault(fault, on) => self.emulator.set_fault(fault, on),
             Command::Request(request) => {
-                if let Err(alarm) = self.emulator.simulation.cnc.request(*request) {
+                if let Err(alarm) = self.emulator.request(*request) {
                     self.notify(Notice::Refused(alarm));
                 }
             }
@@ -427,14 +442,16 @@ impl Kernel {
             Command::ShowPart(visible) => self.part.set_visible(visible),
             Command::PowerCycle => self.emulator.power_cycle(),
             Command::ForceInput(address, state) => {
-                self.emulator.simulation.lathe.force_input(address, state);
+                self.emulator.force_input(address, state);
             }
             Command::ReleaseForcedBits => self.release_forced_bits(),
             Command::Lesson(order) => self.execute_lesson_command(order),
             Command::Speed(speed) => self.speed = speed,
-            Command::ClearFaults => self.emulator.simulation.lathe.clear_faults(),
+            Command::ClearFaults => {
+                self.emulator.apply(EmulatorInput::ClearFaults);
+            }
             Command::FreeLathe => {
-                part::end_crash_faults(&mut self.emulator.simulation);
+                part::end_crash_faults(&mut self.emulator);
                 self.key_edges.push(KeyEdge::Tap(Key::Reset));
                 self.notify(Notice::Message(say::window_lathe_is_free()));
             }
@@ -494,7 +511,7 @@ impl Kernel {
     }
 
     fn release_forced_bits(&mut self) {
-        let forces = self.emulator.simulation.cnc.plc().forces().to_vec();
+        let forces = self.emulator.cnc().plc().forces().to_vec();
         for force in forces {
             self.execute_command(Command::Request(Box::new(ControlRequest::ForceBit(
                 force.bit, None,
@@ -513,7 +530,7 @@ impl Kernel {
     /// level.
     fn project_state(&self) -> (ProjectState, OperationLevel) {
         let own = self.own_machine();
-        let level = own.simulation.cnc.battery_memory().authority.level();
+        let level = own.cnc().battery_memory().authority.level();
         (retained::project::state_of_emulator(own), level)
     }
 
@@ -540,7 +557,7 @@ impl Kernel {
     /// Writes parameters, pitch errors, offsets and variables if the operator is permitted to
     /// change all of them; otherwise writes none and sends a notice.
     fn write_all_or_none(&mut self, requests: Vec<ControlRequest>) {
-        let rights = self.emulator.simulation.cnc.rights();
+        let rights = self.emulator.cnc().rights();
         let taken = |request: &ControlRequest| match request {
             ControlRequest::SetOffset { .. } => rights.check_offsets(),
             ControlRequest::SetVariable { .. } | ControlRequest::SetMacroVariable { .. } => {
@@ -554,7 +571,7 @@ impl Kernel {
             return;
         }
         for request in requests {
-            if let Err(alarm) = self.emulator.simulation.cnc.request(request) {
+            if let Err(alarm) = self.emulator.request(request) {
                 self.notify(Notice::Refused(alarm));
                 return;
             }
@@ -565,7 +582,7 @@ impl Kernel {
     /// explains why.
     fn turn_handwheel(&mut self, detents: i32) {
         self.emulator.turn(detents);
-        let cnc = &self.emulator.simulation.cnc;
+        let cnc = self.emulator.cnc();
         // An alarm takes precedence over this notice.
         if cnc.mode().motion_mode() == OperatingMode::Step && cnc.alarms().is_empty() {
             self.notify(Notice::Message(say::key_handwheel_in_step_mode()));
@@ -575,7 +592,7 @@ impl Kernel {
     /// Passes a key event or a typed character to the panel.
     fn pass_key_event(&mut self, event: KeyEvent) {
         let pressed = match event {
-            KeyEvent::Down(key) => Some(KeyPress::new(key, &self.emulator.simulation.cnc)),
+            KeyEvent::Down(key) => Some(KeyPress::new(key, self.emulator.cnc())),
             KeyEvent::Type(_) => Some(None),
             _ => None,
         };
@@ -596,7 +613,7 @@ impl Kernel {
     }
 
     fn active_alarm(&self) -> Option<Alarm> {
-        let cnc = &self.emulator.simulation.cnc;
+        let cnc = self.emulator.cnc();
         let alarm = cnc.alarms().first().cloned();
         alarm.or_else(|| cnc.active_message())
     }
@@ -610,11 +627,7 @@ impl Kernel {
 
     fn drop_wheel(&mut self) {
         // This request cannot be refused.
-        let _ = self
-            .emulator
-            .simulation
-            .cnc
-            .request(ControlRequest::DropWheel);
+        let _ = self.emulator.request(ControlRequest::DropWheel);
     }
 
     fn release_all_keys(&mut self) {

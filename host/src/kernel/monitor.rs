@@ -74,7 +74,7 @@ impl VariableTable {
 impl MachineView {
     /// Reads the current state of an emulator.
     pub fn from_emulator(emulator: &Emulator) -> Self {
-        let simulation = &emulator.simulation;
+        let simulation = emulator.simulation();
         let cnc = &simulation.cnc;
         let alarms = cnc.alarms().iter().map(Alarm::line_text);
         let messages = cnc

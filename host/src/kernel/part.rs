@@ -9,8 +9,10 @@ use gsk_core::command::{Frame, SourcePosition};
 use gsk_core::machine::LatheFault;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
+use gsk_history::machine_part::{MachinePart, NamedJob, PartInput};
+use gsk_panel::emulator::Emulator;
 use gsk_runner::machining::CollisionFinding;
-use gsk_runner::machining::live_part::{LivePart, running_block};
+use gsk_runner::machining::live_part::running_block;
 use gsk_workpiece::collision::TouchingPart;
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
@@ -58,23 +60,20 @@ const CRASH_FAULTS: [LatheFault; 3] = [
 ];
 
 /// Clears the faults that a collision has set. Faults of another kind remain.
-pub(super) fn end_crash_faults(simulation: &mut Simulation) {
+pub(super) fn end_crash_faults(emulator: &mut Emulator) {
     for fault in CRASH_FAULTS {
-        simulation.lathe.set_fault(fault, false);
+        emulator.set_fault(fault, false);
     }
 }
 
 /// The part in the simulated lathe with its job, and the view of it that was last published.
 #[derive(Debug)]
 pub(super) struct KernelPart {
-    live: Option<LivePart>,
-    job: Arc<Job>,
-    job_name: Option<Arc<str>>,
-    crash_stops: bool,
+    state: MachinePart,
+    /// Inputs applied since they were last taken, for the recorder.
+    inputs: Vec<PartInput>,
     /// Whether a view shows the part.
     visible: bool,
-    /// Whether the power chuck has held the stock at least once.
-    has_gripped: bool,
     section: Arc<Region>,
     /// Version of the part from which `section` was made; `None` before the first one.
     shown_version: Option<u64>,
@@ -86,12 +85,9 @@ impl KernelPart {
     /// Creates a lathe without a part; `views` takes the states for the window.
     pub(super) fn new(views: Arc<ArrayQueue<PartView>>) -> Self {
         Self {
-            live: None,
-            job: Arc::new(Job::new(gsk_workpiece::stock::Stock::bar(50.0, 0.0, 60.0))),
-            job_name: None,
-            crash_stops: true,
+            state: MachinePart::default(),
+            inputs: Vec::new(),
             visible: false,
-            has_gripped: false,
             section: Arc::default(),
             shown_version: None,
             last: None,
@@ -106,10 +102,25 @@ impl KernelPart {
 
     /// Copies the settings of the window, stop at a collision and visible, from `other`.
     pub(super) fn with_switches_of(mut self, other: &Self) -> Self {
-        self.crash_stops = other.crash_stops;
+        self.set_crash_stops(other.state.crash_stops());
         self.visible = other.visible;
         self.force_publish();
         self
+    }
+
+    /// Returns the part and its job.
+    pub(super) const fn state(&self) -> &MachinePart {
+        &self.state
+    }
+
+    /// Takes the inputs that were applied since the last call.
+    pub(super) fn take_inputs(&mut self) -> Vec<PartInput> {
+        core::mem::take(&mut self.inputs)
+    }
+
+    fn apply(&mut self, input: PartInput) {
+        self.inputs.push(input.clone());
+        self.state.apply(input);
     }
 
     /// Makes the next call of [`Self::publish`] publish even an unchanged part.
@@ -121,24 +132,23 @@ impl KernelPart {
     pub(super) fn set_job(&mut self, chosen: Option<SelectedJob>) {
         self.shown_version = None;
         self.last = None;
-        self.live = chosen.map(|chosen| {
-            self.job = Arc::new(chosen.job.clone());
+        self.apply(PartInput::Job(chosen.map(|chosen| {
             let name = chosen.file.as_deref().and_then(Path::file_name);
-            self.job_name = name.map(|name| name.to_string_lossy().into());
-            LivePart::new(chosen.create_machining())
-        });
+            Box::new(NamedJob {
+                name: name.map(|name| name.to_string_lossy().into_owned()),
+                job: chosen.job,
+            })
+        })));
     }
 
     pub(super) fn fresh_stock(&mut self) {
-        if let Some(live) = &mut self.live {
-            live.clamp_new_stock();
-        }
+        self.apply(PartInput::NewStock);
         self.shown_version = None;
     }
 
     /// Sets whether the lathe stops at a collision.
-    pub(super) const fn set_crash_stops(&mut self, stops: bool) {
-        self.crash_stops = stops;
+    pub(super) fn set_crash_stops(&mut self, stops: bool) {
+        self.apply(PartInput::CrashStops(stops));
     }
 
     /// Sets whether a view shows the part. Its section is published only then.
@@ -153,25 +163,25 @@ impl KernelPart {
     /// part may differ from this one.
     pub(super) fn after_tick(
         &mut self,
-        simulation: &mut Simulation,
+        emulator: &mut Emulator,
         simulated: bool,
     ) -> Option<(CollisionFinding, bool)> {
-        let finding = *self.live.as_mut()?.follow_tick(simulation).first()?;
+        let finding = self.state.follow_tick(emulator.simulation())?;
         // With a guessed job the position of the part is an assumption by hand, and the shape of
         // a tool beyond its edge is one always: such a collision is reported and stops nothing
         // (WINDOW-29).
         let by_body = matches!(finding.collision.touching_part, TouchingPart::Body(_));
-        let is_given = self.job_name.is_some() || self.job.zero.is_some();
+        let is_given = self.state.job_name().is_some() || self.state.job().zero.is_some();
         let is_certain = is_given || (finding.source.is_some() && !by_body);
-        let stops = self.crash_stops && simulated && is_certain;
+        let stops = self.state.crash_stops() && simulated && is_certain;
         if stops {
-            let left = simulation.cnc.distance_to_go();
+            let left = emulator.cnc().distance_to_go();
             let drive = match left.x.abs() > left.z.abs() {
                 true => LatheFault::DriveX,
                 false => LatheFault::DriveZ,
             };
-            simulation.lathe.set_fault(drive, true);
-            simulation.lathe.set_fault(LatheFault::SpindleBlocked, true);
+            emulator.set_fault(drive, true);
+            emulator.set_fault(LatheFault::SpindleBlocked, true);
         }
         Some((finding, stops))
     }
@@ -179,22 +189,21 @@ impl KernelPart {
     /// Publishes the part if a view shows it and it has changed since the last time; returns
     /// true if so.
     pub(super) fn publish(&mut self, simulation: &Simulation) -> bool {
-        let Some(live) = self.live.as_ref().filter(|_| self.visible) else {
+        let Some(machining) = self.state.machining().filter(|_| self.visible) else {
             return false;
         };
-        let part = live.machining().scene().part();
+        let part = machining.scene().part();
         if self.shown_version != Some(part.version()) {
             self.shown_version = Some(part.version());
             self.section = Arc::new(part.section());
         }
         let (cnc, lathe) = (&simulation.cnc, &simulation.lathe);
-        self.has_gripped |= lathe.is_chuck_clamped();
         let tool = lathe.station().unwrap_or(cnc.tool().0);
         let frame = cnc.frame();
-        let mounting = live.machining().mounting();
+        let mounting = machining.mounting();
         let view = PartView {
-            job: Arc::clone(&self.job),
-            job_name: self.job_name.clone(),
+            job: Arc::clone(self.state.job()),
+            job_name: self.state.job_name().cloned(),
             section: Arc::clone(&self.section),
             tool,
             tip: mounting.tip_in_part(tool, cnc.position_machine(), &frame),
@@ -203,10 +212,10 @@ impl KernelPart {
             spindle_rpm: lathe.spindle_rpm(),
             coolant: lathe.is_coolant_on(),
             clamped: lathe.is_chuck_clamped(),
-            chuck_open: self.has_gripped && !lathe.is_chuck_clamped(),
+            chuck_open: self.state.has_gripped() && !lathe.is_chuck_clamped(),
             tailstock_forward: lathe.is_tailstock_forward(),
             door_open: lathe.has_fault(LatheFault::DoorOpen),
-            findings: live.machining().findings().to_vec(),
+            findings: machining.findings().to_vec(),
             block: running_block(simulation),
         };
         if self.last.as_ref() == Some(&view) {

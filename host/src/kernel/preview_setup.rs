@@ -10,7 +10,7 @@ use gsk_panel::emulator::Emulator;
 /// Returns a setup for previews with the memory, ladder and lathe of `emulator` and the
 /// current positions of slides and work zero. Large parts of it are shared, not copied.
 pub fn make_preview_setup(emulator: &Emulator) -> Setup {
-    let simulation = &emulator.simulation;
+    let simulation = emulator.simulation();
     let cnc: &Cnc = &simulation.cnc;
     let machine = cnc.position_machine();
     Setup {

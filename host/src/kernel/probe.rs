@@ -65,8 +65,8 @@ impl ActiveProbe {
     }
 
     pub fn take_sample(&mut self, tick: u64, emulator: &Emulator) {
-        let cnc = &emulator.simulation.cnc;
-        let lathe = &emulator.simulation.lathe;
+        let cnc = emulator.cnc();
+        let lathe = emulator.lathe();
         let real = cnc.has_board();
         let commanded = cnc.position_machine();
         let slides = lathe.slide_position();

@@ -21,7 +21,7 @@ impl Kernel {
     /// Opens a program and reports the result to the window by a notice; returns true if the
     /// program is selected then.
     pub(super) fn open(&mut self, opened: OpenedProgram) -> bool {
-        let run_state = self.emulator.simulation.cnc.run_state();
+        let run_state = self.emulator.cnc().run_state();
         if matches!(run_state, RunState::Run | RunState::Hold) {
             let why = say::program_opened_after_reset(&opened.name);
             self.notify(Notice::Message(why));
@@ -70,7 +70,7 @@ impl Kernel {
     /// Whether the memory has a program of this number that is neither `program` nor the text that
     /// the file `name` had when it was opened last.
     fn is_other_program(&self, number: u16, program: &Program, name: &str) -> bool {
-        let programs = self.emulator.simulation.cnc.programs();
+        let programs = self.emulator.cnc().programs();
         let Some(existing) = programs.get(ProgramId::Stored(number)) else {
             return false;
         };
@@ -84,7 +84,7 @@ impl Kernel {
     /// why it is not stored.
     pub(super) fn store(&mut self, program: &Program) -> Result<u16, NotStored> {
         let number = program.number().ok_or(NotStored::NoNumber)?;
-        let cnc = &mut self.emulator.simulation.cnc;
+        let cnc = self.emulator.cnc();
         let existing = cnc.programs().get(ProgramId::Stored(number));
         let request = if existing.is_some_and(|there| there.text() == program.text()) {
             ControlRequest::SelectProgram(number)
@@ -93,13 +93,13 @@ impl Kernel {
             allowed.map_err(NotStored::Refused)?;
             ControlRequest::StoreProgram(program.text().to_owned())
         };
-        cnc.request(request).map_err(NotStored::Alarm)?;
+        self.emulator.request(request).map_err(NotStored::Alarm)?;
         Ok(number)
     }
 
     /// Stores a subprogram unless the memory has a program of its number.
     fn store_subprogram(&mut self, program: &Program) {
-        let cnc = &mut self.emulator.simulation.cnc;
+        let cnc = self.emulator.cnc();
         let known = program
             .number()
             .is_some_and(|number| cnc.programs().get(ProgramId::Stored(number)).is_some());
@@ -107,7 +107,7 @@ impl Kernel {
             return;
         }
         let request = ControlRequest::StoreProgram(program.text().to_owned());
-        if let Err(alarm) = cnc.request(request) {
+        if let Err(alarm) = self.emulator.request(request) {
             self.notify(Notice::Refused(alarm));
         }
     }

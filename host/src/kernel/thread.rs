@@ -17,6 +17,8 @@ use crate::{log, output, transfer};
 
 /// Time between two checks whether the memory of the control needs to be saved.
 const KEEPER_INTERVAL: Duration = Duration::from_millis(100);
+/// Interval between two hand-overs of the recordings to the disk.
+const RECORDING_INTERVAL: Duration = Duration::from_secs(1);
 /// Time that the window has to close when the program ends.
 const WINDOW_CLOSE_TIMEOUT: Duration = Duration::from_secs(3);
 
@@ -115,6 +117,8 @@ struct KernelLoop {
     last_check: Instant,
     /// Time at which the keeper last checked the memory for changes.
     last_keeper_check: Instant,
+    /// Time at which the recordings are handed over to the disk next.
+    next_flush: Instant,
 }
 
 impl KernelLoop {
@@ -133,6 +137,7 @@ impl KernelLoop {
             held_since: None,
             last_check: now,
             last_keeper_check: now,
+            next_flush: now,
         }
     }
 
@@ -151,6 +156,10 @@ impl KernelLoop {
         self.publish_snapshot(now);
         self.pass_sent_files();
         self.save_changes(now);
+        if now >= self.next_flush {
+            self.next_flush = now + RECORDING_INTERVAL;
+            self.kernel.flush_recorders();
+        }
         let keep_running = self.wait_for_command(now);
         // The computer may have slept since: a command counts from the moment before it
         // was received.
@@ -214,8 +223,7 @@ impl KernelLoop {
             pace.give_back(due.saturating_sub(ran));
         }
         let link = kernel.link_state();
-        self.journal
-            .log_changes(&kernel.emulator.simulation.cnc, link);
+        self.journal.log_changes(kernel.emulator.cnc(), link);
     }
 
     /// Publishes a snapshot when one is due; with a board, snapshots are published with its
@@ -243,7 +251,7 @@ impl KernelLoop {
         let Some(folder) = &self.outside.partner_folder else {
             return;
         };
-        let files = self.kernel.emulator.panel.take_sent();
+        let files = self.kernel.emulator.take_sent();
         if !files.is_empty() {
             let console = self.console.clone();
             transfer::write_in_background(folder.clone(), files, move |written| {
@@ -302,11 +310,12 @@ impl KernelLoop {
         kernel.release_all_keys();
         kernel.leave_lesson();
         kernel.disconnect();
-        journal.log_changes(&kernel.emulator.simulation.cnc, kernel.link_state());
+        journal.log_changes(kernel.emulator.cnc(), kernel.link_state());
         if let Some(keeper) = outside.keeper {
             kernel.emulator.store_edited();
             keeper.finish(&kernel.emulator);
         }
+        kernel.finish_recorders();
         if outside.termination.is_requested() {
             (outside.wake)();
             wait_for_window(&kernel);

@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use std::thread;
 
 use crossbeam::channel::{Receiver, Sender, TryRecvError, bounded};
-use gsk_core::cnc::Cnc;
+use gsk_core::cnc::{Cnc, DncInput};
 use gsk_messages::{Message, say};
-use gsk_runner::partner::PartnerWait;
+use gsk_runner::partner::{DncReceiver, PartnerWait, connect_partner, pass_characters};
 
 use crate::message_format::describe_io_error;
 use crate::platform::is_serial_port;
@@ -135,9 +135,9 @@ impl DncPartner {
 
     /// Fetches the next chunk; returns `false` if none has arrived. Reports the end of the
     /// source or its error to the control.
-    fn fetch_chunk(&mut self, cnc: &mut Cnc, wait: PartnerWait) -> bool {
+    fn fetch_chunk(&mut self, line: &mut dyn DncReceiver, wait: PartnerWait) -> bool {
         let Some(chunks) = &self.chunks else {
-            cnc.end_dnc();
+            line.pass(DncInput::Complete);
             return false;
         };
         let chunk = match wait {
@@ -149,8 +149,12 @@ impl DncPartner {
                 (self.chunk, self.sent) = (characters, 0);
                 return true;
             }
-            Ok(Err(error)) => cnc.fail_dnc(ports::failure_message(&error)),
-            Err(TryRecvError::Disconnected) => cnc.end_dnc(),
+            Ok(Err(error)) => {
+                line.pass(DncInput::Failed(ports::failure_message(&error)));
+            }
+            Err(TryRecvError::Disconnected) => {
+                line.pass(DncInput::Complete);
+            }
             Err(TryRecvError::Empty) => {}
         }
         false
@@ -158,23 +162,25 @@ impl DncPartner {
 }
 
 impl gsk_runner::partner::ProgramPartner for DncPartner {
-    fn send_text(&mut self, cnc: &mut Cnc, wait: PartnerWait) {
-        cnc.set_dnc_partner(true);
-        if self.call_number != cnc.dnc_request_count() {
-            self.call_number = cnc.dnc_request_count();
-            if let Err(error) = self.open_source(cnc) {
-                return cnc.fail_dnc(error.message());
+    fn send_text(&mut self, line: &mut dyn DncReceiver, wait: PartnerWait) {
+        connect_partner(line);
+        let request_count = line.control().dnc_request_count();
+        if self.call_number != request_count {
+            self.call_number = request_count;
+            if let Err(error) = self.open_source(line.control()) {
+                line.pass(DncInput::Failed(error.message()));
+                return;
             }
         }
-        while cnc.dnc_free_characters() > 0 {
+        while line.control().dnc_free_characters() > 0 {
             let rest = self.chunk.get(self.sent..).unwrap_or_default();
-            if rest.is_empty() && !self.fetch_chunk(cnc, wait) {
+            if rest.is_empty() && !self.fetch_chunk(line, wait) {
                 return;
             }
             let rest = self.chunk.get(self.sent..).unwrap_or_default();
-            self.sent += cnc.receive_dnc(rest);
+            self.sent += pass_characters(line, rest);
         }
-        if cnc.programs().dnc_buffer().is_none()
+        if line.control().programs().dnc_buffer().is_none()
             && let Some(to_port) = self.to_port.take()
         {
             let _ = to_port.try_send(DC3);

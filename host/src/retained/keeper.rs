@@ -93,7 +93,7 @@ impl Keeper {
         if rest == self.last_written && self.checks < COUNTER_CHECKS {
             return;
         }
-        if emulator.panel.edited().is_some() && self.checks < TEXT_CHECKS {
+        if emulator.panel().edited().is_some() && self.checks < TEXT_CHECKS {
             rest.memory
                 .programs
                 .clone_from(&self.last_written.memory.programs);

@@ -87,7 +87,7 @@ impl Restored {
     /// Restores the saved state of the panel, if there is one.
     pub fn restore_panel(&self, emulator: &mut Emulator) {
         if let Some(panel) = &self.panel {
-            emulator.panel.restore(panel);
+            emulator.restore_panel(panel);
         }
     }
 }

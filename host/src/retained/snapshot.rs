@@ -41,19 +41,19 @@ impl RetainedSnapshot {
 
     /// Returns the state of a whole emulator, including panel and position.
     pub(super) fn from_emulator(emulator: &Emulator) -> Self {
-        let cnc = &emulator.simulation.cnc;
+        let cnc = emulator.cnc();
         let mut snapshot = Self::from_cnc(cnc);
-        if let Some((number, program)) = emulator.panel.edited() {
+        if let Some((number, program)) = emulator.panel().edited() {
             snapshot.memory.programs.overlay(number, program);
         }
         Self {
             position: Some(SavedPosition {
                 machine: cnc.position_machine(),
                 absolute: cnc.position_absolute(),
-                slides: Some(emulator.simulation.lathe.slide_position()),
+                slides: Some(emulator.lathe().slide_position()),
                 zero_kept: cnc.reference_without_switch(),
             }),
-            panel: Some(emulator.panel.retained()),
+            panel: Some(emulator.panel().retained()),
             ..snapshot
         }
     }

@@ -22,16 +22,15 @@ fn a_loaded_ladder_is_kept_even_if_power_goes_at_once() {
     let mut emulator = Emulator::new(setup);
     let keeper = Keeper::start(Arc::clone(&data), &restored, &emulator).expect("thread");
     let ladder = Ladder::compile("END1\nLD R1.0\nOUT R2.0\nEND2\n").expect("compiles");
-    let cnc = &mut emulator.simulation.cnc;
-    cnc.request(ControlRequest::SetParameterSwitch(true))
+    emulator.run_until(&WaitCondition::SelfTestOver, 10_000);
+    emulator
+        .request(ControlRequest::SetParameterSwitch(true))
         .expect("on");
-    let edit_key = "X20.0".parse().expect("an address");
-    emulator.simulation.cnc.set_panel_key(edit_key, true);
-    emulator.run(100);
-    let cnc = &mut emulator.simulation.cnc;
-    cnc.request(ControlRequest::LoadLadder(Arc::new(ladder.clone())))
+    emulator.press(Key::Edit);
+    emulator
+        .request(ControlRequest::LoadLadder(Arc::new(ladder.clone())))
         .expect("taken");
-    cnc.power_cycle();
+    emulator.power_cycle();
     keeper.finish(&emulator);
     let mut next = Setup::default();
     assert!(load(&data, &mut next).complaints.is_empty());
@@ -70,7 +69,7 @@ fn a_variable_that_is_not_finite_is_emptied_and_reported() {
     );
     assert_eq!(setup.alarms[0].number, number::MEMORY_DAMAGED);
     // The next write contains no such number.
-    save(data, &restored, &Emulator::new(setup).simulation.cnc).expect("saved");
+    save(data, &restored, Emulator::new(setup).cnc()).expect("saved");
     let data = DataDir::open(&folder).expect("open");
     assert!(load(&data, &mut Setup::default()).complaints.is_empty());
     // The position of the slides cannot be guessed: the whole file is refused.
@@ -92,7 +91,7 @@ fn what_is_set_back_or_deleted_is_so_on_the_disk_too() {
         let mut setup = Setup::default();
         let restored = load(&data, &mut setup);
         change(&mut setup);
-        save(data, &restored, &Emulator::new(setup).simulation.cnc).expect("saved");
+        save(data, &restored, Emulator::new(setup).cnc()).expect("saved");
     };
     keep(|setup| {
         setup.memory.parameters.set(24, 584).expect("in range");
@@ -132,7 +131,7 @@ fn a_damaged_file_is_alarm_069_and_a_broken_off_writing_101() {
     let mut setup = Setup::default();
     load(&data, &mut setup);
     let emulator = Emulator::new(setup);
-    let alarms = emulator.simulation.cnc.alarms();
+    let alarms = emulator.cnc().alarms();
     let find_alarm = |number| alarms.iter().find(|alarm| alarm.number == number);
     let detail = |number| find_alarm(number).map(Alarm::detail_en);
     assert!(detail(69).is_some_and(|detail| detail.contains("offsets.ron")));
@@ -249,7 +248,7 @@ fn a_program_without_room_in_the_memory_stays_on_the_disk() {
     let mut setup = Setup::default();
     let restored = load(&data, &mut setup);
     assert!(!restored.complaints.is_empty(), "all of it fits");
-    save(data, &restored, &Emulator::new(setup).simulation.cnc).expect("saved");
+    save(data, &restored, Emulator::new(setup).cnc()).expect("saved");
     let left = std::fs::read_dir(folder.join("programs"))
         .expect("list")
         .count();
@@ -270,15 +269,15 @@ fn a_machine_zero_set_by_hand_outlasts_the_process() {
     let restored = load(&data, &mut setup);
     let mut emulator = Emulator::new(setup);
     let mut keeper = Keeper::start(Arc::clone(&data), &restored, &emulator).expect("thread");
-    let cnc = &mut emulator.simulation.cnc;
-    cnc.request(ControlRequest::SetMachineZero(Axis::Z))
+    emulator
+        .request(ControlRequest::SetMachineZero(Axis::Z))
         .expect("set");
     keeper.save_if_changed(&emulator);
     keeper.finish(&emulator);
     let mut next = without_switch();
     load(&data, &mut next).place_slides(&mut next);
     let next = Emulator::new(next);
-    let referenced = next.simulation.cnc.reference_without_switch();
+    let referenced = next.cnc().reference_without_switch();
     assert!(referenced.z && !referenced.x);
 }
 
@@ -295,11 +294,11 @@ fn slides_without_a_reference_stand_there_after_the_next_start() {
         (Emulator::new(setup), restored)
     };
     let (emulator, restored) = start();
-    let stood = emulator.simulation.lathe.slide_position();
+    let stood = emulator.lathe().slide_position();
     assert!(stood.x < -1.0 && stood.z < -1.0);
     let keeper = Keeper::start(Arc::clone(&data), &restored, &emulator).expect("thread");
     keeper.finish(&emulator);
     let (next, _) = start();
-    assert_eq!(next.simulation.lathe.slide_position(), stood);
-    assert_eq!(next.simulation.cnc.position_machine(), Point::default());
+    assert_eq!(next.lathe().slide_position(), stood);
+    assert_eq!(next.cnc().position_machine(), Point::default());
 }

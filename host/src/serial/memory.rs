@@ -2,7 +2,7 @@
 
 use gsk_core::memory::WriteRefusal;
 use gsk_messages::Message;
-use gsk_panel::emulator::Emulator;
+use gsk_panel::emulator::{Emulator, PortRequest};
 use gsk_panel::panel::{FileId, FileRefusal, SerialFile};
 use gsk_transfer::{
     DirectoryEntry, FileName, FileStore, Partition, PutRequest, RemotePath, TransferFault,
@@ -91,7 +91,11 @@ impl FileStore for SerialFileStore<'_> {
 
     fn check_put(&mut self, put: &PutRequest) -> Result<(), TransferFault> {
         let id = file_to_write(&put.remote_path)?;
-        let may = self.emulator.check_receive(id, put.overwrite);
+        let request = PortRequest::CheckReceive {
+            id,
+            overwrite: put.overwrite,
+        };
+        let may = self.emulator.request_port(request).map(drop);
         may.map_err(|refusal| self.record_refusal(&refusal))
     }
 
@@ -107,24 +111,34 @@ impl FileStore for SerialFileStore<'_> {
         let name = file.remote_path.name.as_str().to_owned();
         let overwrite = file.overwrite;
         let file = SerialFile { name, text };
-        let taken = self.emulator.receive_file(id, file, overwrite);
+        let request = PortRequest::Receive {
+            id,
+            file,
+            overwrite,
+        };
+        let taken = self.emulator.request_port(request).map(drop);
         taken.map_err(|refusal| self.record_refusal(&refusal))
     }
 
     fn get(&mut self, place: &RemotePath) -> Result<Vec<u8>, TransferFault> {
-        let file = self.emulator.send_file(file_to_read(place)?);
+        let request = PortRequest::Send(file_to_read(place)?);
+        let file = self.emulator.request_port(request);
         let file = file.map_err(|refusal| to_fault(&refusal))?;
-        Ok(file.text.into_bytes())
+        file.map(|file| file.text.into_bytes())
+            .ok_or(TransferFault::NotFound)
     }
 
     fn delete(&mut self, place: &RemotePath) -> Result<(), TransferFault> {
-        let deleted = self.emulator.delete_file(file_to_read(place)?);
+        let request = PortRequest::Delete(file_to_read(place)?);
+        let deleted = self.emulator.request_port(request).map(drop);
         deleted.map_err(|refusal| to_fault(&refusal))
     }
 
     fn rename(&mut self, from: &RemotePath, to: &FileName) -> Result<(), TransferFault> {
         let to = FileId::of(to.as_str()).ok_or(TransferFault::BadName)?;
-        let renamed = self.emulator.rename_file(file_to_read(from)?, to);
+        let from = file_to_read(from)?;
+        let request = PortRequest::Rename { from, to };
+        let renamed = self.emulator.request_port(request).map(drop);
         renamed.map_err(|refusal| to_fault(&refusal))
     }
 }

@@ -93,14 +93,14 @@ impl SerialLine {
     /// Runs the port after a tick of the control; returns messages for the operator.
     pub fn tick(&mut self, emulator: &mut Emulator) -> Vec<Message> {
         let mut messages = Vec::new();
-        let rate = emulator.panel.baud_rate(&emulator.simulation.cnc);
+        let rate = emulator.panel().baud_rate(emulator.cnc());
         self.follow_rate(rate, emulator, &mut messages);
         let now = self.begun.elapsed();
         while let Some(event) = self.wire.next_event() {
             self.handle_event(event, now, emulator, &mut messages);
         }
-        let broken_off = emulator.panel.take_aborted();
-        let to_send = emulator.panel.take_port_files();
+        let broken_off = emulator.take_aborted();
+        let to_send = emulator.take_port_files();
         let Some(port) = &mut self.port else {
             return messages;
         };

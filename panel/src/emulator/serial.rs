@@ -3,18 +3,89 @@
 use gsk_core::alarm::number;
 use gsk_core::cnc::{ControlRequest, ReceivedData};
 use gsk_core::program::Program;
+use serde::{Deserialize, Serialize};
 
-use super::Emulator;
+use super::{Emulator, EmulatorInput, InputAnswer};
 use crate::pages::Communication;
 use crate::panel::{FileId, FileRefusal, SerialFile, file_of, read_data};
+
+/// A request of a client at a port of the computer about the files in memory.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum PortRequest {
+    /// Checks whether the control would receive a file. An insufficient authority level raises
+    /// its alarm.
+    CheckReceive {
+        /// The file to receive.
+        id: FileId,
+        /// Whether an existing file may be replaced.
+        overwrite: bool,
+    },
+    /// Receives a file completely or not at all.
+    Receive {
+        /// The file to receive; it gives a program its number.
+        id: FileId,
+        /// Name and text of the file.
+        file: SerialFile,
+        /// Whether an existing file may be replaced.
+        overwrite: bool,
+    },
+    /// Returns the text of a file.
+    Send(FileId),
+    /// Deletes a program.
+    Delete(FileId),
+    /// Gives a program another number.
+    Rename {
+        /// The program to rename.
+        from: FileId,
+        /// Its new number.
+        to: FileId,
+    },
+}
 
 impl Emulator {
     /// Sets the state of the serial port: shows it in the LCD's status row and puts it into
     /// the PLC signals F213.
     pub fn show_port_state(&mut self, shown: Communication) {
-        let mut requests = Vec::new();
-        self.panel.show_port_state(shown, &mut requests);
-        self.send_requests(requests);
+        self.apply(EmulatorInput::PortState(shown));
+    }
+
+    /// Sends the request of a client at the port. Returns the requested file; `None` if the
+    /// request returns none.
+    ///
+    /// # Errors
+    ///
+    /// Returns the reason for refusing the request.
+    pub fn request_port(
+        &mut self,
+        request: PortRequest,
+    ) -> Result<Option<SerialFile>, FileRefusal> {
+        match self.apply(EmulatorInput::Port(request)) {
+            InputAnswer::FileRefused(refused) => Err(refused),
+            InputAnswer::Files(files) => Ok(files.into_iter().next()),
+            _ => Ok(None),
+        }
+    }
+
+    pub(super) fn execute_port_request(
+        &mut self,
+        request: PortRequest,
+    ) -> Result<Option<SerialFile>, FileRefusal> {
+        self.store_edited_text();
+        match request {
+            PortRequest::CheckReceive { id, overwrite } => self.check_receive(id, overwrite)?,
+            PortRequest::Receive {
+                id,
+                file,
+                overwrite,
+            } => self.receive_file(id, file, overwrite)?,
+            PortRequest::Send(id) => return self.send_file(id).map(Some),
+            PortRequest::Delete(id) => {
+                let number = self.changeable_program(id)?;
+                self.request_transfer(ReceivedData::Deletion(number))?;
+            }
+            PortRequest::Rename { from, to } => self.rename_file(from, to)?,
+        }
+        Ok(None)
     }
 
     /// Returns the files that a client at the port can see, programs first.
@@ -28,14 +99,7 @@ impl Emulator {
             .collect()
     }
 
-    /// Checks whether the control would receive a file. `overwrite` permits replacing an
-    /// existing file. An insufficient authority level raises its alarm.
-    ///
-    /// # Errors
-    ///
-    /// Returns the reason for refusing the file, for example that it exists.
-    pub fn check_receive(&mut self, id: FileId, overwrite: bool) -> Result<(), FileRefusal> {
-        self.store_edited();
+    fn check_receive(&mut self, id: FileId, overwrite: bool) -> Result<(), FileRefusal> {
         let cnc = &mut self.simulation.cnc;
         let FileId::Program(number) = id else {
             cnc.rights().check_receive_data()?;
@@ -56,20 +120,12 @@ impl Emulator {
         }
     }
 
-    /// Receives a file completely or not at all. `id` gives a program its number. If that
-    /// program exists, `overwrite` replaces it.
-    ///
-    /// # Errors
-    ///
-    /// Returns the reason for refusing the file; for an existing program without `overwrite`
-    /// that it exists.
-    pub fn receive_file(
+    fn receive_file(
         &mut self,
         id: FileId,
         file: SerialFile,
         overwrite: bool,
     ) -> Result<(), FileRefusal> {
-        self.store_edited();
         let cnc = &mut self.simulation.cnc;
         let received = match id {
             FileId::Program(number) => {
@@ -93,13 +149,7 @@ impl Emulator {
         self.request_transfer(received)
     }
 
-    /// Returns the text of a file that a client requests.
-    ///
-    /// # Errors
-    ///
-    /// Returns the reason for refusing to send the file, or that the file is missing.
-    pub fn send_file(&mut self, id: FileId) -> Result<SerialFile, FileRefusal> {
-        self.store_edited();
+    fn send_file(&self, id: FileId) -> Result<SerialFile, FileRefusal> {
         let cnc = &self.simulation.cnc;
         match id {
             FileId::Program(number) => cnc.rights().check_fetch_program(number)?,
@@ -108,22 +158,7 @@ impl Emulator {
         file_of(id, cnc).ok_or(FileRefusal::Missing)
     }
 
-    /// Deletes a program for a client at the port.
-    ///
-    /// # Errors
-    ///
-    /// Returns the reason for refusing to delete the program.
-    pub fn delete_file(&mut self, id: FileId) -> Result<(), FileRefusal> {
-        let number = self.changeable_program(id)?;
-        self.request_transfer(ReceivedData::Deletion(number))
-    }
-
-    /// Gives a program another number, for a client at the port.
-    ///
-    /// # Errors
-    ///
-    /// Returns the reason for refusing the new number, for example that it is in use.
-    pub fn rename_file(&mut self, from: FileId, to: FileId) -> Result<(), FileRefusal> {
+    fn rename_file(&mut self, from: FileId, to: FileId) -> Result<(), FileRefusal> {
         let from = self.changeable_program(from)?;
         let FileId::Program(to) = to else {
             return Err(FileRefusal::OnlyPrograms);
@@ -137,8 +172,7 @@ impl Emulator {
     }
 
     /// Returns the number of a program that may be deleted or renamed, otherwise the refusal.
-    fn changeable_program(&mut self, id: FileId) -> Result<u16, FileRefusal> {
-        self.store_edited();
+    fn changeable_program(&self, id: FileId) -> Result<u16, FileRefusal> {
         let FileId::Program(number) = id else {
             return Err(FileRefusal::OnlyPrograms);
         };
@@ -171,6 +205,7 @@ mod tests {
     use super::*;
     use crate::emulator::{WaitCondition, WaitOutcome};
     use crate::keys::Key;
+    use crate::panel::SerialCable;
 
     fn file(name: &str, text: &str) -> SerialFile {
         SerialFile {
@@ -190,7 +225,7 @@ mod tests {
         }
         let mut emulator = Emulator::new(setup);
         emulator.run_until(&WaitCondition::SelfTestOver, 10_000);
-        emulator.panel.connect_port();
+        emulator.connect_cable(SerialCable::Line);
         emulator
     }
 
@@ -214,28 +249,62 @@ mod tests {
     fn rights_apply_as_at_the_panel() {
         let mut emulator = emulator();
         let one = FileId::Program(1);
-        assert_eq!(emulator.check_receive(one, false), Err(FileRefusal::Exists));
-        assert_eq!(emulator.check_receive(one, true), Ok(()));
-        let switch = Err(FileRefusal::Refused(WriteRefusal::ParameterSwitch));
-        assert_eq!(emulator.check_receive(FileId::Offsets, true), switch);
-        assert!(emulator.send_file(FileId::Parameters).is_err());
         assert_eq!(
-            emulator.delete_file(FileId::Offsets),
+            emulator.request_port(PortRequest::CheckReceive {
+                id: one,
+                overwrite: false
+            }),
+            Err(FileRefusal::Exists)
+        );
+        assert_eq!(
+            emulator.request_port(PortRequest::CheckReceive {
+                id: one,
+                overwrite: true
+            }),
+            Ok(None)
+        );
+        let switch = Err(FileRefusal::Refused(WriteRefusal::ParameterSwitch));
+        assert_eq!(
+            emulator.request_port(PortRequest::CheckReceive {
+                id: FileId::Offsets,
+                overwrite: true
+            }),
+            switch
+        );
+        assert!(
+            emulator
+                .request_port(PortRequest::Send(FileId::Parameters))
+                .is_err()
+        );
+        assert_eq!(
+            emulator.request_port(PortRequest::Delete(FileId::Offsets)),
             Err(FileRefusal::OnlyPrograms)
         );
         assert_eq!(
-            emulator.delete_file(FileId::Program(7)),
+            emulator.request_port(PortRequest::Delete(FileId::Program(7))),
             Err(FileRefusal::Missing)
         );
-        let renamed = emulator.rename_file(one, FileId::Program(9500));
+        let renamed = emulator.request_port(PortRequest::Rename {
+            from: one,
+            to: FileId::Program(9500),
+        });
         assert!(renamed.is_err());
-        let cnc = &mut emulator.simulation.cnc;
-        cnc.request(ControlRequest::SetProgramSwitch(false))
+        emulator
+            .request(ControlRequest::SetProgramSwitch(false))
             .expect("the switch");
         let switch = FileRefusal::Refused(WriteRefusal::ProgramSwitch);
-        assert_eq!(emulator.check_receive(one, true), Err(switch.clone()));
-        assert_eq!(emulator.send_file(one), Err(switch.clone()));
-        assert_eq!(emulator.delete_file(one), Err(switch));
+        assert_eq!(
+            emulator.request_port(PortRequest::CheckReceive {
+                id: one,
+                overwrite: true
+            }),
+            Err(switch.clone())
+        );
+        assert_eq!(
+            emulator.request_port(PortRequest::Send(one)),
+            Err(switch.clone())
+        );
+        assert_eq!(emulator.request_port(PortRequest::Delete(one)), Err(switch));
     }
 
     #[test]
@@ -244,31 +313,58 @@ mod tests {
         let two = FileId::Program(2);
         let text = "O0001;\nG00 X1.;\nM30;\n%\n";
         emulator
-            .receive_file(two, file("O0002.CNC", text), false)
+            .request_port(PortRequest::Receive {
+                id: two,
+                file: file("O0002.CNC", text),
+                overwrite: false,
+            })
             .expect("taken");
-        let out = emulator.send_file(two).expect("handed out");
+        let out = emulator
+            .request_port(PortRequest::Send(two))
+            .expect("handed out")
+            .expect("a file");
         assert_eq!(out.text, text.replace("O0001", "O0002"));
         // Without `overwrite` it replaces no program, and raises 073.
-        let again = emulator.receive_file(two, file("O0002.CNC", "O0002;\n"), false);
+        let again = emulator.request_port(PortRequest::Receive {
+            id: two,
+            file: file("O0002.CNC", "O0002;\n"),
+            overwrite: false,
+        });
         assert_eq!(again, Err(FileRefusal::Exists));
-        assert_eq!(emulator.send_file(two).expect("handed out").text, out.text);
-        let alarm = emulator.simulation.cnc.alarms().first();
+        assert_eq!(
+            emulator
+                .request_port(PortRequest::Send(two))
+                .expect("handed out")
+                .expect("a file")
+                .text,
+            out.text
+        );
+        let alarm = emulator.cnc().alarms().first();
         assert_eq!(
             alarm.map(|alarm| alarm.number),
             Some(number::PROGRAM_STORED)
         );
         emulator.press(Key::Reset);
         emulator
-            .receive_file(two, file("O0002.CNC", "O0002;\nM99;\n"), true)
+            .request_port(PortRequest::Receive {
+                id: two,
+                file: file("O0002.CNC", "O0002;\nM99;\n"),
+                overwrite: true,
+            })
             .expect("taken");
         emulator
-            .rename_file(two, FileId::Program(3))
+            .request_port(PortRequest::Rename {
+                from: two,
+                to: FileId::Program(3),
+            })
             .expect("renamed");
         let names: Vec<String> = emulator.files().into_iter().map(|file| file.name).collect();
         assert_eq!(names[..2], ["O0001.CNC", "O0003.CNC"]);
-        emulator.delete_file(FileId::Program(3)).expect("deleted");
+        emulator
+            .request_port(PortRequest::Delete(FileId::Program(3)))
+            .expect("deleted");
         assert_eq!(
-            emulator.send_file(FileId::Program(3)),
+            emulator.request_port(PortRequest::Send(FileId::Program(3))),
             Err(FileRefusal::Missing)
         );
     }
@@ -280,7 +376,7 @@ mod tests {
         emulator.press(Key::Program);
         emulator.type_text("O1");
         emulator.press(Key::Output);
-        let sent = emulator.panel.take_port_files();
+        let sent = emulator.take_port_files();
         assert_eq!(sent, [file("O0001.CNC", "O0001;\nM30;\n%\n")]);
         // It flashes.
         let sending = |emulator: &mut Emulator| {
@@ -290,10 +386,10 @@ mod tests {
         assert!(sending(&mut emulator));
         // The line stays busy until it reports otherwise.
         emulator.run(60_000);
-        assert!(sending(&mut emulator) && !emulator.panel.take_aborted());
+        assert!(sending(&mut emulator) && !emulator.take_aborted());
         emulator.press(Key::Reset);
-        assert!(!sending(&mut emulator) && emulator.panel.take_aborted());
-        assert!(!emulator.panel.take_aborted());
+        assert!(!sending(&mut emulator) && emulator.take_aborted());
+        assert!(!emulator.take_aborted());
         emulator.show_port_state(Communication::Failed);
         assert!(emulator.screen().text().contains("通信出错"));
     }

@@ -1,6 +1,8 @@
+use gsk_core::machine::LatheFault;
 use gsk_core::operation::OperatingMode;
 
 use super::*;
+use crate::panel::{FileId, SerialCable};
 
 fn awake() -> Emulator {
     let mut emulator = Emulator::new(Setup::default());
@@ -28,7 +30,7 @@ fn mode_keys_act_through_the_ladder() {
         (Key::Mdi, OperatingMode::Mdi),
     ] {
         emulator.press(key);
-        assert_eq!(emulator.simulation.cnc.mode(), mode);
+        assert_eq!(emulator.cnc().mode(), mode);
         assert!(emulator.lamp(key.row().lamp.unwrap()), "{}", key.id());
     }
 }
@@ -37,12 +39,12 @@ fn mode_keys_act_through_the_ladder() {
 fn the_emergency_stop_latches_and_stops() {
     let mut emulator = awake();
     emulator.press(Key::EmergencyStop);
-    assert!(emulator.panel.emergency_stop());
-    assert!(emulator.simulation.cnc.is_shown_not_ready());
+    assert!(emulator.panel().emergency_stop());
+    assert!(emulator.cnc().is_shown_not_ready());
     assert!(emulator.screen().row(0).starts_with("报警信息"));
     emulator.press(Key::EmergencyStop);
-    assert!(!emulator.panel.emergency_stop());
-    assert!(!emulator.simulation.cnc.is_shown_not_ready());
+    assert!(!emulator.panel().emergency_stop());
+    assert!(!emulator.cnc().is_shown_not_ready());
 }
 
 #[test]
@@ -86,7 +88,7 @@ fn power_off_darkens_the_panel_and_power_on_shows_the_self_test() {
     assert_eq!(emulator.lamps(), [0; 20]);
     emulator.press(Key::Auto);
     emulator.power_on();
-    assert!(emulator.panel.in_self_test());
+    assert!(emulator.panel().in_self_test());
     assert_eq!(emulator.ticks(), before + 50 + 2 * PRESS_TICKS);
     assert_eq!(
         emulator.run_until(&WaitCondition::SelfTestOver, 5000),
@@ -124,4 +126,50 @@ fn a_text_is_waited_for_until_the_limit() {
         WaitOutcome::TimedOut
     );
     assert_eq!(emulator.ticks(), now + 500);
+}
+
+#[test]
+fn recorded_inputs_lead_a_copy_to_the_same_state() {
+    let mut emulator = awake();
+    let mut copy = emulator.clone();
+    emulator.record_inputs();
+    emulator.connect_cable(SerialCable::Line);
+    emulator
+        .load_program("O1", "G0 X100 Z100;\nM30;\n")
+        .unwrap();
+    emulator.press(Key::Edit);
+    emulator.press(Key::Program);
+    emulator.type_text("O1");
+    emulator.press(Key::Output);
+    assert_eq!(emulator.take_port_files().len(), 1);
+    emulator.press(Key::Reset);
+    assert!(emulator.take_aborted() && !emulator.take_aborted());
+    let file = SerialFile {
+        name: "O0002.CNC".to_owned(),
+        text: "O0002;\nM99;\n".to_owned(),
+    };
+    emulator
+        .request_port(PortRequest::Receive {
+            id: FileId::Program(2),
+            file,
+            overwrite: false,
+        })
+        .unwrap();
+    emulator.press(Key::Auto);
+    emulator.press(Key::CycleStart);
+    emulator.set_fault(LatheFault::DriveX, true);
+    emulator.run(500);
+    emulator.turn(7);
+    emulator.power_cycle();
+    emulator.run(3000);
+    let inputs = emulator.take_inputs();
+    assert!(emulator.take_inputs().is_empty());
+    assert_ne!(copy, emulator);
+    for stamped in inputs {
+        copy.run(stamped.tick - copy.ticks());
+        copy.apply(stamped.input);
+    }
+    copy.run(emulator.ticks() - copy.ticks());
+    assert_eq!(copy, emulator);
+    assert!(copy.take_inputs().is_empty(), "a copy records nothing");
 }

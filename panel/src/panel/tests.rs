@@ -28,7 +28,7 @@ fn type_keys(emulator: &mut Emulator, text: &str) {
 }
 
 fn page(emulator: &Emulator) -> PageId {
-    emulator.panel.page()
+    emulator.panel().page()
 }
 
 #[test]
@@ -75,7 +75,7 @@ fn a_walk_over_all_pages() {
 fn page_keys_lead_back_to_the_first_page() {
     for row in &PAGES {
         let mut emulator = awake();
-        emulator.panel.show(row.page);
+        emulator.show_page(row.page);
         tap(&mut emulator, Key::PageDown);
         tap(&mut emulator, Key::PageUp);
         assert_eq!(page(&emulator), row.page);
@@ -111,7 +111,7 @@ fn groups_remember_their_page_or_step_through_displays() {
 fn screens_of_a_list_come_before_the_next_page() {
     let mut emulator = awake();
     tap(&mut emulator, Key::Offset);
-    let item = |emulator: &Emulator| emulator.panel.view().cursors.get(page(emulator)).item;
+    let item = |emulator: &Emulator| emulator.panel().view().cursors.get(page(emulator)).item;
     for first in [8, 16, 24, 32] {
         tap(&mut emulator, Key::PageDown);
         assert_eq!((page(&emulator), item(&emulator)), (PageId::Oft, first));
@@ -120,7 +120,7 @@ fn screens_of_a_list_come_before_the_next_page() {
     assert_eq!((page(&emulator), item(&emulator)), (PageId::Macro, 0));
     tap(&mut emulator, Key::PageUp);
     assert_eq!((page(&emulator), item(&emulator)), (PageId::Oft, 32));
-    emulator.panel.show(PageId::PlcBits);
+    emulator.show_page(PageId::PlcBits);
     tap(&mut emulator, Key::PageDown);
     assert_eq!(item(&emulator), 16);
     tap(&mut emulator, Key::PageDown);
@@ -138,10 +138,10 @@ fn screens_of_a_list_come_before_the_next_page() {
 #[test]
 fn editing_shows_the_program_page_only() {
     let mut emulator = awake();
-    emulator.panel.show(PageId::Dir);
+    emulator.show_page(PageId::Dir);
     emulator.press(Key::Edit);
     assert_eq!(page(&emulator), PageId::Prg);
-    emulator.panel.show(PageId::PosRel);
+    emulator.show_page(PageId::PosRel);
     tap(&mut emulator, Key::Program);
     assert_eq!(page(&emulator), PageId::Prg);
     tap(&mut emulator, Key::PageDown);
@@ -152,24 +152,24 @@ fn editing_shows_the_program_page_only() {
 fn the_input_line_takes_twenty_characters_and_cancel_removes_one() {
     let mut emulator = awake();
     emulator.press(Key::Mdi);
-    emulator.panel.show(PageId::Mdi);
+    emulator.show_page(PageId::Mdi);
     type_keys(&mut emulator, "N0001");
     tap(&mut emulator, Key::Cancel);
-    assert_eq!(emulator.panel.view().input, "N000");
+    assert_eq!(emulator.panel().view().input, "N000");
     type_keys(&mut emulator, &"7".repeat(40));
-    assert_eq!(emulator.panel.view().input.len(), INPUT_LENGTH);
+    assert_eq!(emulator.panel().view().input.len(), INPUT_LENGTH);
     tap(&mut emulator, Key::Reset);
-    assert!(emulator.panel.view().input.is_empty());
+    assert!(emulator.panel().view().input.is_empty());
     type_keys(&mut emulator, "x1");
-    assert_eq!(emulator.panel.view().input, "X1");
+    assert_eq!(emulator.panel().view().input, "X1");
     emulator.press(Key::Auto);
     assert!(
-        emulator.panel.view().input.is_empty(),
+        emulator.panel().view().input.is_empty(),
         "a mode change clears"
     );
     type_keys(&mut emulator, "X1");
     assert!(
-        emulator.panel.view().input.is_empty(),
+        emulator.panel().view().input.is_empty(),
         "MDI reads in MDI only"
     );
 }
@@ -178,25 +178,25 @@ fn the_input_line_takes_twenty_characters_and_cancel_removes_one() {
 fn words_of_a_block_are_entered_in_mdi() {
     let mut emulator = awake();
     emulator.press(Key::Mdi);
-    emulator.panel.show(PageId::Mdi);
+    emulator.show_page(PageId::Mdi);
     type_keys(&mut emulator, "G50");
     tap(&mut emulator, Key::Input);
     type_keys(&mut emulator, "X50");
     tap(&mut emulator, Key::Input);
-    assert_eq!(emulator.simulation.cnc.mdi_block().text(), "G50 X50");
+    assert_eq!(emulator.cnc().mdi_block().text(), "G50 X50");
     emulator.press(Key::CycleStart);
     emulator.run_until(&WaitCondition::Stopped, 1000);
-    assert!((emulator.simulation.cnc.position_absolute().x - 25.0).abs() < 1e-9);
+    assert!((emulator.cnc().position_absolute().x - 25.0).abs() < 1e-9);
 }
 
 #[test]
 fn compound_keys_alternate_without_another_key_between() {
     let mut emulator = awake();
     emulator.press(Key::Mdi);
-    emulator.panel.show(PageId::Mdi);
+    emulator.show_page(PageId::Mdi);
     let mut after = |key: Key| {
         tap(&mut emulator, key);
-        emulator.panel.view().input.clone()
+        emulator.panel().view().input.clone()
     };
     assert_eq!(after(Key::P), "P");
     assert_eq!(after(Key::P), "Q");
@@ -209,20 +209,20 @@ fn compound_keys_alternate_without_another_key_between() {
     assert_eq!(after(Key::U), "PD1U");
     tap(&mut emulator, Key::Reset);
     type_keys(&mut emulator, "PP");
-    assert_eq!(emulator.panel.view().input, "PP", "typed letters stay");
+    assert_eq!(emulator.panel().view().input, "PP", "typed letters stay");
 }
 
 #[test]
 fn relative_coordinates_are_cleared_with_the_flashing_letter() {
     let mut emulator = awake();
-    let relative = |emulator: &Emulator| emulator.simulation.cnc.position_relative();
+    let relative = |emulator: &Emulator| emulator.cnc().position_relative();
     assert!(relative(&emulator).x != 0.0 && relative(&emulator).z != 0.0);
     tap(&mut emulator, Key::U);
-    assert_eq!(emulator.panel.view().flashing, Some(Axis::X));
+    assert_eq!(emulator.panel().view().flashing, Some(Axis::X));
     tap(&mut emulator, Key::Cancel);
     assert_eq!(relative(&emulator).x, 0.0);
     assert!(relative(&emulator).z != 0.0);
-    assert_eq!(emulator.panel.view().flashing, None);
+    assert_eq!(emulator.panel().view().flashing, None);
     tap(&mut emulator, Key::W);
     tap(&mut emulator, Key::O);
     tap(&mut emulator, Key::Cancel);
@@ -240,17 +240,21 @@ fn relative_coordinates_are_cleared_with_the_flashing_letter() {
 fn brightness_changes_while_a_letter_flashes() {
     let mut emulator = awake();
     tap(&mut emulator, Key::Up);
-    assert_eq!(emulator.panel.view().brightness, 8);
+    assert_eq!(emulator.panel().view().brightness, 8);
     tap(&mut emulator, Key::U);
     tap(&mut emulator, Key::Up);
     tap(&mut emulator, Key::Up);
-    assert_eq!(emulator.panel.view().brightness, 6);
+    assert_eq!(emulator.panel().view().brightness, 6);
     for _ in 0..20 {
         tap(&mut emulator, Key::Down);
     }
-    assert_eq!(emulator.panel.view().brightness, 15);
+    assert_eq!(emulator.panel().view().brightness, 15);
     emulator.power_cycle();
-    assert_eq!(emulator.panel.view().brightness, 15, "kept over power-off");
+    assert_eq!(
+        emulator.panel().view().brightness,
+        15,
+        "kept over power-off"
+    );
 }
 
 #[test]
@@ -260,7 +264,7 @@ fn counters_are_cleared_by_chords() {
     emulator.press(Key::Auto);
     emulator.press(Key::CycleStart);
     emulator.run_until(&WaitCondition::Stopped, 60_000);
-    let counters = |emulator: &Emulator| emulator.simulation.cnc.counters();
+    let counters = |emulator: &Emulator| emulator.cnc().counters();
     assert_eq!(counters(&emulator).parts, 1);
     tap(&mut emulator, Key::N);
     assert_eq!(counters(&emulator).parts, 1);
@@ -280,12 +284,12 @@ fn programs_are_selected_and_scanned() {
         emulator.load_program("", &text).unwrap();
     }
     emulator.press(Key::Auto);
-    emulator.panel.show(PageId::Prg);
+    emulator.show_page(PageId::Prg);
     let selected = |emulator: &Emulator| emulator.screen().row(0);
     type_keys(&mut emulator, "O0005");
     tap(&mut emulator, Key::Down);
     assert!(selected(&emulator).contains("O0005"));
-    assert!(emulator.panel.view().input.is_empty());
+    assert!(emulator.panel().view().input.is_empty());
     type_keys(&mut emulator, "O");
     tap(&mut emulator, Key::Down);
     assert!(selected(&emulator).contains("O1234"));
@@ -295,7 +299,7 @@ fn programs_are_selected_and_scanned() {
     type_keys(&mut emulator, "O99");
     tap(&mut emulator, Key::Down);
     assert!(selected(&emulator).contains("O0003"), "not found: stays");
-    assert_eq!(emulator.simulation.cnc.alarms()[0].number, 31);
+    assert_eq!(emulator.cnc().alarms()[0].number, 31);
 }
 
 #[test]
@@ -307,11 +311,11 @@ fn the_edit_cursor_walks_and_pages_through_the_text() {
     }
     emulator.load_program("", &text).unwrap();
     emulator.press(Key::Edit);
-    emulator.panel.show(PageId::Prg);
-    let line = |emulator: &Emulator| emulator.simulation.cnc.cursor().line;
+    emulator.show_page(PageId::Prg);
+    let line = |emulator: &Emulator| emulator.cnc().cursor().line;
     let mut after = |key: Key| {
         tap(&mut emulator, key);
-        let editing = emulator.panel.view().editor.editing.as_ref();
+        let editing = emulator.panel().view().editor.editing.as_ref();
         let cursor = editing.map(ProgramEditor::cursor).unwrap();
         assert_eq!(cursor.0, line(&emulator));
         cursor
@@ -327,15 +331,15 @@ fn the_edit_cursor_walks_and_pages_through_the_text() {
     assert_eq!(after(Key::Up), (12, 1));
     emulator.press(Key::Reset);
     assert_eq!(line(&emulator), 1);
-    let editing = emulator.panel.view().editor.editing.as_ref();
+    let editing = emulator.panel().view().editor.editing.as_ref();
     assert_eq!(editing.map(ProgramEditor::cursor), Some((1, 0)));
 }
 
 #[test]
 fn held_cursor_keys_repeat() {
     let mut emulator = awake();
-    emulator.panel.show(PageId::Pitch);
-    let item = |emulator: &Emulator| emulator.panel.view().cursors.get(PageId::Pitch).item;
+    emulator.show_page(PageId::Pitch);
+    let item = |emulator: &Emulator| emulator.panel().view().cursors.get(PageId::Pitch).item;
     emulator.key_down(Key::Down);
     emulator.key_down(Key::Down);
     assert_eq!(item(&emulator), 1, "the PC's own repetition is ignored");
@@ -357,21 +361,21 @@ fn as_many_keys_as_parameter_119_says_are_accepted() {
     for key in keys {
         emulator.key_down(key);
     }
-    assert_eq!(emulator.panel.held(), &keys[..3]);
+    assert_eq!(emulator.panel().held(), &keys[..3]);
     emulator.key_down(Key::OvertravelRelease);
     emulator.key_down(Key::EmergencyStop);
-    assert!(emulator.panel.is_held(Key::OvertravelRelease));
-    assert!(emulator.panel.emergency_stop());
+    assert!(emulator.panel().is_held(Key::OvertravelRelease));
+    assert!(emulator.panel().emergency_stop());
     emulator.key(KeyEvent::ReleaseAll);
-    assert!(emulator.panel.held().is_empty());
-    assert!(emulator.panel.emergency_stop(), "the mushroom stays in");
+    assert!(emulator.panel().held().is_empty());
+    assert!(emulator.panel().emergency_stop(), "the mushroom stays in");
 }
 
 #[test]
 fn graphic_extents_are_entered_and_the_path_is_drawn() {
     let mut emulator = awake();
     emulator.press(Key::Mdi);
-    emulator.panel.show(PageId::GraphPar);
+    emulator.show_page(PageId::GraphPar);
     for _ in 0..4 {
         tap(&mut emulator, Key::Down);
     }
@@ -380,7 +384,7 @@ fn graphic_extents_are_entered_and_the_path_is_drawn() {
         tap(&mut emulator, Key::Input);
         tap(&mut emulator, Key::Down);
     }
-    let graphic = emulator.panel.view().graphic;
+    let graphic = emulator.panel().view().graphic;
     assert_eq!(
         (graphic.scale, graphic.center_x, graphic.center_z),
         (71, 70_000, 95_000)
@@ -394,23 +398,23 @@ fn graphic_extents_are_entered_and_the_path_is_drawn() {
     emulator.press(Key::Auto);
     emulator.press(Key::CycleStart);
     emulator.run_until(&WaitCondition::Stopped, 120_000);
-    let trace = &emulator.panel.view().trace;
+    let trace = &emulator.panel().view().trace;
     // X and Z need the same time here, so that the rapid is one straight segment.
     assert_eq!(trace.segments().count(), 2);
     let last = trace.segments().last().unwrap();
     assert!(!last.rapid);
     assert!((last.from.x - 10.0).abs() < 0.1 && (last.to.x - 15.0).abs() < 1e-6);
     tap(&mut emulator, Key::R);
-    assert!(emulator.panel.view().trace.is_empty());
+    assert!(emulator.panel().view().trace.is_empty());
     tap(&mut emulator, Key::T);
-    assert!(!emulator.panel.view().graphic.drawing);
+    assert!(!emulator.panel().view().graphic.drawing);
 }
 
 #[test]
 fn bits_are_walked_and_items_searched() {
     let mut emulator = awake();
-    emulator.panel.show(PageId::ParBit);
-    let cursor = |emulator: &Emulator| emulator.panel.view().cursors.get(PageId::ParBit);
+    emulator.show_page(PageId::ParBit);
+    let cursor = |emulator: &Emulator| emulator.panel().view().cursors.get(PageId::ParBit);
     tap(&mut emulator, Key::U);
     assert_eq!(cursor(&emulator).bit, 7);
     tap(&mut emulator, Key::W);
@@ -429,7 +433,7 @@ fn after_the_self_test_only_an_alarm_shows_the_alarm_page() {
     emulator.run(100);
     emulator.press(Key::EmergencyStop);
     emulator.run(200);
-    assert!(emulator.simulation.cnc.is_in_alarm());
+    assert!(emulator.cnc().is_in_alarm());
     let mut released = emulator.clone();
     released.press(Key::EmergencyStop);
     for (mut emulator, expected) in [(emulator, PageId::Alm), (released, PageId::PosRel)] {
@@ -453,21 +457,21 @@ fn the_display_ignores_keys_during_the_self_test() {
     waiting.run(2000);
     waiting.press(Key::Program);
     waiting.run(2000);
-    assert!(waiting.panel.in_self_test());
+    assert!(waiting.panel().in_self_test());
     waiting.press(Key::Program);
-    assert!(!waiting.panel.in_self_test());
+    assert!(!waiting.panel().in_self_test());
 }
 
 #[test]
 fn an_opened_program_fits_the_graphic_page_unless_extents_were_keyed_in() {
     let mut emulator = Emulator::new(Setup::default());
     emulator.fit_graphic(Point::new(-5.0, -10.0), Point::new(75.0, 200.0));
-    let settings = emulator.panel.view().graphic;
+    let settings = emulator.panel().view().graphic;
     assert_eq!((settings.min_x, settings.max_x), (-10_000, 150_000));
     assert_eq!(
         (settings.scale, settings.zx, settings.drawing),
         (71, true, true)
     );
     emulator.fit_graphic(Point::new(0.0, 0.0), Point::new(1.0, 1.0));
-    assert_eq!(emulator.panel.view().graphic, settings);
+    assert_eq!(emulator.panel().view().graphic, settings);
 }

@@ -83,7 +83,7 @@ enum Wanted {
 
 /// What is connected at the other end of the serial port.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-enum Partner {
+pub enum SerialCable {
     /// No cable is connected.
     #[default]
     #[serde(rename = "Nobody")]
@@ -98,7 +98,7 @@ enum Partner {
 /// The state of the serial port and its transfers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Transfer {
-    partner: Partner,
+    partner: SerialCable,
     /// What 输出 has requested; `None` without a request. It starts at the next tick, after the
     /// editor has stored its text.
     wanted: Option<Wanted>,
@@ -126,21 +126,23 @@ impl Transfer {
 }
 
 impl Panel {
-    /// Connects a simulated partner (`true`), or disconnects the cable (`false`).
-    pub const fn connect(&mut self, partner: bool) {
-        self.transfer.partner = match partner {
-            true => Partner::Simulated,
-            false => Partner::Disconnected,
-        };
+    /// Connects another end to the serial port.
+    pub(crate) const fn connect_cable(&mut self, cable: SerialCable) {
+        self.transfer.partner = cable;
+    }
+
+    /// Returns whether the simulated partner has received files.
+    pub(crate) const fn has_sent(&self) -> bool {
+        !self.transfer.sent.is_empty()
     }
 
     /// Takes the files that the simulated partner has received.
-    pub fn take_sent(&mut self) -> Vec<SerialFile> {
+    pub(crate) fn take_sent(&mut self) -> Vec<SerialFile> {
         core::mem::take(&mut self.transfer.sent)
     }
 
     /// Shows in the status row that the partner could not receive the files.
-    pub const fn transfer_failed(&mut self) {
+    pub(crate) const fn transfer_failed(&mut self) {
         self.view.communication = Communication::Failed;
     }
 
@@ -261,10 +263,10 @@ impl Panel {
             return;
         }
         let answers = match self.transfer.partner {
-            Partner::Disconnected => false,
-            Partner::Simulated => baud_rate_of(cnc) >= MIN_BAUD,
+            SerialCable::Disconnected => false,
+            SerialCable::Simulated => baud_rate_of(cnc) >= MIN_BAUD,
             // The port finds out whether a partner is connected.
-            Partner::Line => true,
+            SerialCable::Line => true,
         };
         if !answers {
             self.view.communication = Communication::NotConnected;
@@ -320,7 +322,7 @@ impl Panel {
     pub(super) fn follow_transfer(&mut self, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         if let Some(wanted) = self.transfer.wanted.take() {
             let files = files::files_to_send(wanted, cnc);
-            if self.transfer.partner == Partner::Line {
+            if self.transfer.partner == SerialCable::Line {
                 self.transfer.for_line = files;
                 self.show_transfer(Communication::Sending, SerialPort::Sending, requests);
                 return;

@@ -27,7 +27,7 @@ pub enum CoordinateSystem {
 impl CoordinateSystem {
     /// Returns X as displayed (diameter or radius) and Z in this system, mm.
     pub(super) fn shown(self, emulator: &Emulator) -> (f64, f64) {
-        let cnc = &emulator.simulation.cnc;
+        let cnc = emulator.cnc();
         let at = match self {
             Self::Absolute => cnc.position_absolute(),
             Self::Machine => cnc.position_machine(),
@@ -140,7 +140,7 @@ impl Expectation {
     ///
     /// Returns the actual state if it differs.
     pub fn check(&self, emulator: &Emulator) -> Result<(), UnmetExpectation> {
-        let cnc = &emulator.simulation.cnc;
+        let cnc = emulator.cnc();
         match self {
             Self::Row(row, text) => {
                 let seen = emulator.screen().row(*row);
@@ -156,7 +156,7 @@ impl Expectation {
                 })
             }
             Self::Slides(x, z) => {
-                let at = emulator.simulation.lathe.slide_position();
+                let at = emulator.lathe().slide_position();
                 verdict(near(at.x * 2.0, *x) && near(at.z, *z), || {
                     UnmetExpectation::Slides(at.x * 2.0, at.z)
                 })
@@ -222,7 +222,7 @@ fn verdict(fits: bool, seen: impl FnOnce() -> UnmetExpectation) -> Result<(), Un
 
 /// Returns number and text of each active alarm and message.
 fn active_alarms(emulator: &Emulator) -> Vec<(u16, String)> {
-    let cnc = &emulator.simulation.cnc;
+    let cnc = emulator.cnc();
     let alarms = cnc.alarms().iter();
     let mut all: Vec<_> = alarms
         .map(|alarm| (alarm.number, alarm.to_string()))

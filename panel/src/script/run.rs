@@ -2,11 +2,11 @@
 
 use core::fmt;
 
-use gsk_core::cnc::ControlRequest;
+use gsk_core::cnc::{ControlRequest, DncInput};
 use gsk_messages::{Message, say};
 
 use super::{Script, ScriptAction, ScriptLine};
-use crate::emulator::{ConditionWatch, Emulator, PRESS_TICKS};
+use crate::emulator::{ConditionWatch, Emulator, EmulatorInput, PRESS_TICKS};
 use crate::keys::Key;
 use crate::pages::POWER_ON_TICKS;
 use crate::panel::KeyEvent;
@@ -195,14 +195,14 @@ impl Runner {
 
     fn step(&mut self, emulator: &mut Emulator) -> Next {
         let now = emulator.ticks();
-        let can_send = self.dnc && emulator.simulation.cnc.dnc_free_characters() > 0;
+        let can_send = self.dnc && emulator.cnc().dnc_free_characters() > 0;
         if can_send && self.last_request.replace(now) != Some(now) {
             return Next::Return(ScriptProgress::Effect(Effect::DncRoom));
         }
         match &mut self.stage {
             Stage::SelfTest(until) => {
                 let until = *until.get_or_insert(now + POWER_ON_TICKS);
-                if emulator.panel.in_self_test() && now < until {
+                if emulator.panel().in_self_test() && now < until {
                     return Next::Tick;
                 }
                 self.origin = now;
@@ -317,12 +317,12 @@ impl Runner {
             }
             ScriptAction::Dnc(path) => {
                 self.dnc = path.is_some();
-                emulator.simulation.cnc.set_dnc_partner(self.dnc);
+                emulator.apply(EmulatorInput::Dnc(DncInput::Connected(self.dnc)));
                 return Next::Return(ScriptProgress::Effect(Effect::Dnc(path)));
             }
             ScriptAction::Power(true) => emulator.power_on(),
             ScriptAction::Power(false) => emulator.power_off(),
-            ScriptAction::Fault(fault, on) => emulator.simulation.lathe.set_fault(fault, on),
+            ScriptAction::Fault(fault, on) => emulator.set_fault(fault, on),
             ScriptAction::Turn(graduations, None) if timed.is_some() => emulator.turn(graduations),
             ScriptAction::Turn(graduations, time) => {
                 let own = u64::from(graduations.unsigned_abs()) * TICKS_PER_GRADUATION;
@@ -343,12 +343,12 @@ impl Runner {
                 };
             }
             ScriptAction::Set(address, state) => {
-                emulator.simulation.lathe.force_input(address, Some(state));
+                emulator.force_input(address, Some(state));
             }
-            ScriptAction::Free(address) => emulator.simulation.lathe.force_input(address, None),
+            ScriptAction::Free(address) => emulator.force_input(address, None),
             ScriptAction::Force(bit, value) => {
                 let request = ControlRequest::ForceBit(bit, value);
-                if let Err(alarm) = emulator.simulation.cnc.request(request) {
+                if let Err(alarm) = emulator.request(request) {
                     return Next::Return(ScriptProgress::Failed(self.failure(alarm.reason())));
                 }
             }

@@ -162,7 +162,7 @@ impl ExpectedState {
     ///
     /// Returns the message about the actual state if it differs.
     pub(super) fn check(&self, emulator: &Emulator) -> Result<(), Message> {
-        let (cnc, lathe) = (&emulator.simulation.cnc, &emulator.simulation.lathe);
+        let (cnc, lathe) = (emulator.cnc(), emulator.lathe());
         match self {
             Self::Screen(text) => {
                 let screen = emulator.screen();
@@ -170,13 +170,13 @@ impl ExpectedState {
                 verdict(shown, || say::script_state_is(format!("\n{screen}")))
             }
             Self::Page(page) => {
-                let seen = emulator.panel.page();
+                let seen = emulator.panel().page();
                 verdict(seen == *page, || {
                     say::script_page_is(seen.title().text(Language::Zh))
                 })
             }
             Self::Key(key, down) => {
-                let seen = emulator.panel.pressed().contains(key);
+                let seen = emulator.panel().pressed().contains(key);
                 verdict(seen == *down, || {
                     say::script_value_is(key.id(), if seen { "down" } else { "up" })
                 })
@@ -228,7 +228,7 @@ impl ExpectedState {
                 verdict(range.contains(seen.into()), || say::script_parts_are(seen))
             }
             Self::Power(on) => {
-                let seen = emulator.panel.powered();
+                let seen = emulator.panel().powered();
                 verdict(seen == *on, || {
                     say::script_state_is(if seen { "on" } else { "off" })
                 })
@@ -271,9 +271,9 @@ fn check_parameter(cnc: &Cnc, number: u16, bit: Option<u8>, value: i32) -> Resul
 }
 
 fn check_program(emulator: &Emulator, number: u16, text: Option<&str>) -> Result<(), Message> {
-    let edited = emulator.panel.edited().filter(|(it, _)| *it == number);
+    let edited = emulator.panel().edited().filter(|(it, _)| *it == number);
     let stored = || {
-        let programs = emulator.simulation.cnc.programs();
+        let programs = emulator.cnc().programs();
         programs.stored(number).cloned()
     };
     let program = edited.map(|(_, program)| program).or_else(stored);

@@ -137,7 +137,7 @@ impl LessonProgress {
 /// Whether the goals of a step are met. A slide that is still moving has not reached its
 /// position.
 fn is_complete(step: &LessonStep, emulator: &Emulator) -> bool {
-    let is_passing = emulator.simulation.cnc.is_moving()
+    let is_passing = emulator.cnc().is_moving()
         && step
             .goals
             .iter()
@@ -153,14 +153,14 @@ fn find_remark(step: &LessonStep, emulator: &Emulator) -> Option<LessonRemark> {
     if let Some(index) = mistakes.position(|holds| holds) {
         return Some(LessonRemark::Mistake(index));
     }
-    let panel = &emulator.panel;
+    let panel = emulator.panel();
     if !panel.powered() {
         return Some(LessonRemark::PowerOff);
     }
     if panel.emergency_stop() && !step.keys.contains(&Key::EmergencyStop) {
         return Some(LessonRemark::EmergencyStop);
     }
-    let alarm = emulator.simulation.cnc.alarms().first()?;
+    let alarm = emulator.cnc().alarms().first()?;
     // In a step about alarms the alarm is the subject.
     let mut conditions = step.requirements.iter().chain(&step.goals);
     let is_subject = conditions.any(|condition| condition.text.starts_with("alarm "))

@@ -154,10 +154,10 @@ fn a_coordinate_comes_true_where_the_slide_stops() {
     let (mut practice, mut machine) = begun.expect("a lesson").expect("a machine");
     press(&mut practice, &mut machine, Key::Jog);
     assert_eq!(practice.view().step, 0);
-    let start = machine.simulation.cnc.position_machine().z;
+    let start = machine.cnc().position_machine().z;
     machine.key_down(Key::ZLeft);
     run(&mut practice, &mut machine, 500);
-    assert!(machine.simulation.cnc.position_machine().z < start - 0.1);
+    assert!(machine.cnc().position_machine().z < start - 0.1);
     assert_eq!(practice.view().step, 0, "it passes");
     machine.key_up(Key::ZLeft);
     run(&mut practice, &mut machine, 500);
@@ -207,10 +207,10 @@ fn what_is_shown_stops_at_the_first_key_of_the_learner() {
     practice.show_me(&mut machine);
     assert!(practice.view().showing);
     run(&mut practice, &mut machine, 50);
-    assert!(machine.panel.is_held(Key::Auto));
+    assert!(machine.panel().is_held(Key::Auto));
     practice.interrupt(&mut machine);
     assert!(!practice.view().showing);
-    assert!(!machine.panel.is_held(Key::Auto));
+    assert!(!machine.panel().is_held(Key::Auto));
 }
 
 /// Generates random numbers that are the same in every run.
@@ -340,7 +340,7 @@ fn demonstrations_hit_nothing() {
             practice.show_me(&mut machine);
             while practice.view().showing {
                 practice.tick(&mut machine);
-                let found = live.follow_tick(&machine.simulation);
+                let found = live.follow_tick(machine.simulation());
                 assert!(
                     found.is_empty(),
                     "{}, step {}: {found:?}",

@@ -42,8 +42,8 @@ pub(super) fn fuzz_script(input: &[u8]) {
     }
     let screen = watch::run_unit(|| emulator.screen().text());
     assert_eq!(screen.lines().count(), 15, "the LCD has 15 rows");
-    watch::record_event("mode", format!("{:?}", emulator.simulation.cnc.mode()));
-    for alarm in emulator.simulation.cnc.alarms() {
+    watch::record_event("mode", format!("{:?}", emulator.cnc().mode()));
+    for alarm in emulator.cnc().alarms() {
         watch::record_event("alarm", alarm.number);
     }
 }

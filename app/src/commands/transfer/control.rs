@@ -11,6 +11,7 @@ use gsk_core::setup::Setup;
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::{Emulator, WaitCondition};
 use gsk_panel::keys::Key;
+use gsk_panel::panel::SerialCable;
 
 use gsk_host::files::data_dir::DataDir;
 use gsk_host::files::{program_file, subprograms};
@@ -58,10 +59,10 @@ pub(super) fn run_control(args: &TransferControlArgs) -> Result<u8, CommandError
         ] {
             // The alarm of the switch is cancelled at once. A control without the right
             // leaves the switch off.
-            let _ = emulator.simulation.cnc.request(request);
+            let _ = emulator.request(request);
         }
     }
-    emulator.panel.connect_port();
+    emulator.connect_cable(SerialCable::Line);
     let ending = TerminationFlag::install_signal_handlers()?;
     let line = SerialLine::open(
         SerialEnd::from_name(&args.port),

@@ -20,7 +20,7 @@ pub enum SerialPort {
 }
 
 /// The content of a complete transfer through the serial port.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum ReceivedData {
     /// Text of a program for the memory; its O number must be free.
     Program(String),

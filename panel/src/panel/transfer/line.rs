@@ -6,11 +6,11 @@ use gsk_core::cnc::{Cnc, ControlRequest, ReceivedData, SerialPort};
 use gsk_core::memory::WriteRefusal;
 use gsk_messages::{Message, say};
 
-use super::{DataLineError, Panel, Partner, SerialFile, files, reason};
+use super::{DataLineError, Panel, SerialCable, SerialFile, files, reason};
 use crate::pages::Communication;
 
 /// Names a file of the control that a client can read or write.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum FileId {
     /// A program of the memory, by its number.
     Program(u16),
@@ -121,21 +121,24 @@ impl From<WriteRefusal> for FileRefusal {
 }
 
 impl Panel {
-    /// Connects a port of the computer as the partner of the serial port.
-    /// [`Self::take_port_files`] then takes the files to send.
-    pub const fn connect_port(&mut self) {
-        self.transfer.partner = Partner::Line;
+    /// Returns whether 输出 has files to send through the port of the computer.
+    pub(crate) const fn has_port_files(&self) -> bool {
+        !self.transfer.for_line.is_empty()
     }
 
     /// Takes the files that 输出 sends, for the port of the computer.
-    pub fn take_port_files(&mut self) -> Vec<SerialFile> {
+    pub(crate) fn take_port_files(&mut self) -> Vec<SerialFile> {
         core::mem::take(&mut self.transfer.for_line)
     }
 
-    /// Returns whether 复位 has aborted a transfer through the computer's port since the last
-    /// call.
-    pub const fn take_aborted(&mut self) -> bool {
-        core::mem::replace(&mut self.transfer.broken_off, false)
+    /// Returns whether 复位 has aborted a transfer through the computer's port.
+    pub(crate) const fn is_aborted(&self) -> bool {
+        self.transfer.broken_off
+    }
+
+    /// Clears the report of an aborted transfer.
+    pub(crate) const fn clear_aborted(&mut self) {
+        self.transfer.broken_off = false;
     }
 
     /// Returns the control's baud rate, bit/s; `None` while the control or its port (002.5) is
@@ -158,7 +161,7 @@ impl Panel {
 
     /// Returns whether a port of the computer is sending or receiving a file.
     pub(super) fn client_port_is_busy(&self) -> bool {
-        self.transfer.partner == Partner::Line
+        self.transfer.partner == SerialCable::Line
             && self.transfer.incoming.is_none()
             && matches!(
                 self.view.communication,

@@ -1,0 +1,120 @@
+//! The part in the lathe with its job: it follows the machine and changes by inputs.
+
+use std::sync::Arc;
+
+use gsk_core::simulation::Simulation;
+use gsk_runner::machining::live_part::LivePart;
+use gsk_runner::machining::{CollisionFinding, Machining};
+use gsk_workpiece::job::Job;
+use gsk_workpiece::stock::Stock;
+use serde::{Deserialize, Serialize};
+
+/// A job with the name of its file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NamedJob {
+    /// Stock, clamping and tools.
+    pub job: Job,
+    /// Name of the job file; `None` if the job was guessed.
+    pub name: Option<String>,
+}
+
+/// A change of the part from outside. The machine does not depend on it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum PartInput {
+    /// Clamps the stock of another job; `None` removes the part.
+    Job(Option<Box<NamedJob>>),
+    /// Clamps new stock of the same job.
+    NewStock,
+    /// Sets whether a collision stops the lathe.
+    CrashStops(bool),
+}
+
+/// The part that the slides cut, its job and the switches that belong to it.
+#[derive(Clone, Debug)]
+pub struct MachinePart {
+    live: Option<LivePart>,
+    job: Arc<Job>,
+    job_name: Option<Arc<str>>,
+    crash_stops: bool,
+    /// Whether the power chuck has held the stock at least once.
+    has_gripped: bool,
+}
+
+impl Default for MachinePart {
+    fn default() -> Self {
+        Self {
+            live: None,
+            job: Arc::new(Job::new(Stock::bar(50.0, 0.0, 60.0))),
+            job_name: None,
+            crash_stops: true,
+            has_gripped: false,
+        }
+    }
+}
+
+impl MachinePart {
+    /// Applies an input.
+    pub fn apply(&mut self, input: PartInput) {
+        match input {
+            PartInput::Job(chosen) => {
+                self.live = chosen.map(|chosen| {
+                    self.job = Arc::new(chosen.job.clone());
+                    self.job_name = chosen.name.map(Arc::from);
+                    LivePart::new(Machining::new(chosen.job))
+                });
+            }
+            PartInput::NewStock => {
+                if let Some(live) = &mut self.live {
+                    live.clamp_new_stock();
+                }
+            }
+            PartInput::CrashStops(stops) => self.crash_stops = stops,
+        }
+    }
+
+    /// Returns the inputs that give a new part the same job, on uncut stock, and the same
+    /// switches.
+    pub fn inputs_for_uncut(&self) -> [PartInput; 2] {
+        let named = self.live.as_ref().map(|_| {
+            Box::new(NamedJob {
+                job: Job::clone(&self.job),
+                name: self.job_name.as_deref().map(str::to_owned),
+            })
+        });
+        [
+            PartInput::Job(named),
+            PartInput::CrashStops(self.crash_stops),
+        ]
+    }
+
+    /// Cuts the part after a tick. Returns the first collision of the tick, if any.
+    pub fn follow_tick(&mut self, simulation: &Simulation) -> Option<CollisionFinding> {
+        self.has_gripped |= simulation.lathe.is_chuck_clamped();
+        self.live.as_mut()?.follow_tick(simulation).first().copied()
+    }
+
+    /// Returns the part that is cut; `None` without a job.
+    pub fn machining(&self) -> Option<&Machining> {
+        self.live.as_ref().map(LivePart::machining)
+    }
+
+    /// Returns the job of the part, the last one if there is none now.
+    pub const fn job(&self) -> &Arc<Job> {
+        &self.job
+    }
+
+    /// Returns the name of the job file; `None` if the job was guessed.
+    pub const fn job_name(&self) -> Option<&Arc<str>> {
+        self.job_name.as_ref()
+    }
+
+    /// Returns whether a collision stops the lathe.
+    pub const fn crash_stops(&self) -> bool {
+        self.crash_stops
+    }
+
+    /// Returns whether the power chuck has held the stock at least once.
+    pub const fn has_gripped(&self) -> bool {
+        self.has_gripped
+    }
+}

@@ -1,0 +1,415 @@
+//! Random sessions: every moment that is reached again equals the original, and running on
+//! from it leads to the same end.
+#![allow(clippy::expect_used, reason = "tests fail by panicking")]
+
+use gsk_core::cnc::ControlRequest;
+use gsk_core::machine::LatheFault;
+use gsk_core::plc::address::{Area, BitAddress};
+use gsk_core::setup::Setup;
+use gsk_history::history::History;
+use gsk_history::machine_part::{MachinePart, NamedJob, PartInput};
+use gsk_history::moment::{HistoryInput, MachineMoment, RecordedInput, state_hash};
+use gsk_history::recording::{FORMAT, RecordingEncoder, RecordingEvent};
+use gsk_history::replay::replay;
+use gsk_panel::emulator::{Emulator, EmulatorInput, PortRequest, WaitCondition};
+use gsk_panel::keys::{KEYS, Key};
+use gsk_panel::panel::{FileId, KeyEvent, SerialCable, SerialFile};
+use gsk_workpiece::job::Job;
+use gsk_workpiece::stock::Stock;
+use gsk_workpiece::tool::Tool;
+
+const PROGRAM: &str = "O0001;\nG50 X60 Z20;\nT0101 M03 S800;\nG00 X52 Z2;\nG90 X46 Z-20 F200;\n\
+     X42;\nX38 Z-12;\nG01 X30 Z0;\nX38 Z-6;\nG00 X60 Z20;\nM30;\n";
+
+/// A generator with a fixed sequence for a seed (SplitMix64).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, bound: u64) -> u64 {
+        self.next() % bound
+    }
+}
+
+/// A machine that records, as the kernel does.
+struct Session {
+    moment: MachineMoment,
+    history: History,
+    random: Random,
+    crashes: u32,
+}
+
+impl Session {
+    fn new(seed: u64, budget_bytes: usize) -> Self {
+        let mut emulator = Emulator::new(Setup::default());
+        emulator.run_until(&WaitCondition::SelfTestOver, 10_000);
+        let start = MachineMoment {
+            emulator: emulator.clone(),
+            part: MachinePart::default(),
+        };
+        emulator.record_inputs();
+        let mut session = Self {
+            moment: MachineMoment {
+                emulator,
+                ..start.clone()
+            },
+            history: History::new(start, budget_bytes),
+            random: Random(seed),
+            crashes: 0,
+        };
+        let mut job = Job::new(Stock::bar(50.0, 0.0, 60.0));
+        job.tools.insert(1, Tool::turning());
+        session.change_part(PartInput::Job(Some(Box::new(NamedJob {
+            job,
+            name: Some("bar.job.ron".to_owned()),
+        }))));
+        session
+    }
+
+    fn change_part(&mut self, input: PartInput) {
+        self.take_inputs();
+        let tick = self.moment.ticks();
+        self.history.record_part(tick, input.clone());
+        self.moment.part.apply(input);
+    }
+
+    fn take_inputs(&mut self) {
+        let inputs = self.moment.emulator.take_inputs();
+        self.history.record_machine(inputs);
+    }
+
+    fn run(&mut self, ticks: u64) {
+        for _ in 0..ticks {
+            self.moment.emulator.tick();
+            let simulation = self.moment.emulator.simulation();
+            if self.moment.part.follow_tick(simulation).is_some() {
+                self.crashes += 1;
+                let emulator = &mut self.moment.emulator;
+                emulator.set_fault(LatheFault::DriveZ, true);
+                emulator.set_fault(LatheFault::SpindleBlocked, true);
+            }
+            self.take_inputs();
+            self.history
+                .follow(&self.moment.emulator, &self.moment.part);
+        }
+    }
+
+    fn press(&mut self, key: Key) {
+        self.moment.emulator.key_down(key);
+        let hold = 20 + self.random.below(150);
+        self.run(hold);
+        self.moment.emulator.key_up(key);
+        self.run(20);
+    }
+
+    /// One random act of an operator or of the machine, and the time after it.
+    fn act(&mut self) {
+        let random = self.random.next();
+        let emulator = &mut self.moment.emulator;
+        match random % 16 {
+            0 => drop(emulator.load_program("O1", PROGRAM)),
+            1 | 2 => [Key::Reset, Key::Auto, Key::CycleStart]
+                .into_iter()
+                .for_each(|key| self.press(key)),
+            3 => emulator.turn((random >> 8) as i32 % 200),
+            4 => {
+                let (_, fault) = LatheFault::ALL[(random >> 8) as usize % LatheFault::ALL.len()];
+                emulator.set_fault(fault, random & 256 != 0);
+            }
+            5 => {
+                let bit = BitAddress::new(Area::R, (random >> 8) as u16 % 50, 3);
+                let _ = emulator.request(ControlRequest::ForceBit(bit, Some(random & 1 == 0)));
+            }
+            6 => {
+                let halt = ControlRequest::HaltLadder(random & 512 == 0);
+                let _ = emulator.request(halt);
+            }
+            7 => {
+                emulator.apply(EmulatorInput::ClearFaults);
+                self.press(Key::Reset);
+            }
+            8 => self.edit(),
+            9 => {
+                for character in "N10X5".chars() {
+                    self.moment.emulator.key(KeyEvent::Type(character));
+                    self.run(100);
+                }
+            }
+            10 if random & 0xf00 == 0 => emulator.power_cycle(),
+            11 => self.receive(),
+            12 => self.change_part(PartInput::NewStock),
+            13 => {
+                let address = BitAddress::new(Area::X, (random >> 8) as u16 % 3, 5);
+                emulator.force_input(address, [None, Some(true)][(random >> 20) as usize & 1]);
+            }
+            _ => {
+                let key = KEYS[(random >> 8) as usize % KEYS.len()].key;
+                self.press(key);
+            }
+        }
+        self.take_inputs();
+        let pause = self.random.below(1500);
+        self.run(pause);
+    }
+
+    fn edit(&mut self) {
+        let switch = ControlRequest::SetProgramSwitch(true);
+        let _ = self.moment.emulator.request(switch);
+        for key in [Key::Edit, Key::Program, Key::Down, Key::Delete, Key::Insert] {
+            self.press(key);
+        }
+    }
+
+    fn receive(&mut self) {
+        let emulator = &mut self.moment.emulator;
+        emulator.connect_cable(SerialCable::Simulated);
+        let text = format!("O0002;\nG04 X{};\nM99;\n", self.random.0 % 9);
+        let file = SerialFile {
+            name: "O0002.CNC".to_owned(),
+            text,
+        };
+        let _ = emulator.receive(file.clone());
+        let _ = emulator.request_port(PortRequest::Receive {
+            id: FileId::Program(2),
+            file,
+            overwrite: true,
+        });
+        let _ = emulator.take_sent();
+    }
+}
+
+fn assert_same(reached: &MachineMoment, original: &MachineMoment, context: &str) {
+    assert!(reached.emulator == original.emulator, "{context}");
+    let part = |moment: &MachineMoment| {
+        let machining = moment.part.machining().expect("a job");
+        (machining.scene().part().clone(), machining.findings().len())
+    };
+    assert_eq!(part(reached), part(original), "{context}");
+}
+
+/// A thousand moments in ten sessions: the state there is the original one, and running on
+/// with the recorded inputs leads to the original end.
+#[test]
+fn a_thousand_moments_are_reached_and_lead_to_the_same_end() {
+    let (mut crashes, mut inputs) = (0, 0);
+    for seed in 0..10 {
+        let mut session = Session::new(seed, usize::MAX);
+        let mut originals = Vec::new();
+        for _ in 0..100 {
+            session.act();
+            let before_inputs = session.history.inputs().last();
+            if before_inputs.is_none_or(|last| last.tick < session.moment.ticks()) {
+                originals.push(session.moment.clone());
+            }
+        }
+        let end = session.history.present().expect("the present");
+        assert_same(&end, &session.moment, "the present");
+        assert_eq!(session.history.end(), session.moment.ticks());
+        for original in &originals {
+            let context = format!("seed {seed}, tick {}", original.ticks());
+            let reached = session.history.seek(original.ticks()).expect("a moment");
+            assert_same(&reached, original, &context);
+        }
+        for _ in 0..100 {
+            let start = session.history.start();
+            let length = session.history.end() - start;
+            let tick = start + session.random.below(length);
+            let mut reached = session.history.seek(tick).expect("a moment");
+            assert_eq!(reached.ticks(), tick);
+            let later = (tick + 4_000).min(session.history.end());
+            run_on(&mut reached, session.history.inputs(), later);
+            let at_once = session.history.seek(later).expect("a moment");
+            assert_same(&reached, &at_once, &format!("seed {seed}, from {tick}"));
+        }
+        crashes += session.crashes;
+        inputs += session.history.inputs().len();
+    }
+    assert!(crashes > 3, "{crashes} collisions");
+    assert!(inputs > 5000, "{inputs} inputs");
+}
+
+/// Runs a machine with the recorded inputs up to a tick.
+fn run_on(moment: &mut MachineMoment, inputs: &[RecordedInput], until: u64) {
+    let first = inputs.partition_point(|input| input.tick < moment.ticks());
+    let rest = inputs[first..].iter().filter(|input| input.tick < until);
+    for recorded in rest {
+        while moment.ticks() < recorded.tick {
+            moment.tick();
+        }
+        moment.apply(recorded.input.clone());
+    }
+    while moment.ticks() < until {
+        moment.tick();
+    }
+}
+
+#[test]
+fn a_small_budget_thins_the_oldest_and_keeps_every_moment_exact() {
+    let mut session = Session::new(7, 600_000);
+    let mut originals = Vec::new();
+    while session.moment.ticks() < 400_000 {
+        session.act();
+        session.run(500);
+        originals.push(session.moment.clone());
+        assert!(session.history.bytes() <= 600_000);
+    }
+    assert!(session.history.state_count() < 20);
+    let first = session.history.start();
+    let reachable = originals.iter().filter(|moment| moment.ticks() >= first);
+    let mut count = 0;
+    for original in reachable.step_by(9) {
+        let reached = session.history.seek(original.ticks()).expect("a moment");
+        assert_same(&reached, original, &format!("tick {}", original.ticks()));
+        count += 1;
+    }
+    assert!(count > 5);
+    assert!(session.history.seek(session.history.end() + 1).is_none());
+}
+
+#[test]
+fn another_future_keeps_the_abandoned_one_as_a_branch() {
+    let mut session = Session::new(3, usize::MAX);
+    for _ in 0..30 {
+        session.act();
+    }
+    let abandoned = session.moment.clone();
+    let middle = (session.history.start() + session.history.end()) / 2;
+    session.moment = session.history.continue_from(middle).expect("a moment");
+    session.moment.emulator.record_inputs();
+    assert_eq!(session.history.end(), middle);
+    assert_eq!(session.history.branch(), Some((middle, abandoned.ticks())));
+    for _ in 0..10 {
+        session.act();
+    }
+    let new_future = session.moment.clone();
+    let end = session.history.present().expect("the present");
+    assert_same(&end, &new_future, "the new future");
+    let back = session.history.return_to_branch().expect("the branch");
+    assert_same(&back, &abandoned, "the abandoned future");
+    let end = session.history.present().expect("the present");
+    assert_same(&end, &abandoned, "the abandoned future again");
+    let again = session.history.return_to_branch().expect("the branch");
+    assert_same(&again, &new_future, "the new future again");
+}
+
+/// The bytes of a recorded session, and its end.
+fn recorded_session(seed: u64, acts: u32) -> (Vec<u8>, MachineMoment) {
+    let mut session = Session::new(seed, usize::MAX);
+    for _ in 0..acts {
+        session.act();
+    }
+    session.take_inputs();
+    let mut bytes = Vec::new();
+    let mut encoder = RecordingEncoder::new(&mut bytes);
+    let start = session
+        .history
+        .seek(session.history.start())
+        .expect("start");
+    let mut events = vec![
+        RecordingEvent::Start {
+            format: FORMAT,
+            program: "test".to_owned(),
+        },
+        RecordingEvent::State {
+            emulator: Box::new(start.emulator),
+            part: Vec::new(),
+        },
+    ];
+    for recorded in session.history.inputs() {
+        events.push(RecordingEvent::Input(Box::new(recorded.clone())));
+    }
+    let tick = session.history.end();
+    events.push(RecordingEvent::Reached(tick));
+    let hash = state_hash(&session.moment.emulator).expect("a hash");
+    events.push(RecordingEvent::Hash { tick, hash });
+    events.push(RecordingEvent::End(tick));
+    for event in &events {
+        encoder.encode(event, &mut bytes).expect("encoded");
+    }
+    (bytes, session.moment)
+}
+
+#[test]
+fn a_recording_replays_to_the_same_state_and_stores_texts_once() {
+    let (bytes, end) = recorded_session(11, 60);
+    let replayed = replay(&bytes).expect("a recording");
+    assert_eq!(replayed.error, None);
+    assert_eq!((replayed.equal_hashes, replayed.difference), (1, None));
+    assert!(replayed.is_complete);
+    let history = replayed.history.expect("a session");
+    assert_same(&history.present().expect("the end"), &end, "the replay");
+    let ladder = end.emulator.cnc().plc().ladder().source();
+    let line = ladder
+        .lines()
+        .nth(ladder.lines().count() / 2)
+        .expect("a line");
+    let copies = |text: &str| {
+        let found = bytes.windows(text.len());
+        found.filter(|window| *window == text.as_bytes()).count()
+    };
+    assert_eq!(copies(ladder), 1, "the ladder that holds {line}");
+}
+
+#[test]
+fn every_flipped_bit_is_noticed() {
+    let (bytes, _) = recorded_session(5, 12);
+    let events = |bytes: &[u8]| -> Option<usize> {
+        let mut reader = gsk_history::recording::RecordingReader::new(bytes).ok()?;
+        let mut count = 0;
+        while reader.next_event().ok()?.is_some() {
+            count += 1;
+        }
+        Some(count)
+    };
+    assert!(events(&bytes).expect("intact") > 10);
+    let mut damaged = bytes.clone();
+    // Each byte once, each bit position in turn; the last frames with all bits.
+    for position in 0..bytes.len() {
+        let all_bits = position < 100 || position + 60 > bytes.len();
+        for bit in 0..8 {
+            if all_bits || bit == position % 8 && position % 61 == 0 {
+                damaged[position] ^= 1 << bit;
+                assert_eq!(events(&damaged), None, "byte {position}, bit {bit}");
+                damaged[position] ^= 1 << bit;
+            }
+        }
+    }
+    // Every end within a frame is noticed; what came before it is still read.
+    for length in (1..bytes.len()).step_by(997) {
+        let cut = replay(&bytes[..length]);
+        assert!(cut.is_err() || cut.is_ok_and(|cut| !cut.is_complete));
+    }
+}
+
+#[test]
+fn an_input_survives_the_encoding() {
+    let recorded = RecordedInput {
+        tick: 7,
+        input: HistoryInput::Machine(EmulatorInput::Key(KeyEvent::Type('中'))),
+    };
+    let (mut bytes, text) = (Vec::new(), "long ".repeat(100));
+    let mut encoder = RecordingEncoder::new(&mut bytes);
+    let events = [
+        RecordingEvent::Start {
+            format: FORMAT,
+            program: text.clone(),
+        },
+        RecordingEvent::Input(Box::new(recorded)),
+        RecordingEvent::BoardLinked(9),
+    ];
+    for event in &events {
+        encoder.encode(event, &mut bytes).expect("encoded");
+    }
+    let mut reader = gsk_history::recording::RecordingReader::new(&bytes).expect("a recording");
+    for event in &events {
+        assert_eq!(reader.next_event(), Ok(Some(event.clone())));
+    }
+    assert_eq!(reader.next_event(), Ok(None));
+}

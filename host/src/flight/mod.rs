@@ -1,0 +1,227 @@
+//! The flight recorder: writes the inputs of the machine into files while it runs, so that a
+//! session can be replayed after the program has ended, also by a crash.
+//!
+//! The kernel collects the events; a task writes them. Once a second everything collected is
+//! handed over, so that a killed program loses at most the last second.
+
+mod disk;
+
+use std::io;
+use std::path::PathBuf;
+
+use crossbeam::channel::{Receiver, Sender, TrySendError, bounded};
+use gsk_history::machine_part::{MachinePart, PartInput};
+use gsk_history::moment::{HistoryInput, RecordedInput, state_hash};
+use gsk_history::recording::{FORMAT, RecordingEncoder, RecordingEvent};
+use gsk_messages::{Message, say};
+use gsk_panel::emulator::{Emulator, StampedInput};
+use tracing::error;
+
+use crate::platform::{self, TaskHandle};
+use disk::{DiskJob, RecordingDisk};
+
+/// Name of the folder in a data directory that holds the recordings.
+pub const FOLDER: &str = "recordings";
+/// Interval between two hashes, ticks (ms of machine time).
+const HASH_INTERVAL_TICKS: u64 = 10_000;
+/// Size at which a recording in a folder continues in a new file, bytes.
+const MAX_FILE_BYTES: usize = 5_000_000;
+/// Number of parcels that wait for the disk; more are kept until the disk is faster.
+const DISK_QUEUE: usize = 16;
+
+/// Where a recording is written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum RecordingTarget {
+    /// Numbered files in a folder; the oldest are removed.
+    Folder(PathBuf),
+    /// One file, of any size.
+    File(PathBuf),
+}
+
+/// Records one machine.
+#[derive(Debug)]
+pub struct FlightRecorder {
+    target: RecordingTarget,
+    encoder: Option<RecordingEncoder>,
+    /// Bytes for the disk since the last hand-over.
+    pending: Vec<u8>,
+    file_bytes: usize,
+    /// Whether the current file has a state from which its inputs continue.
+    has_state: bool,
+    last_tick: u64,
+    next_hash: u64,
+    to_disk: Option<Sender<DiskJob>>,
+    failures: Receiver<Message>,
+    task: Option<TaskHandle>,
+}
+
+impl FlightRecorder {
+    /// Starts to record; the first state is stored when the machine is first followed.
+    ///
+    /// # Errors
+    /// The system starts no thread.
+    pub fn start(target: RecordingTarget) -> io::Result<Self> {
+        let (to_disk, from_kernel) = bounded(DISK_QUEUE);
+        let (report, failures) = bounded(1);
+        let mut disk = RecordingDisk::new(target.clone());
+        let task = platform::start_task("recorder", move || {
+            let Ok(job) = platform::receive(&from_kernel, None) else {
+                return false;
+            };
+            match disk.execute(job) {
+                Ok(()) => true,
+                Err(message) => {
+                    let _ = report.try_send(message);
+                    false
+                }
+            }
+        })?;
+        Ok(Self {
+            target,
+            encoder: None,
+            pending: Vec::new(),
+            file_bytes: 0,
+            has_state: false,
+            last_tick: 0,
+            next_hash: 0,
+            to_disk: Some(to_disk),
+            failures,
+            task: Some(task),
+        })
+    }
+
+    /// Records the inputs that the machine has received since the last call, and a hash if one
+    /// is due.
+    pub fn follow(&mut self, machine: &Emulator, part: &MachinePart, inputs: &[RecordedInput]) {
+        if self.to_disk.is_none() {
+            return;
+        }
+        let tick = machine.ticks();
+        self.last_tick = tick;
+        if !self.has_state {
+            return self.store_state(machine, part);
+        }
+        for input in inputs {
+            self.add(&RecordingEvent::Input(Box::new(input.clone())));
+        }
+        if tick >= self.next_hash
+            && let Some(hash) = state_hash(machine)
+        {
+            self.next_hash = tick + HASH_INTERVAL_TICKS;
+            self.add(&RecordingEvent::Hash { tick, hash });
+        }
+    }
+
+    /// Starts a file with the current state. The inputs up to now are part of it.
+    fn store_state(&mut self, machine: &Emulator, part: &MachinePart) {
+        if self.encoder.is_none() {
+            self.encoder = Some(RecordingEncoder::new(&mut self.pending));
+            self.add(&RecordingEvent::Start {
+                format: FORMAT,
+                program: env!("CARGO_PKG_VERSION").to_owned(),
+            });
+        }
+        self.add(&RecordingEvent::State {
+            emulator: Box::new(machine.clone()),
+            part: part.inputs_for_uncut().to_vec(),
+        });
+        self.has_state = true;
+        self.next_hash = machine.ticks() + HASH_INTERVAL_TICKS;
+    }
+
+    /// Ends the recorded section, because a pulse board moves the slides from now on. The next
+    /// call of [`Self::follow`] begins another one.
+    pub fn interrupt(&mut self) {
+        if self.has_state {
+            self.add(&RecordingEvent::BoardLinked(self.last_tick));
+            self.has_state = false;
+        }
+    }
+
+    fn add(&mut self, event: &RecordingEvent) {
+        let Some(encoder) = &mut self.encoder else {
+            return;
+        };
+        if let Err(error) = encoder.encode(event, &mut self.pending) {
+            error!("an event is not recorded: {error}");
+        }
+    }
+
+    /// Hands everything recorded over to the disk. Call it once a second. Returns the reason
+    /// if the disk has failed; the recording has then ended.
+    pub fn flush(&mut self) -> Option<Message> {
+        if let Ok(message) = self.failures.try_recv() {
+            self.to_disk = None;
+            return Some(say::flight_not_recorded(message));
+        }
+        if self.has_state {
+            self.add(&RecordingEvent::Reached(self.last_tick));
+        }
+        self.hand_over();
+        let is_full = matches!(self.target, RecordingTarget::Folder(_))
+            && self.file_bytes > MAX_FILE_BYTES
+            && self.pending.is_empty();
+        if is_full {
+            self.add(&RecordingEvent::End(self.last_tick));
+            self.hand_over();
+            self.encoder = None;
+            self.has_state = false;
+            self.file_bytes = 0;
+        }
+        None
+    }
+
+    /// Gives the pending bytes to the task, unless its queue is full.
+    fn hand_over(&mut self) {
+        let Some(to_disk) = self.to_disk.as_ref().filter(|_| !self.pending.is_empty()) else {
+            return;
+        };
+        let bytes = core::mem::take(&mut self.pending);
+        let length = bytes.len();
+        let is_first = self.file_bytes == 0;
+        match to_disk.try_send(DiskJob { is_first, bytes }) {
+            Ok(()) => self.file_bytes += length,
+            Err(TrySendError::Full(job) | TrySendError::Disconnected(job)) => {
+                self.pending = job.bytes;
+            }
+        }
+    }
+
+    /// Ends the recording and waits until it is on the disk.
+    pub fn finish(mut self) {
+        if self.has_state {
+            self.add(&RecordingEvent::End(self.last_tick));
+        }
+        if let Some(to_disk) = self.to_disk.take()
+            && !self.pending.is_empty()
+        {
+            let is_first = self.file_bytes == 0;
+            let bytes = core::mem::take(&mut self.pending);
+            // A disk that has failed needs no more bytes.
+            let _ = to_disk.send(DiskJob { is_first, bytes });
+        }
+        if let Some(task) = self.task.take() {
+            task.finish();
+        }
+    }
+}
+
+/// Joins the inputs of machine and part, which do not depend on each other.
+pub fn join_inputs(
+    tick: u64,
+    machine: Vec<StampedInput>,
+    part: Vec<PartInput>,
+) -> Vec<RecordedInput> {
+    let machine = machine.into_iter().map(|stamped| RecordedInput {
+        tick: stamped.tick,
+        input: HistoryInput::Machine(stamped.input),
+    });
+    let part = part.into_iter().map(|input| RecordedInput {
+        tick,
+        input: HistoryInput::Part(input),
+    });
+    machine.chain(part).collect()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,160 @@
+//! Keeps the flight recorders of the kernel up to date.
+
+use gsk_messages::Message;
+
+use super::{Kernel, Notice};
+use crate::flight::{FlightRecorder, join_inputs};
+
+impl Kernel {
+    /// Adds a recorder. It follows the learner's own machine, also during a lesson.
+    pub fn add_flight_recorder(&mut self, recorder: FlightRecorder) {
+        let (own, _) = match &mut self.lesson {
+            Some(lesson) => lesson.own_and_part(),
+            None => (&mut self.emulator, &mut self.part),
+        };
+        own.record_inputs();
+        self.recorders.push(recorder);
+        self.follow_with_recorders();
+    }
+
+    /// Passes the inputs since the last call to the recorders. A pulse board interrupts them:
+    /// its exchange is not recorded.
+    pub(super) fn follow_with_recorders(&mut self) {
+        let (own, part) = match &mut self.lesson {
+            Some(lesson) => lesson.own_and_part(),
+            None => (&mut self.emulator, &mut self.part),
+        };
+        let inputs = join_inputs(own.ticks(), own.take_inputs(), part.take_inputs());
+        for recorder in &mut self.recorders {
+            if self.has_real_slides {
+                recorder.interrupt();
+            } else {
+                recorder.follow(own, part.state(), &inputs);
+            }
+        }
+    }
+
+    /// Hands what was recorded over to the disk. A recorder whose disk has failed ends, with a
+    /// notice.
+    pub(super) fn flush_recorders(&mut self) {
+        self.follow_with_recorders();
+        let failures: Vec<Message> = self
+            .recorders
+            .iter_mut()
+            .filter_map(FlightRecorder::flush)
+            .collect();
+        for failure in failures {
+            tracing::error!("{failure}");
+            self.notify(Notice::Message(failure));
+        }
+    }
+
+    /// Ends all recordings.
+    pub(super) fn finish_recorders(&mut self) {
+        self.follow_with_recorders();
+        for recorder in self.recorders.drain(..) {
+            recorder.finish();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::sync::Arc;
+
+    use gsk_core::cnc::ControlRequest;
+    use gsk_core::machine::LatheFault;
+    use gsk_core::setup::Setup;
+    use gsk_history::moment::HistoryInput;
+    use gsk_history::replay::replay;
+    use gsk_panel::emulator::{Emulator, EmulatorInput};
+    use gsk_panel::keys::Key;
+    use gsk_panel::panel::SerialFile;
+    use gsk_runner::lesson::{Lesson, built_in_lessons};
+    use gsk_tests::test_folder;
+    use gsk_workpiece::job::Job;
+    use gsk_workpiece::stock::Stock;
+    use gsk_workpiece::tool::Tool;
+
+    use super::*;
+    use crate::flight::RecordingTarget;
+    use crate::job::SelectedJob;
+    use crate::kernel::{Command, LessonAction};
+
+    /// A rapid through the stock.
+    const CRASH: &str = "O0001;\nG50 X60 Z20;\nT0101 M03 S500;\nG00 X52 Z2;\nG01 X48 F300;\n\
+                         Z-5;\nG00 X20 Z-30;\nM30;\n";
+
+    fn selected_job() -> Box<SelectedJob> {
+        let mut job = Job::new(Stock::bar(50.0, 0.0, 60.0));
+        job.tools.insert(1, Tool::turning());
+        Box::new(SelectedJob {
+            job,
+            file: Some("bar.job.ron".into()),
+        })
+    }
+
+    #[test]
+    fn what_the_window_commands_is_replayed_with_part_and_crash() {
+        let folder = test_folder("kernel-recording");
+        let file = folder.join("kernel.gskrec");
+        let (mut kernel, console) = Kernel::new(Emulator::new(Setup::default()));
+        let target = RecordingTarget::File(file.clone());
+        kernel.add_flight_recorder(FlightRecorder::start(target).expect("a thread"));
+        let lesson = built_in_lessons().into_iter().next().expect("a lesson");
+        let commands = [
+            Command::Job(Some(selected_job())),
+            Command::Request(Box::new(ControlRequest::StoreProgram(CRASH.to_owned()))),
+            Command::Tap(Key::Auto),
+            Command::Tap(Key::CycleStart),
+            Command::Fault(LatheFault::DoorOpen, true),
+            Command::Turn(5),
+            Command::Receive(Box::new(SerialFile {
+                name: "O0003.CNC".to_owned(),
+                text: "O0003;\nM99;\n".to_owned(),
+            })),
+            Command::FreeLathe,
+            Command::FreshStock,
+            Command::CrashStops(false),
+            Command::PowerCycle,
+            Command::Tap(Key::Jog),
+        ];
+        kernel.run(4000);
+        for command in commands {
+            console.send(command);
+            kernel.run(6000);
+            kernel.flush_recorders();
+        }
+        begin_and_leave(&mut kernel, Arc::new(lesson));
+        kernel.run(100);
+        kernel.finish_recorders();
+        let replayed = replay(&fs::read(&file).expect("a file")).expect("a recording");
+        assert_eq!((replayed.error, replayed.difference), (None, None));
+        assert!(replayed.is_complete && replayed.equal_hashes > 5);
+        let history = replayed.history.expect("a session");
+        let crashed = history.inputs().iter().any(|recorded| {
+            let blocked = EmulatorInput::Fault(LatheFault::SpindleBlocked, true);
+            recorded.input == HistoryInput::Machine(blocked)
+        });
+        assert!(crashed, "the program hits the stock");
+        let end = history.present().expect("the end");
+        assert!(end.emulator == kernel.emulator);
+        let part = |part: &gsk_history::machine_part::MachinePart| {
+            part.machining().expect("a job").scene().part().clone()
+        };
+        assert_eq!(part(&end.part), part(kernel.part.state()));
+        assert!(!end.part.crash_stops());
+    }
+
+    /// The learner's own machine waits during a lesson, and its recording with it.
+    fn begin_and_leave(kernel: &mut Kernel, lesson: Arc<Lesson>) {
+        let before = kernel.emulator.ticks();
+        kernel.execute_lesson_command(LessonAction::Begin(lesson));
+        assert!(kernel.lesson.is_some());
+        kernel.run(500);
+        kernel.flush_recorders();
+        kernel.execute_lesson_command(LessonAction::Leave);
+        assert_eq!(kernel.emulator.ticks(), before);
+    }
+}
