@@ -560,6 +560,7 @@ message_rows! {
     first_what_for FirstWhatFor();
     first_which_control FirstWhichControl();
     first_which_lathe FirstWhichLathe();
+    flight_not_recorded FlightNotRecorded(reason);
     formula_address_missing FormulaAddressMissing();
     formula_arc_tangent FormulaArcTangent();
     formula_argument_refused FormulaArgumentRefused(function, value);
@@ -2140,6 +2141,12 @@ message_rows! {
     question_text_unsaved QuestionTextUnsaved();
     rapid_pulses_too_many RapidPulsesTooMany(parameter: "{:03}", rate, needed: "{:.0}", axis, most: "{:.0}");
     rapids_pulses_too_many RapidsPulsesTooMany(x, z, needed: "{:.0}", most: "{:.0}");
+    recording_check_failed RecordingCheckFailed(offset);
+    recording_incomplete RecordingIncomplete(offset);
+    recording_invalid_content RecordingInvalidContent(offset);
+    recording_newer_format RecordingNewerFormat(format, known);
+    recording_not_one RecordingNotOne();
+    recording_out_of_order RecordingOutOfOrder(offset);
     reference_dropped ReferenceDropped();
     reference_return_needed ReferenceReturnNeeded();
     refusal_alarm RefusalAlarm();
@@ -2153,6 +2160,12 @@ message_rows! {
     rename_exists RenameExists(number, line);
     rename_no_number RenameNoNumber(name);
     rename_nothing RenameNothing();
+    replay_differs ReplayDiffers(tick, last);
+    replay_differs_at_once ReplayDiffersAtOnce(tick);
+    replay_not_ended ReplayNotEnded();
+    replay_outside ReplayOutside(first, last);
+    replay_recorded_by ReplayRecordedBy(recorded, own);
+    replay_summary ReplaySummary(time, inputs, hashes);
     report_alarm ReportAlarm();
     report_also ReportAlso(alarm);
     report_at_end ReportAtEnd(x, z, tool, modal);
