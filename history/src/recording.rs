@@ -113,7 +113,8 @@ pub enum RecordingError {
     CheckFailed(usize),
     /// The content of a frame is invalid.
     InvalidContent(usize),
-    /// An event is out of order: before the start, before a state, or with an earlier tick.
+    /// An event is out of order: before the start, before a state, with an earlier tick, or with
+    /// one far ahead.
     OutOfOrder(usize),
 }
 

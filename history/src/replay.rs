@@ -5,6 +5,10 @@ use crate::machine_part::MachinePart;
 use crate::moment::{MachineMoment, state_hash};
 use crate::recording::{RecordingError, RecordingEvent, RecordingReader};
 
+/// Greatest number of ticks between two events. The recorder writes one a second, in which no
+/// computer simulates as many.
+const MAX_GAP_TICKS: u64 = 100_000_000;
+
 /// Where a replay has left the recorded session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HashDifference {
@@ -132,10 +136,12 @@ impl Player {
         }
     }
 
-    /// Runs the machine to a tick; `None` without a state, or if the tick is in the past.
+    /// Runs the machine to a tick; `None` without a state, or if the tick is in the past or too
+    /// far ahead.
     fn run_until(&mut self, tick: u64) -> Option<()> {
         let (moment, history) = self.section.as_mut()?;
-        if tick < moment.ticks() {
+        let gap = tick.checked_sub(moment.ticks())?;
+        if gap > MAX_GAP_TICKS {
             return None;
         }
         while moment.ticks() < tick {

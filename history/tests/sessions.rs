@@ -9,7 +9,7 @@ use gsk_core::setup::Setup;
 use gsk_history::history::History;
 use gsk_history::machine_part::{MachinePart, NamedJob, PartInput};
 use gsk_history::moment::{HistoryInput, MachineMoment, RecordedInput, state_hash};
-use gsk_history::recording::{FORMAT, RecordingEncoder, RecordingEvent};
+use gsk_history::recording::{FORMAT, RecordingEncoder, RecordingError, RecordingEvent};
 use gsk_history::replay::replay;
 use gsk_panel::emulator::{Emulator, EmulatorInput, PortRequest, WaitCondition};
 use gsk_panel::keys::{KEYS, Key};
@@ -385,6 +385,52 @@ fn every_flipped_bit_is_noticed() {
     for length in (1..bytes.len()).step_by(997) {
         let cut = replay(&bytes[..length]);
         assert!(cut.is_err() || cut.is_ok_and(|cut| !cut.is_complete));
+    }
+}
+
+/// Events that are valid and make no session.
+#[test]
+fn events_out_of_order_are_refused() {
+    let start = RecordingEvent::Start {
+        format: FORMAT,
+        program: "test".to_owned(),
+    };
+    let newer = RecordingEvent::Start {
+        format: FORMAT + 1,
+        program: "test".to_owned(),
+    };
+    let state = RecordingEvent::State {
+        emulator: Box::new(Emulator::new(Setup::default())),
+        part: Vec::new(),
+    };
+    let far = RecordingEvent::Reached(1 << 60);
+    let near = RecordingEvent::Reached(50);
+    let past = RecordingEvent::Reached(20);
+    let error = |events: &[&RecordingEvent]| {
+        let mut bytes = Vec::new();
+        let mut encoder = RecordingEncoder::new(&mut bytes);
+        for event in events {
+            encoder.encode(event, &mut bytes).expect("encoded");
+        }
+        replay(&bytes).map_or_else(Some, |replayed| replayed.error)
+    };
+    assert_eq!(error(&[&start, &state, &near]), None);
+    assert_eq!(
+        error(&[&newer]),
+        Some(RecordingError::NewerFormat(FORMAT + 1))
+    );
+    for events in [
+        &[&state][..],
+        &[&start, &start],
+        &[&start, &near],
+        &[&start, &state, &far],
+        &[&start, &state, &near, &past],
+    ] {
+        let found = error(events);
+        assert!(
+            matches!(found, Some(RecordingError::OutOfOrder(offset)) if offset > 18),
+            "{found:?}"
+        );
     }
 }
 

@@ -10,6 +10,8 @@ const MIN_TEXT_BYTES: usize = 256;
 /// The extension type that holds the number of a text; the values have no other extension.
 const TEXT_EXTENSION: u8 = 1;
 const FIXEXT4: u8 = 0xd6;
+/// Greatest size of a value with its texts, bytes: numbers are short and texts are long.
+const MAX_VALUE_BYTES: usize = 512 * 1024 * 1024;
 
 /// A token of MessagePack at the start of `bytes`.
 struct Token<'a> {
@@ -100,6 +102,9 @@ pub(super) fn restore_texts(value: &[u8], texts: &[&str]) -> Option<Vec<u8>> {
             [FIXEXT4, TEXT_EXTENSION, number @ ..] => {
                 let number = u32::from_be_bytes(number.try_into().ok()?);
                 let text = *texts.get(usize::try_from(number).ok()?)?;
+                if out.len() + text.len() > MAX_VALUE_BYTES {
+                    return None;
+                }
                 out.push(0xdb);
                 out.extend(u32::try_from(text.len()).ok()?.to_be_bytes());
                 out.extend_from_slice(text.as_bytes());

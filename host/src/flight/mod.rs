@@ -22,7 +22,7 @@ use disk::{DiskJob, RecordingDisk};
 
 /// Name of the folder in a data directory that holds the recordings.
 pub const FOLDER: &str = "recordings";
-/// Interval between two hashes, ticks (ms of machine time).
+/// Least interval between two hashes, ticks (ms of machine time).
 const HASH_INTERVAL_TICKS: u64 = 10_000;
 /// Size at which a recording in a folder continues in a new file, bytes.
 const MAX_FILE_BYTES: usize = 5_000_000;
@@ -90,25 +90,17 @@ impl FlightRecorder {
         })
     }
 
-    /// Records the inputs that the machine has received since the last call, and a hash if one
-    /// is due.
+    /// Records the inputs that the machine has received since the last call.
     pub fn follow(&mut self, machine: &Emulator, part: &MachinePart, inputs: &[RecordedInput]) {
         if self.to_disk.is_none() {
             return;
         }
-        let tick = machine.ticks();
-        self.last_tick = tick;
+        self.last_tick = machine.ticks();
         if !self.has_state {
             return self.store_state(machine, part);
         }
         for input in inputs {
             self.add(&RecordingEvent::Input(Box::new(input.clone())));
-        }
-        if tick >= self.next_hash
-            && let Some(hash) = state_hash(machine)
-        {
-            self.next_hash = tick + HASH_INTERVAL_TICKS;
-            self.add(&RecordingEvent::Hash { tick, hash });
         }
     }
 
@@ -147,15 +139,29 @@ impl FlightRecorder {
         }
     }
 
-    /// Hands everything recorded over to the disk. Call it once a second. Returns the reason
-    /// if the disk has failed; the recording has then ended.
-    pub fn flush(&mut self) -> Option<Message> {
+    /// Adds the hash of the state. It takes as long as two thousand ticks: in a fast run there
+    /// is one a second.
+    fn add_hash(&mut self, machine: &Emulator) {
+        let tick = machine.ticks();
+        if tick >= self.next_hash
+            && let Some(hash) = state_hash(machine)
+        {
+            self.next_hash = tick + HASH_INTERVAL_TICKS;
+            self.add(&RecordingEvent::Hash { tick, hash });
+        }
+    }
+
+    /// Hands everything recorded over to the disk, with the hash of the machine if it is due.
+    /// Call it once a second, after [`Self::follow`]. Returns the reason if the disk has
+    /// failed; the recording has then ended.
+    pub fn flush(&mut self, machine: &Emulator) -> Option<Message> {
         if let Ok(message) = self.failures.try_recv() {
             self.to_disk = None;
             return Some(say::flight_not_recorded(message));
         }
-        if self.has_state {
+        if self.has_state && self.to_disk.is_some() {
             self.add(&RecordingEvent::Reached(self.last_tick));
+            self.add_hash(machine);
         }
         self.hand_over();
         let is_full = matches!(self.target, RecordingTarget::Folder(_))

@@ -46,7 +46,7 @@ fn a_recording_reaches_the_end_of_the_session() {
         flight.run(5000);
         flight.emulator.key_up(key);
         flight.run(1000);
-        assert_eq!(flight.recorder.flush(), None);
+        assert_eq!(flight.recorder.flush(&flight.emulator), None);
     }
     let end = flight.emulator.clone();
     flight.recorder.finish();
@@ -86,7 +86,7 @@ fn a_file_that_cannot_be_written_ends_the_recording() {
     flight.run(10);
     let mut report = None;
     for _ in 0..1000 {
-        report = report.or_else(|| flight.recorder.flush());
+        report = report.or_else(|| flight.recorder.flush(&flight.emulator));
         std::thread::sleep(core::time::Duration::from_millis(2));
         if report.is_some() {
             break;

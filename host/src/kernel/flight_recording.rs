@@ -38,10 +38,13 @@ impl Kernel {
     /// notice.
     pub(super) fn flush_recorders(&mut self) {
         self.follow_with_recorders();
-        let failures: Vec<Message> = self
-            .recorders
-            .iter_mut()
-            .filter_map(FlightRecorder::flush)
+        let own = match &self.lesson {
+            Some(lesson) => lesson.own_machine(),
+            None => &self.emulator,
+        };
+        let recorders = self.recorders.iter_mut();
+        let failures: Vec<Message> = recorders
+            .filter_map(|recorder| recorder.flush(own))
             .collect();
         for failure in failures {
             tracing::error!("{failure}");

@@ -72,6 +72,11 @@ impl PracticeSession {
         &mut self.own
     }
 
+    /// Returns the learner's own machine, for reading.
+    pub(super) fn own_machine(&self) -> &Emulator {
+        &self.own
+    }
+
     /// Returns the learner's own machine and its part.
     pub(super) fn own_and_part(&mut self) -> (&mut Emulator, &mut KernelPart) {
         (&mut self.own, &mut self.own_part)
