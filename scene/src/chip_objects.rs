@@ -27,20 +27,20 @@ fn build_chip(shape: ChipShape) -> SceneMesh {
             .collect()
     };
     let (points, radius) = match shape {
-        ChipShape::Needle => (line(3, &|t| vec3(t * 7.0, t * t * 4.0, 0.0)), 0.7),
+        ChipShape::Needle => (line(3, &|t| vec3(t * 9.0, t * t * 8.0, 0.0)), 1.0),
         ChipShape::Curl => {
             let coil = |t: f32| {
                 let angle = t * TAU * 2.5;
-                vec3(t * 11.0, angle.sin() * 2.6, angle.cos() * 2.6)
+                vec3(t * 15.0, angle.sin() * 3.4, angle.cos() * 3.4)
             };
-            (line(18, &coil), 0.65)
+            (line(18, &coil), 0.85)
         }
         ChipShape::Ribbon => {
             let wave = |t: f32| {
                 let angle = t * TAU * 1.6;
                 vec3(t * 44.0, angle.sin() * 6.0, (angle * 1.7).cos() * 4.0)
             };
-            (line(18, &wave), 0.5)
+            (line(18, &wave), 0.75)
         }
         ChipShape::Spark => (line(2, &|t| vec3(t * 5.0, 0.0, 0.0)), 0.5),
     };

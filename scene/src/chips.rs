@@ -11,7 +11,7 @@ pub const MAX_CHIPS: usize = 140;
 /// Time between two chips, s.
 const CHIP_INTERVAL_S: f32 = 0.045;
 /// Acceleration of a fall, mm/s²: slower than real, so that the eye follows.
-const GRAVITY: f32 = 3200.0;
+const GRAVITY: f32 = 2200.0;
 /// Feeds below which chips are ribbons, and above which they break to needles, mm per turn.
 const RIBBON_FEED: f32 = 0.08;
 const NEEDLE_FEED: f32 = 0.32;
@@ -176,10 +176,15 @@ impl ChipFlow {
         self.thrown = self.thrown.wrapping_add(1);
         let random = |salt| scatter(self.thrown, salt);
         let is_spark = shape == ChipShape::Spark;
-        let force = (120.0 + source.speed.clamp(0.0, 400.0)) * if is_spark { 2.5 } else { 1.0 };
+        let force =
+            (90.0 + source.speed.clamp(0.0, 400.0) * 0.5) * if is_spark { 2.5 } else { 1.0 };
         let away = source.away.normalize_or(Vec3::Z);
         let velocity = away * force * (0.7 + 0.3 * random(1))
-            + vec3(90.0 * random(2), 170.0 + 90.0 * random(3), 60.0 * random(4));
+            + vec3(
+                130.0 * random(2),
+                330.0 + 130.0 * random(3),
+                70.0 * random(4),
+            );
         // Chips pile up: they rest at slightly different heights.
         let tray = source.tray_y + 5.0 + 5.0 * random(5);
         let height = (source.at.y - tray).max(0.0);

@@ -8,7 +8,7 @@ use crate::description::{LatheDescription, LatheDimensions, LatheKind, MountedTo
 use crate::placement::tool_side;
 
 /// Share of an insert that breaks off.
-const BROKEN_SHARE: f32 = 0.26;
+const BROKEN_SHARE: f32 = 0.36;
 /// Distance by which a struck bar slips out of the jaws, mm.
 const SLIP_MM: f32 = 4.0;
 /// Greatest bend of a bar, radians.

@@ -244,7 +244,6 @@ impl SceneObjects {
         device.set_matrix(line, "u_projection", &scene.projection);
         device.set_matrix(line, "u_model", &scene.tool_side);
         self.path.draw(device);
-        self.marks.draw(device);
         device.begin_transparent();
         self.set_inputs(device, &self.programs.surface, scene);
         for (group, alpha) in [
@@ -255,7 +254,18 @@ impl SceneObjects {
             self.draw_group(device, &self.programs.surface, scene, group);
         }
         self.draw_haze(device, scene);
+        self.draw_marks(device, scene);
         device.bind_texture(0, None);
+    }
+
+    /// Draws the marks of collisions in front of everything: a bent bar would hide them.
+    fn draw_marks(&self, device: Device<'_>, scene: &FrameInputs) {
+        device.begin_cover();
+        let line = &self.programs.line;
+        device.use_program(line);
+        device.set_matrix(line, "u_projection", &scene.projection);
+        device.set_matrix(line, "u_model", &Mat4::IDENTITY);
+        self.marks.draw(device);
     }
 
     /// Draws the jaws of a fast spindle as a haze.

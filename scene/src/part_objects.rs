@@ -15,9 +15,9 @@ use crate::section_cut::{add_face, kept_sweep, tool_angle};
 use crate::shader;
 
 /// Lines of the hatch over the longer side of the part.
-const HATCH_LINES: f32 = 32.0;
+const HATCH_LINES: f32 = 18.0;
 /// Least and greatest distance of two lines of the hatch, mm.
-const HATCH_MM: (f32, f32) = (1.2, 12.0);
+const HATCH_MM: (f32, f32) = (2.5, 25.0);
 
 /// The part: a fixed grid with the texture of its outline, and its details.
 #[derive(Debug)]

@@ -23,7 +23,7 @@ const BLUR_RPM: f64 = 1200.0;
 /// Bend of a struck bar per depth of the collision, radians per mm.
 const BEND_PER_MM: f64 = 0.02;
 /// Least and greatest bend of a struck bar, radians.
-const BEND_RANGE: (f64, f64) = (0.025, 0.11);
+const BEND_RANGE: (f64, f64) = (0.05, 0.13);
 /// Chips leave the cut to the operator, and upwards.
 const CHIP_DIRECTION: [f32; 3] = [-0.15, 0.25, 1.0];
 /// Share of the newest feed in the smoothed one.
