@@ -93,6 +93,11 @@ impl MachinePart {
         self.live.as_mut()?.follow_tick(simulation).first().copied()
     }
 
+    /// Returns the part with its threads; `None` without a job.
+    pub const fn live(&self) -> Option<&LivePart> {
+        self.live.as_ref()
+    }
+
     /// Returns the part that is cut; `None` without a job.
     pub fn machining(&self) -> Option<&Machining> {
         self.live.as_ref().map(LivePart::machining)

@@ -1,18 +1,27 @@
 //! What the shaders need to know of one picture.
 
+use core::f32::consts::TAU;
+
 use glam::{Mat4, Vec3, vec3};
 
 use crate::camera::OrbitCamera;
 use crate::description::{LatheDescription, SceneTheme};
 use crate::lathe::MeshGroup;
-use crate::placement::LathePlacement;
+use crate::part_objects::part_model;
+use crate::placement::{LathePlacement, tool_side};
 
 /// Direction to the key light.
 pub const LIGHT: Vec3 = vec3(0.40, 0.80, 0.45);
 
+/// Number of transparent jaws that are drawn as a haze.
+const HAZY_JAWS: usize = 12;
+
 /// What the programs need to know of a frame.
 pub struct FrameInputs {
     pub placement: LathePlacement,
+    pub part_model: Mat4,
+    /// The frame of the tool side.
+    pub tool_side: Mat4,
     pub projection: Mat4,
     pub light_projection: Mat4,
     pub eye: Vec3,
@@ -22,6 +31,8 @@ pub struct FrameInputs {
     pub sky: f32,
     pub rows: f32,
     pub has_coolant: bool,
+    /// Whether the jaws are drawn as a haze.
+    pub is_spindle_blurred: bool,
 }
 
 /// What determines the layer of what stands still: camera, quill, door and colours.
@@ -49,8 +60,11 @@ impl FrameInputs {
             SceneTheme::Night => ([vec3(0.135, 0.15, 0.165), vec3(0.235, 0.26, 0.29)], 0.92),
             SceneTheme::Day => ([vec3(0.73, 0.755, 0.775), vec3(0.885, 0.905, 0.92)], 1.12),
         };
+        let placement = LathePlacement::new(lathe);
         Self {
-            placement: LathePlacement::new(lathe),
+            part_model: part_model(lathe, &placement),
+            tool_side: tool_side(lathe.kind),
+            placement,
             projection: camera.projection(width / height.max(1.0)),
             light_projection: light_projection(centre, light, radius),
             eye: camera.eye(),
@@ -60,7 +74,21 @@ impl FrameInputs {
             sky,
             rows: height,
             has_coolant: lathe.has_coolant,
+            is_spindle_blurred: lathe.effects.is_spindle_blurred,
         }
+    }
+
+    /// The model matrices of the jaws in a haze; empty while the eye can follow them.
+    pub fn hazy_jaws(&self) -> Vec<Mat4> {
+        let count = if self.is_spindle_blurred {
+            HAZY_JAWS
+        } else {
+            0
+        };
+        let turned = |at: usize| {
+            Mat4::from_rotation_x(at as f32 * TAU / HAZY_JAWS as f32) * self.placement.jaws[0]
+        };
+        (0..count).map(turned).collect()
     }
 
     /// The model matrices with which a group is drawn.
@@ -69,6 +97,7 @@ impl FrameInputs {
         match group {
             MeshGroup::Floor | MeshGroup::Fixed => vec![Mat4::IDENTITY],
             MeshGroup::Chuck => vec![placement.spindle],
+            MeshGroup::Jaw if self.is_spindle_blurred => Vec::new(),
             MeshGroup::Jaw => placement.jaws.to_vec(),
             MeshGroup::Carriage => vec![placement.carriage],
             MeshGroup::CrossSlide => vec![placement.cross_slide],

@@ -1,14 +1,16 @@
 //! Everything that lives in the OpenGL context, and the order in which a picture is drawn.
 
-use std::sync::Arc;
+use glam::Mat4;
 
 use crate::camera::OrbitCamera;
+use crate::chip_objects::ChipObjects;
 use crate::description::LatheDescription;
-use crate::device::{Device, DrawTarget, GpuMesh, SceneError, SceneProgram, VertexLayout};
+use crate::device::{Device, DrawTarget, SceneError, SceneProgram};
 use crate::frame::{FrameInputs, LIGHT, LayerInputs};
 use crate::gpu_meshes::GpuMeshes;
 use crate::lathe::MeshGroup;
-use crate::part_outline::{MAX_EDGES, PartOutline};
+use crate::overlay_objects::{MarkObjects, PathObjects};
+use crate::part_objects::PartObjects;
 use crate::shader;
 use crate::targets::SceneTargets;
 use crate::viewport::{SceneFigures, SceneViewport};
@@ -21,6 +23,8 @@ const SHADOW_FRAMES: u32 = 3;
 /// Opacity of panes and of coolant, 0–1.
 const PANE_ALPHA: f32 = 0.10;
 const COOLANT_ALPHA: f32 = 0.42;
+/// Opacity of a jaw of a fast spindle, 0–1.
+const HAZE_ALPHA: f32 = 0.13;
 
 /// The groups that stand still while a program runs.
 const STILL_GROUPS: [MeshGroup; 5] = [
@@ -38,6 +42,7 @@ struct ScenePrograms {
     part: SceneProgram,
     surface_depth: SceneProgram,
     part_depth: SceneProgram,
+    line: SceneProgram,
     ground: SceneProgram,
     show: SceneProgram,
     show_smooth: SceneProgram,
@@ -55,6 +60,7 @@ impl ScenePrograms {
             part: device.create_program(&part, lit)?,
             surface_depth: device.create_program("", depth)?,
             part_depth: device.create_program(shader::PART, depth)?,
+            line: device.create_program("", [shader::LINE_VERTEX, shader::LINE_FRAGMENT])?,
             ground: device.create_program("", [shader::COVER_VERTEX, shader::GROUND_FRAGMENT])?,
             show: device.create_program("", show)?,
             show_smooth: device.create_program(shader::SMOOTH, show)?,
@@ -70,6 +76,7 @@ impl ScenePrograms {
             ..
         } = self;
         let Self {
+            line,
             ground,
             show,
             show_smooth,
@@ -80,63 +87,12 @@ impl ScenePrograms {
             part,
             surface_depth,
             part_depth,
+            line,
             ground,
             show,
             show_smooth,
         ] {
             device.delete_program(program);
-        }
-    }
-}
-
-/// The revolved part: a fixed grid, and the texture of its outline.
-#[derive(Debug)]
-struct PartObjects {
-    grid: GpuMesh,
-    texture: glow::Texture,
-    outline: Arc<PartOutline>,
-    edges: i32,
-}
-
-impl PartObjects {
-    fn create(device: Device<'_>) -> Result<Self, SceneError> {
-        let sides = shader::PART_SIDES;
-        let ends = (0..2 * MAX_EDGES as u16)
-            .flat_map(|end| (0..=sides as u16).flat_map(move |side| [end, side]));
-        let vertices: Vec<u8> = ends.flat_map(u16::to_ne_bytes).collect();
-        let quads = (0..MAX_EDGES as u32).flat_map(|edge| {
-            let row = move |end: u32| (2 * edge + end) * (sides + 1);
-            (0..sides).flat_map(move |side| {
-                let [a, b] = [row(0) + side, row(1) + side];
-                [a, a + 1, b, b, a + 1, b + 1]
-            })
-        });
-        let indices: Vec<u8> = quads.flat_map(u32::to_ne_bytes).collect();
-        Ok(Self {
-            grid: device.create_mesh(VertexLayout::Edge, &vertices, &indices)?,
-            texture: device.create_outline()?,
-            outline: Arc::default(),
-            edges: 0,
-        })
-    }
-
-    fn update(&mut self, device: Device<'_>, outline: &Arc<PartOutline>) {
-        if Arc::ptr_eq(&self.outline, outline) {
-            return;
-        }
-        self.outline = Arc::clone(outline);
-        self.edges = outline.edges().len() as i32;
-        if self.edges > 0 {
-            device.write_outline(self.texture, &outline.texels());
-        }
-    }
-
-    fn draw(&self, device: Device<'_>) {
-        if self.edges > 0 {
-            device.bind_texture(1, Some(self.texture));
-            let indices = self.edges * shader::PART_SIDES as i32 * 6;
-            device.draw_mesh(&self.grid, Some(indices));
-            device.bind_texture(1, None);
         }
     }
 }
@@ -147,6 +103,9 @@ pub struct SceneObjects {
     programs: ScenePrograms,
     meshes: GpuMeshes,
     part: PartObjects,
+    path: PathObjects,
+    marks: MarkObjects,
+    chips: ChipObjects,
     targets: SceneTargets,
     cover: glow::VertexArray,
     is_software: bool,
@@ -168,6 +127,9 @@ impl SceneObjects {
             programs: ScenePrograms::create(device, is_software)?,
             meshes: GpuMeshes::create(device, lathe)?,
             part: PartObjects::create(device)?,
+            path: PathObjects::default(),
+            marks: MarkObjects::default(),
+            chips: ChipObjects::default(),
             targets: SceneTargets::create(device, [16, 16])?,
             cover: device.create_array()?,
             is_software,
@@ -211,9 +173,12 @@ impl SceneObjects {
     pub fn release(&self, device: Device<'_>) {
         self.programs.release(device);
         self.meshes.release(device);
-        device.delete_mesh(&self.part.grid);
+        self.part.release(device);
+        self.path.release(device);
+        self.marks.release(device);
+        self.chips.release(device);
         self.targets.release(device);
-        device.delete_rest(self.cover, self.part.texture);
+        device.delete_array(self.cover);
     }
 
     fn update(
@@ -228,13 +193,15 @@ impl SceneObjects {
         let size = [width, height].map(|it| (it / share).clamp(1, 8192));
         let mut is_new = self.targets.resize(device, size)?;
         if !self.meshes.is_design_of(lathe) {
-            let meshes = GpuMeshes::create(device, lathe)?;
-            core::mem::replace(&mut self.meshes, meshes).release(device);
+            self.meshes.update(device, lathe)?;
             self.has_fixed_shadow = false;
             is_new = true;
         }
         is_new |= self.meshes.continue_bake(device)?;
-        self.part.update(device, &lathe.part);
+        self.part.update(device, lathe)?;
+        self.path.update(device, lathe.overlay.path.as_ref())?;
+        self.marks.update(device, &lathe.effects.marks)?;
+        self.chips.update(device, &lathe.effects.chips)?;
         if is_new {
             self.drawn = None;
             self.layer = None;
@@ -265,9 +232,18 @@ impl SceneObjects {
             }
         }
         device.begin_surfaces(false);
+        device.set_matrix(&self.programs.surface, "u_model", &scene.part_model);
+        self.part.draw_details(device);
+        device.set_matrix(&self.programs.surface, "u_model", &Mat4::IDENTITY);
+        self.chips.draw(device);
         self.set_inputs(device, &self.programs.part, scene);
-        device.set_matrix(&self.programs.part, "u_model", &scene.placement.spindle);
-        self.part.draw(device);
+        device.set_matrix(&self.programs.part, "u_model", &scene.part_model);
+        self.part.draw_revolved(device, &self.programs.part);
+        let line = &self.programs.line;
+        device.use_program(line);
+        device.set_matrix(line, "u_projection", &scene.projection);
+        device.set_matrix(line, "u_model", &scene.tool_side);
+        self.path.draw(device);
         device.begin_transparent();
         self.set_inputs(device, &self.programs.surface, scene);
         for (group, alpha) in [
@@ -277,7 +253,31 @@ impl SceneObjects {
             device.set_number(&self.programs.surface, "u_alpha", alpha);
             self.draw_group(device, &self.programs.surface, scene, group);
         }
+        self.draw_haze(device, scene);
+        self.draw_marks(device, scene);
         device.bind_texture(0, None);
+    }
+
+    /// Draws the marks of collisions in front of everything: a bent bar would hide them.
+    fn draw_marks(&self, device: Device<'_>, scene: &FrameInputs) {
+        device.begin_cover();
+        let line = &self.programs.line;
+        device.use_program(line);
+        device.set_matrix(line, "u_projection", &scene.projection);
+        device.set_matrix(line, "u_model", &Mat4::IDENTITY);
+        self.marks.draw(device);
+    }
+
+    /// Draws the jaws of a fast spindle as a haze.
+    fn draw_haze(&self, device: Device<'_>, scene: &FrameInputs) {
+        let program = &self.programs.surface;
+        device.set_number(program, "u_alpha", HAZE_ALPHA);
+        if let Some(jaw) = self.meshes.get(MeshGroup::Jaw) {
+            for model in scene.hazy_jaws() {
+                device.set_matrix(program, "u_model", &model);
+                device.draw_mesh(jaw, None);
+            }
+        }
     }
 
     fn draw_shadows(&mut self, device: Device<'_>, scene: &FrameInputs) {
@@ -305,12 +305,14 @@ impl SceneObjects {
                 self.draw_group(device, depth, scene, group);
             }
         }
+        device.set_matrix(depth, "u_model", &scene.part_model);
+        self.part.draw_details(device);
         let depth = &self.programs.part_depth;
         device.use_program(depth);
         device.set_matrix(depth, "u_projection", &scene.light_projection);
-        device.set_matrix(depth, "u_model", &scene.placement.spindle);
+        device.set_matrix(depth, "u_model", &scene.part_model);
         device.set_sampler(depth, "u_outline", 1);
-        self.part.draw(device);
+        self.part.draw_revolved(device, depth);
         device.set_depth_shift(false);
         self.has_fixed_shadow = true;
     }

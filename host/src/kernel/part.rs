@@ -5,14 +5,14 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crossbeam::queue::ArrayQueue;
-use gsk_core::command::{Frame, SourcePosition};
+use gsk_core::command::SourcePosition;
 use gsk_core::machine::LatheFault;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
 use gsk_history::machine_part::{MachinePart, NamedJob, PartInput};
 use gsk_panel::emulator::Emulator;
 use gsk_runner::machining::CollisionFinding;
-use gsk_runner::machining::live_part::running_block;
+use gsk_runner::machining::live_part::{ThreadZone, running_block};
 use gsk_workpiece::collision::TouchingPart;
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
@@ -27,14 +27,12 @@ pub struct PartView {
     pub job_name: Option<Arc<str>>,
     /// Half section of the remaining stock.
     pub section: Arc<Region>,
+    /// Where the section has threads.
+    pub threads: Arc<Vec<ThreadZone>>,
     /// Number of the tool in the working position, 0 = none.
     pub tool: u8,
     /// Position of the tool tip, part coordinates, mm.
     pub tip: Point,
-    /// Slide position at which the tip is at the zero of the part, machine coordinates,
-    /// mm: `part = program + zero of the frame + offset − this`.
-    pub zero: Point,
-    pub frame: Frame,
     /// Speed of the spindle, r/min; negative in reverse.
     pub spindle_rpm: f64,
     pub coolant: bool,
@@ -48,6 +46,8 @@ pub struct PartView {
     pub door_open: bool,
     /// Collisions since the stock was clamped.
     pub findings: Vec<CollisionFinding>,
+    /// The collision that has stopped the lathe; `None` once its faults are cleared.
+    pub crash: Option<CollisionFinding>,
     /// The block under execution; `None` if no program runs.
     pub block: Option<SourcePosition>,
 }
@@ -75,6 +75,9 @@ pub(super) struct KernelPart {
     /// Whether a view shows the part.
     visible: bool,
     section: Arc<Region>,
+    threads: Arc<Vec<ThreadZone>>,
+    /// The last collision that has stopped the lathe.
+    crash: Option<CollisionFinding>,
     /// Version of the part from which `section` was made; `None` before the first one.
     shown_version: Option<u64>,
     last: Option<PartView>,
@@ -89,6 +92,8 @@ impl KernelPart {
             inputs: Vec::new(),
             visible: false,
             section: Arc::default(),
+            threads: Arc::default(),
+            crash: None,
             shown_version: None,
             last: None,
             views,
@@ -175,6 +180,7 @@ impl KernelPart {
         let is_certain = is_given || (finding.source.is_some() && !by_body);
         let stops = self.state.crash_stops() && simulated && is_certain;
         if stops {
+            self.crash = Some(finding);
             let left = emulator.cnc().distance_to_go();
             let drive = match left.x.abs() > left.z.abs() {
                 true => LatheFault::DriveX,
@@ -189,26 +195,29 @@ impl KernelPart {
     /// Publishes the part if a view shows it and it has changed since the last time; returns
     /// true if so.
     pub(super) fn publish(&mut self, simulation: &Simulation) -> bool {
-        let Some(machining) = self.state.machining().filter(|_| self.visible) else {
+        let Some(live) = self.state.live().filter(|_| self.visible) else {
             return false;
         };
+        let machining = live.machining();
         let part = machining.scene().part();
         if self.shown_version != Some(part.version()) {
             self.shown_version = Some(part.version());
             self.section = Arc::new(part.section());
         }
+        if *self.threads != live.threads() {
+            self.threads = Arc::new(live.threads().to_vec());
+        }
         let (cnc, lathe) = (&simulation.cnc, &simulation.lathe);
         let tool = lathe.station().unwrap_or(cnc.tool().0);
-        let frame = cnc.frame();
         let mounting = machining.mounting();
+        let is_crashed = CRASH_FAULTS.iter().any(|fault| lathe.has_fault(*fault));
         let view = PartView {
             job: Arc::clone(self.state.job()),
             job_name: self.state.job_name().cloned(),
             section: Arc::clone(&self.section),
+            threads: Arc::clone(&self.threads),
             tool,
-            tip: mounting.tip_in_part(tool, cnc.position_machine(), &frame),
-            zero: mounting.slide_at_part_zero(tool, &frame),
-            frame,
+            tip: mounting.tip_in_part(tool, cnc.position_machine(), &cnc.frame()),
             spindle_rpm: lathe.spindle_rpm(),
             coolant: lathe.is_coolant_on(),
             clamped: lathe.is_chuck_clamped(),
@@ -216,6 +225,7 @@ impl KernelPart {
             tailstock_forward: lathe.is_tailstock_forward(),
             door_open: lathe.has_fault(LatheFault::DoorOpen),
             findings: machining.findings().to_vec(),
+            crash: self.crash.filter(|_| is_crashed),
             block: running_block(simulation),
         };
         if self.last.as_ref() == Some(&view) {

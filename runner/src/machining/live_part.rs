@@ -6,7 +6,10 @@ use gsk_core::operation::RunState;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
 use gsk_workpiece::motion::{MotionKind, ToolMotion};
+use gsk_workpiece::tool::Tool;
 
+use super::thread_log::ThreadLog;
+pub use super::thread_log::ThreadZone;
 use super::{CollisionFinding, Machining};
 
 /// Greatest distance of the tip position after a tick from the straight motion that the tick
@@ -29,6 +32,7 @@ pub struct LivePart {
     reported_findings: usize,
     /// Whether the program has ended; the next program begins with new stock.
     program_ended: bool,
+    threads: ThreadLog,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -65,14 +69,20 @@ struct MotionConditions {
 
 impl LivePart {
     /// Makes this part, which must be uncut, follow a control.
-    pub const fn new(machining: Machining) -> Self {
+    pub fn new(machining: Machining) -> Self {
         Self {
             machining,
             last_tick: None,
             pending: None,
             reported_findings: 0,
             program_ended: false,
+            threads: ThreadLog::default(),
         }
+    }
+
+    /// The threads that were cut since the stock was clamped.
+    pub fn threads(&self) -> &[ThreadZone] {
+        self.threads.zones()
     }
 
     /// The part and its collisions so far.
@@ -84,6 +94,7 @@ impl LivePart {
     pub fn clamp_new_stock(&mut self) {
         self.pending = None;
         self.machining.clamp_new_stock();
+        self.threads.clear();
         self.reported_findings = 0;
     }
 
@@ -167,8 +178,13 @@ impl LivePart {
         });
         piece.to = now.tip;
         piece.ticks += 1;
-        if conditions.thread {
-            piece.imprints.extend(plane_crossing(before, now));
+        if !conditions.thread {
+            self.threads.end_pass();
+        } else if let Some((tip, turns)) = plane_crossing(before, now) {
+            piece.imprints.push(tip);
+            let tool = self.machining.job().tools.get(&conditions.tool);
+            let is_internal = tool.is_some_and(Tool::is_internal);
+            self.threads.add_imprint(tip, turns, is_internal);
         }
         if piece.ticks >= MAX_PIECE_TICKS {
             self.cut_pending();
@@ -234,9 +250,9 @@ fn moving_block(simulation: &Simulation) -> Option<SourcePosition> {
     running_block(simulation).filter(|_| by_program)
 }
 
-/// Tip position at which the spindle passed the drawn plane between two ticks; `None` if it
-/// did not.
-fn plane_crossing(before: TickState, now: TickState) -> Option<Point> {
+/// Tip position and whole turns at which the spindle passed the drawn plane between two ticks;
+/// `None` if it did not.
+fn plane_crossing(before: TickState, now: TickState) -> Option<(Point, f64)> {
     let (low, high) = (
         before.spindle_turns.min(now.spindle_turns),
         before.spindle_turns.max(now.spindle_turns),
@@ -246,5 +262,5 @@ fn plane_crossing(before: TickState, now: TickState) -> Option<Point> {
         return None;
     }
     let part = (whole - before.spindle_turns) / (now.spindle_turns - before.spindle_turns);
-    Some(before.tip + (now.tip - before.tip) * part)
+    Some((before.tip + (now.tip - before.tip) * part, whole))
 }

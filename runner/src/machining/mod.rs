@@ -9,6 +9,7 @@ pub mod live_part;
 mod motion_track;
 mod mounting;
 pub mod part_comparison;
+mod thread_log;
 
 use std::collections::BTreeMap;
 
