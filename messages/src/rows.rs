@@ -1091,12 +1091,17 @@ message_rows! {
     lathe_pointer LathePointer(x: "{:.3}", z: "{:.3}");
     lathe_practice LathePractice();
     lathe_scene_chuck LatheSceneChuck();
+    lathe_scene_cut_hint LatheSceneCutHint();
+    lathe_scene_half LatheSceneHalf();
     lathe_scene_hint LatheSceneHint();
     lathe_scene_operator LatheSceneOperator();
+    lathe_scene_path_hint LatheScenePathHint();
     lathe_scene_picture LatheScenePicture();
+    lathe_scene_quarter LatheSceneQuarter();
     lathe_scene_tool LatheSceneTool();
     lathe_scene_top LatheSceneTop();
     lathe_scene_unavailable LatheSceneUnavailable();
+    lathe_scene_whole LatheSceneWhole();
     lathe_section LatheSection();
     lathe_section_hint LatheSectionHint();
     lathe_show_text LatheShowText();
