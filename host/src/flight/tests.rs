@@ -110,10 +110,10 @@ fn a_folder_keeps_the_newest_recordings() {
     let kept: Vec<u64> = (7..=10).filter(|number| path(*number).exists()).collect();
     assert_eq!(kept, [8, 9, 10]);
     assert!(folder.join("note.txt").exists());
-    let unused = Flight::start(RecordingTarget::Folder(folder.clone()));
+    let unused = Flight::start(RecordingTarget::Folder(folder.to_path_buf()));
     unused.recorder.finish();
     assert!(!path(11).exists(), "nothing was recorded");
-    let mut flight = Flight::start(RecordingTarget::Folder(folder.clone()));
+    let mut flight = Flight::start(RecordingTarget::Folder(folder.to_path_buf()));
     flight.run(10);
     flight.recorder.finish();
     assert!(path(11).exists());
