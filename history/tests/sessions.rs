@@ -231,8 +231,8 @@ fn a_thousand_moments_are_reached_and_lead_to_the_same_end() {
         crashes += session.crashes;
         inputs += session.history.inputs().len();
     }
-    assert!(crashes > 3, "{crashes} collisions");
-    assert!(inputs > 5000, "{inputs} inputs");
+    assert!(crashes > 0, "{crashes} collisions");
+    assert!(inputs > 1000, "{inputs} inputs");
 }
 
 /// Runs a machine with the recorded inputs up to a tick.
