@@ -37,6 +37,7 @@ mod run;
 mod state;
 mod threads;
 mod walker;
+mod watch;
 mod word_audit;
 mod words;
 
@@ -54,4 +55,5 @@ pub(crate) use pass_over::PassedOver;
 pub use reader::Interpreter;
 pub(crate) use reader::{AdvanceResult, ReadState};
 pub use walker::{ReturnEffect, SystemVariables, WalkedBlock, Walker};
+pub use watch::RunningCall;
 pub use word_audit::{BlockRemark, IgnoredWord, LocatedRemark, WordAdvice};
