@@ -110,12 +110,22 @@ impl DebuggedRun {
         match cnc.run_state() {
             RunState::Run => RunProgress::Running,
             _ if cnc.is_moving() => RunProgress::Running,
+            // Cycle start does not continue it.
+            _ if cnc.is_in_alarm() => RunProgress::Ended,
             RunState::Reset if self.has_begun => RunProgress::Ended,
             _ if ticks < START_TICKS => RunProgress::Starting,
             RunState::Stop => RunProgress::Stopped,
             RunState::Hold => RunProgress::Stopped,
             RunState::Reset => RunProgress::Ended,
         }
+    }
+
+    /// Advances by one tick as a session does: a program that waits for cycle start continues.
+    pub(crate) fn tick_again(&mut self) -> Vec<CollisionFinding> {
+        if self.progress() == RunProgress::Stopped {
+            self.press_cycle_start();
+        }
+        self.tick()
     }
 
     /// Control and lathe.

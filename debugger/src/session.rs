@@ -246,10 +246,7 @@ impl DebugSession {
         self.breakpoints
             .resync(run.simulation(), run.calls().block());
         while run.ticks() + 1 < end {
-            let collisions = run.tick();
-            if run.progress() == RunProgress::Stopped {
-                run.press_cycle_start();
-            }
+            let collisions = run.tick_again();
             let hits = self
                 .breakpoints
                 .follow_tick(run.simulation(), !collisions.is_empty());
@@ -273,10 +270,7 @@ impl DebugSession {
             return;
         };
         while run.ticks() < tick {
-            run.tick();
-            if run.progress() == RunProgress::Stopped {
-                run.press_cycle_start();
-            }
+            run.tick_again();
         }
         self.run = run;
         let block = self.run.calls().block();

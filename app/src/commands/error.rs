@@ -39,6 +39,10 @@ pub enum CommandError {
     Data(#[from] DataDirError),
     /// The program cannot be executed.
     Execution(#[from] ExecutionError),
+    /// An option that breaks, watches or traces a run is wrong; holds the rule.
+    Debug(Message),
+    /// The debug client sent a malformed message or closed the connection; holds the reason.
+    DebugClient(String),
     /// The editor sent a malformed message or closed the connection; holds the reason.
     Editor(String),
     /// A program file cannot be read.
@@ -159,7 +163,8 @@ impl CommandError {
             Self::Editor(reason) => say::lsp_ended(reason),
             Self::File(error) => error.message(),
             Self::Job(error) => error.message(),
-            Self::Lesson(message) | Self::Pitch(message) => message.clone(),
+            Self::Debug(message) | Self::Lesson(message) | Self::Pitch(message) => message.clone(),
+            Self::DebugClient(reason) => say::dap_ended(reason),
             Self::Json(error) => say::as_written(error),
             Self::Link(error) => say::as_written(error),
             Self::Load(error) => error.message(),
