@@ -4,7 +4,7 @@ use gsk_core::command::ProgramId;
 use gsk_core::program::WatchFormula;
 use gsk_messages::{Message, say};
 
-use crate::source_files::SourceFiles;
+use crate::source_files::ProgramSources;
 use crate::watch::WatchTarget;
 
 /// Relations between a value and a number, the longer signs first.
@@ -101,7 +101,7 @@ impl BreakLocation {
     ///
     /// # Errors
     /// The message that names the text and the rule that it breaks.
-    pub fn parse(text: &str, files: &SourceFiles) -> Result<Self, Message> {
+    pub fn parse(text: &str, files: &ProgramSources) -> Result<Self, Message> {
         let (location, condition) = match split_condition(text) {
             Some((location, condition)) => (location, Some(parse_condition(condition)?)),
             None => (text, None),
@@ -140,7 +140,7 @@ fn split_condition(text: &str) -> Option<(&str, &str)> {
     Some((text.get(..at)?, text.get(at + 4..)?))
 }
 
-fn parse_event(text: &str, files: &SourceFiles) -> Result<BreakEvent, Message> {
+fn parse_event(text: &str, files: &ProgramSources) -> Result<BreakEvent, Message> {
     let mut words = text.split_whitespace();
     let first = words.next().unwrap_or_default().to_ascii_lowercase();
     let rest = words.next();
@@ -170,7 +170,7 @@ fn parse_optional(text: &str, number: Option<&str>) -> Result<Option<u16>, Messa
 }
 
 /// Parses a line, an N word or a program; `None` for another form.
-fn parse_block(text: &str, files: &SourceFiles) -> Option<Result<BreakEvent, Message>> {
+fn parse_block(text: &str, files: &ProgramSources) -> Option<Result<BreakEvent, Message>> {
     if let Some(number) = parse_word(text, 'O') {
         return Some(Ok(BreakEvent::Program(number)));
     }
@@ -192,14 +192,14 @@ fn parse_block(text: &str, files: &SourceFiles) -> Option<Result<BreakEvent, Mes
 }
 
 /// The programs of the main file; every program if no file is known.
-fn main_file(files: &SourceFiles) -> ProgramFilter {
+fn main_file(files: &ProgramSources) -> ProgramFilter {
     let main = files.files().first();
     main.map_or(ProgramFilter::Any, |file| {
         ProgramFilter::Listed(file.programs.clone())
     })
 }
 
-fn parse_filter(text: &str, files: &SourceFiles) -> Result<ProgramFilter, Message> {
+fn parse_filter(text: &str, files: &ProgramSources) -> Result<ProgramFilter, Message> {
     if text.is_empty() {
         return Ok(main_file(files));
     }
@@ -259,14 +259,14 @@ mod tests {
     use gsk_messages::Language;
 
     use super::*;
-    use crate::source_files::SourceFile;
+    use crate::source_files::ProgramSource;
 
-    fn files() -> SourceFiles {
-        let file = |path: &str, programs: &[ProgramId]| SourceFile {
+    fn files() -> ProgramSources {
+        let file = |path: &str, programs: &[ProgramId]| ProgramSource {
             path: path.to_owned(),
             programs: programs.to_vec(),
         };
-        SourceFiles::new(vec![
+        ProgramSources::new(vec![
             file("a/shaft.CNC", &[ProgramId::External]),
             file("a/sub.CNC", &[ProgramId::Stored(12)]),
         ])

@@ -11,7 +11,7 @@ use crate::history::StateHistory;
 
 /// How far a session runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StepKind {
+pub enum DebugStep {
     /// To the next breakpoint.
     Continue,
     /// To the next block, in a called program too.
@@ -63,7 +63,7 @@ pub enum StopReason {
 /// The goal of a run that may take several calls of [`DebugSession::advance`].
 #[derive(Clone, Copy, Debug)]
 enum RunGoal {
-    Step { kind: StepKind, depth: usize },
+    Step { kind: DebugStep, depth: usize },
     Block { program: ProgramId, line: u32 },
 }
 
@@ -91,7 +91,7 @@ impl DebugSession {
             filter: StopFilter::default(),
             history,
             goal: RunGoal::Step {
-                kind: StepKind::Continue,
+                kind: DebugStep::Continue,
                 depth: 0,
             },
             stop_block: None,
@@ -110,7 +110,7 @@ impl DebugSession {
     }
 
     /// Begins a step. If the program waits for cycle start, the operator presses it.
-    pub fn begin_step(&mut self, kind: StepKind) {
+    pub fn begin_step(&mut self, kind: DebugStep) {
         let depth = self.run.calls().depth();
         self.goal = RunGoal::Step { kind, depth };
         self.press_start_if_stopped();
@@ -205,12 +205,12 @@ impl DebugSession {
         is_step_end(&self.run, kind, depth).then_some(StopReason::Step)
     }
 
-    /// Goes back: to the last breakpoint before the present moment ([`StepKind::Continue`]), or
-    /// to the last begin of a block, as [`StepKind::Into`] and [`StepKind::Over`] mean it
+    /// Goes back: to the last breakpoint before the present moment ([`DebugStep::Continue`]), or
+    /// to the last begin of a block, as [`DebugStep::Into`] and [`DebugStep::Over`] mean it
     /// forwards. Stops at the beginning of the run if there is none.
-    pub fn go_back(&mut self, kind: StepKind) -> StopReason {
+    pub fn go_back(&mut self, kind: DebugStep) -> StopReason {
         let present = self.run.ticks();
-        if kind == StepKind::Tick {
+        if kind == DebugStep::Tick {
             self.go_to_tick(present.saturating_sub(1));
             return StopReason::Step;
         }
@@ -238,7 +238,7 @@ impl DebugSession {
         &mut self,
         start: DebuggedRun,
         end: u64,
-        kind: StepKind,
+        kind: DebugStep,
         depth: usize,
     ) -> Option<u64> {
         let mut run = start;
@@ -258,7 +258,7 @@ impl DebugSession {
     }
 
     /// Goes to a tick at which a stop occurs, and returns its reason.
-    fn stop_at_tick(&mut self, tick: u64, kind: StepKind, depth: usize) -> StopReason {
+    fn stop_at_tick(&mut self, tick: u64, kind: DebugStep, depth: usize) -> StopReason {
         self.go_to_tick(tick - 1);
         self.goal = RunGoal::Step { kind, depth };
         self.advance(1).unwrap_or(StopReason::Step)
@@ -297,19 +297,19 @@ fn raised_alarm(run: &DebuggedRun) -> Option<Alarm> {
 }
 
 /// Whether the tick that has just passed ends a step that began at `depth` running calls.
-fn is_step_end(run: &DebuggedRun, kind: StepKind, depth: usize) -> bool {
+fn is_step_end(run: &DebuggedRun, kind: DebugStep, depth: usize) -> bool {
     let has_begun = begun_blocks(run).next().is_some();
     let now = run.calls().depth();
     let events = run.simulation().cnc.events();
     match kind {
-        StepKind::Continue => false,
-        StepKind::Into => has_begun,
-        StepKind::Over => has_begun && now <= depth,
-        StepKind::Out => has_begun && now < depth,
-        StepKind::Pass => {
+        DebugStep::Continue => false,
+        DebugStep::Into => has_begun,
+        DebugStep::Over => has_begun && now <= depth,
+        DebugStep::Out => has_begun && now < depth,
+        DebugStep::Pass => {
             let is_pass = |event: &Event| matches!(event, Event::Explained(_));
             has_begun && now <= depth || events.iter().any(is_pass)
         }
-        StepKind::Tick => true,
+        DebugStep::Tick => true,
     }
 }

@@ -6,7 +6,7 @@ use gsk_core::program::ProgramMemory;
 /// A program file, and the programs of the control that come from it. The lines of a program
 /// have the numbers that they have in the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct SourceFile {
+pub struct ProgramSource {
     /// The path of the file as the user wrote it.
     pub path: String,
     /// The programs that the control took from the file.
@@ -15,26 +15,26 @@ pub struct SourceFile {
 
 /// The files that the programs of a control come from, the main program's file first.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct SourceFiles(Vec<SourceFile>);
+pub struct ProgramSources(Vec<ProgramSource>);
 
-impl SourceFiles {
+impl ProgramSources {
     /// Uses these files; the first one contains the main program.
-    pub const fn new(files: Vec<SourceFile>) -> Self {
+    pub const fn new(files: Vec<ProgramSource>) -> Self {
         Self(files)
     }
 
     /// All files, the main program's first.
-    pub fn files(&self) -> &[SourceFile] {
+    pub fn files(&self) -> &[ProgramSource] {
         &self.0
     }
 
     /// The file that contains a program; `None` for a program without a file.
-    pub fn file_of(&self, program: ProgramId) -> Option<&SourceFile> {
+    pub fn file_of(&self, program: ProgramId) -> Option<&ProgramSource> {
         self.0.iter().find(|file| file.programs.contains(&program))
     }
 
     /// Finds a file by its path or by the end of its path: `shaft.CNC` finds `a/shaft.CNC`.
-    pub fn find(&self, name: &str) -> Option<&SourceFile> {
+    pub fn find(&self, name: &str) -> Option<&ProgramSource> {
         let exact = self.0.iter().find(|file| file.path == name);
         exact.or_else(|| {
             self.0.iter().find(|file| {

@@ -25,7 +25,7 @@ pub enum WatchedCoordinates {
 
 /// A column of the offset table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum OffsetColumn {
+pub enum WatchedColumn {
     /// X offset, mm.
     X,
     /// Z offset, mm.
@@ -103,7 +103,7 @@ enum WatchSource {
     Bit(BitAddress),
     Byte(ByteAddress),
     Parameter(u16, Option<u8>),
-    Offset(u8, OffsetColumn),
+    Offset(u8, WatchedColumn),
 }
 
 /// A value of a control, by its name:
@@ -234,10 +234,10 @@ impl WatchTarget {
             WatchSource::Offset(number, column) => {
                 let offset = cnc.offsets().get(*number);
                 WatchedValue::Number(match column {
-                    OffsetColumn::X => offset.x,
-                    OffsetColumn::Z => offset.z,
-                    OffsetColumn::Radius => offset.r,
-                    OffsetColumn::Tip => offset.t.into(),
+                    WatchedColumn::X => offset.x,
+                    WatchedColumn::Z => offset.z,
+                    WatchedColumn::Radius => offset.r,
+                    WatchedColumn::Tip => offset.t.into(),
                 })
             }
         })
@@ -326,10 +326,10 @@ fn parse_parameter(text: &str) -> Option<Option<WatchSource>> {
 fn parse_offset(text: &str) -> Option<Option<WatchSource>> {
     let (number, column) = text.strip_prefix('T')?.split_once('.')?;
     let column = match column {
-        "X" => OffsetColumn::X,
-        "Z" => OffsetColumn::Z,
-        "R" => OffsetColumn::Radius,
-        "T" => OffsetColumn::Tip,
+        "X" => WatchedColumn::X,
+        "Z" => WatchedColumn::Z,
+        "R" => WatchedColumn::Radius,
+        "T" => WatchedColumn::Tip,
         _ => return Some(None),
     };
     let number = number.parse().ok().filter(|number| *number <= 32);

@@ -10,6 +10,7 @@
 //! is deterministic, so the server goes back by running again from an earlier moment.
 
 mod launch;
+mod launched_program;
 mod protocol;
 mod server;
 mod stop_points;
@@ -18,7 +19,7 @@ mod variables;
 use std::io;
 use std::thread;
 
-use crossbeam::channel::{bounded, unbounded};
+use crossbeam::channel::{Sender, bounded, unbounded};
 use gsk_messages::Language;
 
 use super::lsp::framing::read_text;
@@ -34,18 +35,7 @@ pub fn dap(args: &DapArgs, language: Option<Language>) -> Result<u8, CommandErro
     let (to_server, requests) = unbounded();
     let (send_result, read_result) = bounded(1);
     thread::spawn(move || {
-        let mut input = io::stdin().lock();
-        let result = loop {
-            match read_text(&mut input) {
-                Ok(Some(text)) => match serde_json::from_str::<Request>(&text) {
-                    Ok(request) if to_server.send(request).is_ok() => {}
-                    Ok(_) => break Ok(()),
-                    Err(error) => break Err(io::Error::new(io::ErrorKind::InvalidData, error)),
-                },
-                Ok(None) => break Ok(()),
-                Err(error) => break Err(error),
-            }
-        };
+        let result = read_requests(&to_server);
         // The receiver may be dropped.
         let _ = send_result.send(result);
     });
@@ -55,4 +45,17 @@ pub fn dap(args: &DapArgs, language: Option<Language>) -> Result<u8, CommandErro
     let end = served.and(read);
     end.map_err(|error| CommandError::DebugClient(error.to_string()))?;
     Ok(EXIT_OK)
+}
+
+/// Reads requests until the client closes the stream or the server has ended.
+fn read_requests(to_server: &Sender<Request>) -> io::Result<()> {
+    let mut input = io::stdin().lock();
+    while let Some(text) = read_text(&mut input)? {
+        let request = serde_json::from_str(&text);
+        let request = request.map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
+        if to_server.send(request).is_err() {
+            break;
+        }
+    }
+    Ok(())
 }

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use gsk_core::command::ProgramId;
 use gsk_core::program::{Program, ProgramMemory, split_programs};
-use gsk_debugger::source_files::{SourceFile, SourceFiles};
+use gsk_debugger::source_files::{ProgramSource, ProgramSources};
 use gsk_host::files::{program_file, subprograms};
 
 /// The files of the programs in a memory that [`gsk_host::loading::open_program`] has filled:
 /// the main program's first, then those of the command line, then those of its folder.
-pub fn find_sources(memory: &ProgramMemory, files: &[PathBuf]) -> SourceFiles {
+pub fn find_sources(memory: &ProgramMemory, files: &[PathBuf]) -> ProgramSources {
     let mut sources = Vec::new();
     let mut remaining: Vec<u16> = memory.iter().map(|(number, _)| number).collect();
     for (index, path) in files.iter().enumerate() {
@@ -31,11 +31,11 @@ pub fn find_sources(memory: &ProgramMemory, files: &[PathBuf]) -> SourceFiles {
             sources.push(source_file(&path, vec![ProgramId::Stored(number)]));
         }
     }
-    SourceFiles::new(sources)
+    ProgramSources::new(sources)
 }
 
-fn source_file(path: &Path, programs: Vec<ProgramId>) -> SourceFile {
-    SourceFile {
+fn source_file(path: &Path, programs: Vec<ProgramId>) -> ProgramSource {
+    ProgramSource {
         path: path.display().to_string(),
         programs,
     }
@@ -54,7 +54,7 @@ fn read_numbers(path: &Path) -> Vec<u16> {
 }
 
 /// The name of a program for people: its O number, or its file.
-pub fn program_name(program: ProgramId, sources: &SourceFiles) -> String {
+pub fn program_name(program: ProgramId, sources: &ProgramSources) -> String {
     match program {
         ProgramId::Stored(number) => format!("O{number:04}"),
         ProgramId::Mdi => "MDI".to_owned(),

@@ -35,7 +35,7 @@ use gsk_runner::text_format::format_time;
 use gsk_runner::{move_output, narration, report};
 use indicatif::ProgressBar;
 
-use debugging::RunDebugger;
+use debugging::{RunDebugger, uses_standard_output};
 
 use super::{CommandError, EXIT_ALARM, EXIT_COLLISION, EXIT_OK, output};
 use crate::cli::RunArgs;
@@ -266,13 +266,6 @@ fn write_results(
         }
     }
     failures
-}
-
-/// Whether a stream of results goes to standard output.
-fn uses_standard_output(args: &RunArgs) -> bool {
-    [&args.moves, &args.positions, &args.debug.trace]
-        .into_iter()
-        .any(|path| output::is_standard_output(path.as_deref()))
 }
 
 /// Prints the report of the run and, if the position of the slides is unknown, advice.

@@ -6,11 +6,11 @@ use gsk_core::simulation::Simulation;
 use gsk_debugger::debugged_run::DebuggedRun;
 use gsk_debugger::history::SnapshotHistory;
 use gsk_debugger::session::DebugSession;
-use gsk_debugger::source_files::SourceFiles;
+use gsk_debugger::source_files::ProgramSources;
 use gsk_host::job::{self, JobArgs};
 use gsk_host::loading;
 use gsk_host::setup_args::SetupArgs;
-use gsk_messages::say;
+use gsk_messages::{Language, say};
 use gsk_runner::machining::live_part::LivePart;
 
 use super::protocol::LaunchArguments;
@@ -24,7 +24,8 @@ use crate::commands::program_sources::find_sources;
 pub fn launch(
     args: &LaunchArguments,
     setup_args: &SetupArgs,
-) -> Result<(DebugSession, SourceFiles), CommandError> {
+    language: Language,
+) -> Result<(DebugSession, ProgramSources), CommandError> {
     if args.program.is_empty() {
         return Err(CommandError::Debug(say::dap_no_program()));
     }
@@ -32,8 +33,7 @@ pub fn launch(
         .chain(&args.subprograms)
         .map(PathBuf::from)
         .collect();
-    let mut setup = loading::with_training_lathe(Default::default(), setup_args.machine.as_ref());
-    loading::apply_options(&mut setup, setup_args)?;
+    let mut setup = loading::command_setup(setup_args, None, Some(language))?;
     loading::open_program(&mut setup, &files)?;
     let sources = find_sources(&setup.memory.programs, &files);
     let part = match args.part {

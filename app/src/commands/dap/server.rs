@@ -4,23 +4,21 @@ use std::io::{self, Write};
 
 use crossbeam::channel::{Receiver, TryRecvError};
 use gsk_core::alarm::Alarm;
-use gsk_core::command::ProgramId;
-use gsk_debugger::session::{DebugSession, StepKind, StopReason};
-use gsk_debugger::source_files::{SourceFiles, find_block_line};
+use gsk_debugger::session::{DebugStep, StopReason};
 use gsk_debugger::watch::WatchTarget;
 use gsk_host::setup_args::SetupArgs;
 use gsk_messages::{Language, say};
 use serde_json::{Value, json};
 
 use super::launch::launch;
+use super::launched_program::{LaunchedProgram, SessionState};
 use super::protocol::{
     BreakpointsArguments, ClientOutput, InitializeArguments, InquiryArguments, LaunchArguments,
     Request,
 };
-use super::stop_points::{BreakpointKind, ClientBreakpoints, find_file};
+use super::stop_points::{BreakpointKind, ClientBreakpoints};
 use super::variables;
 use crate::cli::is_chinese;
-use crate::commands::program_sources::program_name;
 
 /// Ticks between two looks at the requests while the program runs.
 const RUN_TICKS: u64 = 20_000;
@@ -29,31 +27,6 @@ const THREAD_ID: i64 = 1;
 const ALARM_FILTER: &str = "alarms";
 const MESSAGE_FILTER: &str = "messages";
 const COLLISION_FILTER: &str = "collisions";
-
-/// What the session does between requests.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum SessionState {
-    /// Breakpoints are being set; `configurationDone` starts the program.
-    Configuring,
-    Running,
-    Stopped,
-    Ended,
-}
-
-struct LaunchedProgram {
-    session: DebugSession,
-    sources: SourceFiles,
-    breakpoints: ClientBreakpoints,
-    state: SessionState,
-    stops_on_entry: bool,
-    is_undisturbed: bool,
-    /// The alarm of the last stop; `None` after another stop.
-    exception: Option<(String, Alarm)>,
-    /// The targets of `goto`, by their numbers from 1.
-    goto_targets: Vec<(ProgramId, u32)>,
-    /// Line of the `goto` under way, and whether it already runs from the beginning.
-    goto: Option<(ProgramId, u32, bool)>,
-}
 
 struct DapServer<'a, W> {
     client: ClientOutput<W>,
@@ -148,8 +121,8 @@ impl<W: Write> DapServer<'_, W> {
 
     fn launch(&mut self, request: &Request) -> io::Result<()> {
         let launched = request.parse().and_then(|args: LaunchArguments| {
-            let (session, sources) =
-                launch(&args, self.setup).map_err(|error| error.message().text(self.language))?;
+            let (session, sources) = launch(&args, self.setup, self.language)
+                .map_err(|error| error.message().text(self.language))?;
             Ok(LaunchedProgram {
                 session,
                 sources,
@@ -278,13 +251,13 @@ impl<W: Write> DapServer<'_, W> {
             return Ok(());
         };
         let is_tick = args.granularity == "instruction";
-        let step = |kind: StepKind| if is_tick { StepKind::Tick } else { kind };
+        let step = |kind: DebugStep| if is_tick { DebugStep::Tick } else { kind };
         let forwards = match request.command.as_str() {
-            "configurationDone" if program.stops_on_entry => Some(StepKind::Into),
-            "configurationDone" | "continue" => Some(StepKind::Continue),
-            "next" => Some(step(StepKind::Over)),
-            "stepIn" => Some(step(StepKind::Into)),
-            "stepOut" => Some(step(StepKind::Out)),
+            "configurationDone" if program.stops_on_entry => Some(DebugStep::Into),
+            "configurationDone" | "continue" => Some(DebugStep::Continue),
+            "next" => Some(step(DebugStep::Over)),
+            "stepIn" => Some(step(DebugStep::Into)),
+            "stepOut" => Some(step(DebugStep::Out)),
             _ => None,
         };
         if let Some(kind) = forwards {
@@ -305,8 +278,8 @@ impl<W: Write> DapServer<'_, W> {
         match request.command.as_str() {
             "stepBack" | "reverseContinue" => {
                 let kind = match request.command.as_str() {
-                    "stepBack" => step(StepKind::Over),
-                    _ => StepKind::Continue,
+                    "stepBack" => step(DebugStep::Over),
+                    _ => DebugStep::Continue,
                 };
                 self.client.send_response(request, Ok(Value::Null))?;
                 let reason = program.session.go_back(kind);
@@ -354,7 +327,7 @@ impl<W: Write> DapServer<'_, W> {
         };
         if program.is_undisturbed && reason != StopReason::Ended {
             if reason == StopReason::ProgramStop {
-                program.session.begin_step(StepKind::Continue);
+                program.session.begin_step(DebugStep::Continue);
             }
             return Ok(());
         }
@@ -433,68 +406,4 @@ impl<W: Write> DapServer<'_, W> {
 fn alarm_text(alarm: &Alarm, language: Language) -> String {
     let (number, text) = (alarm.number_text(), alarm.text(language));
     format!("{number} {text}: {}", alarm.reason().text(language))
-}
-
-impl LaunchedProgram {
-    fn set_breakpoints(
-        &mut self,
-        kind: BreakpointKind,
-        args: &BreakpointsArguments,
-        language: Language,
-        first_line: i64,
-    ) -> Value {
-        self.breakpoints.replace(
-            kind,
-            args,
-            &mut self.session,
-            &self.sources,
-            (language, first_line),
-        )
-    }
-
-    fn stack_trace(&self, args: &InquiryArguments, first_line: i64) -> Value {
-        let run = self.session.run();
-        let mut frames = run.calls().frames();
-        if let (Some(block), Some(frame)) = (self.session.stop_block(), frames.first_mut())
-            && frame.program == block.program
-        {
-            frame.line = block.line;
-        }
-        let all = frames.iter().enumerate().map(|(index, frame)| {
-            let file = self.sources.file_of(frame.program);
-            let mut answer = json!({
-                "id": index + 1,
-                "name": program_name(frame.program, &self.sources),
-                "line": i64::from(frame.line) + first_line - 1,
-                "column": 1,
-            });
-            if let Some(file) = file {
-                let path = std::path::absolute(&file.path);
-                let path = path.map_or_else(|_| file.path.clone(), |it| it.display().to_string());
-                let name = path.rsplit(['/', '\\']).next().unwrap_or_default();
-                answer["source"] = json!({"name": name, "path": path});
-            }
-            answer
-        });
-        let levels = match args.levels {
-            0 => usize::MAX,
-            levels => levels,
-        };
-        let shown: Vec<Value> = all.skip(args.start_frame).take(levels).collect();
-        json!({"stackFrames": shown, "totalFrames": frames.len()})
-    }
-
-    fn add_goto_targets(&mut self, args: &InquiryArguments, first_line: i64) -> Option<Value> {
-        let line = u32::try_from(args.line - first_line + 1).ok()?;
-        let file = find_file(&self.sources, &args.source.path)?;
-        let programs = self.session.run().simulation().cnc.programs();
-        let (program, line) = find_block_line(programs, &file.programs, line)?;
-        let label = programs.get(program)?.line(line).trim().to_owned();
-        self.goto_targets.push((program, line));
-        Some(json!({"targets": [{
-            "id": self.goto_targets.len(),
-            "label": label,
-            "line": i64::from(line) + first_line - 1,
-        }]}))
-    }
 }

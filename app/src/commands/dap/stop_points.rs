@@ -6,7 +6,7 @@ use std::path::Path;
 use gsk_core::program::WatchFormula;
 use gsk_debugger::location::{BreakEvent, BreakLocation, ProgramFilter, parse_condition};
 use gsk_debugger::session::DebugSession;
-use gsk_debugger::source_files::{SourceFile, SourceFiles, find_block_line};
+use gsk_debugger::source_files::{ProgramSource, ProgramSources, find_block_line};
 use gsk_debugger::watch::WatchTarget;
 use gsk_messages::{Language, Message, say};
 use serde_json::{Value, json};
@@ -36,7 +36,7 @@ impl ClientBreakpoints {
         kind: BreakpointKind,
         args: &BreakpointsArguments,
         session: &mut DebugSession,
-        sources: &SourceFiles,
+        sources: &ProgramSources,
         (language, first_line): (Language, i64),
     ) -> Value {
         let key = match kind {
@@ -83,7 +83,7 @@ fn parse_line(
     line: u32,
     path: &str,
     session: &DebugSession,
-    sources: &SourceFiles,
+    sources: &ProgramSources,
 ) -> ParsedBreakpoint {
     let known: Vec<&str> = (sources.files().iter())
         .map(|file| file.path.as_str())
@@ -101,7 +101,7 @@ fn parse_line(
     Ok((location, Some(line)))
 }
 
-fn parse_function(wanted: &SourceBreakpoint, sources: &SourceFiles) -> ParsedBreakpoint {
+fn parse_function(wanted: &SourceBreakpoint, sources: &ProgramSources) -> ParsedBreakpoint {
     let mut location = BreakLocation::parse(&wanted.name, sources)?;
     if let Some(condition) = condition(wanted)? {
         location.condition = Some(condition);
@@ -126,7 +126,7 @@ fn condition(wanted: &SourceBreakpoint) -> Result<Option<WatchFormula>, Message>
 }
 
 /// Finds a file by the path of the client, which may be written in another way.
-pub fn find_file<'a>(sources: &'a SourceFiles, path: &str) -> Option<&'a SourceFile> {
+pub fn find_file<'a>(sources: &'a ProgramSources, path: &str) -> Option<&'a ProgramSource> {
     let resolve = |path: &str| Path::new(path).canonicalize().ok();
     let wanted = resolve(path);
     let files = sources.files();

@@ -9,19 +9,19 @@ use gsk_core::simulation::Simulation;
 use gsk_debugger::breakpoints::{BreakHit, BreakpointSet};
 use gsk_debugger::call_stack::CallStack;
 use gsk_debugger::location::BreakLocation;
-use gsk_debugger::source_files::SourceFiles;
+use gsk_debugger::source_files::ProgramSources;
 use gsk_debugger::trace::{self, TraceError, TraceFormat, TraceWriter};
 use gsk_debugger::watch::{WatchTarget, WatchedValue};
 use gsk_messages::{Language, Message, say};
 use gsk_runner::report::{self, BreakReport};
 
 use super::super::program_sources::{find_sources, program_name};
-use crate::cli::RunDebugArgs;
+use crate::cli::{RunArgs, RunDebugArgs};
 use crate::commands::{CommandError, output};
 
 /// Stops, watches and records a run, as its options say.
 pub struct RunDebugger {
-    sources: SourceFiles,
+    sources: ProgramSources,
     breakpoints: BreakpointSet,
     /// The breakpoint that ends the run; `None` without `--until`.
     until: Option<u32>,
@@ -207,4 +207,11 @@ fn open_trace(args: &RunDebugArgs) -> Result<Option<TraceWriter>, CommandError> 
         TraceError::Output(error) => CommandError::Output(error),
         error @ TraceError::TextInBits(_) => CommandError::Debug(error.message()),
     })
+}
+
+/// Whether a stream of results goes to standard output.
+pub fn uses_standard_output(args: &RunArgs) -> bool {
+    [&args.moves, &args.positions, &args.debug.trace]
+        .into_iter()
+        .any(|path| output::is_standard_output(path.as_deref()))
 }
