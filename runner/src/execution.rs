@@ -57,14 +57,28 @@ pub struct ExecutionLimits {
     pub time_ms: u64,
 }
 
+/// Why a watcher ends an execution.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WatcherStop {
+    /// A tool has hit something.
+    Collision,
+    /// The run has reached the location at which it was set to end.
+    Location,
+}
+
 /// Receives the progress of an execution.
 pub trait ExecutionWatcher {
     /// Called when a move has been executed. The times of `executed`, s, count from cycle
     /// start.
     fn on_move(&mut self, executed: &ExecutedMove);
     /// Called after each tick, `time_ms` after cycle start. `machine` is the position of the
-    /// slides in machine coordinates. Returns true to end the run: a tool has hit something.
-    fn on_tick(&mut self, time_ms: u64, machine: Point, simulation: &Simulation) -> bool;
+    /// slides in machine coordinates. Returns why the run must end; `None` to continue.
+    fn on_tick(
+        &mut self,
+        time_ms: u64,
+        machine: Point,
+        simulation: &Simulation,
+    ) -> Option<WatcherStop>;
     /// Called when a block begins. `line` counts from 1; `modal` holds the G codes, F, S and T
     /// in force.
     fn on_block(&mut self, line: u32, text: &str, modal: &ModalState);
@@ -93,8 +107,8 @@ enum ExecutionEnd {
     Stop(Message),
     /// The end was requested: Ctrl-C, `kill`.
     Requested,
-    /// A tool hit something, and the watcher ends the run for it.
-    Collision,
+    /// The watcher ends the run.
+    Watcher(WatcherStop),
     Limit,
 }
 
@@ -110,7 +124,8 @@ impl ExecutionEnd {
             Self::Refused(_) => report::RunEnd::Refused,
             Self::Stop(_) => report::RunEnd::Stop,
             Self::Requested => report::RunEnd::Requested,
-            Self::Collision => report::RunEnd::Collision,
+            Self::Watcher(WatcherStop::Collision) => report::RunEnd::Collision,
+            Self::Watcher(WatcherStop::Location) => report::RunEnd::Location,
             Self::Limit => report::RunEnd::Limit,
         }
     }
@@ -264,6 +279,7 @@ impl ProgramRun<'_> {
                 "stop"
             },
             coolant: cnc.plc().memory().y(5) & 1 != 0,
+            breaks: Vec::new(),
             parameters_changed: report::changed_parameters(before, cnc.parameters()),
             warnings: Vec::new(),
             path: None,
@@ -446,9 +462,9 @@ impl ProgramRun<'_> {
         if self.has_begun {
             let time_ms = self.time_ms();
             let machine = self.simulation.cnc.position_machine();
-            let collided = self.watcher.on_tick(time_ms, machine, &self.simulation);
-            if collided && self.pending_end.is_none() {
-                self.pending_end = Some(ExecutionEnd::Collision);
+            let stop = self.watcher.on_tick(time_ms, machine, &self.simulation);
+            if self.pending_end.is_none() {
+                self.pending_end = stop.map(ExecutionEnd::Watcher);
             }
         }
     }

@@ -73,6 +73,7 @@ fn build_report(
             gsk_milling::SpindleState::Stopped => "stop",
         },
         coolant: modal.coolant,
+        breaks: Vec::new(),
         parameters_changed: BTreeMap::new(),
         warnings: preview
             .cautions

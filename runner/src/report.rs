@@ -4,6 +4,7 @@
 //! alarm texts of the screen, which are Chinese.
 
 pub mod annotations;
+mod break_report;
 mod part_report;
 mod program_check;
 mod report_text;
@@ -22,6 +23,7 @@ use gsk_core::units::Point;
 use gsk_messages::{Language, Message};
 use serde::{Serialize, Serializer};
 
+pub use break_report::BreakReport;
 pub use part_report::{CollisionReport, PartReport, feature_message};
 pub use program_check::check_program;
 pub use run_end::RunEnd;
@@ -217,6 +219,9 @@ pub struct ProgramReport {
     /// Probable mistakes that raise no alarm.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<WarningReport>,
+    /// The locations of `--break` and `--until` that the run reached, in order.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub breaks: Vec<BreakReport>,
     /// Path lengths, bounds, tools and further alarms, which only the command `check` finds;
     /// `None` from `run`.
     #[serde(flatten)]
@@ -335,7 +340,7 @@ fn own_column(alarm: &Alarm) -> Option<u32> {
 impl ProgramReport {
     /// Whether the program ended in another way than its own end.
     pub const fn has_failed(&self) -> bool {
-        !self.end.is_program_end()
+        !self.end.is_expected_end()
     }
 
     /// Whether the part report lists a collision.
@@ -355,7 +360,7 @@ impl ProgramReport {
 }
 
 /// The names of the G codes in force, one of each group.
-pub(crate) fn modal_codes(modal: &ModalState) -> Vec<String> {
+pub fn modal_codes(modal: &ModalState) -> Vec<String> {
     vec![
         format!("G{:02}", modal.motion.number()),
         if modal.surface_speed { "G96" } else { "G97" }.to_owned(),

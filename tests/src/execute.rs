@@ -8,7 +8,7 @@ use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
 use gsk_messages::Message;
 use gsk_milling::MillSetup;
-use gsk_runner::execution::{self, ExecutionLimits, ExecutionWatcher};
+use gsk_runner::execution::{self, ExecutionLimits, ExecutionWatcher, WatcherStop};
 use gsk_runner::move_output;
 use gsk_runner::report::{self, AlarmReport, ProgramReport};
 use serde_json::{Value, json};
@@ -83,8 +83,13 @@ impl ExecutionWatcher for MoveWriter {
     fn on_move(&mut self, executed: &ExecutedMove) {
         self.write(executed);
     }
-    fn on_tick(&mut self, _time_ms: u64, _machine: Point, _simulation: &Simulation) -> bool {
-        false
+    fn on_tick(
+        &mut self,
+        _time_ms: u64,
+        _machine: Point,
+        _simulation: &Simulation,
+    ) -> Option<WatcherStop> {
+        None
     }
     fn on_block(&mut self, _line: u32, _text: &str, _modal: &ModalState) {}
     fn on_pass(&mut self, _explanation: &Explanation) {}

@@ -14,7 +14,7 @@ use paths::{ModuleSource, sources};
 /// The modules of `core`, from leaf to root, and what each uses.
 const CORE_MODULES: &str = "tests/core-modules.tsv";
 /// The folders of the packages that have a library.
-const PACKAGES: [&str; 22] = [
+const PACKAGES: [&str; 23] = [
     "messages",
     "units",
     "plc",
@@ -29,6 +29,7 @@ const PACKAGES: [&str; 22] = [
     "panel",
     "project",
     "runner",
+    "debugger",
     "history",
     "help",
     "language",

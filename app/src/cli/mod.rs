@@ -2,6 +2,7 @@
 //! short commands are in this file; each longer command has a file.
 
 pub mod chinese;
+mod dap;
 mod deferred;
 mod dialect;
 mod help;
@@ -18,6 +19,7 @@ mod preview;
 mod project;
 mod replay;
 mod run;
+mod run_debug;
 mod transfer;
 
 use std::path::PathBuf;
@@ -28,6 +30,7 @@ use gsk_panel::script::FORMS;
 pub use gsk_runner::Language;
 use tracing::level_filters::LevelFilter;
 
+pub use dap::DapArgs;
 pub use dialect::DialectArgs;
 pub use help::HelpArgs;
 pub use ladder::{LadderArgs, LadderCommand, LadderRunArgs};
@@ -49,6 +52,7 @@ pub use project::{
 };
 pub use replay::ReplayArgs;
 pub use run::RunArgs;
+pub use run_debug::RunDebugArgs;
 pub use transfer::{
     ExistingFile, SerialArgs, TextEnd, TransferArgs, TransferBackupArgs, TransferCommand,
     TransferControlArgs, TransferDeleteArgs, TransferListArgs, TransferPortArgs,
@@ -226,6 +230,11 @@ pub enum CliCommand {
     ///
     /// Speaks the language server protocol on standard input and output; an editor starts it.
     Lsp(DeferredArgs<LspArgs>),
+    /// Serve a debugger of an editor: breakpoints, steps forwards and backwards, values
+    ///
+    /// Speaks the Debug Adapter Protocol on standard input and output; an editor starts it. The
+    /// options are those of the control and lathe on which the program runs.
+    Dap(DeferredArgs<DapArgs>),
     /// Print the licences of this program and of the packages it contains
     Notices,
     /// Print what a shell needs to complete this command line

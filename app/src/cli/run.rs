@@ -6,7 +6,7 @@ use clap::Args;
 use gsk_host::job::PartArgs;
 use gsk_host::setup_args::{self, SetupArgs};
 
-use super::PictureArgs;
+use super::{PictureArgs, RunDebugArgs};
 
 /// `run`.
 #[derive(Args, Debug)]
@@ -47,9 +47,8 @@ pub struct RunArgs {
     pub positions: Option<PathBuf>,
     #[command(flatten)]
     pub part: PartArgs,
-    /// Stop at the first collision of the simulated lathe (exit code 3)
-    #[arg(long, conflicts_with = "link")]
-    pub stop_on_collision: bool,
+    #[command(flatten)]
+    pub debug: RunDebugArgs,
     /// Draw the executed toolpath (name ends in .png or .svg)
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,

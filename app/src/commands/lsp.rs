@@ -14,7 +14,7 @@ mod convert;
 mod diagnostics;
 mod documents;
 mod folder;
-mod framing;
+pub mod framing;
 mod server;
 mod server_state;
 mod settings;

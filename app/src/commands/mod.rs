@@ -1,6 +1,7 @@
 //! The commands, one file each. Each returns its exit code.
 
 mod check;
+mod dap;
 mod dialect;
 mod error;
 mod help;
@@ -14,6 +15,7 @@ mod mill_setup;
 mod operate;
 mod pitch;
 mod plot;
+mod program_sources;
 mod project;
 mod replay;
 mod results;
@@ -101,6 +103,7 @@ pub fn run_command_line(cli: CommandLine) -> ExitCode {
         Some(CliCommand::Transfer(args)) => transfer::transfer(&args.command),
         Some(CliCommand::Help(args)) => help::help(&args, language),
         Some(CliCommand::Lsp(args)) => lsp::lsp(&args, language),
+        Some(CliCommand::Dap(args)) => dap::dap(&args, language),
         Some(CliCommand::Notices) => Ok(print_notices()),
         Some(CliCommand::Completions(args)) => Ok(manual::completions(&args)),
         Some(CliCommand::Man(args)) => manual::man(&args),

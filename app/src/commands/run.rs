@@ -1,5 +1,7 @@
 //! `run`: executes a program in the complete control.
 
+mod debugging;
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -22,7 +24,9 @@ use gsk_host::{job, loading, retained};
 use gsk_messages::{Language, Message, say};
 use gsk_runner::board::TerminalOperator;
 use gsk_runner::curves::RapidRates;
-use gsk_runner::execution::{self, ExecutionLimits, ExecutionWatcher, SupervisedBoard};
+use gsk_runner::execution::{
+    self, ExecutionLimits, ExecutionWatcher, SupervisedBoard, WatcherStop,
+};
 use gsk_runner::machining::live_part::LivePart;
 use gsk_runner::partner::ProgramPartner;
 use gsk_runner::picture::{self, PathDrawing, PictureFormat};
@@ -30,6 +34,8 @@ use gsk_runner::report::{PartReport, ProgramReport};
 use gsk_runner::text_format::format_time;
 use gsk_runner::{move_output, narration, report};
 use indicatif::ProgressBar;
+
+use debugging::{RunDebugger, uses_standard_output};
 
 use super::{CommandError, EXIT_ALARM, EXIT_COLLISION, EXIT_OK, output};
 use crate::cli::RunArgs;
@@ -63,8 +69,10 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
     let name = main
         .map(|path| path.display().to_string())
         .unwrap_or_default();
-    let mut outputs = RunOutputs::open(args, main, &setup, language)?;
-    let job_choice = choose_job(args, main, &setup)?;
+    let debugger = RunDebugger::open(&args.debug, &args.files, &setup, spoken)?;
+    let needs_part = debugger.needs_part();
+    let mut outputs = RunOutputs::open(args, main, &setup, language, debugger)?;
+    let job_choice = choose_job(args, main, &setup, needs_part)?;
     outputs.live_part = job_choice
         .as_ref()
         .map(|chosen| LivePart::new(chosen.create_machining()));
@@ -120,6 +128,10 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
         failures.extend(saved.map_err(CommandError::from).err());
     }
     failures.extend(write_results(args, &mut outputs, target, report.time_s));
+    match outputs.debugger.finish() {
+        Ok(breaks) => report.breaks = breaks,
+        Err(error) => failures.push(CommandError::output(error)),
+    }
     print_result(args, &report, spoken)?;
     if !failures.is_empty() {
         return Err(CommandError::several(&failures));
@@ -150,8 +162,13 @@ fn check_outputs(args: &RunArgs) -> Result<(), CommandError> {
             .map(PathBuf::as_path),
         data_dir: args.setup.data.as_deref(),
     };
-    let output_paths =
-        collect_outputs(&[&args.moves, &args.positions, &args.plot, &args.part.section]);
+    let output_paths = collect_outputs(&[
+        &args.moves,
+        &args.positions,
+        &args.plot,
+        &args.part.section,
+        &args.debug.trace,
+    ]);
     check_overwrites(&inputs, &output_paths)?;
     Ok(())
 }
@@ -183,15 +200,18 @@ fn prepare_setup(args: &RunArgs) -> Result<(Setup, Option<(DataDir, Restored)>),
     Ok((setup, memory))
 }
 
-/// Selects the job of the part; `None` if no requested result needs the part. Returns an error if
-/// the job file is wrong.
+/// Selects the job of the part; `None` if no requested result needs the part. `needs_part`:
+/// a breakpoint does. Returns an error if the job file is wrong.
 fn choose_job(
     args: &RunArgs,
     main: Option<&Path>,
     setup: &Setup,
+    needs_part: bool,
 ) -> Result<Option<SelectedJob>, CommandError> {
-    let needs_part =
-        args.part.is_requested() || args.stop_on_collision || args.picture.needs_part();
+    let needs_part = needs_part
+        || args.part.is_requested()
+        || args.debug.stop_on_collision
+        || args.picture.needs_part();
     match needs_part {
         true => Ok(Some(job::choose(&args.part.job, main, setup)?)),
         false => Ok(None),
@@ -257,10 +277,7 @@ fn print_result(
     report: &ProgramReport,
     spoken: Option<Language>,
 ) -> Result<(), CommandError> {
-    let uses_stdout = [&args.moves, &args.positions]
-        .into_iter()
-        .any(|path| output::is_standard_output(path.as_deref()));
-    output::print_report(report, args.json, uses_stdout, spoken)?;
+    output::print_report(report, args.json, uses_standard_output(args), spoken)?;
     let is_position_unknown = report
         .alarm
         .as_ref()
@@ -333,6 +350,9 @@ struct RunOutputs {
     /// The part that the program cuts; `None` if no result needs it.
     live_part: Option<LivePart>,
     stops_at_collision: bool,
+    debugger: RunDebugger,
+    /// Whether breakpoints are reported when they are reached, not in the JSON only.
+    prints_breaks: bool,
     /// The first error of a result file, after which the run continues; `None` without one.
     first_error: Option<CommandError>,
 }
@@ -345,6 +365,7 @@ impl RunOutputs {
         main: Option<&Path>,
         setup: &Setup,
         language: Language,
+        debugger: RunDebugger,
     ) -> Result<Self, CommandError> {
         let lines = setup
             .memory
@@ -366,7 +387,9 @@ impl RunOutputs {
             current_line: 0,
             explained_pass: None,
             live_part: None,
-            stops_at_collision: args.stop_on_collision,
+            stops_at_collision: args.debug.stop_on_collision,
+            debugger,
+            prints_breaks: !args.json && !uses_standard_output(args),
             first_error: None,
         })
     }
@@ -406,7 +429,12 @@ impl ExecutionWatcher for RunOutputs {
         }
     }
 
-    fn on_tick(&mut self, time_ms: u64, machine: Point, simulation: &Simulation) -> bool {
+    fn on_tick(
+        &mut self,
+        time_ms: u64,
+        machine: Point,
+        simulation: &Simulation,
+    ) -> Option<WatcherStop> {
         if let Some(out) = &mut self.positions {
             let degrees = simulation.lathe.spindle_degrees();
             let time_s = time_ms as f64 / 1000.0;
@@ -425,7 +453,23 @@ impl ExecutionWatcher for RunOutputs {
             .live_part
             .as_mut()
             .map(|live| live.follow_tick(simulation));
-        self.stops_at_collision && found.is_some_and(|found| !found.is_empty())
+        let has_collided = found.is_some_and(|found| !found.is_empty());
+        let reached = self.debugger.follow_tick(time_ms, simulation, has_collided);
+        let reached = reached.unwrap_or_else(|error| {
+            self.first_error.get_or_insert(CommandError::output(error));
+            Default::default()
+        });
+        if self.prints_breaks {
+            for message in &reached.messages {
+                let print = || output::print_message(message);
+                self.progress_bar.suspend(print);
+            }
+        }
+        if has_collided && self.stops_at_collision {
+            Some(WatcherStop::Collision)
+        } else {
+            reached.ends.then_some(WatcherStop::Location)
+        }
     }
 
     fn on_block(&mut self, line: u32, text: &str, modal: &ModalState) {
@@ -438,7 +482,7 @@ impl ExecutionWatcher for RunOutputs {
     }
 
     fn on_pass(&mut self, explanation: &Explanation) {
-        if self.explained_pass == Some(explanation.pass) {
+        if !self.explain || self.explained_pass == Some(explanation.pass) {
             return;
         }
         self.explained_pass = Some(explanation.pass);
@@ -446,7 +490,7 @@ impl ExecutionWatcher for RunOutputs {
     }
 
     fn wants_explanations(&self) -> bool {
-        self.explain
+        self.explain || self.debugger.needs_passes()
     }
 
     fn show(&mut self, message: &Message) {

@@ -204,7 +204,7 @@ impl WindowStarter {
         let folder = RecordingTarget::Folder(path.join(flight::FOLDER));
         let file = args.record.clone().map(RecordingTarget::File);
         for target in core::iter::once(folder).chain(file) {
-            let recorder = FlightRecorder::start(target).map_err(CommandError::Gone)?;
+            let recorder = FlightRecorder::start(target).map_err(CommandError::gone)?;
             kernel.add_flight_recorder(recorder);
         }
         Ok(WindowStart {

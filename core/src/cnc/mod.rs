@@ -5,6 +5,7 @@ mod board;
 mod dnc;
 mod drives;
 mod gear_speed;
+mod inspection;
 mod interpreter_host;
 mod ladder;
 mod manual;

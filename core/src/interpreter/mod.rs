@@ -31,6 +31,7 @@ mod reader;
 mod state;
 mod threads;
 mod walker;
+mod watch;
 mod words;
 
 #[cfg(test)]
@@ -48,3 +49,4 @@ pub use reader::Interpreter;
 pub use reader::word_audit::{BlockRemark, IgnoredWord, LocatedRemark, WordAdvice};
 pub(crate) use reader::{AdvanceResult, ReadState};
 pub use walker::{ReturnEffect, SystemVariables, WalkedBlock, Walker};
+pub use watch::RunningCall;

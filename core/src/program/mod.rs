@@ -52,6 +52,7 @@ pub use dnc_buffer::{DncBuffer, LineTooLong};
 pub use edit::{Completion, ProgramEditor};
 pub(crate) use foreign_words::further_foreign_words;
 pub use listing::without_end_sign;
+pub use macro_b::WatchFormula;
 pub(crate) use macro_b::{
     FormulaCode, FormulaFunction, FormulaOperator, FormulaStep, IfAction, MacroAssignment,
     MacroCall, MacroCondition, MacroRelation, MacroStatement,

@@ -64,6 +64,7 @@ fn build_report(
             SpindleRotation::Stopped => "stop",
         },
         coolant: preview.coolant,
+        breaks: Vec::new(),
         parameters_changed: changed_parameters(&setup.memory.parameters, &preview.parameters),
         warnings: preview
             .cautions

@@ -24,6 +24,8 @@ pub enum RunEnd {
     Requested,
     /// A tool hit something, and the run was set to end then.
     Collision,
+    /// The run reached the location at which it was set to end.
+    Location,
     /// The program did not end within the limits.
     Limit,
 }
@@ -41,13 +43,18 @@ impl RunEnd {
             Self::Stop => "stop",
             Self::Requested => "ended",
             Self::Collision => "collision",
+            Self::Location => "until",
             Self::Limit => "limit",
         }
     }
 
-    /// Whether the program reached its own end: M30, M02, M99 or the end of the text.
-    pub(crate) const fn is_program_end(self) -> bool {
-        matches!(self, Self::M30 | Self::M02 | Self::M99 | Self::Text)
+    /// Whether the program reached its own end, M30, M02, M99 or the end of the text, or the
+    /// location at which it was set to end.
+    pub(crate) const fn is_expected_end(self) -> bool {
+        matches!(
+            self,
+            Self::M30 | Self::M02 | Self::M99 | Self::Text | Self::Location
+        )
     }
 }
 

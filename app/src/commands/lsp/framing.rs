@@ -1,4 +1,5 @@
-//! Reads a message of the language server protocol from a stream.
+//! Reads a message of the language server protocol, or of the debug adapter protocol, from a
+//! stream.
 
 use std::io::{self, BufRead, ErrorKind, Read as _};
 
@@ -19,6 +20,22 @@ const QUOTED_CHARS: usize = 200;
 /// A malformed header or message, one that is too long or broken off, and what the stream
 /// reports.
 pub fn read_message(input: &mut impl BufRead) -> io::Result<Option<Message>> {
+    let Some(text) = read_text(input)? else {
+        return Ok(None);
+    };
+    let message = serde_json::from_str(&text).map_err(|error| {
+        let start: String = text.chars().take(QUOTED_CHARS).collect();
+        invalid_data(format!("malformed LSP payload `{error}`: {start:?}"))
+    })?;
+    Ok(Some(message))
+}
+
+/// Reads the text of the next message; `None` at the end of the stream.
+///
+/// # Errors
+/// A malformed header, a text that is too long, broken off or not UTF-8, and what the stream
+/// reports.
+pub fn read_text(input: &mut impl BufRead) -> io::Result<Option<String>> {
     let Some(length) = read_header(input)? else {
         return Ok(None);
     };
@@ -33,11 +50,7 @@ pub fn read_message(input: &mut impl BufRead) -> io::Result<Option<Message>> {
         return Err(io::Error::from(ErrorKind::UnexpectedEof));
     }
     let text = String::from_utf8(bytes).map_err(|error| invalid_data(error.to_string()))?;
-    let message = serde_json::from_str(&text).map_err(|error| {
-        let start: String = text.chars().take(QUOTED_CHARS).collect();
-        invalid_data(format!("malformed LSP payload `{error}`: {start:?}"))
-    })?;
-    Ok(Some(message))
+    Ok(Some(text))
 }
 
 /// Reads a header and returns the length of the message after it, bytes; `None` at the end of the

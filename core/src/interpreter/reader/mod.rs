@@ -59,7 +59,7 @@ pub struct Interpreter {
     /// Whether the model of the programs has the variables #1 to #99 of the Huaxing lathes.
     #[serde(default, skip_serializing_if = "core::ops::Not::not")]
     #[serde(rename = "own_variables")]
-    has_huaxing_variables: bool,
+    pub(super) has_huaxing_variables: bool,
     /// Codes that call a program by parameters of macro B; `None` if no code does.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     code_calls: Option<Box<CodeCalls>>,

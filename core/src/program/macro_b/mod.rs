@@ -14,6 +14,7 @@
 mod expression;
 mod statement;
 mod usage;
+mod watch_formula;
 
 pub(super) use expression::read_word_formula;
 pub(crate) use expression::{FormulaCode, FormulaFunction, FormulaOperator, FormulaStep};
@@ -22,3 +23,4 @@ pub(crate) use statement::{
 };
 pub(super) use statement::{is_statement_start, read_arguments};
 pub(super) use usage::uses_macro_b;
+pub use watch_formula::WatchFormula;

@@ -199,7 +199,7 @@ fn read_condition(lexer: &mut Lexer<'_>) -> Result<MacroCondition, BlockError> {
     expect_mark(lexer, b'[')?;
     let left = FormulaCode::read(lexer)?;
     skip_blanks(lexer)?;
-    let Some(relation) = expression::skip_keyword(lexer, &RELATIONS) else {
+    let Some(relation) = skip_relation(lexer) else {
         return Err(formula_error(lexer, say::formula_relation_missing()));
     };
     let right = FormulaCode::read(lexer)?;
@@ -209,6 +209,12 @@ fn read_condition(lexer: &mut Lexer<'_>) -> Result<MacroCondition, BlockError> {
         relation,
         right,
     })
+}
+
+/// Skips the relation at the position and returns it; `None`, without moving, if the text
+/// begins with none.
+pub(super) fn skip_relation(lexer: &mut Lexer<'_>) -> Option<MacroRelation> {
+    expression::skip_keyword(lexer, &RELATIONS)
 }
 
 fn expect_mark(lexer: &mut Lexer<'_>, wanted: u8) -> Result<(), BlockError> {

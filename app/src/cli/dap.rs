@@ -1,0 +1,11 @@
+//! Options of `dap`.
+
+use clap::Args;
+use gsk_host::setup_args::SetupArgs;
+
+/// `dap`.
+#[derive(Args, Debug)]
+pub struct DapArgs {
+    #[command(flatten)]
+    pub setup: SetupArgs,
+}

@@ -1,0 +1,93 @@
+//! The call stack of the block in execution: the main program, subprograms and macros.
+
+use gsk_core::cnc::{Cnc, Event};
+use gsk_core::command::{ProgramId, SourcePosition};
+use gsk_core::interpreter::RunningCall;
+
+/// One level of the call stack.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CallFrame {
+    /// The program of the level.
+    pub program: ProgramId,
+    /// The line of the block in execution, or of the block that calls the next level.
+    pub line: u32,
+    /// Whether the level has separate local variables: a call of a macro.
+    pub is_macro: bool,
+    /// Number of runs left of the call, the current one included; 1 for the main program.
+    pub runs_left: u16,
+}
+
+/// Follows the call stack from block to block.
+///
+/// The control reports its calls after the block that it has read. That is one call too many
+/// at a block that calls, and one too few at the M99 that returns.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CallStack {
+    calls: Vec<RunningCall>,
+    block: Option<SourcePosition>,
+}
+
+impl CallStack {
+    /// Follows one tick of the control. Call it after every tick.
+    pub fn follow_tick(&mut self, cnc: &Cnc) {
+        for event in cnc.events() {
+            if let Event::BlockStarted(source, _) = event {
+                self.begin_block(cnc, *source);
+            }
+        }
+    }
+
+    fn begin_block(&mut self, cnc: &Cnc, source: SourcePosition) {
+        let mut calls: Vec<RunningCall> = cnc.running_calls().collect();
+        // The block itself has made the innermost call.
+        let is_caller = |call: &RunningCall| {
+            call.is_at_begin && call.caller == source.program && call.caller_line == source.line
+        };
+        if calls.last().is_some_and(is_caller) {
+            calls.pop();
+        }
+        let innermost = calls.last().map(|call| call.program);
+        let previous = self.calls.last().map(|call| call.program);
+        let is_returning = innermost != Some(source.program) && previous == Some(source.program);
+        if !is_returning {
+            self.calls = calls;
+        }
+        self.block = Some(source);
+    }
+
+    /// The block in execution; `None` before the first one.
+    pub const fn block(&self) -> Option<SourcePosition> {
+        self.block
+    }
+
+    /// Number of running calls; 0 in the main program.
+    pub const fn depth(&self) -> usize {
+        self.calls.len()
+    }
+
+    /// The levels, the innermost first; empty before the first block.
+    pub fn frames(&self) -> Vec<CallFrame> {
+        let Some(block) = self.block else {
+            return Vec::new();
+        };
+        let mut frames = Vec::with_capacity(self.calls.len() + 1);
+        let mut line = block.line;
+        let mut program = block.program;
+        for call in self.calls.iter().rev() {
+            frames.push(CallFrame {
+                program,
+                line,
+                is_macro: call.is_macro,
+                runs_left: call.runs_left,
+            });
+            (program, line) = (call.caller, call.caller_line);
+        }
+        frames.push(CallFrame {
+            program,
+            line,
+            is_macro: false,
+            runs_left: 1,
+        });
+        frames
+    }
+}

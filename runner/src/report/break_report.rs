@@ -1,0 +1,28 @@
+//! A location at which a run was to report, and what it found there.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+use serde_json::Value;
+
+/// A breakpoint that a run has reached.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BreakReport {
+    /// The breakpoint as it was written.
+    pub location: String,
+    /// Machine time since cycle start, s.
+    pub t: f64,
+    /// The program of the block: its O number or file; `None` before the first block.
+    pub program: Option<String>,
+    /// Line of the block, from 1; `None` before the first block.
+    pub line: Option<u32>,
+    /// The text of the block.
+    pub block: String,
+    /// The calls that lead to the block, the innermost first, as `program:line`.
+    pub calls: Vec<String>,
+    /// The watched values, by name.
+    pub values: BTreeMap<String, Value>,
+    /// Why the condition of the breakpoint could not be evaluated; `None` if it could.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fault: Option<String>,
+}
