@@ -20,7 +20,7 @@ use std::io;
 use std::thread;
 
 use crossbeam::channel::{Sender, bounded, unbounded};
-use gsk_messages::Language;
+use gsk_messages::{Language, say};
 
 use super::lsp::framing::read_text;
 use super::{CommandError, EXIT_OK};

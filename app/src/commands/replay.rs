@@ -16,8 +16,7 @@ const TICK_S: f64 = 0.001;
 pub fn replay(args: &ReplayArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let bytes = program_file::read_bytes(&args.file)?;
     let named = |message: Message| say::subject_reason(args.file.display(), message);
-    let replayed =
-        replay_bytes(&bytes).map_err(|error| named(error.message()))?;
+    let replayed = replay_bytes(&bytes).map_err(|error| named(error.message()))?;
     if let Some(tick) = args.at {
         let history = replayed.history.as_ref();
         let screen = history.and_then(|history| screen_at(history, tick));

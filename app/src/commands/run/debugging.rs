@@ -65,9 +65,7 @@ impl RunDebugger {
         let until = args.until.as_ref().map(&mut add).transpose()?;
         let trace_from = args.trace_from.as_ref().map(&mut add).transpose()?;
         let watches = args.watch.iter().map(|text| WatchTarget::parse(text));
-        let watches = watches
-            .collect::<Result<_, _>>()
-            ?;
+        let watches = watches.collect::<Result<_, _>>()?;
         let needs_passes = breakpoints.needs_passes();
         Ok(Self {
             needs_part: breakpoints.needs_part(),
