@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::part_outline::PartOutline;
+use crate::tool_path::ToolPath;
 
 /// The construction of a lathe.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -117,6 +118,46 @@ pub struct QuillDescription {
     pub diameter: f32,
 }
 
+/// A thread of the part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThreadDescription {
+    /// Least x of the grooves of the half section, mm.
+    pub low: f32,
+    /// Greatest x of the grooves of the half section, mm.
+    pub high: f32,
+    /// Distance along x per positive turn of the spindle, mm; negative for a right-hand
+    /// thread.
+    pub lead: f32,
+    /// Whether the thread is in a bore.
+    pub is_internal: bool,
+}
+
+/// The sector that is cut out of the part. A cut part does not turn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SectionCut {
+    /// Nothing is cut out.
+    #[default]
+    Whole,
+    /// A quarter on the side of the operator.
+    Quarter,
+    /// The half above the plane of the tool.
+    Half,
+}
+
+impl SectionCut {
+    /// All cuts.
+    pub const ALL: [Self; 3] = [Self::Whole, Self::Quarter, Self::Half];
+}
+
+/// What is drawn in addition to the machine.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SceneOverlay {
+    /// The sector that is cut out of the part.
+    pub section_cut: SectionCut,
+    /// The programmed path; `None`: it is hidden.
+    pub path: Option<Arc<ToolPath>>,
+}
+
 /// Colours around the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SceneTheme {
@@ -161,6 +202,8 @@ pub struct LatheDescription {
     pub door_opening: f32,
     /// The half section of the part.
     pub part: Arc<PartOutline>,
+    /// What is drawn in addition to the machine.
+    pub overlay: SceneOverlay,
     /// Colours around the machine.
     pub theme: SceneTheme,
 }
@@ -182,6 +225,7 @@ impl Default for LatheDescription {
             has_coolant: false,
             door_opening: 0.0,
             part: Arc::default(),
+            overlay: SceneOverlay::default(),
             theme: SceneTheme::default(),
         }
     }

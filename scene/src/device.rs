@@ -42,6 +42,8 @@ pub struct GpuMesh {
     vertices: glow::Buffer,
     indices: glow::Buffer,
     count: i32,
+    /// Triangles or lines.
+    mode: u32,
 }
 
 /// How the bytes of a vertex are read.
@@ -51,6 +53,8 @@ pub enum VertexLayout {
     Surface,
     /// Two 16 bit numbers: end of an edge, and side of the turn.
     Edge,
+    /// Ends of lines: position as 3 floats, colour as 4 bytes.
+    Line,
 }
 
 /// A framebuffer with a texture, and a depth buffer if the texture has colours.
@@ -283,7 +287,7 @@ impl<'a> Device<'a> {
         unsafe {
             self.gl.bind_vertex_array(Some(mesh.array));
             self.gl
-                .draw_elements(glow::TRIANGLES, count, glow::UNSIGNED_INT, 0);
+                .draw_elements(mesh.mode, count, glow::UNSIGNED_INT, 0);
             self.gl.bind_vertex_array(None);
         }
     }

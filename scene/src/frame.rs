@@ -5,7 +5,8 @@ use glam::{Mat4, Vec3, vec3};
 use crate::camera::OrbitCamera;
 use crate::description::{LatheDescription, SceneTheme};
 use crate::lathe::MeshGroup;
-use crate::placement::LathePlacement;
+use crate::part_objects::part_model;
+use crate::placement::{LathePlacement, tool_side};
 
 /// Direction to the key light.
 pub const LIGHT: Vec3 = vec3(0.40, 0.80, 0.45);
@@ -13,6 +14,9 @@ pub const LIGHT: Vec3 = vec3(0.40, 0.80, 0.45);
 /// What the programs need to know of a frame.
 pub struct FrameInputs {
     pub placement: LathePlacement,
+    pub part_model: Mat4,
+    /// The frame of the tool side.
+    pub tool_side: Mat4,
     pub projection: Mat4,
     pub light_projection: Mat4,
     pub eye: Vec3,
@@ -49,8 +53,11 @@ impl FrameInputs {
             SceneTheme::Night => ([vec3(0.135, 0.15, 0.165), vec3(0.235, 0.26, 0.29)], 0.92),
             SceneTheme::Day => ([vec3(0.73, 0.755, 0.775), vec3(0.885, 0.905, 0.92)], 1.12),
         };
+        let placement = LathePlacement::new(lathe);
         Self {
-            placement: LathePlacement::new(lathe),
+            part_model: part_model(lathe, &placement),
+            tool_side: tool_side(lathe.kind),
+            placement,
             projection: camera.projection(width / height.max(1.0)),
             light_projection: light_projection(centre, light, radius),
             eye: camera.eye(),

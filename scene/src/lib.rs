@@ -20,12 +20,17 @@ pub mod lathe;
 pub mod mesh;
 mod objects;
 pub mod occlusion;
+mod overlay_objects;
+mod part_objects;
 pub mod part_outline;
+pub mod part_threads;
 pub mod placement;
 pub mod primitives;
 pub mod renderer;
+pub mod section_cut;
 mod shader;
 mod targets;
+pub mod tool_path;
 mod viewport;
 
 #[cfg(test)]

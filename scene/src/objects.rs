@@ -1,14 +1,13 @@
 //! Everything that lives in the OpenGL context, and the order in which a picture is drawn.
 
-use std::sync::Arc;
-
 use crate::camera::OrbitCamera;
 use crate::description::LatheDescription;
-use crate::device::{Device, DrawTarget, GpuMesh, SceneError, SceneProgram, VertexLayout};
+use crate::device::{Device, DrawTarget, SceneError, SceneProgram};
 use crate::frame::{FrameInputs, LIGHT, LayerInputs};
 use crate::gpu_meshes::GpuMeshes;
 use crate::lathe::MeshGroup;
-use crate::part_outline::{MAX_EDGES, PartOutline};
+use crate::overlay_objects::PathObjects;
+use crate::part_objects::PartObjects;
 use crate::shader;
 use crate::targets::SceneTargets;
 use crate::viewport::{SceneFigures, SceneViewport};
@@ -38,6 +37,7 @@ struct ScenePrograms {
     part: SceneProgram,
     surface_depth: SceneProgram,
     part_depth: SceneProgram,
+    line: SceneProgram,
     ground: SceneProgram,
     show: SceneProgram,
     show_smooth: SceneProgram,
@@ -55,6 +55,7 @@ impl ScenePrograms {
             part: device.create_program(&part, lit)?,
             surface_depth: device.create_program("", depth)?,
             part_depth: device.create_program(shader::PART, depth)?,
+            line: device.create_program("", [shader::LINE_VERTEX, shader::LINE_FRAGMENT])?,
             ground: device.create_program("", [shader::COVER_VERTEX, shader::GROUND_FRAGMENT])?,
             show: device.create_program("", show)?,
             show_smooth: device.create_program(shader::SMOOTH, show)?,
@@ -70,6 +71,7 @@ impl ScenePrograms {
             ..
         } = self;
         let Self {
+            line,
             ground,
             show,
             show_smooth,
@@ -80,63 +82,12 @@ impl ScenePrograms {
             part,
             surface_depth,
             part_depth,
+            line,
             ground,
             show,
             show_smooth,
         ] {
             device.delete_program(program);
-        }
-    }
-}
-
-/// The revolved part: a fixed grid, and the texture of its outline.
-#[derive(Debug)]
-struct PartObjects {
-    grid: GpuMesh,
-    texture: glow::Texture,
-    outline: Arc<PartOutline>,
-    edges: i32,
-}
-
-impl PartObjects {
-    fn create(device: Device<'_>) -> Result<Self, SceneError> {
-        let sides = shader::PART_SIDES;
-        let ends = (0..2 * MAX_EDGES as u16)
-            .flat_map(|end| (0..=sides as u16).flat_map(move |side| [end, side]));
-        let vertices: Vec<u8> = ends.flat_map(u16::to_ne_bytes).collect();
-        let quads = (0..MAX_EDGES as u32).flat_map(|edge| {
-            let row = move |end: u32| (2 * edge + end) * (sides + 1);
-            (0..sides).flat_map(move |side| {
-                let [a, b] = [row(0) + side, row(1) + side];
-                [a, a + 1, b, b, a + 1, b + 1]
-            })
-        });
-        let indices: Vec<u8> = quads.flat_map(u32::to_ne_bytes).collect();
-        Ok(Self {
-            grid: device.create_mesh(VertexLayout::Edge, &vertices, &indices)?,
-            texture: device.create_outline()?,
-            outline: Arc::default(),
-            edges: 0,
-        })
-    }
-
-    fn update(&mut self, device: Device<'_>, outline: &Arc<PartOutline>) {
-        if Arc::ptr_eq(&self.outline, outline) {
-            return;
-        }
-        self.outline = Arc::clone(outline);
-        self.edges = outline.edges().len() as i32;
-        if self.edges > 0 {
-            device.write_outline(self.texture, &outline.texels());
-        }
-    }
-
-    fn draw(&self, device: Device<'_>) {
-        if self.edges > 0 {
-            device.bind_texture(1, Some(self.texture));
-            let indices = self.edges * shader::PART_SIDES as i32 * 6;
-            device.draw_mesh(&self.grid, Some(indices));
-            device.bind_texture(1, None);
         }
     }
 }
@@ -147,6 +98,7 @@ pub struct SceneObjects {
     programs: ScenePrograms,
     meshes: GpuMeshes,
     part: PartObjects,
+    path: PathObjects,
     targets: SceneTargets,
     cover: glow::VertexArray,
     is_software: bool,
@@ -168,6 +120,7 @@ impl SceneObjects {
             programs: ScenePrograms::create(device, is_software)?,
             meshes: GpuMeshes::create(device, lathe)?,
             part: PartObjects::create(device)?,
+            path: PathObjects::default(),
             targets: SceneTargets::create(device, [16, 16])?,
             cover: device.create_array()?,
             is_software,
@@ -211,9 +164,10 @@ impl SceneObjects {
     pub fn release(&self, device: Device<'_>) {
         self.programs.release(device);
         self.meshes.release(device);
-        device.delete_mesh(&self.part.grid);
+        self.part.release(device);
+        self.path.release(device);
         self.targets.release(device);
-        device.delete_rest(self.cover, self.part.texture);
+        device.delete_array(self.cover);
     }
 
     fn update(
@@ -234,7 +188,8 @@ impl SceneObjects {
             is_new = true;
         }
         is_new |= self.meshes.continue_bake(device)?;
-        self.part.update(device, &lathe.part);
+        self.part.update(device, lathe)?;
+        self.path.update(device, lathe.overlay.path.as_ref())?;
         if is_new {
             self.drawn = None;
             self.layer = None;
@@ -265,9 +220,16 @@ impl SceneObjects {
             }
         }
         device.begin_surfaces(false);
+        device.set_matrix(&self.programs.surface, "u_model", &scene.part_model);
+        self.part.draw_details(device);
         self.set_inputs(device, &self.programs.part, scene);
-        device.set_matrix(&self.programs.part, "u_model", &scene.placement.spindle);
-        self.part.draw(device);
+        device.set_matrix(&self.programs.part, "u_model", &scene.part_model);
+        self.part.draw_revolved(device, &self.programs.part);
+        let line = &self.programs.line;
+        device.use_program(line);
+        device.set_matrix(line, "u_projection", &scene.projection);
+        device.set_matrix(line, "u_model", &scene.tool_side);
+        self.path.draw(device);
         device.begin_transparent();
         self.set_inputs(device, &self.programs.surface, scene);
         for (group, alpha) in [
@@ -305,12 +267,14 @@ impl SceneObjects {
                 self.draw_group(device, depth, scene, group);
             }
         }
+        device.set_matrix(depth, "u_model", &scene.part_model);
+        self.part.draw_details(device);
         let depth = &self.programs.part_depth;
         device.use_program(depth);
         device.set_matrix(depth, "u_projection", &scene.light_projection);
-        device.set_matrix(depth, "u_model", &scene.placement.spindle);
+        device.set_matrix(depth, "u_model", &scene.part_model);
         device.set_sampler(depth, "u_outline", 1);
-        self.part.draw(device);
+        self.part.draw_revolved(device, depth);
         device.set_depth_shift(false);
         self.has_fixed_shadow = true;
     }

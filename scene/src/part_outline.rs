@@ -3,6 +3,9 @@
 
 use glam::{Vec2, vec2};
 
+use crate::description::ThreadDescription;
+use crate::part_threads::{SectionSampler, ThreadSurface};
+
 /// Greatest number of edges; an outline with more is simplified.
 pub const MAX_EDGES: usize = 384;
 /// Floats of an edge: two ends, each with x, radius and a normal.
@@ -31,12 +34,23 @@ pub struct OutlineEdge {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PartOutline {
     edges: Vec<OutlineEdge>,
+    threads: Vec<ThreadSurface>,
 }
 
 impl PartOutline {
     /// Creates the surfaces of a half section: closed polygons of (x, radius), mm, with holes
     /// turning the other way. `stock_radius`: radius of the stock, mm.
     pub fn from_polygons(polygons: &[Vec<[f32; 2]>], stock_radius: f32) -> Self {
+        Self::with_threads(polygons, stock_radius, &[])
+    }
+
+    /// Creates the surfaces of a half section with threads, which are led around the axis. Of
+    /// two threads in one place the later one counts.
+    pub fn with_threads(
+        polygons: &[Vec<[f32; 2]>],
+        stock_radius: f32,
+        threads: &[ThreadDescription],
+    ) -> Self {
         let mut lines: Vec<Vec<Vec2>> = polygons
             .iter()
             .map(|polygon| {
@@ -47,6 +61,26 @@ impl PartOutline {
             })
             .filter(|points| points.len() > 2)
             .collect();
+        let exact = if threads.is_empty() {
+            Vec::new()
+        } else {
+            lines.clone()
+        };
+        let section = SectionSampler::new(&exact);
+        let mut surfaces: Vec<ThreadSurface> = Vec::new();
+        for thread in threads.iter().rev() {
+            let Some(surface) = ThreadSurface::from_section(&section, thread) else {
+                continue;
+            };
+            let overlaps = |other: &ThreadSurface| {
+                other.is_internal == surface.is_internal
+                    && other.low < surface.high
+                    && other.high > surface.low
+            };
+            if !surfaces.iter().any(overlaps) {
+                surfaces.push(surface);
+            }
+        }
         let mut tolerance = FIRST_TOLERANCE_MM;
         while lines.iter().map(Vec::len).sum::<usize>() > MAX_EDGES && tolerance < 1000.0 {
             for points in &mut lines {
@@ -69,8 +103,37 @@ impl PartOutline {
             .iter()
             .flat_map(|points| polygon_edges(points, side, stock_radius));
         let mut edges: Vec<OutlineEdge> = edges.collect();
+        for surface in &surfaces {
+            let pieces = edges
+                .iter()
+                .flat_map(|edge| split_edge(edge, [surface.low, surface.high]));
+            edges = pieces
+                .filter(|edge| {
+                    let [a, b] = edge.ends;
+                    !surface.replaces(&section, a, b, tolerance + 0.01)
+                })
+                .collect();
+        }
         edges.truncate(MAX_EDGES);
-        Self { edges }
+        Self {
+            edges,
+            threads: surfaces,
+        }
+    }
+
+    /// The threads, which no edge sweeps.
+    pub fn threads(&self) -> &[ThreadSurface] {
+        &self.threads
+    }
+
+    /// The half section at an angle of the part as lines; those on the axis are missing.
+    pub fn section_lines(&self, angle: f32) -> Vec<[Vec2; 2]> {
+        let mut lines: Vec<[Vec2; 2]> = self.edges.iter().map(|edge| edge.ends).collect();
+        for thread in &self.threads {
+            let profile = thread.profile(angle);
+            lines.extend(profile.windows(2).map(|pair| [pair[0], pair[1]]));
+        }
+        lines
     }
 
     /// The edges that sweep a surface.
@@ -97,7 +160,9 @@ impl PartOutline {
 
     /// Least and greatest x, and greatest radius, mm; `None` without a part.
     pub fn bounds(&self) -> Option<(f32, f32, f32)> {
-        let mut ends = self.edges.iter().flat_map(|edge| edge.ends);
+        let threads = self.threads.iter().flat_map(ThreadSurface::corners);
+        let edges = self.edges.iter().flat_map(|edge| edge.ends);
+        let mut ends = edges.chain(threads);
         let first = ends.next()?;
         Some(
             ends.fold((first.x, first.x, first.y), |(low, high, radius), it| {
@@ -105,6 +170,37 @@ impl PartOutline {
             }),
         )
     }
+}
+
+/// Splits an edge where it crosses one of two x.
+fn split_edge(edge: &OutlineEdge, stops: [f32; 2]) -> Vec<OutlineEdge> {
+    let mut pieces = vec![*edge];
+    for stop in stops {
+        let mut split = Vec::with_capacity(pieces.len() + 1);
+        for piece in pieces {
+            let [a, b] = piece.ends;
+            let share = (stop - a.x) / (b.x - a.x);
+            if !(share > 0.0 && share < 1.0) {
+                split.push(piece);
+                continue;
+            }
+            let middle = a.lerp(b, share);
+            let normal = piece.normals[0].lerp(piece.normals[1], share);
+            let normal = normal.normalize_or(piece.normals[0]);
+            split.push(OutlineEdge {
+                ends: [a, middle],
+                normals: [piece.normals[0], normal],
+                ..piece
+            });
+            split.push(OutlineEdge {
+                ends: [middle, b],
+                normals: [normal, piece.normals[1]],
+                ..piece
+            });
+        }
+        pieces = split;
+    }
+    pieces
 }
 
 fn doubled_area(points: &[Vec2]) -> f32 {
@@ -141,7 +237,7 @@ fn polygon_edges(points: &[Vec2], side: f32, stock_radius: f32) -> Vec<OutlineEd
 }
 
 /// Removes points of a closed line that are closer than `tolerance` to the line without them.
-fn simplify(points: &[Vec2], tolerance: f32) -> Vec<Vec2> {
+pub(crate) fn simplify(points: &[Vec2], tolerance: f32) -> Vec<Vec2> {
     let Some(&first) = points.first() else {
         return Vec::new();
     };
@@ -223,6 +319,34 @@ mod tests {
         assert!(part.edges().len() > 40 && part.edges().len() <= MAX_EDGES);
         let (low, high, radius) = part.bounds().unwrap();
         assert!(low == 0.0 && (high - 199.998).abs() < 1e-3 && (radius - 23.0).abs() < 0.05);
+    }
+
+    #[test]
+    fn a_thread_replaces_its_edges_and_leaves_no_gap_in_the_section() {
+        let mut points = vec![[0.0, 0.0], [60.0, 0.0], [60.0, 10.0]];
+        for groove in (0..10).rev() {
+            let x = 21.0 + 2.0 * groove as f32;
+            points.extend([[x + 0.6, 10.0], [x, 9.0], [x - 0.6, 10.0]]);
+        }
+        points.push([0.0, 10.0]);
+        let thread = ThreadDescription {
+            low: 21.0,
+            high: 39.0,
+            lead: -2.0,
+            is_internal: false,
+        };
+        let part = PartOutline::with_threads(&[points], 10.0, &[thread]);
+        assert_eq!((part.threads().len(), part.edges().len()), (1, 4));
+        assert_eq!(part.bounds(), Some((0.0, 60.0, 10.0)));
+        for angle in [0.0, 1.0, 4.0] {
+            let lines = part.section_lines(angle);
+            let area: f32 = crate::section_cut::trapezoids(&lines)
+                .iter()
+                .map(|it| doubled_area(it) * 0.5)
+                .sum();
+            // Ten grooves of 0.6 mm², up to one of them over the end at other angles.
+            assert!((area - 594.0).abs() < 0.7, "{angle}: {area}");
+        }
     }
 
     #[test]

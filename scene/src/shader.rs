@@ -17,17 +17,21 @@ out vec3 v_position, v_normal;
 out vec4 v_color, v_finish;
 #ifdef PART
 uniform highp sampler2D u_outline;
+// Start and extent of the revolved angles, radians.
+uniform vec2 u_sweep;
 in vec2 a_edge;
 void main() {
   vec4 texel = texelFetch(u_outline, ivec2(int(a_edge.x), 0), 0);
-  float angle = a_edge.y * 6.2831853 / 64.0;
+  float angle = u_sweep.x + u_sweep.y * a_edge.y / 64.0;
   float c = cos(angle), s = sin(angle);
   vec3 p = vec3(texel.x, texel.y * c, texel.y * s);
   vec3 n = vec3(texel.z, texel.w * c, texel.w * s);
   bool skin = dot(n, n) > 2.0;
   // A chalk mark on the skin shows that the bar turns.
-  bool mark = skin && (a_edge.y < 1.5 || a_edge.y > 63.5);
+  bool mark = (a_edge.y < 1.5 || a_edge.y > 63.5) && u_sweep.y > 6.0;
   v_color = skin ? vec4(mark ? vec3(0.78) : vec3(0.40, 0.385, 0.38), 0.88) : vec4(0.80, 0.80, 0.815, 0.95);
+  // So does a dark line across a cut face.
+  if (!skin && mark && abs(n.x) > 0.9) v_color.rgb = vec3(0.42, 0.44, 0.48);
   v_finish = skin ? vec4(0.55, 0.75, 0.0, 0.0) : vec4(0.24, 1.0, 1.0, 0.0);
 #else
 in vec3 a_position;
@@ -42,6 +46,26 @@ void main() {
   v_normal = mat3(u_model) * n;
   gl_Position = u_projection * world;
 }
+";
+
+/// Transforms the ends of lines, in front of the surfaces in which they are.
+pub const LINE_VERTEX: &str = "
+uniform mat4 u_projection, u_model;
+in vec3 a_position;
+in vec4 a_color;
+out vec4 v_color;
+void main() {
+  v_color = a_color;
+  gl_Position = u_projection * u_model * vec4(a_position, 1.0);
+  gl_Position.z -= 0.0006 * gl_Position.w;
+}
+";
+
+/// Draws lines without light.
+pub const LINE_FRAGMENT: &str = "
+in vec4 v_color;
+out vec4 o_color;
+void main() { o_color = vec4(v_color.rgb, 1.0); }
 ";
 
 /// Draws nothing but depth.

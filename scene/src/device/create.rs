@@ -4,6 +4,7 @@ use glow::HasContext as _;
 
 use super::{Device, DrawTarget, GpuMesh, SceneError, SceneProgram, VertexLayout};
 use crate::mesh::VERTEX_BYTES;
+use crate::tool_path::LINE_VERTEX_BYTES;
 
 impl Device<'_> {
     /// Compiles and links a program.
@@ -93,6 +94,13 @@ impl Device<'_> {
                         gl.vertex_attrib_pointer_f32(at, count, kind, normalized, stride, offset);
                     }
                 }
+                VertexLayout::Line => {
+                    let stride = LINE_VERTEX_BYTES as i32;
+                    gl.enable_vertex_attrib_array(0);
+                    gl.vertex_attrib_pointer_f32(0, 3, glow::FLOAT, false, stride, 0);
+                    gl.enable_vertex_attrib_array(2);
+                    gl.vertex_attrib_pointer_f32(2, 4, glow::UNSIGNED_BYTE, true, stride, 12);
+                }
                 VertexLayout::Edge => {
                     gl.enable_vertex_attrib_array(0);
                     gl.vertex_attrib_pointer_f32(0, 2, glow::UNSIGNED_SHORT, false, 4, 0);
@@ -105,6 +113,10 @@ impl Device<'_> {
                 vertices: buffer,
                 indices: elements,
                 count,
+                mode: match layout {
+                    VertexLayout::Line => glow::LINES,
+                    VertexLayout::Surface | VertexLayout::Edge => glow::TRIANGLES,
+                },
             })
         }
     }
@@ -301,12 +313,15 @@ impl Device<'_> {
         }
     }
 
-    /// Deletes an array and a texture.
-    pub fn delete_rest(self, array: glow::VertexArray, texture: glow::Texture) {
-        // SAFETY: the context is current and has created both.
-        unsafe {
-            self.gl.delete_vertex_array(array);
-            self.gl.delete_texture(texture);
-        }
+    /// Deletes an array of vertices.
+    pub fn delete_array(self, array: glow::VertexArray) {
+        // SAFETY: the context is current and has created the array.
+        unsafe { self.gl.delete_vertex_array(array) };
+    }
+
+    /// Deletes a texture.
+    pub fn delete_texture(self, texture: glow::Texture) {
+        // SAFETY: the context is current and has created the texture.
+        unsafe { self.gl.delete_texture(texture) };
     }
 }

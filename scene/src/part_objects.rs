@@ -1,0 +1,145 @@
+//! The part in the memory of OpenGL: the grid that the vertex shader revolves, and a mesh of
+//! its threads and cut faces.
+
+use std::sync::Arc;
+
+use glam::Mat4;
+
+use crate::description::{LatheDescription, LatheKind, SectionCut};
+use crate::device::{Device, GpuMesh, SceneError, SceneProgram, VertexLayout};
+use crate::mesh::SceneMesh;
+use crate::part_outline::{MAX_EDGES, PartOutline};
+use crate::placement::LathePlacement;
+use crate::section_cut::{add_face, kept_sweep, tool_angle};
+use crate::shader;
+
+/// Lines of the hatch over the longer side of the part.
+const HATCH_LINES: f32 = 32.0;
+/// Least and greatest distance of two lines of the hatch, mm.
+const HATCH_MM: (f32, f32) = (1.2, 12.0);
+
+/// The part: a fixed grid with the texture of its outline, and its details.
+#[derive(Debug)]
+pub struct PartObjects {
+    grid: GpuMesh,
+    texture: glow::Texture,
+    outline: Arc<PartOutline>,
+    edges: i32,
+    /// Threads and cut faces; `None` without any.
+    details: Option<GpuMesh>,
+    cut: (LatheKind, SectionCut),
+}
+
+/// The matrix with which the part is drawn. A cut part does not turn: its cut face shows the
+/// half section in the plane of the tool.
+pub fn part_model(lathe: &LatheDescription, placement: &LathePlacement) -> Mat4 {
+    match lathe.overlay.section_cut {
+        SectionCut::Whole => placement.spindle,
+        SectionCut::Quarter | SectionCut::Half => Mat4::from_rotation_x(tool_angle(lathe.kind)),
+    }
+}
+
+/// Builds threads and cut faces of a part.
+fn build_details(outline: &PartOutline, kind: LatheKind, cut: SectionCut) -> SceneMesh {
+    let mut mesh = SceneMesh::default();
+    let [start, extent] = kept_sweep(kind, cut);
+    for thread in outline.threads() {
+        thread.add_to(&mut mesh, [start, extent]);
+    }
+    if let (SectionCut::Quarter | SectionCut::Half, Some((low, high, radius))) =
+        (cut, outline.bounds())
+    {
+        let spacing = (high - low).max(radius * 2.0) / HATCH_LINES;
+        let spacing = spacing.clamp(HATCH_MM.0, HATCH_MM.1);
+        for (angle, side) in [(start, -1.0), (start + extent, 1.0)] {
+            let lines = outline.section_lines(angle);
+            add_face(&mut mesh, &lines, angle, side, spacing);
+        }
+    }
+    mesh
+}
+
+impl PartObjects {
+    /// Creates the grid, without a part.
+    pub fn create(device: Device<'_>) -> Result<Self, SceneError> {
+        let sides = shader::PART_SIDES;
+        let ends = (0..2 * MAX_EDGES as u16)
+            .flat_map(|end| (0..=sides as u16).flat_map(move |side| [end, side]));
+        let vertices: Vec<u8> = ends.flat_map(u16::to_ne_bytes).collect();
+        let quads = (0..MAX_EDGES as u32).flat_map(|edge| {
+            let row = move |end: u32| (2 * edge + end) * (sides + 1);
+            (0..sides).flat_map(move |side| {
+                let [a, b] = [row(0) + side, row(1) + side];
+                [a, a + 1, b, b, a + 1, b + 1]
+            })
+        });
+        let indices: Vec<u8> = quads.flat_map(u32::to_ne_bytes).collect();
+        Ok(Self {
+            grid: device.create_mesh(VertexLayout::Edge, &vertices, &indices)?,
+            texture: device.create_outline()?,
+            outline: Arc::default(),
+            edges: 0,
+            details: None,
+            cut: (LatheKind::default(), SectionCut::Whole),
+        })
+    }
+
+    /// Uploads what has changed.
+    pub fn update(
+        &mut self,
+        device: Device<'_>,
+        lathe: &LatheDescription,
+    ) -> Result<(), SceneError> {
+        let cut = (lathe.kind, lathe.overlay.section_cut);
+        let is_same = Arc::ptr_eq(&self.outline, &lathe.part);
+        if is_same && self.cut == cut {
+            return Ok(());
+        }
+        if !is_same {
+            self.outline = Arc::clone(&lathe.part);
+            self.edges = self.outline.edges().len() as i32;
+            if self.edges > 0 {
+                device.write_outline(self.texture, &self.outline.texels());
+            }
+        }
+        self.cut = cut;
+        if let Some(details) = self.details.take() {
+            device.delete_mesh(&details);
+        }
+        let mesh = build_details(&self.outline, cut.0, cut.1);
+        if mesh.triangle_count() > 0 {
+            let (vertices, indices) = (mesh.vertex_bytes(), mesh.index_bytes());
+            let details = device.create_mesh(VertexLayout::Surface, &vertices, &indices)?;
+            self.details = Some(details);
+        }
+        Ok(())
+    }
+
+    /// Draws the revolved surfaces with a program of the variant `PART`, which is in use.
+    pub fn draw_revolved(&self, device: Device<'_>, program: &SceneProgram) {
+        if self.edges == 0 {
+            return;
+        }
+        device.set_pair(program, "u_sweep", kept_sweep(self.cut.0, self.cut.1));
+        device.bind_texture(1, Some(self.texture));
+        let indices = self.edges * shader::PART_SIDES as i32 * 6;
+        device.draw_mesh(&self.grid, Some(indices));
+        device.bind_texture(1, None);
+    }
+
+    /// Draws threads and cut faces with the program in use.
+    pub fn draw_details(&self, device: Device<'_>) {
+        if let Some(details) = &self.details {
+            device.draw_mesh(details, None);
+        }
+    }
+
+    /// Deletes everything.
+    pub fn release(&self, device: Device<'_>) {
+        device.delete_mesh(&self.grid);
+        device.delete_texture(self.texture);
+        if let Some(details) = &self.details {
+            device.delete_mesh(details);
+        }
+    }
+}
