@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::effects::SceneEffects;
 use crate::part_outline::PartOutline;
 use crate::tool_path::ToolPath;
 
@@ -204,6 +205,8 @@ pub struct LatheDescription {
     pub part: Arc<PartOutline>,
     /// What is drawn in addition to the machine.
     pub overlay: SceneOverlay,
+    /// Chips, damage and the like.
+    pub effects: SceneEffects,
     /// Colours around the machine.
     pub theme: SceneTheme,
 }
@@ -226,6 +229,7 @@ impl Default for LatheDescription {
             door_opening: 0.0,
             part: Arc::default(),
             overlay: SceneOverlay::default(),
+            effects: SceneEffects::default(),
             theme: SceneTheme::default(),
         }
     }

@@ -1,5 +1,7 @@
 //! What the shaders need to know of one picture.
 
+use core::f32::consts::TAU;
+
 use glam::{Mat4, Vec3, vec3};
 
 use crate::camera::OrbitCamera;
@@ -10,6 +12,9 @@ use crate::placement::{LathePlacement, tool_side};
 
 /// Direction to the key light.
 pub const LIGHT: Vec3 = vec3(0.40, 0.80, 0.45);
+
+/// Number of transparent jaws that are drawn as a haze.
+const HAZY_JAWS: usize = 12;
 
 /// What the programs need to know of a frame.
 pub struct FrameInputs {
@@ -26,6 +31,8 @@ pub struct FrameInputs {
     pub sky: f32,
     pub rows: f32,
     pub has_coolant: bool,
+    /// Whether the jaws are drawn as a haze.
+    pub is_spindle_blurred: bool,
 }
 
 /// What determines the layer of what stands still: camera, quill, door and colours.
@@ -67,7 +74,21 @@ impl FrameInputs {
             sky,
             rows: height,
             has_coolant: lathe.has_coolant,
+            is_spindle_blurred: lathe.effects.is_spindle_blurred,
         }
+    }
+
+    /// The model matrices of the jaws in a haze; empty while the eye can follow them.
+    pub fn hazy_jaws(&self) -> Vec<Mat4> {
+        let count = if self.is_spindle_blurred {
+            HAZY_JAWS
+        } else {
+            0
+        };
+        let turned = |at: usize| {
+            Mat4::from_rotation_x(at as f32 * TAU / HAZY_JAWS as f32) * self.placement.jaws[0]
+        };
+        (0..count).map(turned).collect()
     }
 
     /// The model matrices with which a group is drawn.
@@ -76,6 +97,7 @@ impl FrameInputs {
         match group {
             MeshGroup::Floor | MeshGroup::Fixed => vec![Mat4::IDENTITY],
             MeshGroup::Chuck => vec![placement.spindle],
+            MeshGroup::Jaw if self.is_spindle_blurred => Vec::new(),
             MeshGroup::Jaw => placement.jaws.to_vec(),
             MeshGroup::Carriage => vec![placement.carriage],
             MeshGroup::CrossSlide => vec![placement.cross_slide],

@@ -15,8 +15,36 @@ const TRIANGLES_PER_FRAME: usize = 130_000;
 struct GroupMesh {
     group: MeshGroup,
     buffers: GpuMesh,
+    triangles: usize,
     /// The mesh and its computation; `None` once it is complete.
     bake: Option<(SceneMesh, OcclusionBake)>,
+}
+
+impl GroupMesh {
+    fn create(
+        device: Device<'_>,
+        design: &MeshDesign,
+        group: MeshGroup,
+    ) -> Result<Self, SceneError> {
+        let mesh = design.build(group);
+        let buffers = device.create_mesh(
+            VertexLayout::Surface,
+            &mesh.vertex_bytes(),
+            &mesh.index_bytes(),
+        )?;
+        let triangles = mesh.triangle_count();
+        let needs_bake = !group.is_transparent() && group != MeshGroup::Floor;
+        let bake = needs_bake.then(|| {
+            let bake = OcclusionBake::new(&mesh);
+            (mesh, bake)
+        });
+        Ok(Self {
+            group,
+            buffers,
+            triangles,
+            bake,
+        })
+    }
 }
 
 /// The meshes of all groups.
@@ -24,7 +52,6 @@ struct GroupMesh {
 pub struct GpuMeshes {
     design: MeshDesign,
     groups: Vec<GroupMesh>,
-    triangles: usize,
 }
 
 impl GpuMeshes {
@@ -34,26 +61,10 @@ impl GpuMeshes {
         let mut meshes = Self {
             design,
             groups: Vec::new(),
-            triangles: 0,
         };
         for group in MeshGroup::ALL {
-            let mesh = meshes.design.build(group);
-            meshes.triangles += mesh.triangle_count();
-            let buffers = device.create_mesh(
-                VertexLayout::Surface,
-                &mesh.vertex_bytes(),
-                &mesh.index_bytes(),
-            )?;
-            let needs_bake = !group.is_transparent() && group != MeshGroup::Floor;
-            let bake = needs_bake.then(|| {
-                let bake = OcclusionBake::new(&mesh);
-                (mesh, bake)
-            });
-            meshes.groups.push(GroupMesh {
-                group,
-                buffers,
-                bake,
-            });
+            let made = GroupMesh::create(device, &meshes.design, group)?;
+            meshes.groups.push(made);
         }
         // Small groups first: the tool looks right at once.
         meshes.groups.sort_by_key(|it| {
@@ -69,9 +80,26 @@ impl GpuMeshes {
         self.design.is_design_of(lathe)
     }
 
+    /// Builds the groups anew that differ in a description.
+    pub fn update(
+        &mut self,
+        device: Device<'_>,
+        lathe: &LatheDescription,
+    ) -> Result<(), SceneError> {
+        let design = MeshDesign::new(lathe);
+        for known in &mut self.groups {
+            if !design.has_same_group(&self.design, known.group) {
+                let made = GroupMesh::create(device, &design, known.group)?;
+                device.delete_mesh(&core::mem::replace(known, made).buffers);
+            }
+        }
+        self.design = design;
+        Ok(())
+    }
+
     /// Number of triangles.
-    pub const fn triangle_count(&self) -> usize {
-        self.triangles
+    pub fn triangle_count(&self) -> usize {
+        self.groups.iter().map(|it| it.triangles).sum()
     }
 
     /// Whether ambient occlusion is still computed.

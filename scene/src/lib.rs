@@ -12,8 +12,11 @@
 //! ```
 
 pub mod camera;
+mod chip_objects;
+pub mod chips;
 pub mod description;
 mod device;
+pub mod effects;
 mod frame;
 mod gpu_meshes;
 pub mod lathe;

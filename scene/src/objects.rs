@@ -1,12 +1,15 @@
 //! Everything that lives in the OpenGL context, and the order in which a picture is drawn.
 
+use glam::Mat4;
+
 use crate::camera::OrbitCamera;
+use crate::chip_objects::ChipObjects;
 use crate::description::LatheDescription;
 use crate::device::{Device, DrawTarget, SceneError, SceneProgram};
 use crate::frame::{FrameInputs, LIGHT, LayerInputs};
 use crate::gpu_meshes::GpuMeshes;
 use crate::lathe::MeshGroup;
-use crate::overlay_objects::PathObjects;
+use crate::overlay_objects::{MarkObjects, PathObjects};
 use crate::part_objects::PartObjects;
 use crate::shader;
 use crate::targets::SceneTargets;
@@ -20,6 +23,8 @@ const SHADOW_FRAMES: u32 = 3;
 /// Opacity of panes and of coolant, 0–1.
 const PANE_ALPHA: f32 = 0.10;
 const COOLANT_ALPHA: f32 = 0.42;
+/// Opacity of a jaw of a fast spindle, 0–1.
+const HAZE_ALPHA: f32 = 0.13;
 
 /// The groups that stand still while a program runs.
 const STILL_GROUPS: [MeshGroup; 5] = [
@@ -99,6 +104,8 @@ pub struct SceneObjects {
     meshes: GpuMeshes,
     part: PartObjects,
     path: PathObjects,
+    marks: MarkObjects,
+    chips: ChipObjects,
     targets: SceneTargets,
     cover: glow::VertexArray,
     is_software: bool,
@@ -121,6 +128,8 @@ impl SceneObjects {
             meshes: GpuMeshes::create(device, lathe)?,
             part: PartObjects::create(device)?,
             path: PathObjects::default(),
+            marks: MarkObjects::default(),
+            chips: ChipObjects::default(),
             targets: SceneTargets::create(device, [16, 16])?,
             cover: device.create_array()?,
             is_software,
@@ -166,6 +175,8 @@ impl SceneObjects {
         self.meshes.release(device);
         self.part.release(device);
         self.path.release(device);
+        self.marks.release(device);
+        self.chips.release(device);
         self.targets.release(device);
         device.delete_array(self.cover);
     }
@@ -182,14 +193,15 @@ impl SceneObjects {
         let size = [width, height].map(|it| (it / share).clamp(1, 8192));
         let mut is_new = self.targets.resize(device, size)?;
         if !self.meshes.is_design_of(lathe) {
-            let meshes = GpuMeshes::create(device, lathe)?;
-            core::mem::replace(&mut self.meshes, meshes).release(device);
+            self.meshes.update(device, lathe)?;
             self.has_fixed_shadow = false;
             is_new = true;
         }
         is_new |= self.meshes.continue_bake(device)?;
         self.part.update(device, lathe)?;
         self.path.update(device, lathe.overlay.path.as_ref())?;
+        self.marks.update(device, &lathe.effects.marks)?;
+        self.chips.update(device, &lathe.effects.chips)?;
         if is_new {
             self.drawn = None;
             self.layer = None;
@@ -222,6 +234,8 @@ impl SceneObjects {
         device.begin_surfaces(false);
         device.set_matrix(&self.programs.surface, "u_model", &scene.part_model);
         self.part.draw_details(device);
+        device.set_matrix(&self.programs.surface, "u_model", &Mat4::IDENTITY);
+        self.chips.draw(device);
         self.set_inputs(device, &self.programs.part, scene);
         device.set_matrix(&self.programs.part, "u_model", &scene.part_model);
         self.part.draw_revolved(device, &self.programs.part);
@@ -239,7 +253,31 @@ impl SceneObjects {
             device.set_number(&self.programs.surface, "u_alpha", alpha);
             self.draw_group(device, &self.programs.surface, scene, group);
         }
+        self.draw_haze(device, scene);
+        self.draw_marks(device, scene);
         device.bind_texture(0, None);
+    }
+
+    /// Draws the marks of collisions in front of everything: a bent bar would hide them.
+    fn draw_marks(&self, device: Device<'_>, scene: &FrameInputs) {
+        device.begin_cover();
+        let line = &self.programs.line;
+        device.use_program(line);
+        device.set_matrix(line, "u_projection", &scene.projection);
+        device.set_matrix(line, "u_model", &Mat4::IDENTITY);
+        self.marks.draw(device);
+    }
+
+    /// Draws the jaws of a fast spindle as a haze.
+    fn draw_haze(&self, device: Device<'_>, scene: &FrameInputs) {
+        let program = &self.programs.surface;
+        device.set_number(program, "u_alpha", HAZE_ALPHA);
+        if let Some(jaw) = self.meshes.get(MeshGroup::Jaw) {
+            for model in scene.hazy_jaws() {
+                device.set_matrix(program, "u_model", &model);
+                device.draw_mesh(jaw, None);
+            }
+        }
     }
 
     fn draw_shadows(&mut self, device: Device<'_>, scene: &FrameInputs) {

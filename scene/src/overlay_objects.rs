@@ -1,9 +1,21 @@
-//! The programmed path in the memory of OpenGL.
+//! The programmed path and the marks of collisions in the memory of OpenGL.
 
+use core::f32::consts::TAU;
 use std::sync::Arc;
 
 use crate::device::{Device, GpuMesh, SceneError, VertexLayout};
 use crate::tool_path::ToolPath;
+
+/// Greatest number of marks.
+const MAX_MARKS: usize = 100;
+/// Sides of the ring of a mark.
+const MARK_SIDES: u32 = 48;
+/// Distance of the two rings of a mark, mm.
+const MARK_WIDTH_MM: f32 = 0.8;
+/// Distance of a ring from the surface, mm.
+const MARK_LIFT_MM: f32 = 0.4;
+/// Colour of a mark as sRGB bytes, with an unused byte.
+const MARK_COLOR: [u8; 4] = [255, 60, 50, 255];
 
 /// The lines of a path; nothing while it is hidden.
 #[derive(Debug, Default)]
@@ -44,5 +56,83 @@ impl PathObjects {
         if let Some((_, lines)) = &self.shown {
             device.delete_mesh(lines);
         }
+    }
+}
+
+/// Rings around the axis where something has collided.
+#[derive(Debug, Default)]
+pub struct MarkObjects {
+    shown: Vec<[f32; 2]>,
+    lines: Option<GpuMesh>,
+}
+
+/// The ends of the lines of all marks, and their indices.
+fn mark_bytes(marks: &[[f32; 2]]) -> [Vec<u8>; 2] {
+    let (mut vertices, mut indices) = (Vec::new(), Vec::new());
+    let mut first = 0_u32;
+    let drawable = marks.iter().filter(|it| it.iter().all(|it| it.is_finite()));
+    for &[x, radius] in drawable.take(MAX_MARKS) {
+        for shift in [-MARK_WIDTH_MM, 0.0, MARK_WIDTH_MM] {
+            for side in 0..MARK_SIDES {
+                let angle = side as f32 / MARK_SIDES as f32 * TAU;
+                let radius = radius.max(0.5) + MARK_LIFT_MM;
+                for length in [x + shift, angle.cos() * radius, angle.sin() * radius] {
+                    vertices.extend_from_slice(&length.to_ne_bytes());
+                }
+                vertices.extend_from_slice(&MARK_COLOR);
+                let ends = [first + side, first + (side + 1) % MARK_SIDES];
+                indices.extend(ends.into_iter().flat_map(u32::to_ne_bytes));
+            }
+            first += MARK_SIDES;
+        }
+    }
+    [vertices, indices]
+}
+
+impl MarkObjects {
+    /// Uploads the marks if they have changed.
+    pub fn update(&mut self, device: Device<'_>, marks: &[[f32; 2]]) -> Result<(), SceneError> {
+        if self.shown == marks {
+            return Ok(());
+        }
+        self.release(device);
+        self.lines = None;
+        self.shown = marks.to_vec();
+        if !marks.is_empty() {
+            let [vertices, indices] = mark_bytes(marks);
+            self.lines = Some(device.create_mesh(VertexLayout::Line, &vertices, &indices)?);
+        }
+        Ok(())
+    }
+
+    /// Draws the rings with the program in use.
+    pub fn draw(&self, device: Device<'_>) {
+        if let Some(lines) = &self.lines {
+            device.draw_mesh(lines, None);
+        }
+    }
+
+    /// Deletes the rings.
+    pub fn release(&self, device: Device<'_>) {
+        if let Some(lines) = &self.lines {
+            device.delete_mesh(lines);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tool_path::LINE_VERTEX_BYTES;
+
+    #[test]
+    fn marks_are_bounded_rings() {
+        let marks = vec![[10.0, 20.0]; 500];
+        let [vertices, indices] = mark_bytes(&marks);
+        let rings = MAX_MARKS * 3 * MARK_SIDES as usize;
+        assert_eq!(vertices.len(), rings * LINE_VERTEX_BYTES);
+        assert_eq!(indices.len(), rings * 8);
+        let [vertices, _] = mark_bytes(&[[f32::NAN, 1.0]]);
+        assert!(vertices.is_empty());
     }
 }

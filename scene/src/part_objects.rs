@@ -7,6 +7,7 @@ use glam::Mat4;
 
 use crate::description::{LatheDescription, LatheKind, SectionCut};
 use crate::device::{Device, GpuMesh, SceneError, SceneProgram, VertexLayout};
+use crate::effects::bar_bend;
 use crate::mesh::SceneMesh;
 use crate::part_outline::{MAX_EDGES, PartOutline};
 use crate::placement::LathePlacement;
@@ -14,9 +15,9 @@ use crate::section_cut::{add_face, kept_sweep, tool_angle};
 use crate::shader;
 
 /// Lines of the hatch over the longer side of the part.
-const HATCH_LINES: f32 = 32.0;
+const HATCH_LINES: f32 = 18.0;
 /// Least and greatest distance of two lines of the hatch, mm.
-const HATCH_MM: (f32, f32) = (1.2, 12.0);
+const HATCH_MM: (f32, f32) = (2.5, 25.0);
 
 /// The part: a fixed grid with the texture of its outline, and its details.
 #[derive(Debug)]
@@ -28,15 +29,18 @@ pub struct PartObjects {
     /// Threads and cut faces; `None` without any.
     details: Option<GpuMesh>,
     cut: (LatheKind, SectionCut),
+    /// Whether marks show that the part turns.
+    has_marks: bool,
 }
 
 /// The matrix with which the part is drawn. A cut part does not turn: its cut face shows the
 /// half section in the plane of the tool.
 pub fn part_model(lathe: &LatheDescription, placement: &LathePlacement) -> Mat4 {
-    match lathe.overlay.section_cut {
+    let turn = match lathe.overlay.section_cut {
         SectionCut::Whole => placement.spindle,
         SectionCut::Quarter | SectionCut::Half => Mat4::from_rotation_x(tool_angle(lathe.kind)),
-    }
+    };
+    bar_bend(lathe) * turn
 }
 
 /// Builds threads and cut faces of a part.
@@ -81,6 +85,7 @@ impl PartObjects {
             edges: 0,
             details: None,
             cut: (LatheKind::default(), SectionCut::Whole),
+            has_marks: false,
         })
     }
 
@@ -91,6 +96,7 @@ impl PartObjects {
         lathe: &LatheDescription,
     ) -> Result<(), SceneError> {
         let cut = (lathe.kind, lathe.overlay.section_cut);
+        self.has_marks = cut.1 == SectionCut::Whole && !lathe.effects.is_spindle_blurred;
         let is_same = Arc::ptr_eq(&self.outline, &lathe.part);
         if is_same && self.cut == cut {
             return Ok(());
@@ -121,6 +127,8 @@ impl PartObjects {
             return;
         }
         device.set_pair(program, "u_sweep", kept_sweep(self.cut.0, self.cut.1));
+        let marks = if self.has_marks { 1.0 } else { 0.0 };
+        device.set_number(program, "u_marks", marks);
         device.bind_texture(1, Some(self.texture));
         let indices = self.edges * shader::PART_SIDES as i32 * 6;
         device.draw_mesh(&self.grid, Some(indices));

@@ -95,7 +95,15 @@ pub fn mounted_tip(
 
 /// Turn of a station from the working position, in the frame of the tool side.
 pub fn station_turn(kind: LatheKind, station: usize) -> Mat4 {
-    let share = station as f32 / kind.station_count() as f32;
+    carrier_turn(kind, station as f32)
+}
+
+/// Turn of post or turret by a share of its stations, in the frame of the tool side.
+fn carrier_turn(kind: LatheKind, stations: f32) -> Mat4 {
+    let share = match stations.is_finite() {
+        true => stations / kind.station_count() as f32 % 1.0,
+        false => 0.0,
+    };
     match kind {
         LatheKind::FlatBed | LatheKind::Bench => Mat4::from_rotation_y(share * TAU),
         LatheKind::SlantBed => Mat4::from_rotation_x(share * TAU),
@@ -159,6 +167,7 @@ impl LathePlacement {
             cross_slide: side * Mat4::from_translation(across),
             carrier: side
                 * Mat4::from_translation(across)
+                * carrier_turn(lathe.kind, lathe.effects.station_offset)
                 * station_turn(lathe.kind, lathe.station).inverse(),
             tailstock: Mat4::from_translation(vec3(quill_x + QUILL_OUT_MM, 0.0, 0.0)),
             quill: Mat4::from_translation(vec3(quill_x, 0.0, 0.0)),
@@ -255,6 +264,24 @@ mod tests {
                     "{kind:?} {station}: {drawn}"
                 );
             }
+        }
+    }
+
+    #[test]
+    fn a_carrier_turns_from_its_last_station_to_the_next() {
+        for kind in [LatheKind::FlatBed, LatheKind::SlantBed] {
+            let carrier = |station: usize, station_offset: f32| {
+                let mut lathe = LatheDescription {
+                    kind,
+                    station,
+                    ..LatheDescription::default()
+                };
+                lathe.effects.station_offset = station_offset;
+                LathePlacement::new(&lathe).carrier
+            };
+            // Two stations before the third one is the first one.
+            assert!(carrier(2, 2.0).abs_diff_eq(carrier(0, 0.0), 1e-3));
+            assert!(!carrier(2, 0.5).abs_diff_eq(carrier(2, 0.0), 1e-3));
         }
     }
 

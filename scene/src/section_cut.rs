@@ -12,7 +12,7 @@ const FACE: SceneMaterial = SceneMaterial::paint(226, 208, 166);
 /// Lines of the hatch.
 const HATCH: SceneMaterial = SceneMaterial::paint(146, 96, 60);
 /// Share of a line in the distance of two lines.
-const LINE_SHARE: f32 = 0.2;
+const LINE_SHARE: f32 = 0.24;
 /// Least width of a trapezoid, mm.
 const MIN_WIDTH_MM: f32 = 1e-4;
 

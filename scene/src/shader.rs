@@ -19,6 +19,7 @@ out vec4 v_color, v_finish;
 uniform highp sampler2D u_outline;
 // Start and extent of the revolved angles, radians.
 uniform vec2 u_sweep;
+uniform float u_marks;
 in vec2 a_edge;
 void main() {
   vec4 texel = texelFetch(u_outline, ivec2(int(a_edge.x), 0), 0);
@@ -28,7 +29,7 @@ void main() {
   vec3 n = vec3(texel.z, texel.w * c, texel.w * s);
   bool skin = dot(n, n) > 2.0;
   // A chalk mark on the skin shows that the bar turns.
-  bool mark = (a_edge.y < 1.5 || a_edge.y > 63.5) && u_sweep.y > 6.0;
+  bool mark = u_marks > 0.5 && (a_edge.y < 1.5 || a_edge.y > 63.5);
   v_color = skin ? vec4(mark ? vec3(0.78) : vec3(0.40, 0.385, 0.38), 0.88) : vec4(0.80, 0.80, 0.815, 0.95);
   // So does a dark line across a cut face.
   if (!skin && mark && abs(n.x) > 0.9) v_color.rgb = vec3(0.42, 0.44, 0.48);

@@ -5,8 +5,10 @@
 pub const MAX_PIECES: usize = 20_000;
 /// Steps over the longer side of the path: differences below one step are invisible.
 const RESOLUTION: f32 = 2048.0;
-/// Slots of the hash table of known pieces.
-const SLOTS: usize = 1 << 15;
+/// Slots of the hash table of known pieces, of which few are used.
+const SLOTS: usize = 1 << 16;
+/// A slot without a piece.
+const EMPTY: u64 = 0;
 /// Bytes of an end in a buffer: position as 3 floats, colour as 4 bytes.
 pub const LINE_VERTEX_BYTES: usize = 16;
 
@@ -43,7 +45,7 @@ impl ToolPathBuilder {
         };
         Self {
             pieces: Vec::new(),
-            slots: vec![u64::MAX; SLOTS],
+            slots: vec![EMPTY; SLOTS],
             scale: RESOLUTION / extent,
         }
     }
@@ -69,13 +71,21 @@ impl ToolPathBuilder {
             key = (key ^ u64::from(value as u32)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
             key ^= key >> 29;
         }
-        let slot = (key as usize) % SLOTS;
-        let is_known = self.slots.get(slot) == Some(&key);
-        if is_known || self.pieces.len() >= MAX_PIECES {
+        // A piece that is shorter than a step and follows none would be a dot.
+        if from == to || self.pieces.len() >= MAX_PIECES {
             return;
         }
-        if let Some(slot) = self.slots.get_mut(slot) {
-            *slot = key;
+        let key = key.max(EMPTY + 1);
+        let mut slot = key as usize % SLOTS;
+        while let Some(known) = self.slots.get_mut(slot) {
+            if *known == key {
+                return;
+            }
+            if *known == EMPTY {
+                *known = key;
+                break;
+            }
+            slot = (slot + 1) % SLOTS;
         }
         self.pieces.push(piece);
     }

@@ -93,6 +93,17 @@ impl MeshDesign {
             && self.quill_diameter == lathe.quill.map(|it| it.diameter)
     }
 
+    /// Whether a group has the same mesh in another design.
+    pub fn has_same_group(&self, other: &Self, group: MeshGroup) -> bool {
+        let is_same_machine = self.kind == other.kind && self.dimensions == other.dimensions;
+        is_same_machine
+            && match group {
+                MeshGroup::Carrier => self.tools == other.tools,
+                MeshGroup::Quill => self.quill_diameter == other.quill_diameter,
+                _ => true,
+            }
+    }
+
     /// Builds the mesh of a group.
     pub fn build(&self, group: MeshGroup) -> SceneMesh {
         let (mut mesh, dimensions) = (SceneMesh::default(), &self.dimensions);

@@ -164,6 +164,7 @@ impl Views {
             let AllViews { lathe, scene, .. } = &mut self.all;
             lathe.receive_state();
             scene.set_part(lathe.part().cloned(), lathe.is_rear());
+            scene.set_path(lathe.path());
         }
         if let Some(drawn) = self.all.get(view) {
             drawn.show(ui, frame);

@@ -3,27 +3,33 @@
 use std::sync::Arc;
 
 use gsk_host::kernel::part::PartView;
+use gsk_runner::machining::live_part::ThreadZone;
 use gsk_scene::description::{
     LatheDescription, LatheDimensions, LatheKind, MountedTool, MountedToolForm, QuillDescription,
-    SceneTheme, TipPosition,
+    SceneOverlay, SceneTheme, SectionCut, ThreadDescription, TipPosition,
 };
+use gsk_scene::effects::{SceneEffects, break_insert};
 use gsk_scene::part_outline::PartOutline;
 use gsk_workpiece::grid::{GridContour, from_grid};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
 use gsk_workpiece::tool::{BodyPart, Holder, Insert, Tool, ToolShape};
 
+use super::animation::{EffectsAnimation, has_broken_insert, is_blurred};
+use super::path::ScenePath;
+use crate::views::machine::path::DrawnPath;
+
 /// Greatest diameter of a chuck for which a bench lathe is drawn, mm.
 const BENCH_CHUCK_MM: f64 = 100.0;
 /// Distance by which an open jaw is away from the stock, mm.
-const JAW_TRAVEL_MM: f64 = 5.0;
-/// Maximum speed at which the spindle is drawn, r/min, at which the eye still sees the
-/// direction.
-const MAX_DRAWN_RPM: f32 = 110.0;
+const JAW_TRAVEL_MM: f32 = 5.0;
 /// Time in which the guard opens or closes, s.
 const DOOR_TIME_S: f32 = 0.8;
 /// Cotangent of half the angle of a centre, 30 degrees.
 const CENTER_COTANGENT: f64 = 1.732;
+
+/// What determines the tools: job, tool in use, machine, and whether its insert is broken.
+type ToolsKey = (Arc<Job>, u8, LatheKind, bool);
 
 /// Builds descriptions; keeps what changes with the job or the part only.
 #[derive(Default)]
@@ -31,13 +37,23 @@ pub struct SceneDescriber {
     section: Arc<Region>,
     outline: Arc<PartOutline>,
     outline_job: Option<Arc<Job>>,
+    threads: Arc<Vec<ThreadZone>>,
+    path: ScenePath,
+    /// The sector that is cut out of the part.
+    pub section_cut: SectionCut,
     tools: Vec<Option<MountedTool>>,
-    tools_key: Option<(Arc<Job>, u8, LatheKind)>,
+    tools_key: Option<ToolsKey>,
     spindle_angle: f32,
     door_opening: f32,
+    effects: EffectsAnimation,
 }
 
 impl SceneDescriber {
+    /// Sets the programmed path; `None` hides it. `now_s`: time of the picture.
+    pub fn set_path(&mut self, path: Option<&Arc<DrawnPath>>, now_s: f64) {
+        self.path.set(path, now_s);
+    }
+
     /// Describes the lathe of a part. `is_rear`: the tool post is on the far side of the
     /// spindle. `elapsed_s`: time since the last description.
     pub fn describe(
@@ -57,7 +73,6 @@ impl SceneDescriber {
         self.update_outline(part, face);
         self.update_tools(part, kind);
         self.animate(part, elapsed_s);
-        let open = if part.chuck_open { JAW_TRAVEL_MM } else { 0.0 };
         let quill = stock.tailstock.map(|tailstock| {
             let depth = tailstock.center.radius() * CENTER_COTANGENT;
             QuillDescription {
@@ -65,11 +80,11 @@ impl SceneDescriber {
                 diameter: tailstock.quill.0 as f32,
             }
         });
-        LatheDescription {
+        let mut lathe = LatheDescription {
             kind,
             dimensions: make_dimensions(&part.job),
             spindle_angle: self.spindle_angle,
-            jaw_radius: (stock.radius() + open) as f32,
+            jaw_radius: stock.radius() as f32,
             tip: TipPosition {
                 x: (part.tip.z - face) as f32,
                 radius: part.tip.x as f32,
@@ -80,32 +95,52 @@ impl SceneDescriber {
             has_coolant: part.coolant,
             door_opening: self.door_opening,
             part: Arc::clone(&self.outline),
+            overlay: SceneOverlay {
+                section_cut: self.section_cut,
+                path: self.path.get(face),
+            },
+            effects: SceneEffects::default(),
             theme,
-        }
+        };
+        lathe.effects = self.effects.advance(part, &lathe, face, elapsed_s);
+        lathe.jaw_radius += self.effects.jaw_opening() * JAW_TRAVEL_MM;
+        lathe
     }
 
     fn update_outline(&mut self, part: &PartView, face: f64) {
         let is_same_job = self.outline_job.as_ref();
         let is_same_job = is_same_job.is_some_and(|job| Arc::ptr_eq(job, &part.job));
-        if is_same_job && Arc::ptr_eq(&self.section, &part.section) {
+        let is_same_part =
+            Arc::ptr_eq(&self.section, &part.section) && Arc::ptr_eq(&self.threads, &part.threads);
+        if is_same_job && is_same_part {
             return;
         }
+        self.threads = Arc::clone(&part.threads);
         self.section = Arc::clone(&part.section);
         self.outline_job = Some(Arc::clone(&part.job));
         let contours = self.section.contours().iter();
         let polygons: Vec<Vec<[f32; 2]>> = contours.map(|contour| polygon(contour, face)).collect();
         let radius = part.job.stock.radius() as f32;
-        self.outline = Arc::new(PartOutline::from_polygons(&polygons, radius));
+        let threads = self.threads.iter().map(|zone| ThreadDescription {
+            low: (zone.low - face) as f32,
+            high: (zone.high - face) as f32,
+            lead: zone.lead as f32,
+            is_internal: zone.is_internal,
+        });
+        let threads: Vec<ThreadDescription> = threads.collect();
+        self.outline = Arc::new(PartOutline::with_threads(&polygons, radius, &threads));
     }
 
     fn update_tools(&mut self, part: &PartView, kind: LatheKind) {
+        let is_broken = has_broken_insert(part);
         let known = self.tools_key.as_ref();
-        if known.is_some_and(|(job, tool, known_kind)| {
-            Arc::ptr_eq(job, &part.job) && *tool == part.tool && *known_kind == kind
+        if known.is_some_and(|(job, tool, known_kind, was_broken)| {
+            Arc::ptr_eq(job, &part.job)
+                && (*tool, *known_kind, *was_broken) == (part.tool, kind, is_broken)
         }) {
             return;
         }
-        self.tools_key = Some((Arc::clone(&part.job), part.tool, kind));
+        self.tools_key = Some((Arc::clone(&part.job), part.tool, kind, is_broken));
         let mut tools = vec![None; kind.station_count()];
         // A carrier has fewer stations than the control has tools: the tool in use is always
         // in its station.
@@ -116,11 +151,18 @@ impl SceneDescriber {
                 *station = Some(make_tool(tool));
             }
         }
+        if let (true, Some(Some(tool))) = (is_broken, tools.get_mut(station_of(part.tool, kind))) {
+            *tool = break_insert(tool);
+        }
         self.tools = tools;
     }
 
     fn animate(&mut self, part: &PartView, elapsed_s: f32) {
-        let rpm = (part.spindle_rpm as f32).clamp(-MAX_DRAWN_RPM, MAX_DRAWN_RPM);
+        // A blurred spindle looks the same at all angles.
+        let rpm = match is_blurred(part) {
+            true => 0.0,
+            false => part.spindle_rpm as f32,
+        };
         let turn = rpm / 60.0 * core::f32::consts::TAU * elapsed_s;
         self.spindle_angle = (self.spindle_angle + turn) % core::f32::consts::TAU;
         let step = elapsed_s / DOOR_TIME_S;
@@ -195,7 +237,6 @@ fn make_tool(tool: &Tool) -> MountedTool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use gsk_core::command::Frame;
     use gsk_core::units::Point;
     use gsk_workpiece::stock::Stock;
 
@@ -209,17 +250,17 @@ mod tests {
             job: Arc::new(job),
             job_name: None,
             section,
+            threads: Arc::default(),
             tool: 9,
             tip: Point::new(12.0, -20.0),
-            zero: Point::new(0.0, 0.0),
-            frame: Frame::default(),
-            spindle_rpm: -2000.0,
+            spindle_rpm: -900.0,
             coolant: true,
             clamped: true,
             chuck_open: false,
             tailstock_forward: false,
             door_open: true,
             findings: Vec::new(),
+            crash: None,
             block: None,
         }
     }
@@ -256,6 +297,65 @@ mod tests {
             lathe.current_tool().map(|it| it.form),
             Some(MountedToolForm::Shank)
         );
+    }
+
+    #[test]
+    fn a_crash_breaks_the_insert_bends_the_bar_and_marks_the_place() {
+        use gsk_runner::machining::CollisionFinding;
+        use gsk_workpiece::collision::{Collision, Obstacle, TouchingPart};
+        let mut part = view(50.0);
+        part.tool = 1;
+        let mut describer = SceneDescriber::default();
+        let whole = describer.describe(&part, false, SceneTheme::Day, 0.1);
+        assert!(whole.effects.marks.is_empty() && whole.effects.bar_bend == 0.0);
+        let contact = Point::new(20.0, -5.0);
+        let finding = CollisionFinding {
+            source: None,
+            tool: 1,
+            collision: Collision {
+                touching_part: TouchingPart::RapidInsert,
+                obstacle: Obstacle::Stock,
+                tip: contact,
+                contact,
+                depth: 2.0,
+            },
+        };
+        part.findings = vec![finding];
+        part.crash = Some(finding);
+        let crashed = describer.describe(&part, false, SceneTheme::Day, 0.1);
+        assert_ne!(crashed.current_tool(), whole.current_tool());
+        assert!(crashed.effects.bar_bend > 0.0);
+        let jaws = part.job.stock.chuck.jaws as f32;
+        assert_eq!(crashed.effects.marks, [[60.0 + jaws - 5.0, 20.0]]);
+        // The way out clears the crash; its place stays marked.
+        part.crash = None;
+        let clear = describer.describe(&part, false, SceneTheme::Day, 0.1);
+        assert_eq!(clear.current_tool(), whole.current_tool());
+        assert!(clear.effects.bar_bend == 0.0 && clear.effects.marks.len() == 1);
+    }
+
+    #[test]
+    fn a_cut_throws_chips_and_a_tool_change_turns_the_carrier() {
+        let mut part = view(50.0);
+        part.tool = 1;
+        let mut describer = SceneDescriber::default();
+        describer.describe(&part, false, SceneTheme::Day, 0.03);
+        for step in 0..20 {
+            part.section = Arc::new(part.section.as_ref().clone());
+            part.tip.z = -0.1 * f64::from(step);
+            describer.describe(&part, false, SceneTheme::Day, 0.03);
+        }
+        let cutting = describer.describe(&part, false, SceneTheme::Day, 0.03);
+        assert!(cutting.effects.chips.len() > 5 && cutting.effects.station_offset == 0.0);
+        part.tool = 3;
+        let turning = describer.describe(&part, false, SceneTheme::Day, 0.03);
+        assert!(
+            turning.effects.station_offset > 1.5,
+            "{:?}",
+            turning.effects
+        );
+        let seated = describer.describe(&part, false, SceneTheme::Day, 2.0);
+        assert_eq!(seated.effects.station_offset, 0.0);
     }
 
     #[test]

@@ -1,6 +1,9 @@
 //! The lathe view: the machine with the part in space, drawn with OpenGL.
 
+mod animation;
 mod description;
+mod jolt;
+mod path;
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -14,13 +17,15 @@ use egui::{
 use gsk_host::kernel::part::PartView;
 use gsk_messages::{Language, Message, say};
 use gsk_scene::camera::{CameraPreset, OrbitCamera};
-use gsk_scene::description::{LatheDescription, SceneTheme};
+use gsk_scene::description::{LatheDescription, SceneTheme, SectionCut};
 use gsk_scene::renderer::{SceneError, SceneFigures, SceneRenderer, SceneViewport};
 
 use super::interface::{View, ViewFrame, ViewStart};
+use super::machine::path::DrawnPath;
 use super::{bar_frame, plain_frame};
 use crate::theme;
 use description::SceneDescriber;
+use jolt::PictureJolt;
 
 /// Time between two pictures while something moves, s.
 const FRAME_INTERVAL_S: f64 = 1.0 / 30.0;
@@ -43,8 +48,13 @@ pub struct LatheSceneView {
     part: Option<PartView>,
     /// Whether the tool post is on the far side of the spindle.
     is_rear: bool,
+    /// The programmed path of the machine view.
+    path: Arc<DrawnPath>,
+    /// Whether the programmed path is drawn.
+    shows_path: bool,
     painter: Arc<Mutex<ScenePainter>>,
     describer: SceneDescriber,
+    jolt: PictureJolt,
     camera: Option<OrbitCamera>,
     /// The chosen preset; `None` once the operator has moved the camera.
     preset: Option<CameraPreset>,
@@ -64,6 +74,7 @@ impl View for LatheSceneView {
     fn create(_: ViewStart<'_>) -> Self {
         Self {
             preset: Some(CameraPreset::default()),
+            shows_path: true,
             ..Self::default()
         }
     }
@@ -85,6 +96,11 @@ impl LatheSceneView {
     pub fn set_part(&mut self, part: Option<PartView>, is_rear: bool) {
         self.part = part;
         self.is_rear = is_rear;
+    }
+
+    /// Sets the programmed path that the view draws.
+    pub fn set_path(&mut self, path: &Arc<DrawnPath>) {
+        self.path = Arc::clone(path);
     }
 
     /// Deletes all objects of OpenGL. `gl` must be the current context.
@@ -125,6 +141,8 @@ impl LatheSceneView {
                 }
             }
             ui.separator();
+            self.show_section_cuts(ui, language);
+            ui.separator();
             if let Some(part) = part {
                 let tool = say::lathe_tool(part.tool, part.spindle_rpm);
                 let position = say::lathe_pointer(part.tip.x * 2.0, part.tip.z);
@@ -133,6 +151,29 @@ impl LatheSceneView {
                 }
             }
         });
+    }
+
+    fn show_section_cuts(&mut self, ui: &mut Ui, language: Language) {
+        for cut in SectionCut::ALL {
+            let words = match cut {
+                SectionCut::Whole => say::lathe_scene_whole(),
+                SectionCut::Quarter => say::lathe_scene_quarter(),
+                SectionCut::Half => say::lathe_scene_half(),
+            };
+            let chosen = self.describer.section_cut == cut;
+            let button = ui.selectable_label(chosen, words.text(language));
+            let hint = say::lathe_scene_cut_hint().text(language);
+            if button.on_hover_text(hint).clicked() {
+                self.describer.section_cut = cut;
+            }
+        }
+        ui.separator();
+        let words = say::lathe_path().text(language);
+        let button = ui.selectable_label(self.shows_path, words);
+        let hint = say::lathe_scene_path_hint().text(language);
+        if button.on_hover_text(hint).clicked() {
+            self.shows_path = !self.shows_path;
+        }
     }
 
     fn show_picture(&mut self, ui: &mut Ui, language: Language, part: &PartView, is_rear: bool) {
@@ -153,10 +194,15 @@ impl LatheSceneView {
             true => SceneTheme::Day,
             false => SceneTheme::Night,
         };
+        let path = self.shows_path.then_some(&self.path);
+        self.describer.set_path(path, now);
         let lathe = self
             .describer
             .describe(part, is_rear, scene_theme, elapsed_s);
-        let camera = self.move_camera(ui, &response, &lathe);
+        let mut camera = self.move_camera(ui, &response, &lathe);
+        let [x, y] = self.jolt.deflection(part.crash, now);
+        camera.target.x += x;
+        camera.target.y += y;
         let is_same = self.shown.as_ref();
         if !is_same.is_some_and(|(shown, from)| *shown == lathe && *from == camera) {
             self.changed_at_s = now;

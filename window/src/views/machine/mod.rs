@@ -9,7 +9,7 @@ mod grid;
 mod job;
 mod microscope;
 mod overlay;
-mod path;
+pub mod path;
 mod path_dots;
 mod path_lines;
 mod path_renderer;
@@ -216,9 +216,6 @@ impl LatheView {
 
     fn set_open(&mut self, is_open: bool) {
         self.is_open = is_open;
-        if let Some(worker) = &self.worker {
-            worker.flags.visible.store(is_open, Ordering::Relaxed);
-        }
         self.send_show_part();
     }
 
@@ -228,9 +225,22 @@ impl LatheView {
         self.send_show_part();
     }
 
+    /// Whether a view shows the part and the path.
+    const fn is_shown(&self) -> bool {
+        self.is_open || self.is_scene_open
+    }
+
     fn send_show_part(&self) {
-        let is_shown = self.is_open || self.is_scene_open;
+        let is_shown = self.is_shown();
+        if let Some(worker) = &self.worker {
+            worker.flags.visible.store(is_shown, Ordering::Relaxed);
+        }
         self.console.send(Command::ShowPart(is_shown));
+    }
+
+    /// The programmed path.
+    pub const fn path(&self) -> &Arc<path::DrawnPath> {
+        &self.preview.path
     }
 
     /// The part, as it was received last; `None` before the first one.
@@ -320,7 +330,10 @@ impl LatheView {
     pub fn receive(&mut self, context: &Context) {
         let worker = self.worker.get_or_insert_with(|| {
             let worker = PreviewWorker::start(&self.console, context, &self.changed_jobs);
-            worker.flags.visible.store(self.is_open, Ordering::Relaxed);
+            worker
+                .flags
+                .visible
+                .store(self.is_open || self.is_scene_open, Ordering::Relaxed);
             if let Some(trial) = &self.program_text.trial {
                 worker.set_trial(Some(trial.to_program()));
             }

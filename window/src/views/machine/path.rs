@@ -310,7 +310,7 @@ fn extend_bounds(bounds: &mut Option<Rect>, point: Pos2) {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub mod tests {
     use super::*;
     use gsk_core::preview::preview_explained;
     use gsk_core::program::Program;

@@ -1,0 +1,139 @@
+//! The chips as one mesh in the memory of OpenGL.
+
+use core::f32::consts::TAU;
+
+use glam::{Mat4, Vec3, vec3};
+
+use crate::chips::{ChipShape, ChipState};
+use crate::device::{Device, GpuMesh, SceneError, VertexLayout};
+use crate::mesh::{SceneMaterial, SceneMesh};
+
+/// Sides of the wire of a chip.
+const WIRE_SIDES: u32 = 4;
+
+/// The chips; nothing without any.
+#[derive(Debug, Default)]
+pub struct ChipObjects {
+    shown: Vec<ChipState>,
+    mesh: Option<GpuMesh>,
+}
+
+/// Builds a chip at the origin.
+fn build_chip(shape: ChipShape) -> SceneMesh {
+    let mut mesh = SceneMesh::default();
+    let line = |count: u32, point: &dyn Fn(f32) -> Vec3| -> Vec<Vec3> {
+        (0..count)
+            .map(|at| point(at as f32 / (count - 1) as f32 - 0.5))
+            .collect()
+    };
+    let (points, radius) = match shape {
+        ChipShape::Needle => (line(3, &|t| vec3(t * 9.0, t * t * 8.0, 0.0)), 1.0),
+        ChipShape::Curl => {
+            let coil = |t: f32| {
+                let angle = t * TAU * 2.5;
+                vec3(t * 15.0, angle.sin() * 3.4, angle.cos() * 3.4)
+            };
+            (line(18, &coil), 0.85)
+        }
+        ChipShape::Ribbon => {
+            let wave = |t: f32| {
+                let angle = t * TAU * 1.6;
+                vec3(t * 44.0, angle.sin() * 6.0, (angle * 1.7).cos() * 4.0)
+            };
+            (line(18, &wave), 0.75)
+        }
+        ChipShape::Spark => (line(2, &|t| vec3(t * 5.0, 0.0, 0.0)), 0.5),
+    };
+    mesh.add_tube(&points, radius, WIRE_SIDES);
+    mesh
+}
+
+/// Builds the mesh of all chips.
+fn build_mesh(chips: &[ChipState]) -> SceneMesh {
+    let mut mesh = SceneMesh::default();
+    let shapes = [
+        ChipShape::Needle,
+        ChipShape::Curl,
+        ChipShape::Ribbon,
+        ChipShape::Spark,
+    ];
+    for shape in shapes {
+        let mut base = build_chip(shape);
+        for chip in chips.iter().filter(|it| it.shape == shape) {
+            let material = SceneMaterial {
+                color: chip.color,
+                roughness: 80,
+                metal: if shape == ChipShape::Spark { 0 } else { 210 },
+                rings: 0,
+                glow: if shape == ChipShape::Spark { 255 } else { 20 },
+            };
+            for vertex in &mut base.vertices {
+                vertex.material = material;
+            }
+            let frame = Mat4::from_rotation_translation(chip.turn, chip.position);
+            mesh.append(&base, frame);
+        }
+    }
+    mesh
+}
+
+impl ChipObjects {
+    /// Uploads the chips if they have moved.
+    pub fn update(&mut self, device: Device<'_>, chips: &[ChipState]) -> Result<(), SceneError> {
+        if self.shown == chips {
+            return Ok(());
+        }
+        self.release(device);
+        self.mesh = None;
+        self.shown = chips.to_vec();
+        if !chips.is_empty() {
+            let mesh = build_mesh(chips);
+            let (vertices, indices) = (mesh.vertex_bytes(), mesh.index_bytes());
+            self.mesh = Some(device.create_mesh(VertexLayout::Surface, &vertices, &indices)?);
+        }
+        Ok(())
+    }
+
+    /// Draws the chips with the program in use.
+    pub fn draw(&self, device: Device<'_>) {
+        if let Some(mesh) = &self.mesh {
+            device.draw_mesh(mesh, None);
+        }
+    }
+
+    /// Deletes the mesh.
+    pub fn release(&self, device: Device<'_>) {
+        if let Some(mesh) = &self.mesh {
+            device.delete_mesh(mesh);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chips::{ChipFlow, ChipSource, MAX_CHIPS};
+
+    #[test]
+    fn the_mesh_of_all_chips_is_bounded() {
+        let mut flow = ChipFlow::default();
+        for _ in 0..400 {
+            let cut = ChipSource {
+                at: Vec3::ZERO,
+                away: Vec3::Z,
+                feed: 0.2,
+                speed: 100.0,
+                tray_y: -100.0,
+            };
+            flow.advance(0.05, Some(&cut));
+        }
+        let mesh = build_mesh(&flow.states());
+        assert!(mesh.triangle_count() >= MAX_CHIPS * 8);
+        assert!(
+            mesh.triangle_count() < MAX_CHIPS * 180,
+            "{}",
+            mesh.triangle_count()
+        );
+        crate::checks::assert_unit_normals(&mesh);
+    }
+}

@@ -1,0 +1,280 @@
+//! Chips that fly from the cut and fall into the tray. Their number is bounded, and the same
+//! cuts at the same times give the same chips.
+
+use core::f32::consts::TAU;
+use std::collections::VecDeque;
+
+use glam::{Quat, Vec3, vec3};
+
+/// Greatest number of chips, flying or in the tray.
+pub const MAX_CHIPS: usize = 140;
+/// Time between two chips, s.
+const CHIP_INTERVAL_S: f32 = 0.045;
+/// Acceleration of a fall, mm/s²: slower than real, so that the eye follows.
+const GRAVITY: f32 = 2200.0;
+/// Feeds below which chips are ribbons, and above which they break to needles, mm per turn.
+const RIBBON_FEED: f32 = 0.08;
+const NEEDLE_FEED: f32 = 0.32;
+/// Cutting speed above which a cut throws sparks, m/min.
+const SPARK_SPEED: f32 = 450.0;
+/// Life of a spark, s.
+const SPARK_LIFE_S: f32 = 0.35;
+
+/// Form of a chip.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ChipShape {
+    /// A short piece of a heavy cut.
+    Needle,
+    /// A coil.
+    Curl,
+    /// A long wavy piece of a fine cut.
+    Ribbon,
+    /// A glowing particle.
+    Spark,
+}
+
+/// A cut that makes chips.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChipSource {
+    /// Position of the cut in the scene, mm.
+    pub at: Vec3,
+    /// Direction in which chips leave it.
+    pub away: Vec3,
+    /// Feed, mm per turn.
+    pub feed: f32,
+    /// Cutting speed, m/min.
+    pub speed: f32,
+    /// Height at which chips come to rest, mm.
+    pub tray_y: f32,
+}
+
+impl ChipSource {
+    /// The form of the chips.
+    pub fn shape(&self) -> ChipShape {
+        match self.feed {
+            feed if feed < RIBBON_FEED => ChipShape::Ribbon,
+            feed if feed > NEEDLE_FEED => ChipShape::Needle,
+            _ => ChipShape::Curl,
+        }
+    }
+
+    /// The colour of steel chips, which heat tempers: bright, straw, brown, blue.
+    pub fn color(&self) -> [u8; 3] {
+        match self.speed {
+            speed if speed < 70.0 => [190, 194, 200],
+            speed if speed < 140.0 => [206, 178, 104],
+            speed if speed < 220.0 => [138, 88, 84],
+            _ => [70, 92, 158],
+        }
+    }
+}
+
+/// A chip at one moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChipState {
+    /// Form.
+    pub shape: ChipShape,
+    /// Colour as sRGB bytes.
+    pub color: [u8; 3],
+    /// Position, mm.
+    pub position: Vec3,
+    /// Orientation.
+    pub turn: Quat,
+}
+
+/// A chip from its birth on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct ThrownChip {
+    shape: ChipShape,
+    color: [u8; 3],
+    born_s: f32,
+    from: Vec3,
+    velocity: Vec3,
+    axis: Vec3,
+    /// Turns per second while it flies.
+    spin: f32,
+    /// Time of the fall, s.
+    flight_s: f32,
+}
+
+/// All chips.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ChipFlow {
+    chips: VecDeque<ThrownChip>,
+    now_s: f32,
+    next_s: f32,
+    /// Number of chips since the start: the seed of the next one.
+    thrown: u32,
+}
+
+/// A number from -1 to 1 that depends on a seed and nothing else.
+fn scatter(seed: u32, salt: u32) -> f32 {
+    let mut value = seed.wrapping_mul(0x9e37_79b9) ^ salt.wrapping_mul(0x85eb_ca6b);
+    value ^= value >> 15;
+    value = value.wrapping_mul(0x2c1b_3c6d);
+    value ^= value >> 12;
+    (value & 0xffff) as f32 / 32_767.5 - 1.0
+}
+
+impl ChipFlow {
+    /// Moves all chips on, and throws new ones while a tool cuts.
+    pub fn advance(&mut self, elapsed_s: f32, source: Option<&ChipSource>) {
+        let elapsed_s = if elapsed_s.is_finite() {
+            elapsed_s.clamp(0.0, 0.5)
+        } else {
+            0.0
+        };
+        self.now_s += elapsed_s;
+        let is_dead = |it: &ThrownChip, now: f32| {
+            it.shape == ChipShape::Spark && now - it.born_s > SPARK_LIFE_S
+        };
+        let now = self.now_s;
+        self.chips.retain(|it| !is_dead(it, now));
+        let Some(source) = source.filter(|it| it.at.is_finite() && it.away.is_finite()) else {
+            self.next_s = self.next_s.max(self.now_s);
+            return;
+        };
+        while self.next_s <= self.now_s {
+            let shape = source.shape();
+            self.throw(source, shape, source.color());
+            if source.speed > SPARK_SPEED {
+                for _ in 0..2 {
+                    self.throw(source, ChipShape::Spark, [255, 214, 120]);
+                }
+            }
+            self.next_s += CHIP_INTERVAL_S;
+        }
+    }
+
+    /// Removes all chips.
+    pub fn clear(&mut self) {
+        self.chips.clear();
+    }
+
+    /// Whether a chip flies.
+    pub fn is_moving(&self) -> bool {
+        let flies = |it: &ThrownChip| self.now_s - it.born_s < it.flight_s;
+        self.chips.iter().any(flies)
+    }
+
+    /// All chips at this moment.
+    pub fn states(&self) -> Vec<ChipState> {
+        let state = |chip: &ThrownChip| {
+            let time = (self.now_s - chip.born_s).min(chip.flight_s);
+            let fall = Vec3::NEG_Y * (GRAVITY * 0.5 * time * time);
+            ChipState {
+                shape: chip.shape,
+                color: chip.color,
+                position: chip.from + chip.velocity * time + fall,
+                turn: Quat::from_axis_angle(chip.axis, time * chip.spin * TAU),
+            }
+        };
+        self.chips.iter().map(state).collect()
+    }
+
+    fn throw(&mut self, source: &ChipSource, shape: ChipShape, color: [u8; 3]) {
+        self.thrown = self.thrown.wrapping_add(1);
+        let random = |salt| scatter(self.thrown, salt);
+        let is_spark = shape == ChipShape::Spark;
+        let force =
+            (90.0 + source.speed.clamp(0.0, 400.0) * 0.5) * if is_spark { 2.5 } else { 1.0 };
+        let away = source.away.normalize_or(Vec3::Z);
+        let velocity = away * force * (0.7 + 0.3 * random(1))
+            + vec3(
+                130.0 * random(2),
+                330.0 + 130.0 * random(3),
+                70.0 * random(4),
+            );
+        // Chips pile up: they rest at slightly different heights.
+        let tray = source.tray_y + 5.0 + 5.0 * random(5);
+        let height = (source.at.y - tray).max(0.0);
+        let up = velocity.y;
+        let flight_s = (up + (up * up + 2.0 * GRAVITY * height).sqrt()) / GRAVITY;
+        self.chips.push_back(ThrownChip {
+            shape,
+            color,
+            born_s: self.now_s,
+            from: source.at,
+            velocity,
+            axis: vec3(random(6), random(7), random(8)).normalize_or(Vec3::X),
+            spin: 2.0 + 2.0 * random(9),
+            flight_s,
+        });
+        while self.chips.len() > MAX_CHIPS {
+            self.chips.pop_front();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn source(feed: f32, speed: f32) -> ChipSource {
+        ChipSource {
+            at: vec3(100.0, 0.0, 20.0),
+            away: Vec3::Z,
+            feed,
+            speed,
+            tray_y: -250.0,
+        }
+    }
+
+    #[test]
+    fn shape_and_colour_follow_feed_and_speed() {
+        let shapes = [0.02, 0.2, 0.5].map(|feed| source(feed, 100.0).shape());
+        assert_eq!(
+            shapes,
+            [ChipShape::Ribbon, ChipShape::Curl, ChipShape::Needle]
+        );
+        let colors = [20.0, 100.0, 180.0, 300.0].map(|speed| source(0.1, speed).color());
+        assert!(colors.windows(2).all(|pair| pair[0] != pair[1]));
+    }
+
+    #[test]
+    fn the_number_of_chips_is_bounded_and_all_come_to_rest_in_the_tray() {
+        let mut flow = ChipFlow::default();
+        for _ in 0..3000 {
+            flow.advance(0.033, Some(&source(0.2, 120.0)));
+            assert!(flow.states().len() <= MAX_CHIPS);
+        }
+        assert_eq!(flow.states().len(), MAX_CHIPS);
+        assert!(flow.is_moving());
+        for _ in 0..60 {
+            flow.advance(0.1, None);
+        }
+        assert!(!flow.is_moving());
+        for chip in flow.states() {
+            assert!((chip.position.y + 245.0).abs() < 5.5, "{chip:?}");
+        }
+        flow.clear();
+        assert_eq!(flow.states(), []);
+    }
+
+    #[test]
+    fn the_same_cut_gives_the_same_chips() {
+        let run = || {
+            let mut flow = ChipFlow::default();
+            for step in 0..200 {
+                let cut = source(0.1 + step as f32 * 0.002, 150.0);
+                flow.advance(0.03, (step % 50 < 40).then_some(&cut));
+            }
+            flow.states()
+        };
+        assert!(!run().is_empty());
+        assert_eq!(run(), run());
+    }
+
+    #[test]
+    fn sparks_fly_only_at_too_high_a_speed_and_go_out() {
+        let has_spark =
+            |flow: &ChipFlow| flow.states().iter().any(|it| it.shape == ChipShape::Spark);
+        let mut flow = ChipFlow::default();
+        flow.advance(0.2, Some(&source(0.2, 300.0)));
+        assert!(!has_spark(&flow));
+        flow.advance(0.2, Some(&source(0.2, 600.0)));
+        assert!(has_spark(&flow));
+        flow.advance(0.5, None);
+        assert!(!has_spark(&flow));
+    }
+}

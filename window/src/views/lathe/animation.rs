@@ -1,0 +1,164 @@
+//! Derives what moves beside the axes from successive states of the part: chips, the turn of
+//! the tool carrier, jaws, and the damage of a crash.
+
+use std::sync::Arc;
+
+use gsk_host::kernel::part::PartView;
+use gsk_scene::chips::{ChipFlow, ChipSource};
+use gsk_scene::description::LatheDescription;
+use gsk_scene::effects::{SceneEffects, tray_y};
+use gsk_scene::placement;
+use gsk_workpiece::collision::{Obstacle, TouchingPart};
+use gsk_workpiece::job::Job;
+use gsk_workpiece::region::Region;
+
+/// Turn of the tool carrier, stations per second.
+const STATIONS_PER_S: f32 = 2.5;
+/// Time in which the jaws open or close, s.
+const JAW_TIME_S: f32 = 0.6;
+/// Time without a change of the part after which a cut has ended, s.
+const CUT_END_S: f32 = 0.15;
+/// Speed of the spindle above which the eye cannot follow it, r/min: 20 turns per second.
+const BLUR_RPM: f64 = 1200.0;
+/// Bend of a struck bar per depth of the collision, radians per mm.
+const BEND_PER_MM: f64 = 0.02;
+/// Least and greatest bend of a struck bar, radians.
+const BEND_RANGE: (f64, f64) = (0.05, 0.13);
+/// Chips leave the cut to the operator, and upwards.
+const CHIP_DIRECTION: [f32; 3] = [-0.15, 0.25, 1.0];
+/// Share of the newest feed in the smoothed one.
+const FEED_SHARE: f32 = 0.2;
+
+/// Whether the spindle is too fast for the eye.
+pub fn is_blurred(part: &PartView) -> bool {
+    part.spindle_rpm.abs() > BLUR_RPM
+}
+
+/// Whether the insert of the tool in use has broken in a crash that still stops the lathe.
+pub fn has_broken_insert(part: &PartView) -> bool {
+    let by_insert = |touching: TouchingPart| !matches!(touching, TouchingPart::Body(_));
+    let crash = part.crash.filter(|crash| crash.tool == part.tool);
+    crash.is_some_and(|crash| by_insert(crash.collision.touching_part))
+}
+
+/// The bend of the bar by a crash that still stops the lathe, radians.
+fn bar_bend(part: &PartView) -> f32 {
+    let collision = part.crash.map(|crash| crash.collision);
+    let struck = collision.filter(|it| it.obstacle == Obstacle::Stock);
+    struck.map_or(0.0, |it| {
+        (it.depth * BEND_PER_MM).clamp(BEND_RANGE.0, BEND_RANGE.1) as f32
+    })
+}
+
+/// What a cut looked like at the last picture.
+#[derive(Default)]
+struct CutTrack {
+    section: Arc<Region>,
+    tip: [f64; 2],
+    /// Time since the part has changed last, s.
+    age_s: f32,
+    /// Smoothed feed, mm per turn.
+    feed: f32,
+}
+
+/// Animates from state to state.
+#[derive(Default)]
+pub struct EffectsAnimation {
+    chips: ChipFlow,
+    cut: CutTrack,
+    job: Option<Arc<Job>>,
+    station: usize,
+    /// Stations that the carrier has yet to turn.
+    stations_left: f32,
+    /// Opening of the jaws, 0 (closed) to 1 (open).
+    jaw_opening: f32,
+}
+
+impl EffectsAnimation {
+    /// Opening of the jaws, 0 (closed) to 1 (open).
+    pub const fn jaw_opening(&self) -> f32 {
+        self.jaw_opening
+    }
+
+    /// Moves on to the state of a description that has no effects yet. `face`: Z of the front
+    /// of the chuck's body, mm.
+    pub fn advance(
+        &mut self,
+        part: &PartView,
+        lathe: &LatheDescription,
+        face: f64,
+        elapsed_s: f32,
+    ) -> SceneEffects {
+        let is_new = !self
+            .job
+            .as_ref()
+            .is_some_and(|job| Arc::ptr_eq(job, &part.job));
+        if is_new {
+            *self = Self {
+                job: Some(Arc::clone(&part.job)),
+                station: lathe.station,
+                jaw_opening: if part.chuck_open { 1.0 } else { 0.0 },
+                ..Self::default()
+            };
+            self.cut.section = Arc::clone(&part.section);
+            self.cut.age_s = CUT_END_S;
+        }
+        self.turn_carrier(lathe, elapsed_s);
+        let target = if part.chuck_open { 1.0 } else { 0.0 };
+        let step = elapsed_s / JAW_TIME_S;
+        self.jaw_opening += (target - self.jaw_opening).clamp(-step, step);
+        let source = self.track_cut(part, lathe, elapsed_s);
+        self.chips.advance(elapsed_s, source.as_ref());
+        let mark = |it: &gsk_runner::machining::CollisionFinding| {
+            let contact = it.collision.contact;
+            [(contact.z - face) as f32, contact.x.abs() as f32]
+        };
+        SceneEffects {
+            chips: self.chips.states(),
+            bar_bend: bar_bend(part),
+            station_offset: self.stations_left,
+            is_spindle_blurred: is_blurred(part),
+            marks: part.findings.iter().map(mark).collect(),
+        }
+    }
+
+    fn turn_carrier(&mut self, lathe: &LatheDescription, elapsed_s: f32) {
+        let count = lathe.kind.station_count();
+        if lathe.station != self.station {
+            let turns = (lathe.station + count - self.station % count) % count;
+            self.stations_left = (self.stations_left + turns as f32) % count as f32;
+            self.station = lathe.station;
+        }
+        self.stations_left = (self.stations_left - STATIONS_PER_S * elapsed_s).max(0.0);
+    }
+
+    /// Follows the cut; `None` while no tool cuts.
+    fn track_cut(
+        &mut self,
+        part: &PartView,
+        lathe: &LatheDescription,
+        elapsed_s: f32,
+    ) -> Option<ChipSource> {
+        let cut = &mut self.cut;
+        let has_cut = !Arc::ptr_eq(&cut.section, &part.section);
+        cut.section = Arc::clone(&part.section);
+        cut.age_s = if has_cut { 0.0 } else { cut.age_s + elapsed_s };
+        let tip = [part.tip.x, part.tip.z];
+        let distance = (tip[0] - cut.tip[0]).hypot(tip[1] - cut.tip[1]) as f32;
+        cut.tip = tip;
+        let turns = (part.spindle_rpm.abs() / 60.0) as f32 * elapsed_s;
+        if turns <= 0.0 || cut.age_s >= CUT_END_S {
+            return None;
+        }
+        cut.feed += (distance / turns - cut.feed) * FEED_SHARE;
+        let radius = part.tip.x.abs();
+        let speed = core::f64::consts::TAU * radius * part.spindle_rpm.abs() / 1000.0;
+        Some(ChipSource {
+            at: placement::tip(lathe),
+            away: CHIP_DIRECTION.into(),
+            feed: cut.feed,
+            speed: speed as f32,
+            tray_y: tray_y(lathe.kind, &lathe.dimensions),
+        })
+    }
+}
