@@ -113,10 +113,12 @@ pub struct MountedTool {
 /// The quill of the tailstock in the part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuillDescription {
-    /// x of the point of the centre, mm.
+    /// x of the point of the centre in the part, mm.
     pub tip_x: f32,
     /// Diameter of the quill, mm.
     pub diameter: f32,
+    /// Distance by which the quill is retracted from the part, mm.
+    pub retraction: f32,
 }
 
 /// A thread of the part.

@@ -160,6 +160,11 @@ impl LathePlacement {
             Some(x) => x.clamp(0.0, dimensions.bed_length - 60.0),
             None => dimensions.bed_length - 260.0 * tool_scale(&dimensions),
         };
+        let retraction = lathe.quill.map_or(0.0, |it| it.retraction);
+        let retraction = match retraction.is_finite() {
+            true => retraction.clamp(0.0, QUILL_OUT_MM),
+            false => 0.0,
+        };
         Self {
             spindle,
             jaws: [jaw(0), jaw(1), jaw(2)],
@@ -170,7 +175,7 @@ impl LathePlacement {
                 * carrier_turn(lathe.kind, lathe.effects.station_offset)
                 * station_turn(lathe.kind, lathe.station).inverse(),
             tailstock: Mat4::from_translation(vec3(quill_x + QUILL_OUT_MM, 0.0, 0.0)),
-            quill: Mat4::from_translation(vec3(quill_x, 0.0, 0.0)),
+            quill: Mat4::from_translation(vec3(quill_x + retraction, 0.0, 0.0)),
             door: door(lathe, &dimensions),
             coolant: side * Mat4::from_translation(tip),
         }

@@ -16,6 +16,8 @@ use gsk_workpiece::region::Region;
 const STATIONS_PER_S: f32 = 2.5;
 /// Time in which the jaws open or close, s.
 const JAW_TIME_S: f32 = 0.6;
+/// Time in which the quill extends or retracts, s.
+const QUILL_TIME_S: f32 = 1.2;
 /// Time without a change of the part after which a cut has ended, s.
 const CUT_END_S: f32 = 0.15;
 /// Speed of the spindle above which the eye cannot follow it, r/min: 20 turns per second.
@@ -50,6 +52,12 @@ fn bar_bend(part: &PartView) -> f32 {
     })
 }
 
+/// Moves a value from 0 to 1, or back, by at most a step.
+fn move_to(value: &mut f32, is_on: bool, step: f32) {
+    let target = if is_on { 1.0 } else { 0.0 };
+    *value += (target - *value).clamp(-step, step);
+}
+
 /// What a cut looked like at the last picture.
 #[derive(Default)]
 struct CutTrack {
@@ -72,9 +80,18 @@ pub struct EffectsAnimation {
     stations_left: f32,
     /// Opening of the jaws, 0 (closed) to 1 (open).
     jaw_opening: f32,
+    /// Whether the control has extended the quill; else it was set by hand.
+    has_extended_quill: bool,
+    /// Retraction of the quill, 0 (in the part) to 1.
+    quill_retraction: f32,
 }
 
 impl EffectsAnimation {
+    /// Retraction of the quill, 0 (in the part) to 1.
+    pub const fn quill_retraction(&self) -> f32 {
+        self.quill_retraction
+    }
+
     /// Opening of the jaws, 0 (closed) to 1 (open).
     pub const fn jaw_opening(&self) -> f32 {
         self.jaw_opening
@@ -104,9 +121,18 @@ impl EffectsAnimation {
             self.cut.age_s = CUT_END_S;
         }
         self.turn_carrier(lathe, elapsed_s);
-        let target = if part.chuck_open { 1.0 } else { 0.0 };
-        let step = elapsed_s / JAW_TIME_S;
-        self.jaw_opening += (target - self.jaw_opening).clamp(-step, step);
+        move_to(
+            &mut self.jaw_opening,
+            part.chuck_open,
+            elapsed_s / JAW_TIME_S,
+        );
+        self.has_extended_quill |= part.tailstock_forward;
+        let is_retracted = self.has_extended_quill && !part.tailstock_forward;
+        move_to(
+            &mut self.quill_retraction,
+            is_retracted,
+            elapsed_s / QUILL_TIME_S,
+        );
         let source = self.track_cut(part, lathe, elapsed_s);
         self.chips.advance(elapsed_s, source.as_ref());
         let mark = |it: &gsk_runner::machining::CollisionFinding| {

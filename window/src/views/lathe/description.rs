@@ -23,6 +23,8 @@ use crate::views::machine::path::DrawnPath;
 const BENCH_CHUCK_MM: f64 = 100.0;
 /// Distance by which an open jaw is away from the stock, mm.
 const JAW_TRAVEL_MM: f32 = 5.0;
+/// Distance by which a retracted quill is away from the part, mm.
+const QUILL_TRAVEL_MM: f32 = 45.0;
 /// Time in which the guard opens or closes, s.
 const DOOR_TIME_S: f32 = 0.8;
 /// Cotangent of half the angle of a centre, 30 degrees.
@@ -78,6 +80,7 @@ impl SceneDescriber {
             QuillDescription {
                 tip_x: (stock.front() - depth - face) as f32,
                 diameter: tailstock.quill.0 as f32,
+                retraction: 0.0,
             }
         });
         let mut lathe = LatheDescription {
@@ -104,6 +107,9 @@ impl SceneDescriber {
         };
         lathe.effects = self.effects.advance(part, &lathe, face, elapsed_s);
         lathe.jaw_radius += self.effects.jaw_opening() * JAW_TRAVEL_MM;
+        if let Some(quill) = &mut lathe.quill {
+            quill.retraction = self.effects.quill_retraction() * QUILL_TRAVEL_MM;
+        }
         lathe
     }
 
@@ -356,6 +362,33 @@ mod tests {
         );
         let seated = describer.describe(&part, false, SceneTheme::Day, 2.0);
         assert_eq!(seated.effects.station_offset, 0.0);
+    }
+
+    #[test]
+    fn a_quill_that_was_extended_retracts_and_jaws_open_slowly() {
+        use gsk_core::units::Diameter;
+        use gsk_workpiece::stock::Tailstock;
+        let mut part = view(50.0);
+        let mut stock = Stock::bar(50.0, 0.0, 60.0);
+        stock.tailstock = Some(Tailstock {
+            quill: Diameter(40.0),
+            center: Diameter(10.0),
+        });
+        part.job = Arc::new(Job::new(stock));
+        let mut describer = SceneDescriber::default();
+        let mut state = |part: &PartView, elapsed_s: f32| {
+            let lathe = describer.describe(part, false, SceneTheme::Day, elapsed_s);
+            (lathe.quill.unwrap().retraction, lathe.jaw_radius)
+        };
+        // A tailstock that was never moved by the control is set by hand.
+        assert_eq!(state(&part, 9.0), (0.0, 25.0));
+        part.tailstock_forward = true;
+        assert_eq!(state(&part, 9.0), (0.0, 25.0));
+        part.tailstock_forward = false;
+        part.chuck_open = true;
+        let (quill, jaws) = state(&part, 0.1);
+        assert!(quill > 0.0 && quill < QUILL_TRAVEL_MM && jaws > 25.0 && jaws < 30.0);
+        assert_eq!(state(&part, 9.0), (QUILL_TRAVEL_MM, 30.0));
     }
 
     #[test]
