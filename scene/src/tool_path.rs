@@ -14,7 +14,7 @@ pub const LINE_VERTEX_BYTES: usize = 16;
 
 /// A straight piece of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PathPiece {
+pub struct ToolPathPiece {
     /// Both ends as (x, distance from the axis), mm.
     pub ends: [[f32; 2]; 2],
     /// Colour as sRGB bytes.
@@ -24,13 +24,13 @@ pub struct PathPiece {
 /// A path of a bounded number of pieces.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ToolPath {
-    pieces: Vec<PathPiece>,
+    pieces: Vec<ToolPathPiece>,
 }
 
 /// Adds pieces to a path and leaves out those that cannot be told apart.
 #[derive(Clone, Debug)]
 pub struct ToolPathBuilder {
-    pieces: Vec<PathPiece>,
+    pieces: Vec<ToolPathPiece>,
     slots: Vec<u64>,
     /// Steps per mm.
     scale: f32,
@@ -51,7 +51,7 @@ impl ToolPathBuilder {
     }
 
     /// Adds a piece. A short one extends the piece before it.
-    pub fn add(&mut self, piece: PathPiece) {
+    pub fn add(&mut self, piece: ToolPathPiece) {
         if !piece.ends.iter().flatten().all(|it| it.is_finite()) {
             return;
         }
@@ -100,7 +100,7 @@ impl ToolPathBuilder {
 
 impl ToolPath {
     /// The pieces.
-    pub fn pieces(&self) -> &[PathPiece] {
+    pub fn pieces(&self) -> &[ToolPathPiece] {
         &self.pieces
     }
 
@@ -125,8 +125,8 @@ impl ToolPath {
 mod tests {
     use super::*;
 
-    fn piece(from: [f32; 2], to: [f32; 2]) -> PathPiece {
-        PathPiece {
+    fn piece(from: [f32; 2], to: [f32; 2]) -> ToolPathPiece {
+        ToolPathPiece {
             ends: [from, to],
             color: [90, 180, 255],
         }
@@ -170,7 +170,7 @@ mod tests {
                 let at = |step: i32| [step as f32 * 0.001, 10.0];
                 builder.add(piece(at(step), at(step + 1)));
             }
-            let back = PathPiece {
+            let back = ToolPathPiece {
                 color: [255, 150, 60],
                 ..piece([0.2, 10.0], [0.0, 10.0])
             };

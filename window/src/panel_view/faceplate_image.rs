@@ -152,11 +152,29 @@ impl AreaImage {
             *shown_look = look;
             if let Some((piece, at)) = faceplate::paint_part(area, part, state, self.scale) {
                 let at = at.map(|side| side as usize);
-                self.texture
-                    .set_partial(at, to_color_image(&piece), PIXEL_EXACT);
+                let size = self.texture.size();
+                let free = [0, 1].map(|axis| size[axis].saturating_sub(at[axis]));
+                if let Some(image) = crop(to_color_image(&piece), free) {
+                    self.texture.set_partial(at, image, PIXEL_EXACT);
+                }
             }
         }
     }
+}
+
+/// Crops an image to a size, pixels: a key at the edge may be rounded beyond it. `None` if
+/// nothing remains.
+fn crop(image: ColorImage, [width, height]: [usize; 2]) -> Option<ColorImage> {
+    let size = [image.size[0].min(width), image.size[1].min(height)];
+    if size.contains(&0) {
+        return None;
+    }
+    if size == image.size {
+        return Some(image);
+    }
+    let rows = image.pixels.chunks_exact(image.size[0]).take(size[1]);
+    let pixels = rows.flat_map(|row| row.iter().take(size[0])).copied();
+    Some(ColorImage::new(size, pixels.collect()))
 }
 
 /// Size of the image of an area at `scale` (pixels per panel unit), pixels.

@@ -188,7 +188,7 @@ impl LatheSceneView {
             return;
         }
         let now = ui.input(|input| input.time);
-        let elapsed_s = (now - self.drawn_at_s).clamp(0.0, 0.1) as f32;
+        let elapsed_s = (now - self.drawn_at_s).clamp(0.0, 0.3) as f32;
         self.drawn_at_s = now;
         let scene_theme = match theme::is_light(ui.ctx()) {
             true => SceneTheme::Day,

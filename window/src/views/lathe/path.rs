@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use egui::Color32;
-use gsk_scene::tool_path::{PathPiece, ToolPath, ToolPathBuilder};
+use gsk_scene::tool_path::{ToolPath, ToolPathBuilder, ToolPathPiece};
 
 use crate::theme;
 use crate::views::machine::path::{DrawnPath, SegmentKind};
@@ -55,7 +55,7 @@ fn convert(path: &DrawnPath, face: f32) -> ToolPath {
             SegmentKind::Feed => theme::FEED_PATH,
             SegmentKind::Thread => theme::THREAD_PATH,
         };
-        builder.add(PathPiece {
+        builder.add(ToolPathPiece {
             ends: [from, segment.end].map(|it| [it.x - face, it.y]),
             color: rgb(color),
         });
@@ -80,7 +80,7 @@ mod tests {
         assert_eq!(path.get(0.0), None);
         path.set(Some(&drawn), 0.0);
         let lines = path.get(-100.0).unwrap();
-        let cut = PathPiece {
+        let cut = ToolPathPiece {
             ends: [[102.0, 20.0], [70.0, 20.0]],
             color: [90, 180, 255],
         };
