@@ -118,7 +118,8 @@ impl FlightRecorder {
             part: part.inputs_for_uncut().to_vec(),
         });
         self.has_state = true;
-        self.next_hash = machine.ticks() + HASH_INTERVAL_TICKS;
+        // The first hash follows with the next hand-over: short recordings are compared, too.
+        self.next_hash = machine.ticks() + 1;
     }
 
     /// Ends the recorded section, because a pulse board moves the slides from now on. The next
