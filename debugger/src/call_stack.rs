@@ -38,14 +38,7 @@ impl CallStack {
     }
 
     fn begin_block(&mut self, cnc: &Cnc, source: SourcePosition) {
-        let mut calls: Vec<RunningCall> = cnc.running_calls().collect();
-        // The block itself has made the innermost call.
-        let is_caller = |call: &RunningCall| {
-            call.is_at_begin && call.caller == source.program && call.caller_line == source.line
-        };
-        if calls.last().is_some_and(is_caller) {
-            calls.pop();
-        }
+        let calls = calls_of_block(cnc, source);
         let innermost = calls.last().map(|call| call.program);
         let previous = self.calls.last().map(|call| call.program);
         let is_returning = innermost != Some(source.program) && previous == Some(source.program);
@@ -90,4 +83,17 @@ impl CallStack {
         });
         frames
     }
+}
+
+/// The running calls of a block that has just begun, the innermost last.
+pub(crate) fn calls_of_block(cnc: &Cnc, block: SourcePosition) -> Vec<RunningCall> {
+    let mut calls: Vec<RunningCall> = cnc.running_calls().collect();
+    // The block itself has made the innermost call.
+    let is_caller = |call: &RunningCall| {
+        call.is_at_begin && call.caller == block.program && call.caller_line == block.line
+    };
+    if calls.last().is_some_and(is_caller) {
+        calls.pop();
+    }
+    calls
 }
