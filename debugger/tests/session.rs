@@ -9,7 +9,7 @@ use gsk_debugger::debugged_run::DebuggedRun;
 use gsk_debugger::history::SnapshotHistory;
 use gsk_debugger::location::BreakLocation;
 use gsk_debugger::session::{DebugSession, DebugStep, StopReason};
-use gsk_debugger::source_files::ProgramSources;
+use gsk_debugger::source_files::{ProgramSource, ProgramSources};
 
 const MAIN: &str = "G00 X50 Z5;\nG65 H01 P#200 Q3;\nG01 X40 F500;\nM98 P0012;\nG01 X45;\nG65 H01 P#200 Q7;\nM30;\n";
 const SUB: &str = "O0012;\nG01 Z4;\nG01 Z3;\nM99;\n";
@@ -25,7 +25,12 @@ fn session() -> DebugSession {
 }
 
 fn add(session: &mut DebugSession, text: &str) {
-    let location = BreakLocation::parse(text, &ProgramSources::default()).expect(text);
+    let main = ProgramSource {
+        path: "main".to_owned(),
+        programs: vec![ProgramId::External],
+    };
+    let sources = ProgramSources::new(vec![main]);
+    let location = BreakLocation::parse(text, &sources).expect(text);
     session.breakpoints.add(location);
     session.resync_breakpoints();
 }

@@ -315,7 +315,7 @@ scene("a data breakpoint stops where a variable changes", async (client) => {
   await go(client, "continue");
   assert.strictEqual(await value(client, "#200"), "7");
 });
-scene("a data breakpoint on a bit finds the last writer backwards", async (client) => {
+scene("a data breakpoint finds the last writer backwards", async (client) => {
   await stopAt(client, MAIN, MAIN, 9);
   await client.setDataBreakpointsRequest({ breakpoints: [{ dataId: "#200" }] });
   await lines(client, MAIN);
