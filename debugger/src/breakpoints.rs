@@ -3,8 +3,10 @@
 use gsk_core::alarm::Alarm;
 use gsk_core::cnc::{Cnc, Event};
 use gsk_core::command::{ProgramId, SourcePosition};
+use gsk_core::interpreter::RunningCall;
 use gsk_core::simulation::Simulation;
 
+use crate::call_stack::calls_of_block;
 use crate::location::{BreakEvent, BreakLocation, ProgramFilter};
 use crate::watch::{WatchTarget, WatchedValue};
 
@@ -38,6 +40,8 @@ pub struct BreakpointSet {
     /// The first block of the program that contains the block that began last.
     entry_line: u32,
     messages: Vec<u16>,
+    /// The calls of the block that began last, the innermost last.
+    calls: Vec<RunningCall>,
 }
 
 impl BreakpointSet {
@@ -84,6 +88,7 @@ impl BreakpointSet {
         self.last_block = block;
         self.entry_line = 0;
         self.messages = active_messages(&simulation.cnc);
+        self.calls = simulation.cnc.running_calls().collect();
         for breakpoint in &mut self.breakpoints {
             breakpoint.last = read_value(&breakpoint.location.event, simulation);
         }
@@ -122,8 +127,48 @@ impl BreakpointSet {
         hits
     }
 
+    /// Handles the calls that lead to a block that begins. A block that only calls is no block
+    /// of the machine: its line counts as reached when the first block after it begins.
+    fn follow_calls(
+        &mut self,
+        block: SourcePosition,
+        simulation: &Simulation,
+        hits: &mut Vec<BreakHit>,
+    ) {
+        let calls = calls_of_block(&simulation.cnc, block);
+        let is_same = |(one, other): &(&RunningCall, &RunningCall)| {
+            (one.program, one.caller, one.caller_line)
+                == (other.program, other.caller, other.caller_line)
+        };
+        let common = calls.iter().zip(&self.calls).take_while(is_same).count();
+        for call in calls.iter().skip(common) {
+            // M98 with other words has begun as a block.
+            if self
+                .last_block
+                .is_some_and(|last| (last.program, last.line) == (call.caller, call.caller_line))
+            {
+                continue;
+            }
+            for breakpoint in &self.breakpoints {
+                if let BreakEvent::Line(filter, line) = &breakpoint.location.event
+                    && call.caller_line == *line
+                    && is_in(&simulation.cnc, filter, call.caller)
+                {
+                    let caller = SourcePosition {
+                        program: call.caller,
+                        line: *line,
+                        sequence: None,
+                    };
+                    hits.extend(check_condition(breakpoint, simulation, Some(caller)));
+                }
+            }
+        }
+        self.calls = calls;
+    }
+
     fn follow_event(&mut self, event: &Event, simulation: &Simulation, hits: &mut Vec<BreakHit>) {
         if let Event::BlockStarted(source, _) = event {
+            self.follow_calls(*source, simulation, hits);
             let previous = self.last_block;
             if previous.is_none_or(|previous| previous.program != source.program) {
                 self.entry_line = source.line;

@@ -19,8 +19,8 @@ pub struct CallFrame {
 
 /// Follows the call stack from block to block.
 ///
-/// The control reports its calls after the block that it has read. That is one call too many
-/// at a block that calls, and one too few at the M99 that returns.
+/// The control reports its calls after the block that it has read, which may be one command
+/// ahead. That is a call too many before a subprogram, and one too few at its end.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CallStack {
     calls: Vec<RunningCall>,
@@ -38,14 +38,7 @@ impl CallStack {
     }
 
     fn begin_block(&mut self, cnc: &Cnc, source: SourcePosition) {
-        let mut calls: Vec<RunningCall> = cnc.running_calls().collect();
-        // The block itself has made the innermost call.
-        let is_caller = |call: &RunningCall| {
-            call.is_at_begin && call.caller == source.program && call.caller_line == source.line
-        };
-        if calls.last().is_some_and(is_caller) {
-            calls.pop();
-        }
+        let calls = calls_of_block(cnc, source);
         let innermost = calls.last().map(|call| call.program);
         let previous = self.calls.last().map(|call| call.program);
         let is_returning = innermost != Some(source.program) && previous == Some(source.program);
@@ -90,4 +83,21 @@ impl CallStack {
         });
         frames
     }
+}
+
+/// The running calls of a block that has just begun, the innermost last.
+pub(crate) fn calls_of_block(cnc: &Cnc, block: SourcePosition) -> Vec<RunningCall> {
+    let mut calls: Vec<RunningCall> = cnc.running_calls().collect();
+    // Calls that the control has read ahead, and the one that the block itself has made.
+    while let Some(call) = calls.last() {
+        let is_made_by_block =
+            call.is_at_begin && (call.caller, call.caller_line) == (block.program, block.line);
+        let is_outside = call.program != block.program
+            && calls.iter().any(|other| other.caller == block.program);
+        if !is_made_by_block && !is_outside {
+            break;
+        }
+        calls.pop();
+    }
+    calls
 }

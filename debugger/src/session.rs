@@ -54,7 +54,7 @@ pub enum StopReason {
     Collision(CollisionFinding),
     /// The program waits for cycle start: M00.
     ProgramStop,
-    /// The block that was asked for begins.
+    /// The block of [`DebugSession::begin_run_to`] begins.
     Reached,
     /// The program has ended.
     Ended,

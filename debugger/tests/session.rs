@@ -9,7 +9,7 @@ use gsk_debugger::debugged_run::DebuggedRun;
 use gsk_debugger::history::SnapshotHistory;
 use gsk_debugger::location::BreakLocation;
 use gsk_debugger::session::{DebugSession, DebugStep, StopReason};
-use gsk_debugger::source_files::ProgramSources;
+use gsk_debugger::source_files::{ProgramSource, ProgramSources};
 
 const MAIN: &str = "G00 X50 Z5;\nG65 H01 P#200 Q3;\nG01 X40 F500;\nM98 P0012;\nG01 X45;\nG65 H01 P#200 Q7;\nM30;\n";
 const SUB: &str = "O0012;\nG01 Z4;\nG01 Z3;\nM99;\n";
@@ -25,7 +25,12 @@ fn session() -> DebugSession {
 }
 
 fn add(session: &mut DebugSession, text: &str) {
-    let location = BreakLocation::parse(text, &ProgramSources::default()).expect(text);
+    let main = ProgramSource {
+        path: "main".to_owned(),
+        programs: vec![ProgramId::External],
+    };
+    let sources = ProgramSources::new(vec![main]);
+    let location = BreakLocation::parse(text, &sources).expect(text);
     session.breakpoints.add(location);
     session.resync_breakpoints();
 }
@@ -54,26 +59,42 @@ fn steps_follow_the_call_stack() {
         StopReason::Breakpoint(_)
     ));
     assert_eq!(frames(&session), ["O12:3", "main:4"]);
+    // M99 only returns: it is no block of the machine.
     assert_eq!(step(&mut session, DebugStep::Into), StopReason::Step);
-    assert_eq!(frames(&session), ["O12:4", "main:4"]);
-    assert_eq!(step(&mut session, DebugStep::Over), StopReason::Step);
     assert_eq!(frames(&session), ["main:5"]);
+}
+
+#[test]
+fn a_call_is_reached_with_the_first_block_of_its_program() {
+    let mut session = session();
+    add(&mut session, "4");
+    let reason = step(&mut session, DebugStep::Continue);
+    let StopReason::Breakpoint(hits) = reason else {
+        panic!("{reason:?}");
+    };
+    assert_eq!(hits[0].block.map(|block| block.line), Some(4));
+    assert_eq!(frames(&session), ["O12:2", "main:4"]);
 }
 
 #[test]
 fn over_stays_in_the_main_program_and_out_leaves_the_subprogram() {
     let mut session = session();
-    add(&mut session, "4");
+    add(&mut session, "3");
     step(&mut session, DebugStep::Continue);
-    assert_eq!(frames(&session), ["main:4"]);
+    assert_eq!(frames(&session), ["main:3"]);
     assert_eq!(step(&mut session, DebugStep::Over), StopReason::Step);
     assert_eq!(frames(&session), ["main:5"]);
-    assert_eq!(session.go_back(DebugStep::Over), StopReason::Step);
-    assert_eq!(frames(&session), ["main:4"]);
-    step(&mut session, DebugStep::Into);
-    assert_eq!(frames(&session).len(), 2);
+    assert_eq!(session.go_back(DebugStep::Into), StopReason::Step);
+    assert_eq!(frames(&session), ["O12:3", "main:4"]);
     assert_eq!(step(&mut session, DebugStep::Out), StopReason::Step);
     assert_eq!(frames(&session), ["main:5"]);
+    assert!(matches!(
+        session.go_back(DebugStep::Over),
+        StopReason::Breakpoint(_)
+    ));
+    assert_eq!(frames(&session), ["main:3"]);
+    step(&mut session, DebugStep::Into);
+    assert_eq!(frames(&session), ["O12:2", "main:4"]);
 }
 
 #[test]

@@ -183,23 +183,27 @@ scene("continue goes to the next breakpoint", async (client) => {
   assert.deepStrictEqual(await place(client), ["main.CNC:6"]);
 });
 scene("next steps over a subprogram", async (client) => {
-  await stopAt(client, MAIN, MAIN, 5);
+  await stopAt(client, MAIN, MAIN, 4);
   await go(client, "next");
   assert.deepStrictEqual(await place(client), ["main.CNC:6"]);
 });
-scene("step in enters a subprogram", async (client) => {
+scene("a breakpoint at a call stops at the first block of its program", async (client) => {
   await stopAt(client, MAIN, MAIN, 5);
+  assert.deepStrictEqual(await place(client), ["O0012.CNC:2", "main.CNC:5"]);
+});
+scene("step in enters a subprogram", async (client) => {
+  await stopAt(client, MAIN, MAIN, 4);
   await go(client, "stepIn");
-  assert.match((await place(client))[0], /^O0012\.CNC:[12]$/);
+  assert.deepStrictEqual(await place(client), ["O0012.CNC:2", "main.CNC:5"]);
 });
 scene("step out leaves a subprogram", async (client) => {
   await stopAt(client, MAIN, SUB, 3);
   await go(client, "stepOut");
   assert.deepStrictEqual(await place(client), ["main.CNC:6"]);
 });
-scene("the return block still belongs to the subprogram", async (client) => {
-  await stopAt(client, MAIN, SUB, 6);
-  assert.deepStrictEqual(await place(client), ["O0012.CNC:6", "main.CNC:5"]);
+scene("the last block of a subprogram still has its caller", async (client) => {
+  await stopAt(client, MAIN, SUB, 5);
+  assert.deepStrictEqual(await place(client), ["O0012.CNC:5", "main.CNC:5"]);
 });
 scene("a step of one tick advances the clock by one", async (client) => {
   await stopAt(client, MAIN, MAIN, 4);
@@ -210,7 +214,7 @@ scene("a step of one tick advances the clock by one", async (client) => {
 scene("step back goes to the block before", async (client) => {
   await stopAt(client, MAIN, MAIN, 6);
   await go(client, "stepBack");
-  assert.deepStrictEqual(await place(client), ["main.CNC:5"]);
+  assert.deepStrictEqual(await place(client), ["main.CNC:4"]);
 });
 scene("a step back and a step forwards give the same state", async (client) => {
   await stopAt(client, MAIN, MAIN, 6);
@@ -311,7 +315,7 @@ scene("a data breakpoint stops where a variable changes", async (client) => {
   await go(client, "continue");
   assert.strictEqual(await value(client, "#200"), "7");
 });
-scene("a data breakpoint on a bit finds the last writer backwards", async (client) => {
+scene("a data breakpoint finds the last writer backwards", async (client) => {
   await stopAt(client, MAIN, MAIN, 9);
   await client.setDataBreakpointsRequest({ breakpoints: [{ dataId: "#200" }] });
   await lines(client, MAIN);

@@ -74,7 +74,7 @@ pub fn run_command_line(cli: CommandLine) -> ExitCode {
     let message_language = cli.lang.or_else(system_language);
     let language = match &cli.command {
         // The window has stored its language, and an editor sends its own.
-        None | Some(CliCommand::Lsp(_)) => cli.lang,
+        None | Some(CliCommand::Lsp(_) | CliCommand::Dap(_)) => cli.lang,
         Some(_) => message_language,
     };
     if let Some(message_language) = message_language {

@@ -20,7 +20,7 @@ use super::stop_points::{BreakpointKind, ClientBreakpoints};
 use super::variables;
 use crate::cli::is_chinese;
 
-/// Ticks between two looks at the requests while the program runs.
+/// Ticks between two checks for requests while the program runs.
 const RUN_TICKS: u64 = 20_000;
 /// The control is the only thread.
 const THREAD_ID: i64 = 1;
