@@ -14,6 +14,7 @@ mod input;
 pub mod layout;
 mod panel_view;
 mod placement;
+mod repaint_filter;
 mod request;
 mod samples;
 mod screen_reader;
