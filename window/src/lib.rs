@@ -330,6 +330,7 @@ impl Window {
         {
             Some(help::HelpRequest::Lesson(order)) => self.console.send(Command::Lesson(order)),
             Some(help::HelpRequest::Block(occurrence)) => self.show_block(*occurrence),
+            Some(help::HelpRequest::OpenLessons) => self.show_view(ViewId::Lesson),
             None => {}
         }
         let picture = self.snapshot.as_ref();
