@@ -42,6 +42,7 @@ use gsk_panel::keys::Key;
 use crate::chrome::first_start::FirstStart;
 use crate::chrome::message_history::MessageHistory;
 use crate::chrome::program_opener::ProgramOpener;
+use crate::chrome::way_back::WayBack;
 use crate::chrome::{top_bar, zoom};
 use crate::input::held_keys::{HeldKeys, PanelKeyChange};
 use crate::input::keyboard::PcAction;
@@ -99,6 +100,8 @@ pub struct Window {
     /// Whether the kernel is requested to send the LCD in the other language, too.
     is_translation_requested: bool,
     sounds: MachineSound,
+    /// The way back to the start of a program whose keys the panel marks.
+    way_back: Option<WayBack>,
 }
 
 /// The control model in use and the operator's request for another one.
@@ -143,6 +146,7 @@ impl Window {
             reversed_keys: KeysReversed::default(),
             is_translation_requested: false,
             sounds: MachineSound::default(),
+            way_back: None,
         }
     }
 
