@@ -12,7 +12,7 @@ use crate::theme;
 /// Height of a card, points.
 const HEIGHT: f32 = 60.0;
 /// Minimum width of a card beside another one, points.
-const MIN_WIDTH: f32 = 230.0;
+const MIN_WIDTH: f32 = 190.0;
 /// Maximum width of a card, points.
 const MAX_WIDTH: f32 = 420.0;
 /// Width and height of the picture, points.

@@ -14,7 +14,7 @@ pub static FONT: &[u8] = include_bytes!("../../../assets/fonts/icons.ttf");
 pub const FAMILY: &str = "icons";
 
 /// Height of a button with an icon, points.
-const BUTTON_HEIGHT: f32 = 24.0;
+const BUTTON_HEIGHT: f32 = 21.0;
 /// Space between the edge of a button and its icon, points.
 const BUTTON_MARGIN: f32 = 5.0;
 /// Space between an icon and its name, points.
@@ -48,6 +48,8 @@ impl Icon {
     pub const SCREEN: Self = Self('\u{E6D6}');
     pub const PARAMETER: Self = Self('\u{E628}');
     pub const SIGNAL: Self = Self('\u{E464}');
+    pub const EXPORT: Self = Self('\u{EAF0}');
+    pub const PAUSE: Self = Self('\u{E39E}');
     pub const DONE: Self = Self('\u{E184}');
 
     /// Draws the icon at its centre. `size` is its height, points.

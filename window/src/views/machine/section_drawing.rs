@@ -10,7 +10,7 @@ use gsk_host::kernel::part::PartView;
 use gsk_workpiece::grid::{GridContour, from_grid};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
-use gsk_workpiece::tool::{Tool, ToolShape};
+use gsk_workpiece::tool::{BodyPart, Tool, ToolShape};
 use gsk_workpiece::trapezoid::{SectionFill, Trapezoid, trapezoids};
 
 use super::animation::SpindleAnimation;
@@ -185,11 +185,13 @@ pub fn draw_tool(painter: &Painter, camera: &Camera, tool: &Tool) {
     }
 }
 
-/// The box around all tools of a job with their tips at the origin, part coordinates.
+/// The box around inserts and holders of a job, without the turret, with their tips at the origin, part coordinates.
 pub fn tool_bounds(job: &Job) -> Rect {
     let shapes = job.tools.values().map(ToolShape::from_tool);
     let points = shapes.flat_map(|shape| {
-        let body = shape.body.iter().map(|(_, contour)| contour);
+        let body = shape.body.iter();
+        let body = body.filter(|(part, _)| *part != BodyPart::Turret);
+        let body = body.map(|(_, contour)| contour);
         let contours = body.chain([&shape.cutting]);
         contours
             .flat_map(|contour| contour_points(contour, false))
