@@ -224,6 +224,8 @@ def main():
     out += quoted((ROOT / "assets/fonts/OFL.txt").read_text())
     out += ["", "## Characters of Noto Sans", ""]
     out += quoted((ROOT / "assets/fonts/NOTO.txt").read_text())
+    out += ["", "## Phosphor Icons", ""]
+    out += quoted((ROOT / "assets/fonts/PHOSPHOR.txt").read_text())
     for licence, text in [("MIT", mit), ("Apache-2.0", apache)]:
         out += ["", f"## {NAMES[licence]}", ""]
         for name, version, own in holders[licence]:

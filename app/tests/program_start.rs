@@ -34,6 +34,11 @@ fn a_start_after_reset_in_the_cut_is_explained_until_the_tool_is_back() {
     tap(&mut bench, Key::Reset);
     bench.run(1000);
     assert!(is_reported(&bench), "{}", bench.lcd_of_kernel());
+    let position = |bench: &WindowBench| bench.kernel.emulator().simulation.cnc.position_machine();
+    let before = position(&bench);
+    bench.click("Show the way back");
+    bench.run(300);
+    assert_eq!(position(&bench), before, "the button moves nothing");
     tap(&mut bench, Key::ProgramZero);
     for key in [Key::XDown, Key::ZRight] {
         bench.console.send(Command::Key { key, down: true });

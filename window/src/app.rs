@@ -20,6 +20,7 @@ use web_time::{Duration, Instant};
 
 use super::frame_figures::FrameFigures;
 use super::layout::floating;
+use super::repaint_filter::RepaintFilter;
 use super::{ProjectSelection, TITLE, Window, WindowSettings, fonts, theme};
 use crate::chrome::zoom;
 
@@ -28,6 +29,9 @@ use crate::chrome::zoom;
 const INITIAL_SIZE: [f32; 2] = [1280.0, 806.0];
 /// Share of the monitor's width and height that the window takes at the first start, 0–1.
 const INITIAL_SHARE: f32 = 0.92;
+/// Shortest interval between two frames that the kernel requests: that of a picture that moves.
+/// Keys and pointer are drawn at once.
+const MIN_FRAME_INTERVAL: Duration = Duration::from_millis(40);
 /// Settings are written when they have not changed for this time, so that a dragged splitter
 /// does not cause many writes.
 const SAVE_DELAY: Duration = Duration::from_secs(1);
@@ -105,12 +109,25 @@ struct App {
 
 /// Creates the callback with which the kernel requests a repaint. egui's context is locked
 /// while a frame is drawn: a separate thread waits for it, so that the kernel does not.
-fn spawn_repaint_thread(context: egui::Context) -> std::io::Result<Box<dyn Fn() + Send>> {
+fn spawn_repaint_thread(
+    context: egui::Context,
+    mut filter: RepaintFilter,
+) -> std::io::Result<Box<dyn Fn() + Send>> {
     let (request, requested) = bounded::<()>(1);
+    let mut next_frame = Instant::now();
     platform::start_task("bell", move || match platform::receive(&requested, None) {
         Ok(()) => {
-            // With a delay egui draws one frame; without it, two.
-            context.request_repaint_after(Duration::from_millis(1));
+            if filter.needs_repaint() {
+                let now = Instant::now();
+                if next_frame <= now {
+                    // With a delay egui draws one frame; without it, two.
+                    let soon = now + Duration::from_millis(1);
+                    next_frame = soon.max(next_frame + MIN_FRAME_INTERVAL);
+                }
+                // Repeated in any case: a frame for a key discards the request before it.
+                let delay = next_frame.saturating_duration_since(now);
+                context.request_repaint_after(delay);
+            }
             true
         }
         Err(error) => error == RecvTimeoutError::Timeout,
@@ -144,7 +161,10 @@ impl App {
         let data = Arc::new(data);
         let keeper = Keeper::start(Arc::clone(&data), &restored, kernel.emulator())?;
         let kernel_host = KernelEnvironment {
-            wake: spawn_repaint_thread(context.clone())?,
+            wake: spawn_repaint_thread(
+                context.clone(),
+                RepaintFilter::new(&console, ending.clone()),
+            )?,
             keeper: Some(keeper),
             partner_folder: Some(platform::sent_folder(data.path(), transfer::FOLDER)),
             termination: ending.clone(),

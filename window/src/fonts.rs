@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use super::theme;
+use crate::widgets::icons;
 use egui::epaint::text::{GlyphBitmap, GlyphRasterizer, GlyphRasterizerRequest, RasterizedGlyph};
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Color32, ColorImage, FontData, FontDefinitions, FontFamily, FontId, vec2};
@@ -28,6 +29,12 @@ pub fn install(context: &egui::Context) {
         let order = order.map(str::to_owned).to_vec();
         fonts.families.insert(family, order);
     }
+    let icons = Arc::new(FontData::from_static(icons::FONT));
+    fonts.font_data.insert(icons::FAMILY.to_owned(), icons);
+    let family = FontFamily::Name(icons::FAMILY.into());
+    fonts
+        .families
+        .insert(family, vec![icons::FAMILY.to_owned()]);
     context.set_fonts(fonts);
     context.add_glyph_rasterizer(GlyphRasterizer::new("gsk980td::unifont", rasterize));
 }

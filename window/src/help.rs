@@ -3,6 +3,7 @@
 //! (WINDOW-21).
 
 mod alarm_history;
+mod contents;
 mod demonstrations;
 
 use egui::{Context, Frame, Key, Margin, RichText, ScrollArea, TextEdit, Ui};
@@ -16,6 +17,8 @@ use super::theme;
 use crate::focus;
 use crate::placement::panel_placement::PlacedArea;
 use crate::placement::stop_key_clearance;
+use crate::widgets::icons::{Icon, IconButton};
+use contents::HelpChapter;
 
 /// Size of the window, points.
 const WINDOW_SIZE: [f32; 2] = [440.0, 420.0];
@@ -31,6 +34,8 @@ pub enum HelpRequest {
     Lesson(LessonAction),
     /// Show the program view at the block that raised this alarm.
     Block(Box<AlarmRecord>),
+    /// Open the lessons.
+    OpenLessons,
 }
 
 /// The state of the help window.
@@ -43,6 +48,8 @@ pub struct HelpWindow {
     search_result: ((ModelId, String), Vec<&'static Topic>),
     /// The topics that the operator has read; the last one is shown.
     history: Vec<&'static Topic>,
+    /// The chapter whose topics are listed; `None`: the contents, or a topic.
+    chapter: Option<HelpChapter>,
     /// Whether a press on the panel shows its topic instead of pressing the key.
     explains_presses: bool,
 }
@@ -131,6 +138,17 @@ impl HelpWindow {
             if back.clicked() {
                 self.history.pop();
             }
+            let contents = IconButton {
+                icon: Icon::BOOK,
+                name: say::window_help_contents().text(language),
+                hint: String::new(),
+                is_selected: None,
+            };
+            if contents.show(ui, false).clicked() {
+                self.query.clear();
+                self.history.clear();
+                self.chapter = None;
+            }
             let explain = say::window_help_explain().text(language);
             ui.toggle_value(&mut self.explains_presses, explain)
                 .on_hover_text(say::window_help_explain_hint().text(language));
@@ -173,7 +191,7 @@ impl HelpWindow {
                 }
                 [only] => return show_topic(ui, only, language, snapshot),
                 several => {
-                    if let Some(chosen) = show_topic_list(ui, several, language) {
+                    if let Some(chosen) = show_topic_list(ui, several, MAX_LISTED, language) {
                         self.query.clear();
                         self.push_topic(chosen);
                     }
@@ -182,40 +200,40 @@ impl HelpWindow {
             return None;
         }
         let Some(current) = self.history.last() else {
-            ui.label(say::window_help_begin().text(language));
-            return None;
+            return self.show_contents(ui, language, snapshot);
         };
         // Another model may have been turned on since then: a code is explained for the
         // current model.
         let model = snapshot.map(|picture| picture.model).unwrap_or_default();
         let current = topic_of(model, current.subject).unwrap_or(current);
         let request = show_topic(ui, current, language, snapshot);
-        if let Some(chosen) = show_topic_list(ui, &related_topics(current.subject), language) {
+        let related = related_topics(current.subject);
+        if let Some(chosen) = show_topic_list(ui, &related, MAX_LISTED, language) {
             self.push_topic(chosen);
         }
         request
     }
 }
 
-/// Draws a list of topics with their headings. Returns the topic that was clicked; `None` without
-/// one.
+/// Draws at most `limit` topics by their headings. Returns the topic that was clicked, if any.
 fn show_topic_list(
     ui: &mut Ui,
     topics: &[&'static Topic],
+    limit: usize,
     language: Language,
 ) -> Option<&'static Topic> {
     let name = say::window_help_list_name().text(language);
-    let count = topics.len().min(MAX_LISTED);
+    let count = topics.len().min(limit);
     let list = focus::FocusList::begin(ui, "topics", &name, count, None);
     let mut chosen = list.entered_row().and_then(|at| topics.get(at).copied());
-    for (at, topic) in topics.iter().take(MAX_LISTED).enumerate() {
+    for (at, topic) in topics.iter().take(limit).enumerate() {
         let link = focus::link_row(ui, article(topic, language).heading.into());
         if list.show_cursor(ui, at, &link) {
             chosen = Some(*topic);
         }
     }
-    if topics.len() > MAX_LISTED {
-        ui.weak(say::help_more(topics.len() - MAX_LISTED).text(language));
+    if topics.len() > limit {
+        ui.weak(say::help_more(topics.len() - limit).text(language));
     }
     chosen
 }

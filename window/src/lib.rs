@@ -14,6 +14,7 @@ mod input;
 pub mod layout;
 mod panel_view;
 mod placement;
+mod repaint_filter;
 mod request;
 mod samples;
 mod screen_reader;
@@ -41,6 +42,7 @@ use gsk_panel::keys::Key;
 use crate::chrome::first_start::FirstStart;
 use crate::chrome::message_history::MessageHistory;
 use crate::chrome::program_opener::ProgramOpener;
+use crate::chrome::way_back::WayBack;
 use crate::chrome::{top_bar, zoom};
 use crate::input::held_keys::{HeldKeys, PanelKeyChange};
 use crate::input::keyboard::PcAction;
@@ -98,6 +100,8 @@ pub struct Window {
     /// Whether the kernel is requested to send the LCD in the other language, too.
     is_translation_requested: bool,
     sounds: MachineSound,
+    /// The way back to the start of a program whose keys the panel marks.
+    way_back: Option<WayBack>,
 }
 
 /// The control model in use and the operator's request for another one.
@@ -142,6 +146,7 @@ impl Window {
             reversed_keys: KeysReversed::default(),
             is_translation_requested: false,
             sounds: MachineSound::default(),
+            way_back: None,
         }
     }
 
@@ -330,6 +335,7 @@ impl Window {
         {
             Some(help::HelpRequest::Lesson(order)) => self.console.send(Command::Lesson(order)),
             Some(help::HelpRequest::Block(occurrence)) => self.show_block(*occurrence),
+            Some(help::HelpRequest::OpenLessons) => self.show_view(ViewId::Lesson),
             None => {}
         }
         let picture = self.snapshot.as_ref();

@@ -8,6 +8,9 @@ use gsk_host::job::{self, SelectedJob};
 use gsk_host::kernel::{OpenedProgram, StorePolicy};
 use gsk_messages::{Language, Message, say};
 
+use crate::widgets::card::{CardPicture, PartOutline};
+use crate::widgets::icons::Icon;
+
 #[derive(Debug)]
 pub struct ProgramSample {
     /// Name of the program's file.
@@ -81,6 +84,69 @@ pub static SAMPLES: [ProgramSample; 7] = [
     ),
 ];
 
+/// Outlines of the parts that the samples cut, by the file names of the samples.
+static OUTLINES: [(&str, PartOutline); 4] = [
+    (
+        "01-stepped-shaft.CNC",
+        &[
+            (0.0, 0.0),
+            (0.0, 8.0),
+            (2.0, 10.0),
+            (20.0, 10.0),
+            (35.0, 15.0),
+            (50.0, 15.0),
+            (55.0, 20.0),
+            (59.0, 25.0),
+            (72.0, 25.0),
+            (72.0, 0.0),
+        ],
+    ),
+    (
+        "02-bushing.CNC",
+        &[
+            (0.0, 0.0),
+            (0.0, 21.5),
+            (1.0, 22.5),
+            (25.0, 22.5),
+            (25.0, 29.0),
+            (36.0, 29.0),
+            (36.0, 0.0),
+        ],
+    ),
+    (
+        "03-grooved-pin.CNC",
+        &[
+            (0.0, 0.0),
+            (0.0, 14.0),
+            (12.0, 14.0),
+            (12.0, 11.0),
+            (16.0, 11.0),
+            (16.0, 14.0),
+            (28.0, 14.0),
+            (28.0, 11.0),
+            (32.0, 11.0),
+            (32.0, 14.0),
+            (50.0, 14.0),
+            (50.0, 0.0),
+        ],
+    ),
+    (
+        "04-manual-example.CNC",
+        &[
+            (0.0, 0.0),
+            (0.0, 18.0),
+            (2.0, 20.0),
+            (34.0, 20.0),
+            (34.0, 15.0),
+            (40.0, 15.0),
+            (40.0, 20.0),
+            (60.0, 30.0),
+            (90.0, 30.0),
+            (90.0, 0.0),
+        ],
+    ),
+];
+
 /// The samples that run to their end without an alarm.
 pub fn good_samples() -> impl Iterator<Item = &'static ProgramSample> {
     SAMPLES
@@ -92,6 +158,14 @@ impl ProgramSample {
     /// Returns what the sample demonstrates, for the menu.
     pub fn description_text(&self, language: Language) -> String {
         (self.description)().text(language)
+    }
+
+    /// Returns the picture of the sample's card: the part that it cuts.
+    pub fn picture(&self) -> CardPicture {
+        let outline = OUTLINES.iter().find(|(name, _)| *name == self.name);
+        outline.map_or(CardPicture::Icon(Icon::SAMPLE), |(_, outline)| {
+            CardPicture::Part(outline)
+        })
     }
 
     /// Converts the sample to a program that can be opened in the control.

@@ -333,6 +333,10 @@ pub const READING_SIZE: f32 = LARGE;
 /// Text size of the step of a lesson, large buttons, readings of the caliper and the state of
 /// a real machine, points.
 pub const LARGE_SIZE: f32 = LARGE;
+/// Size of an icon, points.
+pub const ICON_SIZE: f32 = LARGE;
+/// Size of an icon that is a picture, points.
+pub const PICTURE_ICON_SIZE: f32 = 2.0 * LARGE;
 /// Text size of the end of a lesson, points.
 pub const LESSON_END_SIZE: f32 = LARGE;
 /// Text size of the warning of a real machine, points.

@@ -14,7 +14,9 @@ use crate::focus;
 use crate::layout::{Layouts, WindowLayout};
 use crate::theme;
 use crate::view::ViewId;
+use crate::widgets::card::{Card, CardPicture};
 use crate::widgets::files::{self, FileChoice};
+use crate::widgets::icons::Icon;
 use gsk_messages::{Language, Message, say};
 
 /// Height of an answer, points: large enough for a finger.
@@ -37,6 +39,7 @@ pub enum Purpose {
 
 struct PurposeRow {
     purpose: Purpose,
+    icon: Icon,
     name: fn() -> Message,
     /// Description of the screen that opens.
     description: fn() -> Message,
@@ -49,6 +52,7 @@ struct PurposeRow {
 static PURPOSES: [PurposeRow; 3] = [
     PurposeRow {
         purpose: Purpose::Learning,
+        icon: Icon::LESSON,
         name: say::first_learning,
         description: say::first_learning_shows,
         layout: WindowLayout::Learner,
@@ -56,6 +60,7 @@ static PURPOSES: [PurposeRow; 3] = [
     },
     PurposeRow {
         purpose: Purpose::Checking,
+        icon: Icon::CODE,
         name: say::first_checking,
         description: say::first_checking_shows,
         layout: WindowLayout::Programmer,
@@ -63,6 +68,7 @@ static PURPOSES: [PurposeRow; 3] = [
     },
     PurposeRow {
         purpose: Purpose::OwnLathe,
+        icon: Icon::TOOLS,
         name: say::first_own_lathe,
         description: say::first_own_lathe_shows,
         layout: WindowLayout::Panel,
@@ -204,10 +210,15 @@ impl FirstStart {
         show_heading(ui, &text(say::first_what_for()));
         for row in &PURPOSES {
             let chosen = self.purpose == Some(row.purpose);
-            if answer_option(ui, chosen, &text((row.name)()), ui.available_width()).clicked() {
+            let card = Card {
+                picture: CardPicture::Icon(row.icon),
+                title: text((row.name)()),
+                detail: text((row.description)()),
+                is_marked: chosen,
+            };
+            if card.show(ui, ui.available_width()).clicked() {
                 self.purpose = Some(row.purpose);
             }
-            ui.weak(text((row.description)()));
         }
         if self.has_lathe_question {
             show_heading(ui, &text(say::first_which_control()));

@@ -9,6 +9,7 @@ use gsk_panel::keys::Key;
 
 use super::message_history::{HistoryRequest, LineMessage, LineText};
 use super::top_bar;
+use super::way_back::WayBack;
 use crate::focus;
 use crate::fonts;
 use crate::theme;
@@ -57,7 +58,7 @@ impl Window {
     }
 
     /// Draws the most dangerous message and, if there is space, a newer one beside it.
-    fn show_messages(&self, ui: &mut Ui, top: Option<&LineMessage>) {
+    fn show_messages(&mut self, ui: &mut Ui, top: Option<&LineMessage>) {
         let language = self.settings.language;
         let Some(LineMessage { severity, text }) = top else {
             let hint = self.next_step().map(|hint| hint.text(language));
@@ -69,6 +70,9 @@ impl Window {
                 self.console.send(Command::FreeLathe);
             }
             return;
+        }
+        if self.is_start_hint(*severity) {
+            self.show_way_back_button(ui);
         }
         let words = text.text(language);
         let font = egui::TextStyle::Body.resolve(ui.style());
@@ -95,6 +99,26 @@ impl Window {
             severity.show_sign(ui, severity.name().text(language));
             let newer = RichText::new(&words).color(theme::HINT_TEXT);
             ui.add(Label::new(newer).truncate()).on_hover_text(words);
+        }
+    }
+
+    /// Whether the hint in the message line is that of a start away from the last one.
+    fn is_start_hint(&self, severity: MessageSeverity) -> bool {
+        let snapshot = self.snapshot.as_ref();
+        severity == MessageSeverity::Hint
+            && snapshot.is_some_and(|it| it.start_distance.is_some() && it.program_wait.is_none())
+    }
+
+    /// Draws the button that marks the keys of the way back on the panel.
+    fn show_way_back_button(&mut self, ui: &mut Ui) {
+        let language = self.settings.language;
+        let words = RichText::new(say::window_way_back().text(language));
+        let button =
+            ui.add(egui::Button::new(words.color(theme::TEXT_ON_BRIGHT)).fill(theme::WARNING));
+        let hint = say::window_way_back_hint().text(language);
+        if button.on_hover_text(hint).clicked() {
+            let start = self.snapshot.as_ref().and_then(|it| it.start_distance);
+            self.way_back = start.map(WayBack::new);
         }
     }
 

@@ -9,4 +9,5 @@ pub mod program_opener;
 pub mod startup_error;
 pub mod top_bar;
 pub mod top_bar_requests;
+pub mod way_back;
 pub mod zoom;

@@ -21,6 +21,7 @@ use crate::theme;
 use crate::view::{VIEWS, ViewId};
 use crate::views::project::ProjectViewCommand;
 use crate::widgets::alarm_text;
+use crate::widgets::icons::{Icon, IconButton};
 use crate::widgets::right_aligned;
 use gsk_messages::{Language, Message, say};
 
@@ -28,6 +29,9 @@ use gsk_messages::{Language, Message, say};
 const RIGHT_GROUP: &str = "bar right";
 /// Width of the bar below which the program menus become one menu, points.
 const NARROW_WIDTH: f32 = 620.0;
+
+/// Width of the window from which the buttons at the right end show their names, points.
+const NAMED_BUTTONS_WIDTH: f32 = 1000.0;
 
 /// What the operator requests in the top bar.
 #[derive(Clone, Debug)]
@@ -161,22 +165,52 @@ pub fn show(
             if let Some(picture) = snapshot {
                 request = show_speeds(ui, language, picture).or(request.take());
             }
-            for (label, button_request) in [
-                (say::window_help(), TopBarRequest::Help),
-                (say::window_keys(), TopBarRequest::ToggleKeyMap),
-                (say::window_other_language(), TopBarRequest::SwitchLanguage),
-            ] {
-                if ui.button(label.text(language)).clicked() {
-                    request = Some(button_request);
-                }
-            }
+            request = show_help_buttons(ui, language).or(request.take());
         });
     });
     request
 }
 
-/// Draws the menu of program speeds and returns the request to set one; `None` without one. With a
-/// board the speed is fixed.
+/// Draws the buttons for help, key map and language. Returns the request of the clicked one,
+/// if any.
+fn show_help_buttons(ui: &mut Ui, language: Language) -> Option<TopBarRequest> {
+    let mut request = None;
+    let has_names = ui.ctx().content_rect().width() >= NAMED_BUTTONS_WIDTH;
+    for (icon, name, hint, button_request) in [
+        (
+            Icon::HELP,
+            say::window_help(),
+            say::window_help_key(),
+            TopBarRequest::Help,
+        ),
+        (
+            Icon::KEYBOARD,
+            say::window_keys(),
+            say::window_keys_hint(),
+            TopBarRequest::ToggleKeyMap,
+        ),
+        (
+            Icon::LANGUAGE,
+            say::window_other_language(),
+            say::window_other_language_hint(),
+            TopBarRequest::SwitchLanguage,
+        ),
+    ] {
+        let button = IconButton {
+            icon,
+            name: name.text(language),
+            hint: hint.text(language),
+            is_selected: None,
+        };
+        if button.show(ui, has_names).clicked() {
+            request = Some(button_request);
+        }
+    }
+    request
+}
+
+/// Draws the menu of program speeds and returns the request to set one, if any. With a board
+/// the speed is fixed.
 fn show_speeds(ui: &mut Ui, language: Language, snapshot: &PanelSnapshot) -> Option<TopBarRequest> {
     let name = |speed: RunSpeed| match speed {
         RunSpeed::Percent(percent) => format!("{}x", f64::from(percent) / 100.0),

@@ -5,7 +5,8 @@ pub mod lcd;
 pub mod tips;
 
 use egui::{
-    Color32, Event, Painter, Pos2, Role, Sense, Stroke, StrokeKind, TouchPhase, Ui, WidgetInfo,
+    Color32, Event, Painter, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Tooltip, TouchPhase, Ui,
+    WidgetInfo, pos2, vec2,
 };
 use gsk_help::{Subject, Topic, topic, topic_at};
 use gsk_panel::faceplate::{self, FaceState, Outline, PanelColour, PanelPart, PartKind};
@@ -128,14 +129,22 @@ impl Window {
                 .lcd_cell(self.pointer_position)
                 .map(|(row, column)| tips::lcd_tip(picture, row, column, self.settings.language));
             if let Some(tip) = tip.filter(|tip| !tip.is_empty()) {
-                lcd.on_hover_ui_at_pointer(|ui| {
+                let mut tooltip = Tooltip::for_enabled(&lcd);
+                let row = self.lcd_row_rect(bounds);
+                tooltip.popup = tooltip.popup.anchor(row);
+                tooltip.show(|ui| {
                     for line in tip {
                         ui.label(line);
                     }
                 });
             }
         }
-        for key in self.views.lessons().marked_keys() {
+        let mut marked = self.views.lessons().marked_keys();
+        if let Some(picture) = &snapshot {
+            self.way_back = self.way_back.and_then(|way| way.follow(picture));
+            marked.extend(self.way_back.iter().flat_map(|way| way.keys(picture)));
+        }
+        for key in marked {
             if let Some(part) = faceplate::part_of(key)
                 && let Some(view) = panel_placement::area_of_part(placed, part)
             {
@@ -262,6 +271,16 @@ impl Window {
         let row = cell(y - lcd.y, lcd.h, ROWS);
         let column = cell(x - lcd.x, lcd.w, COLUMNS);
         lcd.contains(x, y).then_some((row, column))
+    }
+
+    /// The row of the LCD under the pointer, from the pointer to the right. A tip below it does
+    /// not cover the value that it explains.
+    fn lcd_row_rect(&self, lcd: Rect) -> Rect {
+        let pointer = self.pointer_position.unwrap_or_else(|| lcd.center());
+        let height = lcd.height() / ROWS as f32;
+        let row = ((pointer.y - lcd.top()) / height).floor();
+        let corner = pos2(pointer.x, lcd.top() + row * height);
+        Rect::from_min_size(corner, vec2(1.0, height))
     }
 
     /// Sets whether the kernel sends the LCD in the other language, too, for the pointer on

@@ -3,6 +3,9 @@
 
 mod sections;
 
+use std::cell::RefCell;
+use std::collections::VecDeque;
+
 use egui::{Pos2, Rect, Vec2, pos2, vec2};
 use gsk_panel::faceplate::{self, PanelArea, PanelPart, SIZE, parts};
 use gsk_panel::keys::Key;
@@ -38,6 +41,12 @@ const UPRIGHT_RATIO: f32 = 1.25;
 const LEGEND_HEIGHT: f32 = 15.04;
 /// Smallest legends that are read without effort, physical pixels.
 pub const MIN_LEGEND_HEIGHT: f32 = 11.0;
+
+/// Bounds and scale with the areas of the panel placed for them.
+type Placement = (Rect, f32, Vec<PlacedArea>);
+
+/// Number of placements that are kept: those of the panes of one layout.
+const KEPT_PLACEMENTS: usize = 32;
 
 /// Position and scale of one area of the panel in the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -139,6 +148,28 @@ pub fn place_stop_keys(bar: Rect, pixels_per_point: f32) -> Vec<PlacedArea> {
 /// Places the panel in `bounds`: as a whole, or split into its sections if that makes the
 /// legends larger or the dots of the LCD whole pixels.
 pub fn place_panel(bounds: Rect, pixels_per_point: f32) -> Vec<PlacedArea> {
+    thread_local! {
+        /// The last results: the search takes longer than the rest of a frame without changes,
+        /// and layout and panel need the same few panes in each frame.
+        static LAST_PLACEMENTS: RefCell<VecDeque<Placement>> = const {
+            RefCell::new(VecDeque::new())
+        };
+    }
+    LAST_PLACEMENTS.with_borrow_mut(|last| {
+        let known = last
+            .iter()
+            .find(|(of, pixels, _)| *of == bounds && *pixels == pixels_per_point);
+        if let Some((_, _, placed)) = known {
+            return placed.clone();
+        }
+        let placed = find_best_placement(bounds, pixels_per_point);
+        last.truncate(KEPT_PLACEMENTS - 1);
+        last.push_front((bounds, pixels_per_point, placed.clone()));
+        placed
+    })
+}
+
+fn find_best_placement(bounds: Rect, pixels_per_point: f32) -> Vec<PlacedArea> {
     let whole = PlacedArea::fit(PanelArea::WHOLE, bounds, pixels_per_point);
     let is_crisp = lcd_placement::fit(whole.to_window(faceplate::lcd()), pixels_per_point).is_crisp;
     let whole_value = match is_crisp {

@@ -119,25 +119,27 @@ impl Bench {
                     } else {
                         theme::ROW_TEXT
                     };
-                    draw_row(ui, |ui| {
-                        if shows_script_names {
-                            ui.label(RichText::new(name).monospace().weak());
-                        }
-                        ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                            let check = ui.checkbox(&mut on, RichText::new(&text).color(colour));
-                            check.widget_info(|| {
-                                egui::WidgetInfo::selected(egui::Role::CheckBox, true, on, &text)
-                            });
-                            let hover_text = if shows_script_names {
-                                effect.clone()
-                            } else {
-                                format!("{effect}\n{name}")
-                            };
-                            if check.on_hover_text(hover_text).changed() {
-                                self.console.send(Command::Fault(fault, on));
-                            }
+                    let hover_text = match shows_script_names {
+                        true => effect.clone(),
+                        false => format!("{effect}\n{name}"),
+                    };
+                    let mut add_check = |ui: &mut Ui| {
+                        let check = ui.checkbox(&mut on, RichText::new(&text).color(colour));
+                        check.widget_info(|| {
+                            egui::WidgetInfo::selected(egui::Role::CheckBox, true, on, &text)
                         });
-                    });
+                        if check.on_hover_text(&hover_text).changed() {
+                            self.console.send(Command::Fault(fault, on));
+                        }
+                    };
+                    match shows_script_names {
+                        true => draw_row(ui, |ui| {
+                            ui.label(RichText::new(name).monospace().weak());
+                            ui.with_layout(Layout::left_to_right(Align::Center), add_check);
+                        }),
+                        // In a narrow column a long name takes two rows.
+                        false => add_check(ui),
+                    }
                     // The effect, while the fault is active.
                     if machine.lathe.has_fault(fault) {
                         ui.indent(name, |ui| {

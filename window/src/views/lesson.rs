@@ -14,9 +14,13 @@ use super::interface::{View, ViewFrame, ViewStart};
 use crate::focus;
 use crate::samples::{SampleRequest, good_samples};
 use crate::theme;
+use crate::widgets::card::{self, Card, CardPicture};
+use crate::widgets::icons::Icon;
 
 /// Seconds without progress after which the hint appears.
 const HINT_DELAY_S: f64 = 40.0;
+/// Estimated time that a beginner needs for a step, s.
+const STEP_TIME_S: usize = 40;
 /// Diameter of the mark of a step, points.
 const MARK_DIAMETER: f32 = 12.0;
 
@@ -158,42 +162,48 @@ impl LessonView {
     }
 
     fn list(&mut self, ui: &mut Ui, language: Language) {
-        ui.label(RichText::new(say::lesson_samples().text(language)).size(theme::READING_SIZE));
-        ui.horizontal_wrapped(|ui| {
-            for sample in good_samples() {
-                let button = ui.button(sample.description_text(language));
-                let hint = say::lesson_sample_hint().text(language);
-                if button.on_hover_text(hint).clicked() {
-                    let starts = true;
-                    self.sample = Some(SampleRequest { sample, starts });
-                }
+        let heading = say::lesson_samples().text(language);
+        card::show_heading(ui, Icon::SAMPLE, &heading);
+        let samples: Vec<_> = good_samples().collect();
+        let cards: Vec<Card> = samples
+            .iter()
+            .map(|sample| Card {
+                picture: sample.picture(),
+                title: sample.description_text(language),
+                detail: sample.name.to_owned(),
+                is_marked: false,
+            })
+            .collect();
+        for (sample, card) in samples.into_iter().zip(card::show_cards(ui, &cards)) {
+            let hint = say::lesson_sample_hint().text(language);
+            if card.on_hover_text(hint).clicked() {
+                let starts = true;
+                self.sample = Some(SampleRequest { sample, starts });
             }
-        });
+        }
         ui.add_space(8.0);
+        let heading = say::lesson_first_hour().text(language);
+        card::show_heading(ui, Icon::LESSON, &heading);
         ui.label(say::lesson_intro().text(language));
-        ui.add_space(8.0);
-        for lesson in &self.lessons {
-            let done = self.finished.contains(&lesson.name);
-            ui.horizontal(|ui| {
-                draw_mark(
-                    ui,
-                    if done {
-                        theme::SUCCESS
-                    } else {
-                        theme::LESSON_OPEN
-                    },
-                    done,
-                );
-                let title =
-                    RichText::new(lesson.title.in_language(language)).size(theme::READING_SIZE);
-                let button = ui.button(title);
-                if button
-                    .on_hover_text(lesson.about.in_language(language))
-                    .clicked()
-                {
-                    self.send_order(LessonAction::Begin(Arc::clone(lesson)));
-                }
-            });
+        let is_done = |lesson: &Arc<Lesson>| self.finished.contains(&lesson.name);
+        let done = self.lessons.iter().filter(|it| is_done(it)).count();
+        let words = say::lesson_progress(done, self.lessons.len()).text(language);
+        card::show_progress(ui, done, self.lessons.len(), &words);
+        let cards: Vec<Card> = self
+            .lessons
+            .iter()
+            .map(|lesson| Card {
+                picture: CardPicture::Icon(lesson_icon(lesson)),
+                title: lesson.title.in_language(language).to_owned(),
+                detail: describe_length(lesson, language),
+                is_marked: is_done(lesson),
+            })
+            .collect();
+        for (lesson, card) in self.lessons.iter().zip(card::show_cards(ui, &cards)) {
+            let about = lesson.about.in_language(language);
+            if card.on_hover_text(about).clicked() {
+                self.send_order(LessonAction::Begin(Arc::clone(lesson)));
+            }
         }
         for error in &self.load_errors {
             ui.add_space(4.0);
@@ -348,6 +358,32 @@ impl LessonView {
             }
         }
     }
+}
+
+/// The picture of a lesson's card, by what its first steps show.
+fn lesson_icon(lesson: &Lesson) -> Icon {
+    let icons = [
+        ("01", Icon::KEYBOARD),
+        ("02", Icon::FIT),
+        ("03", Icon::CODE),
+        ("04", Icon::BOOK),
+        ("05", Icon::MEASURE),
+        ("06", Icon::PATH),
+        ("07", Icon::WARNING),
+        ("08", Icon::TOOLS),
+        ("09", Icon::STOCK),
+        ("10", Icon::SECTION),
+    ];
+    let own = icons
+        .iter()
+        .find(|(number, _)| lesson.name.starts_with(number));
+    own.map_or(Icon::LESSON, |(_, icon)| *icon)
+}
+
+/// Describes number of steps and estimated time of a lesson.
+fn describe_length(lesson: &Lesson, language: Language) -> String {
+    let minutes = (lesson.steps.len() * STEP_TIME_S).div_ceil(60);
+    say::lesson_length(lesson.steps.len(), minutes).text(language)
 }
 
 /// Formats the legend of a key in brackets, without its English words: `[X 手轮]`.

@@ -1,7 +1,9 @@
 //! Pieces that several views and bars draw: dialogs, messages, marks.
 
 pub mod alarm_text;
+pub mod card;
 pub mod files;
+pub mod icons;
 pub mod questions;
 pub mod real_machine_bar;
 pub mod right_aligned;

@@ -1,12 +1,10 @@
 //! The tool bar above the picture, and the state lines, findings and clock below it.
 
-use egui::text::LayoutJob;
-use egui::{Label, RichText, ScrollArea, TextFormat, TextStyle, Ui};
+use egui::{Label, RichText, ScrollArea, Ui};
 use gsk_core::command::ProgramId;
 use gsk_host::kernel::Command;
 use gsk_messages::{Language, Message, say};
 use gsk_runner::narration::describe_pass;
-use gsk_runner::times::TimeUse;
 
 use super::path::BlockRef;
 use super::xray::{self, TrialAction};
@@ -14,67 +12,117 @@ use super::{Instrument, LatheView, ProgramViewRequest, SelectedBlock, to_block_r
 use crate::focus;
 use crate::theme;
 use crate::widgets::alarm_text;
+use crate::widgets::icons::{self, Icon, IconButton};
 
 /// Maximum height of the list of collisions, points.
 const LIST_HEIGHT: f32 = 72.0;
 
+/// An instrument with its icon, its name and the hint for its button.
+type InstrumentRow = (Instrument, Icon, fn() -> Message, fn() -> Message);
+
+/// The instruments in the order of their buttons.
+const INSTRUMENTS: [InstrumentRow; 4] = [
+    (
+        Instrument::Path,
+        Icon::PATH,
+        say::lathe_path,
+        say::lathe_path_hint,
+    ),
+    (
+        Instrument::Caliper,
+        Icon::MEASURE,
+        say::caliper,
+        say::caliper_hint,
+    ),
+    (
+        Instrument::Microscope,
+        Icon::COMPARE,
+        say::microscope,
+        say::microscope_hint,
+    ),
+    (
+        Instrument::Job,
+        Icon::TOOLS,
+        say::job_view,
+        say::job_view_hint,
+    ),
+];
+
 impl LatheView {
     pub(super) fn show_toolbar(&mut self, ui: &mut Ui, language: Language) {
-        ui.horizontal_wrapped(|ui| {
-            let button = |ui: &mut Ui, words: Message, hint: Message| {
-                let button = ui.button(words.text(language));
-                button.on_hover_text(hint.text(language)).clicked()
-            };
-            if button(ui, say::lathe_fit(), say::lathe_fit_hint()) {
+        let button = |icon, name: Message, hint: Message, is_selected| IconButton {
+            icon,
+            name: name.text(language),
+            hint: hint.text(language),
+            is_selected,
+        };
+        let solid = self.picture.is_solid;
+        let instruments = INSTRUMENTS.iter().map(|(instrument, icon, name, hint)| {
+            let is_selected = self.instruments.selected == *instrument;
+            button(*icon, name(), hint(), Some(is_selected))
+        });
+        let groups = [
+            vec![
+                button(Icon::FIT, say::lathe_fit(), say::lathe_fit_hint(), None),
+                button(
+                    Icon::FOLLOW,
+                    say::lathe_follow(),
+                    say::lathe_follow_hint(),
+                    Some(self.picture.follows_tool),
+                ),
+            ],
+            vec![
+                button(
+                    Icon::SECTION,
+                    say::lathe_section(),
+                    say::lathe_section_hint(),
+                    Some(!solid),
+                ),
+                button(
+                    Icon::SOLID,
+                    say::lathe_solid(),
+                    say::lathe_solid_hint(),
+                    Some(solid),
+                ),
+            ],
+            vec![
+                button(
+                    Icon::STOCK,
+                    say::lathe_new_stock(),
+                    say::lathe_new_stock_hint(),
+                    None,
+                ),
+                button(
+                    Icon::CRASH_STOP,
+                    say::lathe_crash_stops(),
+                    say::lathe_crash_stops_hint(),
+                    Some(self.stops_on_crash),
+                ),
+            ],
+            instruments.collect(),
+        ];
+        match icons::show_groups(ui, &groups) {
+            Some((0, 0)) => {
                 self.picture.camera = None;
                 self.picture.follows_tool = false;
             }
-            for (solid, words, hint) in [
-                (false, say::lathe_section(), say::lathe_section_hint()),
-                (true, say::lathe_solid(), say::lathe_solid_hint()),
-            ] {
-                let chosen = self.picture.is_solid == solid;
-                let button = ui.selectable_label(chosen, words.text(language));
-                if button.on_hover_text(hint.text(language)).clicked() && !chosen {
-                    self.picture.is_solid = solid;
-                    self.picture.camera = None;
-                }
+            Some((0, _)) => self.picture.follows_tool = !self.picture.follows_tool,
+            Some((1, index)) if solid != (index == 1) => {
+                self.picture.is_solid = !solid;
+                self.picture.camera = None;
             }
-            ui.checkbox(
-                &mut self.picture.follows_tool,
-                say::lathe_follow().text(language),
-            )
-            .on_hover_text(say::lathe_follow_hint().text(language));
-            ui.separator();
-            if button(ui, say::lathe_new_stock(), say::lathe_new_stock_hint()) {
-                self.console.send(Command::FreshStock);
-            }
-            let words = say::lathe_crash_stops().text(language);
-            let stops = ui.checkbox(&mut self.stops_on_crash, words);
-            let hint = say::lathe_crash_stops_hint().text(language);
-            if stops.on_hover_text(hint).changed() {
+            Some((2, 0)) => self.console.send(Command::FreshStock),
+            Some((2, _)) => {
+                self.stops_on_crash = !self.stops_on_crash;
                 self.console.send(Command::CrashStops(self.stops_on_crash));
             }
-            ui.separator();
-            for (instrument, words, hint) in [
-                (Instrument::Path, say::lathe_path(), say::lathe_path_hint()),
-                (Instrument::Caliper, say::caliper(), say::caliper_hint()),
-                (
-                    Instrument::Microscope,
-                    say::microscope(),
-                    say::microscope_hint(),
-                ),
-                (Instrument::Job, say::job_view(), say::job_view_hint()),
-            ] {
-                let chosen = self.instruments.selected == instrument;
-                let button = ui.selectable_label(chosen, words.text(language));
-                if button.on_hover_text(hint.text(language)).clicked() {
-                    self.instruments.selected = instrument;
+            Some((3, index)) => {
+                if let Some((instrument, ..)) = INSTRUMENTS.get(index) {
+                    self.instruments.selected = *instrument;
                 }
             }
-            ui.separator();
-            draw_legend(ui, language);
-        });
+            _ => {}
+        }
     }
 
     /// Draws the pointer's position, the block, the text of the instrument in use, the clock,
@@ -98,16 +146,8 @@ impl LatheView {
             }
         });
         match self.instruments.selected {
-            Instrument::Job => {}
+            Instrument::Job | Instrument::Caliper => {}
             Instrument::Path => self.show_xray(ui, language),
-            Instrument::Caliper => {
-                let messages = self.instruments.caliper.messages();
-                let texts = messages.iter().map(|words| words.text(language));
-                // Always three rows: the picture under the pointer must not move.
-                for words in texts.chain(std::iter::repeat(String::new())).take(3) {
-                    ui.label(RichText::new(words).monospace());
-                }
-            }
             Instrument::Microscope => {
                 let partial = self.preview.path.is_partial;
                 let clicked = self.instruments.microscope.show_bar(ui, partial, language);
@@ -237,24 +277,4 @@ impl LatheView {
             ProgramId::External | ProgramId::Mdi | ProgramId::Dnc => line.to_string(),
         }
     }
-}
-
-/// Draws the names of the kinds of moves in the colours of their paths, in one row.
-fn draw_legend(ui: &mut Ui, language: Language) {
-    let font_id = TextStyle::Body.resolve(ui.style());
-    let mut job = LayoutJob::default();
-    for (what, color) in [
-        (TimeUse::Rapid, theme::RAPID_PATH),
-        (TimeUse::Feed, theme::FEED_PATH),
-        (TimeUse::Thread, theme::THREAD_PATH),
-    ] {
-        let gap = match job.text.is_empty() {
-            true => "",
-            false => "  ",
-        };
-        let words = what.message().text(language);
-        let format = TextFormat::simple(font_id.clone(), color);
-        job.append(&format!("{gap}{words}"), 0.0, format);
-    }
-    ui.add(Label::new(job).extend());
 }

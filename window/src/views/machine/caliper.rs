@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use egui::{Align2, Color32, Context, FontId, Painter, Pos2, Shape, Stroke, Vec2, pos2, vec2};
+use egui::{
+    Align2, Color32, Context, FontId, Label, Painter, Pos2, Rect, RichText, Shape, Stroke, Ui,
+    Vec2, pos2, vec2,
+};
 use gsk_core::units::Point;
 use gsk_messages::{Language, Message, say};
 use gsk_runner::report::feature_message;
@@ -90,6 +93,27 @@ impl Caliper {
             words.extend(meant.and_then(|meant| describe_distance(&kept.feature, &meant.feature)));
         }
         words
+    }
+
+    /// Writes the measurements into the lower left corner of the picture in `rect`.
+    pub fn show_readings(&self, ui: &mut Ui, rect: Rect, language: Language) {
+        let messages = self.messages();
+        let mut bottom = rect.left_bottom() + vec2(48.0, -22.0);
+        for message in messages.iter().rev() {
+            let words = RichText::new(message.text(language)).monospace();
+            let job = egui::WidgetText::from(words).into_galley(
+                ui,
+                Some(egui::TextWrapMode::Truncate),
+                (rect.right() - bottom.x - 8.0).max(40.0),
+                egui::TextStyle::Body,
+            );
+            let place = Align2::LEFT_BOTTOM.anchor_size(bottom, job.size());
+            let ground = place.expand2(vec2(4.0, 1.0));
+            ui.painter()
+                .rect_filled(ground, 2.0, theme::CALIPER_LABEL_GROUND);
+            ui.put(place, Label::new(job));
+            bottom.y = place.top() - 3.0;
+        }
     }
 
     fn hovered_feature(&self) -> Option<&MeasuredFeature> {

@@ -1,8 +1,11 @@
 //! The camera of the machine view: which section of the part is visible, from which direction
 //! and at which scale. Converts mm in the plane of the tools to points of the window and back.
 
+use std::sync::Arc;
+
 use egui::{Pos2, Rect, Vec2, pos2, vec2};
 use gsk_runner::solid::{SolidView, ViewDirection};
+use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
 
 /// Minimum and maximum scale, points per millimetre.
@@ -17,6 +20,8 @@ const TURN_DEGREES_PER_POINT: f32 = 0.4;
 pub struct PictureState {
     /// The camera that the user has moved; `None` if the picture shows everything.
     pub camera: Option<Camera>,
+    /// The job of the part, and the box around its tools with their tips at the origin.
+    pub tool_bounds: Option<(Arc<Job>, Rect)>,
     /// Whether the picture follows the tool.
     pub follows_tool: bool,
     /// True to show the part as a solid, false for a half section.

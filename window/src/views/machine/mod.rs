@@ -33,6 +33,7 @@ use gsk_core::units::Point;
 use gsk_host::kernel::part::PartView;
 use gsk_host::kernel::{Command, Console, ProgramPlacement};
 use gsk_messages::{Language, say};
+use gsk_workpiece::grid::from_grid;
 
 use super::interface::{View, ViewFrame, ViewStart};
 use super::program::{ProgramDocument, TextOrigin, with_line_feeds};
@@ -380,6 +381,13 @@ impl LatheView {
     /// Receives the state of the part and passes it to the instrument in use.
     fn receive_part(&mut self, ui: &Ui) {
         self.receive_state();
+        if let Some(part) = &self.part {
+            let known = self.picture.tool_bounds.as_ref();
+            if !known.is_some_and(|(job, _)| Arc::ptr_eq(job, &part.job)) {
+                let bounds = section_drawing::tool_bounds(&part.job);
+                self.picture.tool_bounds = Some((Arc::clone(&part.job), bounds));
+            }
+        }
         let Some(worker) = &self.worker else { return };
         let is_running = self.part.as_ref().is_some_and(|part| part.block.is_some());
         worker
@@ -485,9 +493,13 @@ impl LatheView {
         }
         if self.instruments.selected == Instrument::Caliper {
             self.instruments.caliper.draw(&painter, &camera, language);
+            self.instruments.caliper.show_readings(ui, rect, language);
         }
         if solid.is_none() {
             grid::draw_figures(&painter, &camera);
+        }
+        if self.instruments.selected != Instrument::Microscope {
+            overlay::draw_legend(&painter, rect, language);
         }
         if let Some(part) = &self.part {
             overlay::draw_states(&painter, rect, part, language);
@@ -509,7 +521,14 @@ impl LatheView {
             let stock = &part.job.stock;
             let (radius, front) = (stock.radius() as f32, stock.front() as f32);
             let back = stock.jaw_front() as f32 - VISIBLE_CHUCK_MM;
-            Rect::from_min_max(pos2(back, -radius), pos2(front, radius))
+            let jaws = stock.chuck_section().1.bounds();
+            let jaws = jaws.map_or(radius, |it| from_grid(it.high).x as f32);
+            let clamped = Rect::from_min_max(pos2(back, -jaws), pos2(front, jaws));
+            let tools = self.picture.tool_bounds.as_ref();
+            let tools = tools.map_or(Rect::ZERO, |(_, bounds)| *bounds);
+            // The whole tool is visible while its tip is at the end of the bar.
+            let tip = pos2(front, radius);
+            clamped.union(tools.translate(tip.to_vec2()))
         });
         let bounds = match (part, self.preview.path.bounds) {
             (Some(part), Some(path)) => part.union(path),

@@ -3,10 +3,14 @@
 use egui::{Align2, FontId, Painter, Rect, Stroke, vec2};
 use gsk_host::kernel::part::PartView;
 use gsk_messages::{Language, Message, say};
+use gsk_runner::times::TimeUse;
 
 use super::camera::Camera;
 use super::to_pos2;
 use crate::theme;
+
+/// Length of a line of the legend, points.
+const LEGEND_LINE: f32 = 14.0;
 
 /// Writes tool number, spindle speed and each active state of the lathe into the upper right
 /// corner.
@@ -24,6 +28,30 @@ pub fn draw_states(painter: &Painter, rect: Rect, part: &PartView, language: Lan
             theme::PICTURE_LABEL_GROUND,
         );
         painter.galley(label_rect.min, galley, theme::QUIET_TEXT);
+    }
+}
+
+/// Writes the names of the kinds of moves into the upper left corner, each beside a line in the
+/// colour of its path.
+pub fn draw_legend(painter: &Painter, rect: Rect, language: Language) {
+    let font = FontId::proportional(theme::SCALE_SIZE);
+    let mut at = rect.left_top() + vec2(8.0, 6.0);
+    for (what, color) in [
+        (TimeUse::Rapid, theme::RAPID_PATH),
+        (TimeUse::Feed, theme::FEED_PATH),
+        (TimeUse::Thread, theme::THREAD_PATH),
+    ] {
+        let words = what.message().text(language);
+        let galley = painter.layout_no_wrap(words, font.clone(), theme::QUIET_TEXT);
+        let size = galley.size() + vec2(LEGEND_LINE + 10.0, 2.0);
+        let row = Rect::from_min_size(at, size);
+        painter.rect_filled(row, 2.0, theme::PICTURE_LABEL_GROUND);
+        let line = row.left_center() + vec2(3.0, 0.0);
+        let ends = [line, line + vec2(LEGEND_LINE, 0.0)];
+        painter.line_segment(ends, Stroke::new(2.5, color));
+        let text = row.left_top() + vec2(LEGEND_LINE + 7.0, 1.0);
+        painter.galley(text, galley, theme::QUIET_TEXT);
+        at.y += row.height();
     }
 }
 

@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use egui::epaint::{Mesh, Vertex, WHITE_UV};
-use egui::{Color32, Painter, Pos2, Shape, Stroke, Vec2, pos2};
+use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2};
 use gsk_host::kernel::part::PartView;
 use gsk_workpiece::grid::{GridContour, from_grid};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
-use gsk_workpiece::tool::{Tool, ToolShape};
+use gsk_workpiece::tool::{BodyPart, Tool, ToolShape};
 use gsk_workpiece::trapezoid::{SectionFill, Trapezoid, trapezoids};
 
 use super::animation::SpindleAnimation;
@@ -19,6 +19,9 @@ use crate::theme;
 
 /// Distance of the lines of a hatching along X and Y of the screen, points.
 const HATCHING_DISTANCE: f32 = 12.0;
+
+/// Index of the jaws in the clamping.
+const JAWS_INDEX: usize = 1;
 
 /// Draws half sections; keeps their trapezoids until the sections change.
 #[derive(Default)]
@@ -48,6 +51,15 @@ impl SectionDrawing {
                     mirrored,
                     theme::CLAMPING_EDGE,
                 );
+            }
+        }
+        for mirrored in [true, false] {
+            if let Some(steps) = self.jaw_steps() {
+                let line = steps
+                    .iter()
+                    .map(|at| camera.screen_position(mirror_if(*at, mirrored)));
+                let stroke = Stroke::new(1.0, theme::CLAMPING_EDGE);
+                painter.add(Shape::line(line.collect(), stroke));
             }
         }
         self.spindle.draw(painter, camera, part);
@@ -82,6 +94,25 @@ impl SectionDrawing {
             part.draw(painter, camera, tip);
         }
         true
+    }
+
+    /// The edges of the two outer steps of the jaws, part coordinates.
+    fn jaw_steps(&self) -> Option<[Pos2; 5]> {
+        let (_, jaws, _) = self.clamping.get(JAWS_INDEX)?;
+        let bounds = jaws.bounds()?;
+        let [low, high] = [bounds.low, bounds.high].map(from_grid);
+        let at = |length: f64, height: f64| {
+            let z = high.z - length * (high.z - low.z);
+            let x = low.x + height * (high.x - low.x);
+            pos2(z as f32, x as f32)
+        };
+        Some([
+            at(0.0, 0.4),
+            at(0.35, 0.4),
+            at(0.35, 0.7),
+            at(0.7, 0.7),
+            at(0.7, 1.0),
+        ])
     }
 
     fn update(&mut self, part: &PartView) {
@@ -152,6 +183,23 @@ pub fn draw_tool(painter: &Painter, camera: &Camera, tool: &Tool) {
     for part in make_tool_parts(tool) {
         part.draw(painter, camera, Pos2::ZERO);
     }
+}
+
+/// The box around inserts and holders of a job, without the turret, with their tips at the origin, part coordinates.
+pub fn tool_bounds(job: &Job) -> Rect {
+    let shapes = job.tools.values().map(ToolShape::from_tool);
+    let points = shapes.flat_map(|shape| {
+        let body = shape.body.iter();
+        let body = body.filter(|(part, _)| *part != BodyPart::Turret);
+        let body = body.map(|(_, contour)| contour);
+        let contours = body.chain([&shape.cutting]);
+        contours
+            .flat_map(|contour| contour_points(contour, false))
+            .collect::<Vec<_>>()
+    });
+    let mut bounds = Rect::from_min_max(Pos2::ZERO, Pos2::ZERO);
+    points.for_each(|at| bounds.extend_with(at));
+    bounds
 }
 
 /// Makes the holder and the insert of a tool.

@@ -33,6 +33,8 @@ const SPANS_MS: [u64; 11] = [
 ];
 /// Numbers of ticks that the user can choose for the average of speed and acceleration.
 const AVERAGES_TICKS: [u64; 6] = [1, 2, 4, 8, 16, 32];
+/// Interval between two frames while all traces are level, ms.
+const LEVEL_PAUSE_MS: u64 = 1500;
 /// Share of the picture after the trigger's event, in tenths.
 const TENTHS_AFTER_EDGE: u64 = 9;
 
@@ -155,8 +157,14 @@ impl Scope {
             .frame(super::plain_frame())
             .show(ui, |ui| self.show_plot(ui, language));
         if self.is_running {
-            // No more often than the picture moves by a pixel.
-            let pause = (self.span_ms / 800).clamp(33, 100);
+            // No more often than the picture moves by a pixel, and rarely while all traces are
+            // level: the kernel requests a frame when the machine changes.
+            let record = self.record.as_ref();
+            let span = usize::try_from(self.span_ms).unwrap_or(usize::MAX);
+            let pause = match record.is_some_and(|record| record.is_level(span)) {
+                true => LEVEL_PAUSE_MS,
+                false => (self.span_ms / 800).clamp(33, 100),
+            };
             ui.ctx().request_repaint_after(Duration::from_millis(pause));
         }
     }

@@ -77,6 +77,17 @@ impl SampleRecord {
         self.samples.range(from..)
     }
 
+    /// Whether the last `count` samples are equal, apart from their ticks.
+    pub fn is_level(&self, count: usize) -> bool {
+        let Some(last) = self.samples.back() else {
+            return true;
+        };
+        self.last_samples(count).all(|sample| {
+            let tick = last.tick;
+            ScopeSample { tick, ..*sample } == *last
+        })
+    }
+
     /// Copies the samples from tick `first` to tick `last`, for another thread.
     pub fn excerpt(&self, first: u64, last: u64) -> Self {
         let wanted = |sample: &&ScopeSample| (first..=last).contains(&sample.tick);

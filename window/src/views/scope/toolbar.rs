@@ -4,20 +4,23 @@ use egui::{ComboBox, RichText, Ui};
 
 use super::trigger::{TriggerMode, TriggerSource};
 use super::{AVERAGES_TICKS, SPANS_MS, Scope};
+use crate::widgets::icons::{Icon, IconButton};
 use gsk_messages::{Language, say};
 
 impl Scope {
     pub(super) fn show_toolbar(&mut self, ui: &mut Ui, language: Language) {
         ui.horizontal_wrapped(|ui| {
-            let word = if self.is_running {
-                say::scope_pause().text(language)
-            } else {
-                say::scope_run().text(language)
+            let (icon, name) = match self.is_running {
+                true => (Icon::PAUSE, say::scope_pause()),
+                false => (Icon::SAMPLE, say::scope_run()),
             };
-            let hint = say::scope_space_key().text(language);
-            // Both words have the same width: the buttons beside them do not move.
-            let button = egui::Button::new(word).min_size(egui::vec2(64.0, 0.0));
-            if ui.add(button).on_hover_text(hint).clicked() {
+            let button = IconButton {
+                icon,
+                name: name.text(language),
+                hint: say::scope_space_key().text(language),
+                is_selected: None,
+            };
+            if button.show(ui, false).clicked() {
                 self.toggle_running();
             }
             ui.separator();
@@ -35,9 +38,13 @@ impl Scope {
                 self.toggle_cursors();
             }
             ui.separator();
-            let hint = say::scope_export_hint().text(language);
-            let export = ui.button(say::scope_export().text(language));
-            if export.on_hover_text(hint).clicked() {
+            let export = IconButton {
+                icon: Icon::EXPORT,
+                name: say::scope_export().text(language),
+                hint: say::scope_export_hint().text(language),
+                is_selected: None,
+            };
+            if export.show(ui, false).clicked() {
                 self.export(language, &ui.ctx().clone());
             }
         });

@@ -1,0 +1,85 @@
+//! Shows the keys that lead the tool back to the start point of the program after a RESET in the
+//! cut. The operator presses them: the window moves nothing.
+
+use gsk_core::units::Point;
+use gsk_host::kernel::{PanelSnapshot, StartDistance};
+use gsk_panel::keys::{Key, STRIP};
+
+/// Distances up to this one need no motion, mm.
+const TOLERANCE_MM: f64 = 0.05;
+
+/// A way back that the operator has requested, in the order of its keys: program zero mode, the
+/// axis keys, automatic mode.
+#[derive(Clone, Copy, Debug)]
+pub struct WayBack {
+    /// Distance of the start point when the way back was requested, mm, X as a radius.
+    distance: Point,
+    has_left_auto: bool,
+}
+
+impl WayBack {
+    pub const fn new(start: StartDistance) -> Self {
+        Self {
+            distance: start.distance,
+            has_left_auto: false,
+        }
+    }
+
+    /// Follows the control. Returns `None` once the operator is back in automatic mode.
+    pub fn follow(self, snapshot: &PanelSnapshot) -> Option<Self> {
+        let is_auto = is_lit(Key::Auto, snapshot);
+        (!is_auto || !self.has_left_auto).then_some(Self {
+            has_left_auto: self.has_left_auto || !is_auto,
+            ..self
+        })
+    }
+
+    /// The keys to press now.
+    pub fn keys(self, snapshot: &PanelSnapshot) -> Vec<Key> {
+        if !is_lit(Key::ProgramZero, snapshot) {
+            return vec![
+                match self.has_left_auto && is_at_start(self.distance, snapshot) {
+                    true => Key::Auto,
+                    false => Key::ProgramZero,
+                },
+            ];
+        }
+        let reversed = snapshot.keys_reversed;
+        let x_key = match (self.distance.x > 0.0) == reversed.x {
+            true => Key::XUp,
+            false => Key::XDown,
+        };
+        let z_key = match (self.distance.z > 0.0) == reversed.z {
+            true => Key::ZLeft,
+            false => Key::ZRight,
+        };
+        let axes = [
+            (self.distance.x, "XZERO", x_key),
+            (self.distance.z, "ZZERO", z_key),
+        ];
+        let missing = axes
+            .into_iter()
+            .filter(|(distance, zero, _)| needs_motion(*distance, zero, snapshot));
+        let keys: Vec<Key> = missing.map(|(_, _, key)| key).collect();
+        match keys.is_empty() {
+            true => vec![Key::Auto],
+            false => keys,
+        }
+    }
+}
+
+fn is_lit(key: Key, snapshot: &PanelSnapshot) -> bool {
+    let lamp = key.row().lamp;
+    lamp.is_some_and(|lamp| lamp.is_set_in(&snapshot.y_memory))
+}
+
+/// Whether an axis must still move: its lamp `zero` shows that it has arrived.
+fn needs_motion(distance: f64, zero: &str, snapshot: &PanelSnapshot) -> bool {
+    let lamp = STRIP.iter().find(|lamp| lamp.id == zero);
+    let is_at_zero = lamp.is_some_and(|it| it.lamp.is_set_in(&snapshot.y_memory));
+    distance.abs() > TOLERANCE_MM && !is_at_zero
+}
+
+fn is_at_start(distance: Point, snapshot: &PanelSnapshot) -> bool {
+    !needs_motion(distance.x, "XZERO", snapshot) && !needs_motion(distance.z, "ZZERO", snapshot)
+}
