@@ -1303,6 +1303,7 @@ message_rows! {
     lesson_done LessonDone();
     lesson_emergency_stop LessonEmergencyStop();
     lesson_file_line LessonFileLine(file, line, reason: message);
+    lesson_first_hour LessonFirstHour();
     lesson_hint LessonHint();
     lesson_hint_is LessonHintIs(hint);
     lesson_in_field LessonInField(file, field, rule: message);
@@ -1311,6 +1312,7 @@ message_rows! {
     lesson_keys LessonKeys(keys);
     lesson_leave LessonLeave();
     lesson_leave_hint LessonLeaveHint();
+    lesson_length LessonLength(steps, minutes);
     lesson_needs LessonNeeds(why: message);
     lesson_next LessonNext(title);
     lesson_no_files LessonNoFiles(line);
@@ -1323,6 +1325,7 @@ message_rows! {
     lesson_practice LessonPractice();
     lesson_practice_hint LessonPracticeHint();
     lesson_program_without_number LessonProgramWithoutNumber();
+    lesson_progress LessonProgress(done, total);
     lesson_replaced LessonReplaced();
     lesson_sample_hint LessonSampleHint();
     lesson_samples LessonSamples();
@@ -2740,10 +2743,15 @@ message_rows! {
     window_help WindowHelp();
     window_help_back WindowHelpBack();
     window_help_begin WindowHelpBegin();
+    window_help_contents WindowHelpContents();
     window_help_example WindowHelpExample();
     window_help_explain WindowHelpExplain();
     window_help_explain_hint WindowHelpExplainHint();
+    window_help_first_hour WindowHelpFirstHour();
     window_help_hint WindowHelpHint();
+    window_help_key WindowHelpKey();
+    window_help_last_alarm WindowHelpLastAlarm();
+    window_help_lessons WindowHelpLessons();
     window_help_list_name WindowHelpListName();
     window_help_nothing WindowHelpNothing();
     window_help_occurred WindowHelpOccurred(date, time, since);
@@ -2758,6 +2766,7 @@ message_rows! {
     window_help_title WindowHelpTitle();
     window_help_to_block WindowHelpToBlock();
     window_help_to_my_machine WindowHelpToMyMachine();
+    window_help_topics WindowHelpTopics(count);
     window_hint WindowHint();
     window_hint_emergency_stop WindowHintEmergencyStop();
     window_hint_list WindowHintList();
@@ -2772,6 +2781,7 @@ message_rows! {
     window_key_not_kept WindowKeyNotKept(key);
     window_keys WindowKeys();
     window_keys_characters WindowKeysCharacters();
+    window_keys_hint WindowKeysHint();
     window_keys_latch WindowKeysLatch();
     window_keys_title WindowKeysTitle();
     window_keys_wheel WindowKeysWheel();
@@ -2806,6 +2816,7 @@ message_rows! {
     window_opened_only_to_run WindowOpenedOnlyToRun(name, why: message);
     window_opened_stored WindowOpenedStored(name, number: "{:04}");
     window_other_language WindowOtherLanguage();
+    window_other_language_hint WindowOtherLanguageHint();
     window_panel_key WindowPanelKey();
     window_part_programs WindowPartPrograms();
     window_pc_key WindowPcKey();
@@ -2860,6 +2871,8 @@ message_rows! {
     window_view_transfer WindowViewTransfer();
     window_views WindowViews();
     window_waits WindowWaits(place, what: message);
+    window_way_back WindowWayBack();
+    window_way_back_hint WindowWayBackHint();
     window_zoom WindowZoom();
     window_zoom_monitor WindowZoomMonitor();
     word_f WordF();
