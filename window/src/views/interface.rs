@@ -5,6 +5,7 @@ use std::sync::Arc;
 use egui::Ui;
 use gsk_host::kernel::Console;
 use gsk_host::kernel::monitor::MachineView;
+use gsk_host::kernel::part::PartView;
 use gsk_messages::Language;
 
 use crate::settings::WindowSettings;
@@ -26,6 +27,9 @@ pub struct ViewFrame<'a> {
     /// The newest state of the machine, for views whose row has `is_monitor`; `None` before
     /// the first one.
     pub machine: Option<&'a Arc<MachineView>>,
+    /// The newest state of the part, for views whose row has `shows_part`; `None` before the
+    /// first one.
+    pub part: Option<&'a Arc<PartView>>,
 }
 
 /// A view beside the panel.

@@ -39,10 +39,6 @@ struct ScenePainter {
 /// The view that shows the lathe in space.
 #[derive(Default)]
 pub struct LatheSceneView {
-    /// The part, as it was received last; `None` before the first one.
-    part: Option<PartView>,
-    /// Whether the tool post is on the far side of the spindle.
-    is_rear: bool,
     painter: Arc<Mutex<ScenePainter>>,
     describer: SceneDescriber,
     camera: Option<OrbitCamera>,
@@ -68,31 +64,18 @@ impl View for LatheSceneView {
         }
     }
 
-    fn close(&mut self) {
-        self.part = None;
-    }
-
     fn show(&mut self, ui: &mut Ui, frame: ViewFrame<'_>) {
-        let part = self.part.take();
-        self.draw(ui, frame.language, part.as_ref(), self.is_rear);
-        self.part = part;
+        self.draw(ui, frame.language, frame.part.map(Arc::as_ref));
     }
 }
 
 impl LatheSceneView {
-    /// Sets the part that the view draws. `is_rear`: the tool post is on the far side of the
-    /// spindle.
-    pub fn set_part(&mut self, part: Option<PartView>, is_rear: bool) {
-        self.part = part;
-        self.is_rear = is_rear;
-    }
-
     /// Deletes all objects of OpenGL. `gl` must be the current context.
     pub fn release(&self, gl: &glow::Context) {
         lock(&self.painter).renderer.release(gl);
     }
 
-    fn draw(&mut self, ui: &mut Ui, language: Language, part: Option<&PartView>, is_rear: bool) {
+    fn draw(&mut self, ui: &mut Ui, language: Language, part: Option<&PartView>) {
         let bar = Panel::top("scene bar").frame(bar_frame());
         bar.show(ui, |ui| self.show_presets(ui, language, part));
         egui::CentralPanel::default()
@@ -102,7 +85,7 @@ impl LatheSceneView {
                 match part {
                     _ if failed => show_sentence(ui, &say::lathe_scene_unavailable(), language),
                     None => show_sentence(ui, &say::lathe_no_path(), language),
-                    Some(part) => self.show_picture(ui, language, part, is_rear),
+                    Some(part) => self.show_picture(ui, language, part),
                 }
             });
     }
@@ -135,7 +118,7 @@ impl LatheSceneView {
         });
     }
 
-    fn show_picture(&mut self, ui: &mut Ui, language: Language, part: &PartView, is_rear: bool) {
+    fn show_picture(&mut self, ui: &mut Ui, language: Language, part: &PartView) {
         let rect = ui.available_rect_before_wrap();
         let sense = Sense::CLICK | Sense::DRAG;
         let response = ui.interact(rect, ui.scope_id().with("lathe scene"), sense);
@@ -153,9 +136,7 @@ impl LatheSceneView {
             true => SceneTheme::Day,
             false => SceneTheme::Night,
         };
-        let lathe = self
-            .describer
-            .describe(part, is_rear, scene_theme, elapsed_s);
+        let lathe = self.describer.describe(part, scene_theme, elapsed_s);
         let camera = self.move_camera(ui, &response, &lathe);
         let is_same = self.shown.as_ref();
         if !is_same.is_some_and(|(shown, from)| *shown == lathe && *from == camera) {
