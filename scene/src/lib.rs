@@ -17,6 +17,7 @@ mod device;
 mod frame;
 mod gpu_meshes;
 pub mod lathe;
+pub mod level;
 pub mod mesh;
 mod objects;
 pub mod occlusion;
@@ -25,6 +26,8 @@ pub mod placement;
 pub mod primitives;
 pub mod renderer;
 mod shader;
+pub mod software;
+mod tally;
 mod targets;
 mod viewport;
 

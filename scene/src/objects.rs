@@ -8,6 +8,7 @@ use crate::device::{Device, DrawTarget, GpuMesh, SceneError, SceneProgram, Verte
 use crate::frame::{FrameInputs, LIGHT, LayerInputs};
 use crate::gpu_meshes::GpuMeshes;
 use crate::lathe::MeshGroup;
+use crate::level::SceneLevel;
 use crate::part_outline::{MAX_EDGES, PartOutline};
 use crate::shader;
 use crate::targets::SceneTargets;
@@ -16,14 +17,13 @@ use crate::viewport::{SceneFigures, SceneViewport};
 /// Frames after which the layer of what stands still is drawn again, for the shadows of what
 /// moves.
 const LAYER_FRAMES: u32 = 15;
-/// Frames after which the shadow map is drawn again by a software renderer.
-const SHADOW_FRAMES: u32 = 3;
-/// Opacity of panes and of coolant, 0–1.
-const PANE_ALPHA: f32 = 0.10;
-const COOLANT_ALPHA: f32 = 0.42;
+/// Opacity of panes, 0–1.
+pub const PANE_ALPHA: f32 = 0.10;
+/// Opacity of coolant, 0–1.
+pub const COOLANT_ALPHA: f32 = 0.42;
 
 /// The groups that stand still while a program runs.
-const STILL_GROUPS: [MeshGroup; 5] = [
+pub const STILL_GROUPS: [MeshGroup; 5] = [
     MeshGroup::Floor,
     MeshGroup::Fixed,
     MeshGroup::Tailstock,
@@ -44,8 +44,12 @@ struct ScenePrograms {
 }
 
 impl ScenePrograms {
-    fn create(device: Device<'_>, is_software: bool) -> Result<Self, SceneError> {
-        let soft = if is_software { "" } else { shader::SOFT_SHADOW };
+    fn create(device: Device<'_>, has_soft_shadow: bool) -> Result<Self, SceneError> {
+        let soft = if has_soft_shadow {
+            shader::SOFT_SHADOW
+        } else {
+            ""
+        };
         let part = format!("{soft}{}", shader::PART);
         let lit = [shader::VERTEX, shader::LIT_FRAGMENT];
         let depth = [shader::VERTEX, shader::DEPTH_FRAGMENT];
@@ -93,6 +97,8 @@ impl ScenePrograms {
 #[derive(Debug)]
 struct PartObjects {
     grid: GpuMesh,
+    /// The same with half the sides.
+    coarse_grid: GpuMesh,
     texture: glow::Texture,
     outline: Arc<PartOutline>,
     edges: i32,
@@ -104,16 +110,21 @@ impl PartObjects {
         let ends = (0..2 * MAX_EDGES as u16)
             .flat_map(|end| (0..=sides as u16).flat_map(move |side| [end, side]));
         let vertices: Vec<u8> = ends.flat_map(u16::to_ne_bytes).collect();
-        let quads = (0..MAX_EDGES as u32).flat_map(|edge| {
-            let row = move |end: u32| (2 * edge + end) * (sides + 1);
-            (0..sides).flat_map(move |side| {
-                let [a, b] = [row(0) + side, row(1) + side];
-                [a, a + 1, b, b, a + 1, b + 1]
-            })
-        });
-        let indices: Vec<u8> = quads.flat_map(u32::to_ne_bytes).collect();
+        let create = |level: SceneLevel| {
+            let step = level.sides_per_side();
+            let quads = (0..MAX_EDGES as u32).flat_map(|edge| {
+                let row = move |end: u32| (2 * edge + end) * (sides + 1);
+                (0..sides / step).flat_map(move |side| {
+                    let [a, b] = [row(0) + side * step, row(1) + side * step];
+                    [a, a + step, b, b, a + step, b + step]
+                })
+            });
+            let indices: Vec<u8> = quads.flat_map(u32::to_ne_bytes).collect();
+            device.create_mesh(VertexLayout::Edge, &vertices, &indices)
+        };
         Ok(Self {
-            grid: device.create_mesh(VertexLayout::Edge, &vertices, &indices)?,
+            grid: create(SceneLevel::Full)?,
+            coarse_grid: create(SceneLevel::Coarse)?,
             texture: device.create_outline()?,
             outline: Arc::default(),
             edges: 0,
@@ -131,13 +142,27 @@ impl PartObjects {
         }
     }
 
-    fn draw(&self, device: Device<'_>) {
+    fn draw(&self, device: Device<'_>, level: SceneLevel) {
         if self.edges > 0 {
             device.bind_texture(1, Some(self.texture));
-            let indices = self.edges * shader::PART_SIDES as i32 * 6;
-            device.draw_mesh(&self.grid, Some(indices));
+            let step = level.sides_per_side();
+            let indices = self.edges * (shader::PART_SIDES / step) as i32 * 6;
+            let grid = if step > 1 {
+                &self.coarse_grid
+            } else {
+                &self.grid
+            };
+            device.draw_mesh(grid, Some(indices));
             device.bind_texture(1, None);
         }
+    }
+}
+
+/// The level of a renderer by its name alone.
+const fn usual_level(is_software: bool) -> SceneLevel {
+    match is_software {
+        true => SceneLevel::Half,
+        false => SceneLevel::Full,
     }
 }
 
@@ -150,6 +175,7 @@ pub struct SceneObjects {
     targets: SceneTargets,
     cover: glow::VertexArray,
     is_software: bool,
+    level: SceneLevel,
     /// What the picture shows; `None` if it must be drawn.
     drawn: Option<(LatheDescription, OrbitCamera)>,
     /// What the layer of what stands still shows; `None` if it must be drawn.
@@ -164,13 +190,15 @@ impl SceneObjects {
     pub fn create(device: Device<'_>, lathe: &LatheDescription) -> Result<Self, SceneError> {
         device.check_version()?;
         let is_software = device.is_software();
+        let level = usual_level(is_software);
         Ok(Self {
-            programs: ScenePrograms::create(device, is_software)?,
+            programs: ScenePrograms::create(device, level.has_soft_shadow())?,
             meshes: GpuMeshes::create(device, lathe)?,
             part: PartObjects::create(device)?,
             targets: SceneTargets::create(device, [16, 16])?,
             cover: device.create_array()?,
             is_software,
+            level,
             drawn: None,
             layer: None,
             has_fixed_shadow: false,
@@ -204,6 +232,8 @@ impl SceneObjects {
             size: self.targets.picture.size,
             is_software: self.is_software,
             is_refining: self.meshes.is_baking(),
+            objects: device.tally().objects(),
+            bytes: device.tally().bytes(),
         })
     }
 
@@ -212,6 +242,7 @@ impl SceneObjects {
         self.programs.release(device);
         self.meshes.release(device);
         device.delete_mesh(&self.part.grid);
+        device.delete_mesh(&self.part.coarse_grid);
         self.targets.release(device);
         device.delete_rest(self.cover, self.part.texture);
     }
@@ -223,8 +254,12 @@ impl SceneObjects {
         viewport: SceneViewport,
     ) -> Result<(), SceneError> {
         let [_, _, width, height] = viewport.pixels;
-        self.is_full_size = !(viewport.is_moving && self.is_software);
-        let share = if self.is_full_size { 1 } else { 2 };
+        self.update_level(device, viewport.level)?;
+        let share = match viewport.is_moving {
+            true => self.level.moving_share(),
+            false => 1,
+        };
+        self.is_full_size = share == 1;
         let size = [width, height].map(|it| (it / share).clamp(1, 8192));
         let mut is_new = self.targets.resize(device, size)?;
         if !self.meshes.is_design_of(lathe) {
@@ -242,6 +277,21 @@ impl SceneObjects {
         Ok(())
     }
 
+    fn update_level(
+        &mut self,
+        device: Device<'_>,
+        level: Option<SceneLevel>,
+    ) -> Result<(), SceneError> {
+        let level = level.unwrap_or(usual_level(self.is_software));
+        if level.has_soft_shadow() != self.level.has_soft_shadow() {
+            let programs = ScenePrograms::create(device, level.has_soft_shadow())?;
+            core::mem::replace(&mut self.programs, programs).release(device);
+            self.drawn = None;
+        }
+        self.level = level;
+        Ok(())
+    }
+
     fn needs_drawing(&self, lathe: &LatheDescription, camera: &OrbitCamera) -> bool {
         let drawn = self.drawn.as_ref();
         !drawn.is_some_and(|(shown, from)| shown == lathe && from == camera)
@@ -250,7 +300,7 @@ impl SceneObjects {
     fn draw(&mut self, device: Device<'_>, scene: &FrameInputs) {
         self.frame = self.frame.wrapping_add(1);
         let is_thorough = self.is_full_size || self.drawn.is_none();
-        if is_thorough || self.frame.is_multiple_of(SHADOW_FRAMES) {
+        if is_thorough || self.frame.is_multiple_of(self.level.shadow_pictures()) {
             self.draw_shadows(device, scene);
         }
         device.bind_texture(0, Some(self.targets.shadow.texture));
@@ -267,7 +317,7 @@ impl SceneObjects {
         device.begin_surfaces(false);
         self.set_inputs(device, &self.programs.part, scene);
         device.set_matrix(&self.programs.part, "u_model", &scene.placement.spindle);
-        self.part.draw(device);
+        self.part.draw(device, self.level);
         device.begin_transparent();
         self.set_inputs(device, &self.programs.surface, scene);
         for (group, alpha) in [
@@ -310,7 +360,7 @@ impl SceneObjects {
         device.set_matrix(depth, "u_projection", &scene.light_projection);
         device.set_matrix(depth, "u_model", &scene.placement.spindle);
         device.set_sampler(depth, "u_outline", 1);
-        self.part.draw(device);
+        self.part.draw(device, self.level);
         device.set_depth_shift(false);
         self.has_fixed_shadow = true;
     }

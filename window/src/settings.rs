@@ -7,6 +7,7 @@ use gsk_host::pc::TransferSettings;
 use serde::{Deserialize, Serialize};
 
 use super::layout::Layouts;
+use super::views::lathe::StoredSceneCamera;
 use gsk_messages::Language;
 
 /// Maximum number of recent programs.
@@ -36,6 +37,8 @@ pub struct WindowSettings {
     pub light: bool,
     /// True if the machine view shows the part as a solid, false for a half section.
     pub solid: bool,
+    /// Camera of the lathe view; `None`: the operator's.
+    pub scene_camera: Option<StoredSceneCamera>,
     /// Names of the finished lessons.
     pub lessons: BTreeSet<String>,
     /// Port, baud rate and files of the transfer view.
@@ -63,6 +66,7 @@ impl Default for WindowSettings {
             layouts: Layouts::default(),
             light: false,
             solid: false,
+            scene_camera: None,
             lessons: BTreeSet::new(),
             transfer: TransferSettings::default(),
             projects: ProjectSettings::default(),

@@ -9,7 +9,7 @@ mod data;
 pub mod header;
 pub mod interface;
 mod ladder;
-mod lathe;
+pub mod lathe;
 mod lesson;
 mod link;
 mod machine;
@@ -136,6 +136,11 @@ impl Views {
 
     pub const fn lathe(&mut self) -> &mut LatheView {
         &mut self.all.lathe
+    }
+
+    /// The camera of the lathe view for the settings.
+    pub fn scene_camera(&self) -> Option<lathe::StoredSceneCamera> {
+        self.all.scene.stored_camera()
     }
 
     pub const fn lessons(&mut self) -> &mut LessonView {
