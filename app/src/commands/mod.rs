@@ -17,6 +17,7 @@ mod plot;
 mod project;
 mod results;
 mod run;
+mod scene_plot;
 mod screen;
 mod tables;
 mod transfer;
