@@ -7,7 +7,6 @@ use gsk_host::pc::TransferSettings;
 use serde::{Deserialize, Serialize};
 
 use super::layout::Layouts;
-use super::views::lathe::StoredSceneCamera;
 use gsk_messages::Language;
 
 /// Maximum number of recent programs.
@@ -21,6 +20,19 @@ pub struct ProjectSettings {
     pub open: Option<PathBuf>,
     /// The folders of the last projects, the newest first.
     pub recent: Vec<PathBuf>,
+}
+
+/// The camera of the lathe view, as it is stored for the next start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct StoredSceneCamera {
+    /// Index of the chosen preset, from 0; `None` if the operator has moved the camera.
+    pub preset: Option<u8>,
+    /// Target x, y, z, µm; yaw, pitch, thousandths of a radian; distance, µm. `None`: as the
+    /// preset has them.
+    pub position: Option<[i32; 6]>,
+    /// Whether the projection is parallel.
+    pub is_parallel: bool,
 }
 
 /// The stored settings of the window.

@@ -17,7 +17,6 @@ mod plot;
 mod project;
 mod results;
 mod run;
-mod scene_plot;
 mod screen;
 mod tables;
 mod transfer;

@@ -11,10 +11,10 @@ use gsk_runner::report::{self, AlarmReport};
 use gsk_runner::text_format::format_time;
 
 use super::run::picture_title;
-use super::scene_plot::{SceneRecorder, encode_scene};
 use super::{CommandError, EXIT_ALARM, EXIT_COLLISION, EXIT_OK, mill, output};
 use crate::cli::PlotArgs;
 use crate::picture::{PictureNameError, check_name};
+use crate::scene_plot::{SceneRecorder, encode_scene};
 
 /// Draws the toolpath of a program into a picture. The moves before an alarm are drawn as
 /// well.

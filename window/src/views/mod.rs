@@ -38,6 +38,7 @@ use super::view::{VIEWS, ViewId, ViewRow, view_of_pressed_key};
 use crate::focus;
 use crate::input::keyboard;
 use crate::samples::SampleRequest;
+use crate::settings::StoredSceneCamera;
 use crate::theme;
 use crate::widgets::questions::Unsaved;
 use crate::widgets::real_machine_bar;
@@ -139,7 +140,7 @@ impl Views {
     }
 
     /// The camera of the lathe view for the settings.
-    pub fn scene_camera(&self) -> Option<lathe::StoredSceneCamera> {
+    pub fn scene_camera(&self) -> Option<StoredSceneCamera> {
         self.all.scene.stored_camera()
     }
 

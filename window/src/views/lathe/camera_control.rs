@@ -5,9 +5,9 @@ use core::f32::consts::FRAC_PI_2;
 use egui::{Key, PointerButton, Response, Ui};
 use gsk_scene::camera::{CameraPreset, OrbitCamera};
 use gsk_scene::description::LatheDescription;
-use serde::{Deserialize, Serialize};
 
 use crate::focus;
+use crate::settings::StoredSceneCamera;
 
 /// Exponent of the zoom factor per point that the wheel scrolls.
 const ZOOM_PER_POINT: f32 = 0.004;
@@ -17,19 +17,6 @@ const KEY_DRAG: f32 = 24.0;
 const KEY_ZOOM: f32 = 1.15;
 /// Units of the stored numbers: a thousandth of a millimetre or of a radian.
 const STORED_UNIT: f32 = 0.001;
-
-/// The camera as the settings store it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct StoredSceneCamera {
-    /// Index of the chosen preset, from 0; `None` if the operator has moved the camera.
-    pub preset: Option<u8>,
-    /// Target x, y, z, µm; yaw, pitch, thousandths of a radian; distance, µm. `None`: as the
-    /// preset has them.
-    pub position: Option<[i32; 6]>,
-    /// Whether the projection is parallel.
-    pub is_parallel: bool,
-}
 
 /// The camera of the view.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

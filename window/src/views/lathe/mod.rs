@@ -18,9 +18,9 @@ use gsk_scene::level::SceneLevel;
 
 use super::interface::{View, ViewFrame, ViewStart};
 use super::{bar_frame, plain_frame};
+use crate::settings::StoredSceneCamera;
 use crate::theme;
 use camera_control::CameraControl;
-pub use camera_control::StoredSceneCamera;
 pub use description::SceneDescriber;
 use picture::ScenePicture;
 
