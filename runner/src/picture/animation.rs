@@ -36,8 +36,8 @@ mod tests {
 
     #[test]
     fn a_reader_finds_all_pictures_and_their_interval() {
-        let size: PictureSize = "320x200".parse().unwrap();
-        let draw = |picture: u32| vec![picture as u8 * 40; 320 * 200 * 4];
+        let size: PictureSize = "480x320".parse().unwrap();
+        let draw = |picture: u32| vec![picture as u8 * 40; 480 * 320 * 4];
         let bytes = encode_animation(size, 3, 80, draw).unwrap();
         let reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info();
         let mut reader = reader.unwrap();
