@@ -219,3 +219,28 @@ fn a_solid_is_drawn_in_the_requested_size() {
     assert!(code != 0 && err.contains("must end in .png"), "{err}");
     assert!(!Path::new(lines).exists());
 }
+
+#[test]
+fn the_lathe_in_space_is_drawn_without_a_window_and_as_an_animation() {
+    let folder = PartFolder::new("scene");
+    let picture = folder.0.join("lathe.png");
+    let picture = picture.to_str().unwrap();
+    let program = "01-stepped-shaft.CNC";
+    let still = [
+        "plot", "--scene", program, "-o", picture, "--size", "480x320",
+    ];
+    let (code, _, err) = run_gsk(&still);
+    assert_eq!(code, 0, "{err}");
+    let bytes = std::fs::read(picture).unwrap();
+    let size = [16, 20].map(|at| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap()));
+    assert_eq!(size, [480, 320]);
+    let has_chunk = |bytes: &[u8], name: &[u8]| bytes.windows(4).any(|it| it == name);
+    assert!(!has_chunk(&bytes, b"acTL"));
+    let moving = ["--frames", "3", "--camera", "tool"];
+    let (code, _, err) = run_gsk(&[&still[..], &moving[..]].concat());
+    assert_eq!(code, 0, "{err}");
+    let bytes = std::fs::read(picture).unwrap();
+    assert!(has_chunk(&bytes, b"acTL") && has_chunk(&bytes, b"fdAT"));
+    let (code, _, err) = run_gsk(&["plot", program, "-o", picture, "--frames", "3"]);
+    assert!(code != 0 && err.contains("--scene"), "{err}");
+}

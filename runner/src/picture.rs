@@ -1,6 +1,7 @@
 //! Makes picture files in memory: the toolpath as PNG or SVG, the part as a solid, the LCD and
 //! the panel as PNG.
 
+mod animation;
 mod block_labels;
 mod canvas;
 mod clip;
@@ -27,6 +28,7 @@ use gsk_panel::emulator::Emulator;
 use gsk_panel::raster;
 use gsk_panel::screen::Screen;
 
+pub use animation::encode_animation;
 pub use drawing::{DrawingOptions, PathDrawing};
 pub use extent::{InvalidPictureSize, PictureSize};
 pub use solid_picture::encode_solid;

@@ -105,6 +105,7 @@ impl eframe::App for Bench {
                 ],
                 output: painter.intermediate_fbo(),
                 is_moving: trial != Trial::FullSize,
+                level: None,
             };
             let mut shared = shared.lock().expect("the lock");
             let (renderer, figures) = &mut *shared;

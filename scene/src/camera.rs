@@ -12,7 +12,7 @@ const FIELD_OF_VIEW: f32 = 0.56;
 /// Turn per point of a drag, radians.
 const TURN_PER_POINT: f32 = 0.006;
 /// Least and greatest height angle, radians.
-const PITCH_LIMITS: (f32, f32) = (-0.12, FRAC_PI_2 - 0.02);
+const PITCH_LIMITS: (f32, f32) = (-0.12, FRAC_PI_2);
 /// Least and greatest distance from the target, mm.
 const DISTANCE_LIMITS: (f32, f32) = (60.0, 20_000.0);
 
@@ -27,6 +27,8 @@ pub struct OrbitCamera {
     pub pitch: f32,
     /// Distance from the target, mm.
     pub distance: f32,
+    /// Whether the projection is parallel, as in a drawing.
+    pub is_parallel: bool,
 }
 
 /// A camera position that the operator can choose.
@@ -41,11 +43,19 @@ pub enum CameraPreset {
     Chuck,
     /// The work area from above.
     Top,
+    /// The plane of the half section, in parallel projection.
+    Section,
 }
 
 impl CameraPreset {
     /// All presets, in the order of their buttons.
-    pub const ALL: [Self; 4] = [Self::Operator, Self::Tool, Self::Chuck, Self::Top];
+    pub const ALL: [Self; 5] = [
+        Self::Operator,
+        Self::Tool,
+        Self::Chuck,
+        Self::Top,
+        Self::Section,
+    ];
 
     /// Whether the camera follows the tool.
     pub const fn follows_tool(self) -> bool {
@@ -67,24 +77,36 @@ impl CameraPreset {
                 yaw: 0.42,
                 pitch: if is_slant { 0.24 } else { 0.40 },
                 distance: 1.75 * length + 1.35 * chuck,
+                is_parallel: false,
             },
             Self::Tool => OrbitCamera {
                 target: placement::tip(lathe),
                 yaw: if is_slant { 0.30 } else { 0.55 },
                 pitch: if is_slant { 0.30 } else { 0.62 },
                 distance: 260.0 + radius * 1.5,
+                is_parallel: false,
             },
             Self::Chuck => OrbitCamera {
                 target: vec3(dimensions.jaw_length, 0.0, 0.0),
                 yaw: 1.02,
                 pitch: 0.26,
                 distance: end + 2.6 * chuck,
+                is_parallel: false,
             },
             Self::Top => OrbitCamera {
                 target: middle,
                 yaw: 0.0,
-                pitch: PITCH_LIMITS.1,
+                pitch: PITCH_LIMITS.1 - 0.02,
                 distance: 1.6 * length + 1.3 * chuck,
+                is_parallel: false,
+            },
+            Self::Section => OrbitCamera {
+                target: middle,
+                yaw: 0.0,
+                // Perpendicular to the plane in which the tool moves.
+                pitch: if is_slant { FRAC_PI_2 * 0.5 } else { FRAC_PI_2 },
+                distance: 1.3 * length + 1.1 * chuck,
+                is_parallel: true,
             },
         };
         camera.limited()
@@ -106,6 +128,7 @@ impl OrbitCamera {
             yaw: finite(self.yaw, 0.4) % core::f32::consts::TAU,
             pitch: finite(self.pitch, 0.3).clamp(PITCH_LIMITS.0, PITCH_LIMITS.1),
             distance: finite(self.distance, 900.0).clamp(DISTANCE_LIMITS.0, DISTANCE_LIMITS.1),
+            is_parallel: self.is_parallel,
         }
     }
 
@@ -183,7 +206,10 @@ impl OrbitCamera {
             vec3(right.z, up.z, back.z).extend(0.0),
             vec3(-right.dot(eye), -up.dot(eye), -back.dot(eye)).extend(1.0),
         );
-        perspective(half, aspect, near, far) * view
+        match camera.is_parallel {
+            true => parallel(half * camera.distance, aspect, far) * view,
+            false => perspective(half, aspect, near, far) * view,
+        }
     }
 }
 
@@ -207,6 +233,29 @@ fn perspective(half: f32, aspect: f32, near: f32, far: f32) -> Mat4 {
         0.0,
         2.0 * near * far / depth,
         0.0,
+    ])
+}
+
+/// A parallel projection of half a height, mm. Depths start far before the eye, so that a
+/// close camera cuts nothing off.
+fn parallel(half: f32, aspect: f32, far: f32) -> Mat4 {
+    Mat4::from_cols_array(&[
+        1.0 / (half * aspect),
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        1.0 / half,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        -1.0 / far,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        1.0,
     ])
 }
 

@@ -11,6 +11,8 @@ use std::collections::BTreeMap;
 use glam::{Mat4, Vec3};
 use glow::HasContext as _;
 
+use crate::tally::ObjectTally;
+
 /// Why no scene can be drawn.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SceneError {
@@ -44,6 +46,8 @@ pub struct GpuMesh {
     count: i32,
     /// Triangles or lines.
     mode: u32,
+    /// Bytes of both buffers.
+    bytes: i64,
 }
 
 /// How the bytes of a vertex are read.
@@ -68,16 +72,33 @@ pub struct DrawTarget {
     depth: Option<glow::Renderbuffer>,
 }
 
+impl DrawTarget {
+    /// Number of its objects, and bytes of their pixels.
+    fn weight(&self) -> (i64, i64) {
+        let [width, height] = self.size.map(i64::from);
+        match self.depth {
+            Some(_) => (3, width * height * 8),
+            None => (2, width * height * 4),
+        }
+    }
+}
+
 /// OpenGL during one paint callback.
 #[derive(Clone, Copy)]
 pub struct Device<'a> {
     gl: &'a glow::Context,
+    tally: &'a ObjectTally,
 }
 
 impl<'a> Device<'a> {
     /// Wraps a context that is current on this thread.
-    pub const fn new(gl: &'a glow::Context) -> Self {
-        Self { gl }
+    pub const fn new(gl: &'a glow::Context, tally: &'a ObjectTally) -> Self {
+        Self { gl, tally }
+    }
+
+    /// The objects that exist.
+    pub const fn tally(self) -> &'a ObjectTally {
+        self.tally
     }
 
     /// Checks the version of the context.

@@ -9,6 +9,7 @@ use crate::device::{Device, DrawTarget, SceneError, SceneProgram};
 use crate::frame::{FrameInputs, LIGHT, LayerInputs};
 use crate::gpu_meshes::GpuMeshes;
 use crate::lathe::MeshGroup;
+use crate::level::SceneLevel;
 use crate::overlay_objects::{MarkObjects, PathObjects};
 use crate::part_objects::PartObjects;
 use crate::shader;
@@ -18,16 +19,15 @@ use crate::viewport::{SceneFigures, SceneViewport};
 /// Frames after which the layer of what stands still is drawn again, for the shadows of what
 /// moves.
 const LAYER_FRAMES: u32 = 15;
-/// Frames after which the shadow map is drawn again by a software renderer.
-const SHADOW_FRAMES: u32 = 3;
-/// Opacity of panes and of coolant, 0–1.
-const PANE_ALPHA: f32 = 0.10;
-const COOLANT_ALPHA: f32 = 0.42;
+/// Opacity of panes, 0–1.
+pub const PANE_ALPHA: f32 = 0.10;
+/// Opacity of coolant, 0–1.
+pub const COOLANT_ALPHA: f32 = 0.42;
 /// Opacity of a jaw of a fast spindle, 0–1.
 const HAZE_ALPHA: f32 = 0.13;
 
 /// The groups that stand still while a program runs.
-const STILL_GROUPS: [MeshGroup; 5] = [
+pub const STILL_GROUPS: [MeshGroup; 5] = [
     MeshGroup::Floor,
     MeshGroup::Fixed,
     MeshGroup::Tailstock,
@@ -49,8 +49,12 @@ struct ScenePrograms {
 }
 
 impl ScenePrograms {
-    fn create(device: Device<'_>, is_software: bool) -> Result<Self, SceneError> {
-        let soft = if is_software { "" } else { shader::SOFT_SHADOW };
+    fn create(device: Device<'_>, has_soft_shadow: bool) -> Result<Self, SceneError> {
+        let soft = if has_soft_shadow {
+            shader::SOFT_SHADOW
+        } else {
+            ""
+        };
         let part = format!("{soft}{}", shader::PART);
         let lit = [shader::VERTEX, shader::LIT_FRAGMENT];
         let depth = [shader::VERTEX, shader::DEPTH_FRAGMENT];
@@ -97,6 +101,14 @@ impl ScenePrograms {
     }
 }
 
+/// The level of a renderer by its name alone.
+const fn usual_level(is_software: bool) -> SceneLevel {
+    match is_software {
+        true => SceneLevel::Half,
+        false => SceneLevel::Full,
+    }
+}
+
 /// Everything that lives in the context.
 #[derive(Debug)]
 pub struct SceneObjects {
@@ -109,6 +121,7 @@ pub struct SceneObjects {
     targets: SceneTargets,
     cover: glow::VertexArray,
     is_software: bool,
+    level: SceneLevel,
     /// What the picture shows; `None` if it must be drawn.
     drawn: Option<(LatheDescription, OrbitCamera)>,
     /// What the layer of what stands still shows; `None` if it must be drawn.
@@ -123,8 +136,9 @@ impl SceneObjects {
     pub fn create(device: Device<'_>, lathe: &LatheDescription) -> Result<Self, SceneError> {
         device.check_version()?;
         let is_software = device.is_software();
+        let level = usual_level(is_software);
         Ok(Self {
-            programs: ScenePrograms::create(device, is_software)?,
+            programs: ScenePrograms::create(device, level.has_soft_shadow())?,
             meshes: GpuMeshes::create(device, lathe)?,
             part: PartObjects::create(device)?,
             path: PathObjects::default(),
@@ -133,6 +147,7 @@ impl SceneObjects {
             targets: SceneTargets::create(device, [16, 16])?,
             cover: device.create_array()?,
             is_software,
+            level,
             drawn: None,
             layer: None,
             has_fixed_shadow: false,
@@ -166,6 +181,8 @@ impl SceneObjects {
             size: self.targets.picture.size,
             is_software: self.is_software,
             is_refining: self.meshes.is_baking(),
+            objects: device.tally().objects(),
+            bytes: device.tally().bytes(),
         })
     }
 
@@ -188,8 +205,12 @@ impl SceneObjects {
         viewport: SceneViewport,
     ) -> Result<(), SceneError> {
         let [_, _, width, height] = viewport.pixels;
-        self.is_full_size = !(viewport.is_moving && self.is_software);
-        let share = if self.is_full_size { 1 } else { 2 };
+        self.update_level(device, viewport.level)?;
+        let share = match viewport.is_moving {
+            true => self.level.moving_share(),
+            false => 1,
+        };
+        self.is_full_size = share == 1;
         let size = [width, height].map(|it| (it / share).clamp(1, 8192));
         let mut is_new = self.targets.resize(device, size)?;
         if !self.meshes.is_design_of(lathe) {
@@ -209,6 +230,21 @@ impl SceneObjects {
         Ok(())
     }
 
+    fn update_level(
+        &mut self,
+        device: Device<'_>,
+        level: Option<SceneLevel>,
+    ) -> Result<(), SceneError> {
+        let level = level.unwrap_or(usual_level(self.is_software));
+        if level.has_soft_shadow() != self.level.has_soft_shadow() {
+            let programs = ScenePrograms::create(device, level.has_soft_shadow())?;
+            core::mem::replace(&mut self.programs, programs).release(device);
+            self.drawn = None;
+        }
+        self.level = level;
+        Ok(())
+    }
+
     fn needs_drawing(&self, lathe: &LatheDescription, camera: &OrbitCamera) -> bool {
         let drawn = self.drawn.as_ref();
         !drawn.is_some_and(|(shown, from)| shown == lathe && from == camera)
@@ -217,7 +253,7 @@ impl SceneObjects {
     fn draw(&mut self, device: Device<'_>, scene: &FrameInputs) {
         self.frame = self.frame.wrapping_add(1);
         let is_thorough = self.is_full_size || self.drawn.is_none();
-        if is_thorough || self.frame.is_multiple_of(SHADOW_FRAMES) {
+        if is_thorough || self.frame.is_multiple_of(self.level.shadow_pictures()) {
             self.draw_shadows(device, scene);
         }
         device.bind_texture(0, Some(self.targets.shadow.texture));
@@ -238,7 +274,7 @@ impl SceneObjects {
         self.chips.draw(device);
         self.set_inputs(device, &self.programs.part, scene);
         device.set_matrix(&self.programs.part, "u_model", &scene.part_model);
-        self.part.draw_revolved(device, &self.programs.part);
+        self.part.draw_revolved(device, &self.programs.part, self.level);
         let line = &self.programs.line;
         device.use_program(line);
         device.set_matrix(line, "u_projection", &scene.projection);
@@ -312,7 +348,7 @@ impl SceneObjects {
         device.set_matrix(depth, "u_projection", &scene.light_projection);
         device.set_matrix(depth, "u_model", &scene.part_model);
         device.set_sampler(depth, "u_outline", 1);
-        self.part.draw_revolved(device, depth);
+        self.part.draw_revolved(device, depth, self.level);
         device.set_depth_shift(false);
         self.has_fixed_shadow = true;
     }

@@ -8,6 +8,7 @@ use glam::Mat4;
 use crate::description::{LatheDescription, LatheKind, SectionCut};
 use crate::device::{Device, GpuMesh, SceneError, SceneProgram, VertexLayout};
 use crate::effects::bar_bend;
+use crate::level::SceneLevel;
 use crate::mesh::SceneMesh;
 use crate::part_outline::{MAX_EDGES, PartOutline};
 use crate::placement::LathePlacement;
@@ -23,6 +24,8 @@ const HATCH_MM: (f32, f32) = (2.5, 25.0);
 #[derive(Debug)]
 pub struct PartObjects {
     grid: GpuMesh,
+    /// The same with half the sides.
+    coarse_grid: GpuMesh,
     texture: glow::Texture,
     outline: Arc<PartOutline>,
     edges: i32,
@@ -70,16 +73,21 @@ impl PartObjects {
         let ends = (0..2 * MAX_EDGES as u16)
             .flat_map(|end| (0..=sides as u16).flat_map(move |side| [end, side]));
         let vertices: Vec<u8> = ends.flat_map(u16::to_ne_bytes).collect();
-        let quads = (0..MAX_EDGES as u32).flat_map(|edge| {
-            let row = move |end: u32| (2 * edge + end) * (sides + 1);
-            (0..sides).flat_map(move |side| {
-                let [a, b] = [row(0) + side, row(1) + side];
-                [a, a + 1, b, b, a + 1, b + 1]
-            })
-        });
-        let indices: Vec<u8> = quads.flat_map(u32::to_ne_bytes).collect();
+        let create = |level: SceneLevel| {
+            let step = level.sides_per_side();
+            let quads = (0..MAX_EDGES as u32).flat_map(|edge| {
+                let row = move |end: u32| (2 * edge + end) * (sides + 1);
+                (0..sides / step).flat_map(move |side| {
+                    let [a, b] = [row(0) + side * step, row(1) + side * step];
+                    [a, a + step, b, b, a + step, b + step]
+                })
+            });
+            let indices: Vec<u8> = quads.flat_map(u32::to_ne_bytes).collect();
+            device.create_mesh(VertexLayout::Edge, &vertices, &indices)
+        };
         Ok(Self {
-            grid: device.create_mesh(VertexLayout::Edge, &vertices, &indices)?,
+            grid: create(SceneLevel::Full)?,
+            coarse_grid: create(SceneLevel::Coarse)?,
             texture: device.create_outline()?,
             outline: Arc::default(),
             edges: 0,
@@ -122,7 +130,7 @@ impl PartObjects {
     }
 
     /// Draws the revolved surfaces with a program of the variant `PART`, which is in use.
-    pub fn draw_revolved(&self, device: Device<'_>, program: &SceneProgram) {
+    pub fn draw_revolved(&self, device: Device<'_>, program: &SceneProgram, level: SceneLevel) {
         if self.edges == 0 {
             return;
         }
@@ -130,8 +138,14 @@ impl PartObjects {
         let marks = if self.has_marks { 1.0 } else { 0.0 };
         device.set_number(program, "u_marks", marks);
         device.bind_texture(1, Some(self.texture));
-        let indices = self.edges * shader::PART_SIDES as i32 * 6;
-        device.draw_mesh(&self.grid, Some(indices));
+        let step = level.sides_per_side();
+        let indices = self.edges * (shader::PART_SIDES / step) as i32 * 6;
+        let grid = if step > 1 {
+            &self.coarse_grid
+        } else {
+            &self.grid
+        };
+        device.draw_mesh(grid, Some(indices));
         device.bind_texture(1, None);
     }
 
@@ -145,7 +159,8 @@ impl PartObjects {
     /// Deletes everything.
     pub fn release(&self, device: Device<'_>) {
         device.delete_mesh(&self.grid);
-        device.delete_texture(self.texture);
+        device.delete_mesh(&self.coarse_grid);
+        device.delete_outline(self.texture);
         if let Some(details) = &self.details {
             device.delete_mesh(details);
         }

@@ -7,6 +7,7 @@ use crate::camera::OrbitCamera;
 use crate::description::LatheDescription;
 use crate::device::Device;
 use crate::objects::SceneObjects;
+use crate::tally::ObjectTally;
 
 /// Draws lathes with one OpenGL context; survives its loss.
 #[derive(Debug, Default)]
@@ -14,6 +15,7 @@ pub struct SceneRenderer {
     objects: Option<SceneObjects>,
     /// Address of the context that has created the objects.
     context: usize,
+    tally: ObjectTally,
 }
 
 impl SceneRenderer {
@@ -29,15 +31,17 @@ impl SceneRenderer {
         camera: &OrbitCamera,
         viewport: SceneViewport,
     ) -> Result<SceneFigures, SceneError> {
-        let device = Device::new(gl);
+        let device = Device::new(gl, &self.tally);
         let context = core::ptr::from_ref(gl).addr();
-        let is_lost = |objects: &SceneObjects| context != self.context || !objects.is_alive(device);
+        let known_context = core::mem::replace(&mut self.context, context);
+        let is_lost =
+            |objects: &SceneObjects| context != known_context || !objects.is_alive(device);
         if self.objects.as_ref().is_some_and(is_lost) {
             // The objects went with their context: their names mean nothing.
             self.objects = None;
+            self.tally.clear();
         }
-        self.context = context;
-        let drawn = self.paint_objects(device, lathe, camera, viewport);
+        let drawn = paint_objects(&mut self.objects, device, lathe, camera, viewport);
         device.restore_output(viewport.output, viewport.pixels);
         if drawn.is_err() {
             self.release(gl);
@@ -45,24 +49,24 @@ impl SceneRenderer {
         drawn
     }
 
-    fn paint_objects(
-        &mut self,
-        device: Device<'_>,
-        lathe: &LatheDescription,
-        camera: &OrbitCamera,
-        viewport: SceneViewport,
-    ) -> Result<SceneFigures, SceneError> {
-        let objects = match self.objects.take() {
-            Some(objects) => self.objects.insert(objects),
-            None => self.objects.insert(SceneObjects::create(device, lathe)?),
-        };
-        objects.paint(device, lathe, camera, viewport)
-    }
-
     /// Deletes all objects. `gl` must be the current context.
     pub fn release(&mut self, gl: &glow::Context) {
         if let Some(objects) = self.objects.take() {
-            objects.release(Device::new(gl));
+            objects.release(Device::new(gl, &self.tally));
         }
     }
+}
+
+fn paint_objects(
+    known: &mut Option<SceneObjects>,
+    device: Device<'_>,
+    lathe: &LatheDescription,
+    camera: &OrbitCamera,
+    viewport: SceneViewport,
+) -> Result<SceneFigures, SceneError> {
+    let objects = match known.take() {
+        Some(objects) => known.insert(objects),
+        None => known.insert(SceneObjects::create(device, lathe)?),
+    };
+    objects.paint(device, lathe, camera, viewport)
 }

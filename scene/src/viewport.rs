@@ -1,5 +1,7 @@
 //! Where a picture is drawn, and its figures.
 
+use crate::level::SceneLevel;
+
 /// Where a picture is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SceneViewport {
@@ -7,8 +9,10 @@ pub struct SceneViewport {
     pub pixels: [i32; 4],
     /// The framebuffer of the caller.
     pub output: Option<glow::Framebuffer>,
-    /// Whether something moves: a software renderer then draws at half the size.
+    /// Whether something moves: low levels then draw a smaller picture.
     pub is_moving: bool,
+    /// How much is drawn; `None`: what suits the renderer of OpenGL by its name.
+    pub level: Option<SceneLevel>,
 }
 
 /// Figures of the last picture.
@@ -22,4 +26,8 @@ pub struct SceneFigures {
     pub is_software: bool,
     /// Whether the next pictures will be better without any change of the description.
     pub is_refining: bool,
+    /// Number of objects of OpenGL.
+    pub objects: i64,
+    /// Bytes of their contents.
+    pub bytes: i64,
 }

@@ -60,6 +60,7 @@ pub use settings::WindowSettings;
 use view::ViewId;
 use views::Views;
 use views::interface::ViewStart;
+pub use views::lathe::SceneDescriber;
 pub use views::project::ProjectSelection;
 
 pub use crate::chrome::startup_error;
@@ -374,6 +375,7 @@ impl Window {
     /// Copies what the views keep for the next start into the settings.
     fn store_view_settings(&mut self) {
         self.settings.solid = self.views.lathe().is_solid();
+        self.settings.scene_camera = self.views.scene_camera();
         let finished = self.views.lessons().finished_lessons();
         if self.settings.lessons != *finished {
             self.settings.lessons.clone_from(finished);

@@ -22,6 +22,19 @@ pub struct ProjectSettings {
     pub recent: Vec<PathBuf>,
 }
 
+/// The camera of the lathe view, as it is stored for the next start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct StoredSceneCamera {
+    /// Index of the chosen preset, from 0; `None` if the operator has moved the camera.
+    pub preset: Option<u8>,
+    /// Target x, y, z, µm; yaw, pitch, thousandths of a radian; distance, µm. `None`: as the
+    /// preset has them.
+    pub position: Option<[i32; 6]>,
+    /// Whether the projection is parallel.
+    pub is_parallel: bool,
+}
+
 /// The stored settings of the window.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
@@ -36,6 +49,8 @@ pub struct WindowSettings {
     pub light: bool,
     /// True if the machine view shows the part as a solid, false for a half section.
     pub solid: bool,
+    /// Camera of the lathe view; `None`: the operator's.
+    pub scene_camera: Option<StoredSceneCamera>,
     /// Names of the finished lessons.
     pub lessons: BTreeSet<String>,
     /// Port, baud rate and files of the transfer view.
@@ -63,6 +78,7 @@ impl Default for WindowSettings {
             layouts: Layouts::default(),
             light: false,
             solid: false,
+            scene_camera: None,
             lessons: BTreeSet::new(),
             transfer: TransferSettings::default(),
             projects: ProjectSettings::default(),

@@ -38,6 +38,8 @@ pub struct ViewRow {
     pub is_available: fn() -> bool,
     /// Whether the view shows the live state of the machine and the PLC.
     pub is_monitor: bool,
+    /// Whether the view shows the part and the lathe around it.
+    pub shows_part: bool,
     /// Whether the view handles function keys and combinations with Ctrl or Alt itself.
     pub uses_keys: bool,
 }
@@ -52,6 +54,7 @@ views! {
         min_size: [300.0, 220.0],
         is_available: || true,
         is_monitor: false,
+        shows_part: true,
         uses_keys: false,
     },
     Lathe => ViewRow {
@@ -63,6 +66,7 @@ views! {
         min_size: [240.0, 180.0],
         is_available: || true,
         is_monitor: false,
+        shows_part: true,
         uses_keys: false,
     },
     Scope => ViewRow {
@@ -74,6 +78,7 @@ views! {
         min_size: [600.0, 360.0],
         is_available: || true,
         is_monitor: false,
+        shows_part: false,
         uses_keys: false,
     },
     Bench => ViewRow {
@@ -85,6 +90,7 @@ views! {
         min_size: [600.0, 320.0],
         is_available: || true,
         is_monitor: true,
+        shows_part: false,
         uses_keys: false,
     },
     Ladder => ViewRow {
@@ -96,6 +102,7 @@ views! {
         min_size: [640.0, 360.0],
         is_available: || true,
         is_monitor: true,
+        shows_part: false,
         uses_keys: true,
     },
     Link => ViewRow {
@@ -107,6 +114,7 @@ views! {
         min_size: [640.0, 320.0],
         is_available: || true,
         is_monitor: false,
+        shows_part: false,
         uses_keys: false,
     },
     Program => ViewRow {
@@ -118,6 +126,7 @@ views! {
         min_size: [480.0, 320.0],
         is_available: || true,
         is_monitor: false,
+        shows_part: false,
         uses_keys: true,
     },
     Lesson => ViewRow {
@@ -129,6 +138,7 @@ views! {
         min_size: [220.0, 260.0],
         is_available: || true,
         is_monitor: false,
+        shows_part: false,
         uses_keys: false,
     },
     Transfer => ViewRow {
@@ -140,6 +150,7 @@ views! {
         min_size: [520.0, 360.0],
         is_available: platform::has_ports,
         is_monitor: false,
+        shows_part: false,
         uses_keys: false,
     },
     Commission => ViewRow {
@@ -151,6 +162,7 @@ views! {
         min_size: [520.0, 320.0],
         is_available: || true,
         is_monitor: true,
+        shows_part: false,
         uses_keys: false,
     },
     Data => ViewRow {
@@ -162,6 +174,7 @@ views! {
         min_size: [520.0, 400.0],
         is_available: || true,
         is_monitor: true,
+        shows_part: false,
         uses_keys: false,
     },
     Project => ViewRow {
@@ -173,6 +186,7 @@ views! {
         min_size: [280.0, 260.0],
         is_available: platform::has_folders,
         is_monitor: false,
+        shows_part: false,
         uses_keys: false,
     },
 }

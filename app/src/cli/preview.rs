@@ -7,6 +7,7 @@ use gsk_core::preview::WorkBudget;
 use gsk_host::job::{JobArgs, PartArgs};
 use gsk_host::setup_args::{self, SetupArgs};
 use gsk_host::work_limit::WorkLimit;
+use gsk_scene::camera::CameraPreset;
 use web_time::Duration;
 
 use super::PictureArgs;
@@ -104,6 +105,49 @@ pub enum CheckFormat {
     Sarif,
 }
 
+/// Cameras of a picture of the lathe in space.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum SceneCamera {
+    #[default]
+    Operator,
+    Tool,
+    Chuck,
+    Top,
+    Section,
+}
+
+impl From<SceneCamera> for CameraPreset {
+    fn from(camera: SceneCamera) -> Self {
+        match camera {
+            SceneCamera::Operator => Self::Operator,
+            SceneCamera::Tool => Self::Tool,
+            SceneCamera::Chuck => Self::Chuck,
+            SceneCamera::Top => Self::Top,
+            SceneCamera::Section => Self::Section,
+        }
+    }
+}
+
+/// Options of a picture of the lathe in space.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct SceneArgs {
+    /// Draw the lathe in space with the finished part, not the path (.png only)
+    #[arg(long, conflicts_with_all = ["solid", "whole", "labels", "dimensions", "tools"])]
+    pub scene: bool,
+    /// Draw the program from beginning to end in N pictures, as an animation (APNG)
+    #[arg(long, requires = "scene", value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1000))]
+    pub frames: Option<u32>,
+    /// Camera of the lathe in space; `tool` follows the tool, `section` looks at the plane of the machine view
+    #[arg(
+        long,
+        requires = "scene",
+        value_enum,
+        default_value_t,
+        value_name = "CAMERA"
+    )]
+    pub camera: SceneCamera,
+}
+
 /// `plot`.
 #[derive(Args, Debug)]
 pub struct PlotArgs {
@@ -118,6 +162,8 @@ pub struct PlotArgs {
     /// Draw the part as a lit solid with a quarter cut out, not the path (.png only)
     #[arg(long, conflicts_with_all = ["whole", "labels", "dimensions", "tools"])]
     pub solid: bool,
+    #[command(flatten)]
+    pub scene: SceneArgs,
     /// The picture (name ends in .png or .svg)
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,

@@ -97,6 +97,7 @@ pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandEr
             "--part",
         ),
         (args.solid, "--solid"),
+        (args.scene.scene, "--scene"),
         (args.picture.labels, "--labels"),
         (args.look.work_zero.is_some(), "--work-zero"),
     ];

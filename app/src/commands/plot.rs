@@ -1,6 +1,7 @@
 //! `plot`: draws the toolpath as a picture.
 
 use gsk_core::preview::{CautionKind, PreviewEnd, preview_with_progress};
+use gsk_core::setup::Setup;
 use gsk_host::files::overwrite_guard::{CommandInputs, check_overwrites};
 use gsk_host::{job, loading};
 use gsk_messages::{Language, say};
@@ -13,6 +14,7 @@ use super::run::picture_title;
 use super::{CommandError, EXIT_ALARM, EXIT_COLLISION, EXIT_OK, mill, output};
 use crate::cli::PlotArgs;
 use crate::picture::{PictureNameError, check_name};
+use crate::scene_plot::{SceneRecorder, encode_scene};
 
 /// Draws the toolpath of a program into a picture. The moves before an alarm are drawn as
 /// well.
@@ -22,7 +24,7 @@ pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandEr
     }
     check_name(&args.output)?;
     let format = PictureFormat::from_file_name(&args.output)?;
-    if args.solid && format != PictureFormat::Png {
+    if (args.solid || args.scene.scene) && format != PictureFormat::Png {
         return Err(PictureNameError::SolidNotPng(args.output.clone()).into());
     }
     let main = args.file.as_path();
@@ -39,7 +41,8 @@ pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandEr
     let target = output::reserve_file(&args.output)?;
     let rates = RapidRates::from_memory(&setup.memory);
     let mut drawing = PathDrawing::new(picture_title(&args.file), args.picture.to_look());
-    let mut machining = match args.part.is_requested() || args.solid || args.picture.needs_part() {
+    let needs_part = args.solid || args.scene.scene || args.picture.needs_part();
+    let mut machining = match args.part.is_requested() || needs_part {
         true => {
             let job_choice = job::choose(&args.part, Some(main), &setup)?;
             if let Some(message) = job_choice.set_work_zero(&mut setup) {
@@ -49,29 +52,50 @@ pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandEr
         }
         false => None,
     };
+    let rear_tool_post = setup.lathe.rear_tool_post;
+    let mut recorder = match &machining {
+        Some(machining) if args.scene.scene => {
+            let frames = args.scene.frames.unwrap_or(1);
+            let time_s = match frames {
+                1 => 0.0,
+                _ => find_duration_s(args, &setup),
+            };
+            let frames = frames as usize;
+            Some(SceneRecorder::new(
+                machining,
+                rear_tool_post,
+                frames,
+                time_s,
+            ))
+        }
+        Some(_) | None => None,
+    };
     let mut watch = output::watch_preview(&setup.memory.programs, args.look.limits.start(), true);
     let preview = preview_with_progress(
         &setup,
         &setup.memory.programs,
         &mut |executed| {
             drawing.add_move(executed, rates);
-            if let Some(machining) = &mut machining {
-                machining.execute_move(executed, rates);
+            match (&mut machining, &mut recorder) {
+                (Some(machining), Some(recorder)) => {
+                    recorder.execute_move(machining, executed, rates);
+                }
+                (Some(machining), None) => machining.execute_move(executed, rates),
+                (None, _) => {}
             }
         },
         &mut |progress| watch.update_progress(progress),
     );
     drop(watch);
     drawing.end(preview.time_s);
-    let bytes = match &machining {
-        Some(machining) if args.solid => {
-            let has_rear_tool_post = setup.lathe.rear_tool_post;
-            picture::encode_solid(
-                machining,
-                has_rear_tool_post,
-                &drawing.title,
-                drawing.options().size,
-            )?
+    let size = drawing.options().size;
+    let bytes = match (&machining, recorder) {
+        (Some(machining), Some(recorder)) => {
+            let lathes = recorder.into_lathes(machining);
+            encode_scene(&lathes, args.scene.camera.into(), size)?
+        }
+        (Some(machining), None) if args.solid => {
+            picture::encode_solid(machining, rear_tool_post, &drawing.title, size)?
         }
         _ => {
             if let Some(machining) = &machining {
@@ -83,7 +107,8 @@ pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandEr
     target.write(&bytes)?;
     let drawn = say::plot_written(args.output.display(), format_time(preview.time_s));
     output::print(&format!("{}\n", report::message_text(&drawn, language)));
-    let drawing_shortfall = picture::missing_moves_message(&drawing).filter(|_| !args.solid);
+    let drawing_shortfall =
+        picture::missing_moves_message(&drawing).filter(|_| !args.solid && !args.scene.scene);
     if let Some(message) = drawing_shortfall {
         complain!("gsk980td: {}", report::message_text(&message, language));
     }
@@ -106,4 +131,16 @@ pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandEr
         PreviewEnd::Alarm | PreviewEnd::Limit => EXIT_ALARM,
         PreviewEnd::M30 | PreviewEnd::M02 | PreviewEnd::M99 | PreviewEnd::Text => EXIT_OK,
     })
+}
+
+/// The machine time of the program, s, up to an alarm or a limit.
+fn find_duration_s(args: &PlotArgs, setup: &Setup) -> f64 {
+    let mut watch = output::watch_preview(&setup.memory.programs, args.look.limits.start(), true);
+    let preview = preview_with_progress(
+        setup,
+        &setup.memory.programs,
+        &mut |_| {},
+        &mut |progress| watch.update_progress(progress),
+    );
+    preview.time_s
 }

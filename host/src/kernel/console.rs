@@ -323,7 +323,7 @@ pub struct Console {
     /// Queue with the newest state of the pulse board, while the window has requested it.
     pub link: Arc<ArrayQueue<LinkView>>,
     /// Queue with the newest state of the part, while there is a job.
-    pub part: Arc<ArrayQueue<PartView>>,
+    pub part: Arc<ArrayQueue<Arc<PartView>>>,
     /// Receives the notices of the kernel.
     pub notices: Receiver<Notice>,
     /// Sender for helper threads, whose notices are received from `notices`, too.

@@ -44,6 +44,8 @@ pub struct PartView {
     /// Whether the quill of the tailstock is extended.
     pub tailstock_forward: bool,
     pub door_open: bool,
+    /// Whether the tool post is on the far side of the spindle.
+    pub rear_tool_post: bool,
     /// Collisions since the stock was clamped.
     pub findings: Vec<CollisionFinding>,
     /// The collision that has stopped the lathe; `None` once its faults are cleared.
@@ -80,13 +82,13 @@ pub(super) struct KernelPart {
     crash: Option<CollisionFinding>,
     /// Version of the part from which `section` was made; `None` before the first one.
     shown_version: Option<u64>,
-    last: Option<PartView>,
-    views: Arc<ArrayQueue<PartView>>,
+    last: Option<Arc<PartView>>,
+    views: Arc<ArrayQueue<Arc<PartView>>>,
 }
 
 impl KernelPart {
     /// Creates a lathe without a part; `views` takes the states for the window.
-    pub(super) fn new(views: Arc<ArrayQueue<PartView>>) -> Self {
+    pub(super) fn new(views: Arc<ArrayQueue<Arc<PartView>>>) -> Self {
         Self {
             state: MachinePart::default(),
             inputs: Vec::new(),
@@ -224,14 +226,16 @@ impl KernelPart {
             chuck_open: self.state.has_gripped() && !lathe.is_chuck_clamped(),
             tailstock_forward: lathe.is_tailstock_forward(),
             door_open: lathe.has_fault(LatheFault::DoorOpen),
+            rear_tool_post: lathe.config().rear_tool_post,
             findings: machining.findings().to_vec(),
             crash: self.crash.filter(|_| is_crashed),
             block: running_block(simulation),
         };
-        if self.last.as_ref() == Some(&view) {
+        if self.last.as_deref() == Some(&view) {
             return false;
         }
-        self.views.force_push(view.clone());
+        let view = Arc::new(view);
+        self.views.force_push(Arc::clone(&view));
         self.last = Some(view);
         true
     }

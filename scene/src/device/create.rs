@@ -4,7 +4,11 @@ use glow::HasContext as _;
 
 use super::{Device, DrawTarget, GpuMesh, SceneError, SceneProgram, VertexLayout};
 use crate::mesh::VERTEX_BYTES;
+use crate::part_outline::{EDGE_FLOATS, MAX_EDGES};
 use crate::tool_path::LINE_VERTEX_BYTES;
+
+/// Bytes of the texture of the longest outline.
+const OUTLINE_BYTES: i64 = (MAX_EDGES * EDGE_FLOATS * 4) as i64;
 
 impl Device<'_> {
     /// Compiles and links a program.
@@ -54,6 +58,7 @@ impl Device<'_> {
                 Some((name, location))
             });
             let uniforms = uniforms.collect();
+            self.tally.add(1, 0);
             Ok(SceneProgram { program, uniforms })
         }
     }
@@ -108,6 +113,8 @@ impl Device<'_> {
             }
             gl.bind_vertex_array(None);
             let count = (indices.len() / 4) as i32;
+            let bytes = (vertices.len() + indices.len()) as i64;
+            self.tally.add(3, bytes);
             Ok(GpuMesh {
                 array,
                 vertices: buffer,
@@ -117,6 +124,7 @@ impl Device<'_> {
                     VertexLayout::Line => glow::LINES,
                     VertexLayout::Surface | VertexLayout::Edge => glow::TRIANGLES,
                 },
+                bytes,
             })
         }
     }
@@ -124,7 +132,9 @@ impl Device<'_> {
     /// Creates an empty array of vertices, for the triangle that covers the picture.
     pub fn create_array(self) -> Result<glow::VertexArray, SceneError> {
         // SAFETY: the context is current.
-        unsafe { self.gl.create_vertex_array() }.map_err(SceneError::Object)
+        let array = unsafe { self.gl.create_vertex_array() }.map_err(SceneError::Object)?;
+        self.tally.add(1, 0);
+        Ok(array)
     }
 
     /// Creates a framebuffer with a colour texture and a depth buffer.
@@ -168,12 +178,15 @@ impl Device<'_> {
                 Some(depth),
             );
             self.check_framebuffer()?;
-            Ok(DrawTarget {
+            let target = DrawTarget {
                 size,
                 texture,
                 framebuffer,
                 depth: Some(depth),
-            })
+            };
+            let (objects, bytes) = target.weight();
+            self.tally.add(objects, bytes);
+            Ok(target)
         }
     }
 
@@ -217,12 +230,15 @@ impl Device<'_> {
             gl.read_buffer(glow::NONE);
             self.check_framebuffer()?;
             gl.bind_texture(glow::TEXTURE_2D, None);
-            Ok(DrawTarget {
+            let target = DrawTarget {
                 size: [side, side],
                 texture,
                 framebuffer,
                 depth: None,
-            })
+            };
+            let (objects, bytes) = target.weight();
+            self.tally.add(objects, bytes);
+            Ok(target)
         }
     }
 
@@ -233,6 +249,7 @@ impl Device<'_> {
             let texture = self.gl.create_texture().map_err(SceneError::Object)?;
             self.gl.bind_texture(glow::TEXTURE_2D, Some(texture));
             self.set_filter(glow::NEAREST);
+            self.tally.add(1, OUTLINE_BYTES);
             Ok(texture)
         }
     }
@@ -289,6 +306,7 @@ impl Device<'_> {
     pub fn delete_program(self, program: &SceneProgram) {
         // SAFETY: the context is current and has created the program.
         unsafe { self.gl.delete_program(program.program) };
+        self.tally.add(-1, 0);
     }
 
     /// Deletes the buffers of a mesh.
@@ -299,6 +317,7 @@ impl Device<'_> {
             self.gl.delete_buffer(mesh.vertices);
             self.gl.delete_buffer(mesh.indices);
         }
+        self.tally.add(-3, -mesh.bytes);
     }
 
     /// Deletes a target with its texture.
@@ -311,17 +330,21 @@ impl Device<'_> {
                 self.gl.delete_renderbuffer(depth);
             }
         }
+        let (objects, bytes) = target.weight();
+        self.tally.add(-objects, -bytes);
     }
 
     /// Deletes an array of vertices.
     pub fn delete_array(self, array: glow::VertexArray) {
         // SAFETY: the context is current and has created the array.
         unsafe { self.gl.delete_vertex_array(array) };
+        self.tally.add(-1, 0);
     }
 
-    /// Deletes a texture.
-    pub fn delete_texture(self, texture: glow::Texture) {
+    /// Deletes a texture that [`Device::create_outline`] has created.
+    pub fn delete_outline(self, texture: glow::Texture) {
         // SAFETY: the context is current and has created the texture.
         unsafe { self.gl.delete_texture(texture) };
+        self.tally.add(-1, -OUTLINE_BYTES);
     }
 }

@@ -5,8 +5,10 @@ use std::sync::Arc;
 use egui::Ui;
 use gsk_host::kernel::Console;
 use gsk_host::kernel::monitor::MachineView;
+use gsk_host::kernel::part::PartView;
 use gsk_messages::Language;
 
+use super::machine::path::DrawnPath;
 use crate::settings::WindowSettings;
 use crate::widgets::questions::Unsaved;
 
@@ -26,6 +28,11 @@ pub struct ViewFrame<'a> {
     /// The newest state of the machine, for views whose row has `is_monitor`; `None` before
     /// the first one.
     pub machine: Option<&'a Arc<MachineView>>,
+    /// The newest state of the part, for views whose row has `shows_part`; `None` before the
+    /// first one.
+    pub part: Option<&'a Arc<PartView>>,
+    /// The path of the selected program.
+    pub path: &'a Arc<DrawnPath>,
 }
 
 /// A view beside the panel.

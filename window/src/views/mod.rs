@@ -9,7 +9,7 @@ mod data;
 pub mod header;
 pub mod interface;
 mod ladder;
-mod lathe;
+pub mod lathe;
 mod lesson;
 mod link;
 mod machine;
@@ -28,6 +28,7 @@ use egui::{
     ViewportBuilder, ViewportId,
 };
 use gsk_host::kernel::monitor::MachineView;
+use gsk_host::kernel::part::PartView;
 use gsk_host::kernel::{Command, Console};
 use gsk_link::LinkState;
 
@@ -37,6 +38,7 @@ use super::view::{VIEWS, ViewId, ViewRow, view_of_pressed_key};
 use crate::focus;
 use crate::input::keyboard;
 use crate::samples::SampleRequest;
+use crate::settings::StoredSceneCamera;
 use crate::theme;
 use crate::widgets::questions::Unsaved;
 use crate::widgets::real_machine_bar;
@@ -58,6 +60,8 @@ pub struct Views {
     all: AllViews,
     console: Console,
     machine: Option<Arc<MachineView>>,
+    /// The part, as it was received last; `None` before the first one.
+    part: Option<Arc<PartView>>,
     /// The view that another view has requested to open; `None` without a request.
     view_to_open: Option<ViewId>,
 }
@@ -71,15 +75,17 @@ impl Views {
             all: AllViews::create(start),
             console: start.console.clone(),
             machine: None,
+            part: None,
             view_to_open: None,
         }
     }
 
     /// Opens and closes views to match `layouts`. Starts or stops the kernel's reports of the
-    /// machine state and receives the newest one.
+    /// machine state and the part, and receives the newest ones.
     pub fn follow(&mut self, context: &Context, layouts: &Layouts) {
         self.all.lathe.receive(context);
         let was_monitoring = self.needs_machine_state();
+        let was_showing_part = self.needs_part();
         for row in &VIEWS {
             let view = row.view;
             let open = layouts.is_open(view);
@@ -96,9 +102,6 @@ impl Views {
                 Some(drawn) => drawn.close(),
                 None => {}
             }
-            if view == ViewId::Lathe {
-                self.all.lathe.set_scene_open(open);
-            }
         }
         let is_monitoring = self.needs_machine_state();
         if is_monitoring != was_monitoring {
@@ -107,6 +110,15 @@ impl Views {
         }
         if let Some(machine) = self.console.machine.pop() {
             self.machine = Some(Arc::new(machine));
+        }
+        let is_showing_part = self.needs_part();
+        if is_showing_part != was_showing_part {
+            self.part = None;
+            self.console.send(Command::ShowPart(is_showing_part));
+            self.all.lathe.set_path_shown(is_showing_part);
+        }
+        if let Some(part) = self.console.part.pop() {
+            self.part = Some(part);
         }
     }
 
@@ -126,6 +138,11 @@ impl Views {
 
     pub const fn lathe(&mut self) -> &mut LatheView {
         &mut self.all.lathe
+    }
+
+    /// The camera of the lathe view for the settings.
+    pub fn scene_camera(&self) -> Option<StoredSceneCamera> {
+        self.all.scene.stored_camera()
     }
 
     pub const fn lessons(&mut self) -> &mut LessonView {
@@ -152,20 +169,22 @@ impl Views {
         self.open_views.iter().any(|view| view.row().is_monitor)
     }
 
+    /// Whether an open view shows the part.
+    fn needs_part(&self) -> bool {
+        self.open_views.iter().any(|view| view.row().shows_part)
+    }
+
     /// Draws the content of a view. `native`: the view is in a separate window and receives
     /// all keys.
     fn draw_content(&mut self, ui: &mut Ui, view: ViewId, language: Language, native: bool) {
+        let path = Arc::clone(self.all.lathe.path());
         let frame = ViewFrame {
             language,
             owns_keys: native,
             machine: self.machine.as_ref(),
+            part: self.part.as_ref(),
+            path: &path,
         };
-        if view == ViewId::Lathe {
-            let AllViews { lathe, scene, .. } = &mut self.all;
-            lathe.receive_state();
-            scene.set_part(lathe.part().cloned(), lathe.is_rear());
-            scene.set_path(lathe.path());
-        }
         if let Some(drawn) = self.all.get(view) {
             drawn.show(ui, frame);
         }

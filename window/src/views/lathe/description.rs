@@ -56,18 +56,19 @@ impl SceneDescriber {
         self.path.set(path, now_s);
     }
 
-    /// Describes the lathe of a part. `is_rear`: the tool post is on the far side of the
-    /// spindle. `elapsed_s`: time since the last description.
+    /// Describes the lathe of a part. `elapsed_s`: time since the last description.
     pub fn describe(
         &mut self,
         part: &PartView,
-        is_rear: bool,
         theme: SceneTheme,
         elapsed_s: f32,
     ) -> LatheDescription {
         let stock = &part.job.stock;
         let face = stock.jaw_front() - stock.chuck.jaws;
-        let kind = match (is_rear, stock.chuck.diameter.0 <= BENCH_CHUCK_MM) {
+        let kind = match (
+            part.rear_tool_post,
+            stock.chuck.diameter.0 <= BENCH_CHUCK_MM,
+        ) {
             (true, _) => LatheKind::SlantBed,
             (false, true) => LatheKind::Bench,
             (false, false) => LatheKind::FlatBed,
@@ -265,6 +266,7 @@ mod tests {
             chuck_open: false,
             tailstock_forward: false,
             door_open: true,
+            rear_tool_post: false,
             findings: Vec::new(),
             crash: None,
             block: None,
@@ -275,7 +277,7 @@ mod tests {
     fn the_part_is_in_the_jaws_and_the_tool_where_the_control_has_it() {
         let part = view(50.0);
         let mut describer = SceneDescriber::default();
-        let lathe = describer.describe(&part, false, SceneTheme::Day, 0.1);
+        let lathe = describer.describe(&part, SceneTheme::Day, 0.1);
         let jaws = part.job.stock.chuck.jaws as f32;
         // 60 mm in front of the jaws.
         let (_, end, radius) = lathe.part.bounds().unwrap();
@@ -294,10 +296,11 @@ mod tests {
             )
         };
         let mut part = view(50.0);
-        let lathe = describer.describe(&part, false, SceneTheme::Day, 0.0);
+        let lathe = describer.describe(&part, SceneTheme::Day, 0.0);
         assert!(lathe.station == 0 && drill(&lathe));
         part.tool = 1;
-        let lathe = describer.describe(&part, true, SceneTheme::Day, 0.0);
+        part.rear_tool_post = true;
+        let lathe = describer.describe(&part, SceneTheme::Day, 0.0);
         assert!(lathe.kind == LatheKind::SlantBed && !drill(&lathe));
         assert_eq!(
             lathe.current_tool().map(|it| it.form),
@@ -394,11 +397,11 @@ mod tests {
     #[test]
     fn spindle_and_door_move_with_the_time() {
         let mut describer = SceneDescriber::default();
-        let first = describer.describe(&view(50.0), false, SceneTheme::Day, 0.0);
+        let first = describer.describe(&view(50.0), SceneTheme::Day, 0.0);
         assert_eq!((first.spindle_angle, first.door_opening), (0.0, 0.0));
-        let moved = describer.describe(&view(50.0), false, SceneTheme::Day, 0.1);
+        let moved = describer.describe(&view(50.0), SceneTheme::Day, 0.1);
         assert!(moved.spindle_angle < 0.0 && moved.door_opening > 0.0);
-        let open = describer.describe(&view(50.0), false, SceneTheme::Day, 9.0);
+        let open = describer.describe(&view(50.0), SceneTheme::Day, 9.0);
         assert_eq!(open.door_opening, 1.0);
     }
 }

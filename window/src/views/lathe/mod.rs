@@ -1,144 +1,125 @@
-//! The lathe view: the machine with the part in space, drawn with OpenGL.
+//! The lathe view: the machine with the part in space.
 
 mod animation;
+mod camera_control;
 mod description;
 mod jolt;
 mod path;
+mod picture;
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 use std::time::Duration;
 
-use eframe::egui_glow::CallbackFn;
 use eframe::glow;
 use egui::{
-    Label, PaintCallback, Panel, PointerButton, Rect, Response, RichText, Role, Sense, Ui,
-    WidgetInfo,
+    Label, Panel, Rect, RichText, Role, Sense, StrokeKind, Ui, ViewportCommand, WidgetInfo,
 };
 use gsk_host::kernel::part::PartView;
 use gsk_messages::{Language, Message, say};
 use gsk_scene::camera::{CameraPreset, OrbitCamera};
 use gsk_scene::description::{LatheDescription, SceneTheme, SectionCut};
-use gsk_scene::renderer::{SceneError, SceneFigures, SceneRenderer, SceneViewport};
+use gsk_scene::level::SceneLevel;
 
 use super::interface::{View, ViewFrame, ViewStart};
 use super::machine::path::DrawnPath;
 use super::{bar_frame, plain_frame};
+use crate::settings::StoredSceneCamera;
 use crate::theme;
-use description::SceneDescriber;
+use camera_control::CameraControl;
+pub use description::SceneDescriber;
 use jolt::PictureJolt;
+use picture::ScenePicture;
 
 /// Time between two pictures while something moves, s.
 const FRAME_INTERVAL_S: f64 = 1.0 / 30.0;
 /// Time without a change after which the picture is drawn at full size, s.
 const STILL_DELAY_S: f64 = 0.25;
-/// Exponent of the zoom factor per point that the wheel scrolls.
-const ZOOM_PER_POINT: f32 = 0.004;
-
-/// The renderer, and the result of its last picture.
-#[derive(Default)]
-struct ScenePainter {
-    renderer: SceneRenderer,
-    last: Option<Result<SceneFigures, SceneError>>,
-}
+/// Greatest time between two pictures that counts as the time of one, s.
+const LONGEST_PICTURE_S: f64 = 1.0;
 
 /// The view that shows the lathe in space.
-#[derive(Default)]
 pub struct LatheSceneView {
-    /// The part, as it was received last; `None` before the first one.
-    part: Option<PartView>,
-    /// Whether the tool post is on the far side of the spindle.
-    is_rear: bool,
-    /// The programmed path of the machine view.
-    path: Arc<DrawnPath>,
+    picture: ScenePicture,
+    describer: SceneDescriber,
+    camera: CameraControl,
     /// Whether the programmed path is drawn.
     shows_path: bool,
-    painter: Arc<Mutex<ScenePainter>>,
-    describer: SceneDescriber,
     jolt: PictureJolt,
-    camera: Option<OrbitCamera>,
-    /// The chosen preset; `None` once the operator has moved the camera.
-    preset: Option<CameraPreset>,
     /// What the last picture showed, and when it changed, s.
     shown: Option<(LatheDescription, OrbitCamera)>,
     changed_at_s: f64,
     /// Time of the last picture, s.
     drawn_at_s: f64,
-}
-
-/// A lock that a panic has poisoned is used all the same: the renderer checks its objects.
-fn lock(painter: &Mutex<ScenePainter>) -> MutexGuard<'_, ScenePainter> {
-    painter.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Whether something moved in the last picture.
+    was_moving: bool,
 }
 
 impl View for LatheSceneView {
-    fn create(_: ViewStart<'_>) -> Self {
+    fn create(start: ViewStart<'_>) -> Self {
         Self {
-            preset: Some(CameraPreset::default()),
+            picture: ScenePicture::default(),
+            describer: SceneDescriber::default(),
+            camera: CameraControl::from_stored(start.settings.scene_camera),
             shows_path: true,
-            ..Self::default()
+            jolt: PictureJolt::default(),
+            shown: None,
+            changed_at_s: 0.0,
+            drawn_at_s: 0.0,
+            was_moving: false,
         }
     }
 
-    fn close(&mut self) {
-        self.part = None;
-    }
-
     fn show(&mut self, ui: &mut Ui, frame: ViewFrame<'_>) {
-        let part = self.part.take();
-        self.draw(ui, frame.language, part.as_ref(), self.is_rear);
-        self.part = part;
+        let part = frame.part.map(AsRef::as_ref);
+        let bar = Panel::top("scene bar").frame(bar_frame());
+        bar.show(ui, |ui| self.show_bar(ui, frame, part));
+        egui::CentralPanel::default()
+            .frame(plain_frame())
+            .show(ui, |ui| match part {
+                None => show_sentence(ui, &say::lathe_no_path(), frame.language),
+                Some(part) => self.show_picture(ui, frame, part),
+            });
     }
 }
 
 impl LatheSceneView {
-    /// Sets the part that the view draws. `is_rear`: the tool post is on the far side of the
-    /// spindle.
-    pub fn set_part(&mut self, part: Option<PartView>, is_rear: bool) {
-        self.part = part;
-        self.is_rear = is_rear;
-    }
-
-    /// Sets the programmed path that the view draws.
-    pub fn set_path(&mut self, path: &Arc<DrawnPath>) {
-        self.path = Arc::clone(path);
-    }
-
     /// Deletes all objects of OpenGL. `gl` must be the current context.
     pub fn release(&self, gl: &glow::Context) {
-        lock(&self.painter).renderer.release(gl);
+        self.picture.release(gl);
     }
 
-    fn draw(&mut self, ui: &mut Ui, language: Language, part: Option<&PartView>, is_rear: bool) {
-        let bar = Panel::top("scene bar").frame(bar_frame());
-        bar.show(ui, |ui| self.show_presets(ui, language, part));
-        egui::CentralPanel::default()
-            .frame(plain_frame())
-            .show(ui, |ui| {
-                let failed = matches!(lock(&self.painter).last, Some(Err(_)));
-                match part {
-                    _ if failed => show_sentence(ui, &say::lathe_scene_unavailable(), language),
-                    None => show_sentence(ui, &say::lathe_no_path(), language),
-                    Some(part) => self.show_picture(ui, language, part, is_rear),
-                }
-            });
+    /// The camera for the settings; `None`: the one of the first start.
+    pub fn stored_camera(&self) -> Option<StoredSceneCamera> {
+        self.camera.to_stored()
     }
 
-    fn show_presets(&mut self, ui: &mut Ui, language: Language, part: Option<&PartView>) {
+    fn show_bar(&mut self, ui: &mut Ui, frame: ViewFrame<'_>, part: Option<&PartView>) {
+        let language = frame.language;
+        let mut hint = say::lathe_scene_hint().text(language);
+        for words in [Some(say::lathe_scene_keys()), self.describe_level(language)] {
+            if let Some(words) = words {
+                hint.push_str("\n\n");
+                hint.push_str(&words.text(language));
+            }
+        }
         ui.horizontal_wrapped(|ui| {
             for preset in CameraPreset::ALL {
-                let words = match preset {
-                    CameraPreset::Operator => say::lathe_scene_operator(),
-                    CameraPreset::Tool => say::lathe_scene_tool(),
-                    CameraPreset::Chuck => say::lathe_scene_chuck(),
-                    CameraPreset::Top => say::lathe_scene_top(),
-                };
-                let chosen = self.preset == Some(preset);
-                let button = ui.selectable_label(chosen, words.text(language));
-                let hint = say::lathe_scene_hint().text(language);
-                if button.on_hover_text(hint).clicked() {
-                    self.preset = Some(preset);
-                    self.camera = None;
+                let words = preset_name(preset);
+                let is_chosen = self.camera.preset() == Some(preset);
+                let button = ui.selectable_label(is_chosen, words.text(language));
+                if button.on_hover_text(&hint).clicked() {
+                    self.camera.choose(preset);
                 }
+            }
+            ui.separator();
+            let mut follows = self.camera.follows_tool();
+            let words = say::lathe_scene_follow().text(language);
+            if ui.checkbox(&mut follows, words).changed() {
+                self.camera.set_follows_tool(follows);
+            }
+            // A docked view cannot fill the screen by itself: its separate window can.
+            if frame.owns_keys {
+                show_full_screen_button(ui, language);
             }
             ui.separator();
             self.show_section_cuts(ui, language);
@@ -176,30 +157,50 @@ impl LatheSceneView {
         }
     }
 
-    fn show_picture(&mut self, ui: &mut Ui, language: Language, part: &PartView, is_rear: bool) {
+    /// The level in force and the memory of the objects of OpenGL.
+    fn describe_level(&mut self, language: Language) -> Option<Message> {
+        let figures = self.picture.figures()?;
+        let level = match figures.level {
+            SceneLevel::Processor => return Some(say::lathe_scene_processor()),
+            SceneLevel::Coarse => say::lathe_scene_coarse(),
+            SceneLevel::Half => say::lathe_scene_medium(),
+            SceneLevel::Full => say::lathe_scene_full(),
+        };
+        let megabytes = figures.bytes as f64 / 1e6;
+        Some(say::lathe_scene_level(level.text(language), megabytes))
+    }
+
+    fn show_picture(&mut self, ui: &Ui, frame: ViewFrame<'_>, part: &PartView) {
+        let language = frame.language;
         let rect = ui.available_rect_before_wrap();
-        let sense = Sense::CLICK | Sense::DRAG;
+        let sense = Sense::CLICK | Sense::DRAG | Sense::focusable_noninteractive();
         let response = ui.interact(rect, ui.scope_id().with("lathe scene"), sense);
         response.widget_info(|| {
-            let name = say::lathe_scene_picture().text(language);
+            let name = format!(
+                "{}. {}",
+                say::lathe_scene_picture().text(language),
+                say::lathe_scene_keys().text(language)
+            );
             WidgetInfo::labeled(Role::Canvas, true, name)
         });
         if rect.width() < 20.0 || rect.height() < 20.0 {
             return;
         }
         let now = ui.input(|input| input.time);
-        let elapsed_s = (now - self.drawn_at_s).clamp(0.0, 0.3) as f32;
+        let passed_s = now - self.drawn_at_s;
         self.drawn_at_s = now;
+        if self.was_moving && passed_s < LONGEST_PICTURE_S {
+            self.picture.add_time(passed_s);
+        }
         let scene_theme = match theme::is_light(ui.ctx()) {
             true => SceneTheme::Day,
             false => SceneTheme::Night,
         };
-        let path = self.shows_path.then_some(&self.path);
+        let elapsed_s = passed_s.clamp(0.0, 0.3) as f32;
+        let path = Some(frame.path).filter(|_| self.shows_path);
         self.describer.set_path(path, now);
-        let lathe = self
-            .describer
-            .describe(part, is_rear, scene_theme, elapsed_s);
-        let mut camera = self.move_camera(ui, &response, &lathe);
+        let lathe = self.describer.describe(part, scene_theme, elapsed_s);
+        let mut camera = self.camera.update(ui, &response, &lathe);
         let [x, y] = self.jolt.deflection(part.crash, now);
         camera.target.x += x;
         camera.target.y += y;
@@ -209,113 +210,41 @@ impl LatheSceneView {
             self.shown = Some((lathe.clone(), camera));
         }
         let is_moving = now - self.changed_at_s < STILL_DELAY_S;
-        let is_refining = match &lock(&self.painter).last {
-            Some(Ok(figures)) => figures.is_refining,
-            Some(Err(_)) | None => false,
-        };
-        if is_moving || is_refining {
+        self.was_moving = is_moving;
+        if is_moving || self.picture.is_refining() {
             let pause = Duration::from_secs_f64(FRAME_INTERVAL_S);
             ui.ctx().request_repaint_after(pause);
         }
-        self.add_callback(ui, rect, lathe, camera, is_moving);
+        self.picture.show(ui, rect, lathe, camera, is_moving);
+        if response.has_focus() {
+            draw_focus(ui, rect);
+        }
     }
+}
 
-    fn add_callback(
-        &self,
-        ui: &Ui,
-        rect: Rect,
-        lathe: LatheDescription,
-        camera: OrbitCamera,
-        is_moving: bool,
-    ) {
-        let painter = Arc::clone(&self.painter);
-        let context = ui.ctx().clone();
-        let callback = CallbackFn::new(move |info, egui_painter| {
-            let place = info.viewport_in_pixels();
-            let viewport = SceneViewport {
-                pixels: [
-                    place.left_px,
-                    place.from_bottom_px,
-                    place.width_px,
-                    place.height_px,
-                ],
-                output: egui_painter.intermediate_fbo(),
-                is_moving,
-            };
-            let mut painter = lock(&painter);
-            let is_first = painter.last.is_none();
-            let drawn = painter
-                .renderer
-                .paint(egui_painter.gl(), &lathe, &camera, viewport);
-            if let (true, Err(error)) = (is_first, &drawn) {
-                tracing::warn!(%error, "lathe scene");
-            }
-            painter.last = Some(drawn);
-            if is_first {
-                context.request_repaint();
-            }
-        });
-        ui.painter().add(PaintCallback {
-            rect,
-            callback: Arc::new(callback),
-        });
+fn draw_focus(ui: &Ui, rect: Rect) {
+    let line = ui.visuals().widgets.hovered.bg_stroke;
+    ui.painter()
+        .rect_stroke(rect.shrink(1.0), 2.0, line, StrokeKind::Inside);
+}
+
+/// Shows the button that lets the window of the view fill the screen, or ends that.
+fn show_full_screen_button(ui: &mut Ui, language: Language) {
+    let is_full = ui.input(|input| input.viewport().fullscreen == Some(true));
+    let words = say::lathe_scene_full_screen().text(language);
+    if ui.selectable_label(is_full, words).clicked() {
+        ui.ctx()
+            .send_viewport_cmd(ViewportCommand::Fullscreen(!is_full));
     }
+}
 
-    /// Moves the camera by preset, pointer, wheel and fingers.
-    fn move_camera(
-        &mut self,
-        ui: &Ui,
-        response: &Response,
-        lathe: &LatheDescription,
-    ) -> OrbitCamera {
-        let preset = self.preset.unwrap_or_default();
-        let fitted = preset.camera(lathe);
-        let mut camera = match (self.camera, self.preset) {
-            (Some(camera), Some(preset)) if preset.follows_tool() => OrbitCamera {
-                target: fitted.target,
-                ..camera
-            },
-            (Some(camera), _) => camera,
-            (None, _) => fitted,
-        };
-        let before = camera;
-        let height = response.rect.height();
-        let to_vector = |by: egui::Vec2| [by.x, by.y].into();
-        if let Some(at) = response.hover_pos() {
-            let (scrolled, pinched) =
-                ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
-            let factor = (scrolled * ZOOM_PER_POINT).exp() * pinched;
-            if factor != 1.0 {
-                let offset = match preset.follows_tool() && self.preset.is_some() {
-                    true => egui::Vec2::ZERO,
-                    false => at - response.rect.center(),
-                };
-                camera.zoom(factor, to_vector(offset), height);
-            }
-        }
-        let mut is_panned = false;
-        if response.dragged() {
-            let by = to_vector(response.drag_delta());
-            let is_turn = response.dragged_by(PointerButton::Primary)
-                && ui.input(|input| !input.modifiers.shift);
-            match is_turn {
-                true => camera.orbit(by),
-                false => camera.pan(by, height),
-            }
-            is_panned = !is_turn;
-        }
-        if response.double_clicked() {
-            self.preset = Some(CameraPreset::default());
-            self.camera = None;
-            return CameraPreset::default().camera(lathe);
-        }
-        if camera != before {
-            self.camera = Some(camera);
-            if is_panned || !preset.follows_tool() {
-                self.preset = None;
-            }
-        }
-        camera
+fn preset_name(preset: CameraPreset) -> Message {
+    match preset {
+        CameraPreset::Operator => say::lathe_scene_operator(),
+        CameraPreset::Tool => say::lathe_scene_tool(),
+        CameraPreset::Chuck => say::lathe_scene_chuck(),
+        CameraPreset::Top => say::lathe_scene_top(),
+        CameraPreset::Section => say::lathe_scene_section(),
     }
 }
 

@@ -31,7 +31,7 @@ use egui::{
 use gsk_core::command::{ProgramId, SourcePosition};
 use gsk_core::units::Point;
 use gsk_host::kernel::part::PartView;
-use gsk_host::kernel::{Command, Console, ProgramPlacement};
+use gsk_host::kernel::{Console, ProgramPlacement};
 use gsk_messages::{Language, say};
 use gsk_workpiece::grid::from_grid;
 
@@ -115,10 +115,10 @@ pub struct LatheView {
     worker: Option<PreviewWorker>,
     /// Whether the view is open.
     is_open: bool,
-    /// Whether the lathe view is open, which shows the same part.
-    is_scene_open: bool,
+    /// Whether a view shows the path: this one or the lathe view.
+    is_path_shown: bool,
     preview: PreviewResult,
-    part: Option<PartView>,
+    part: Option<Arc<PartView>>,
     program_text: ProgramTextState,
     section_drawing: SectionDrawing,
     solid_drawing: SolidDrawing,
@@ -170,6 +170,7 @@ impl View for LatheView {
     }
 
     fn show(&mut self, ui: &mut Ui, frame: ViewFrame<'_>) {
+        self.part = frame.part.map(Arc::clone);
         self.draw(ui, frame.language);
     }
 
@@ -185,7 +186,7 @@ impl LatheView {
             console,
             worker: None,
             is_open: false,
-            is_scene_open: false,
+            is_path_shown: false,
             preview: PreviewResult::default(),
             part: None,
             program_text: ProgramTextState::default(),
@@ -217,36 +218,19 @@ impl LatheView {
 
     fn set_open(&mut self, is_open: bool) {
         self.is_open = is_open;
-        self.send_show_part();
     }
 
-    /// Sets whether the lathe view is open, which shows the same part.
-    pub fn set_scene_open(&mut self, is_open: bool) {
-        self.is_scene_open = is_open;
-        self.send_show_part();
-    }
-
-    /// Whether a view shows the part and the path.
-    const fn is_shown(&self) -> bool {
-        self.is_open || self.is_scene_open
-    }
-
-    fn send_show_part(&self) {
-        let is_shown = self.is_shown();
+    /// Sets whether a view shows the path; the worker computes it only then.
+    pub fn set_path_shown(&mut self, is_shown: bool) {
+        self.is_path_shown = is_shown;
         if let Some(worker) = &self.worker {
             worker.flags.visible.store(is_shown, Ordering::Relaxed);
         }
-        self.console.send(Command::ShowPart(is_shown));
     }
 
     /// The programmed path.
     pub const fn path(&self) -> &Arc<path::DrawnPath> {
         &self.preview.path
-    }
-
-    /// The part, as it was received last; `None` before the first one.
-    pub const fn part(&self) -> Option<&PartView> {
-        self.part.as_ref()
     }
 
     /// Reports to the worker a program that was opened in the window. Its job may be in a file
@@ -281,7 +265,7 @@ impl LatheView {
 
     /// Draws the view and handles its input.
     fn draw(&mut self, ui: &mut Ui, language: Language) {
-        self.receive_part(ui);
+        self.pass_part_on(ui);
         let tools = Panel::top("lathe bar").frame(bar_frame());
         tools.show(ui, |ui| self.show_toolbar(ui, language));
         let state = Panel::bottom("lathe state").frame(side_frame());
@@ -334,7 +318,7 @@ impl LatheView {
             worker
                 .flags
                 .visible
-                .store(self.is_open || self.is_scene_open, Ordering::Relaxed);
+                .store(self.is_path_shown, Ordering::Relaxed);
             if let Some(trial) = &self.program_text.trial {
                 worker.set_trial(Some(trial.to_program()));
             }
@@ -371,16 +355,8 @@ impl LatheView {
         }
     }
 
-    /// Receives the state of the part.
-    pub fn receive_state(&mut self) {
-        if let Some(part) = self.console.part.pop() {
-            self.part = Some(part);
-        }
-    }
-
-    /// Receives the state of the part and passes it to the instrument in use.
-    fn receive_part(&mut self, ui: &Ui) {
-        self.receive_state();
+    /// Passes the state of the part to the instrument in use.
+    fn pass_part_on(&mut self, ui: &Ui) {
         if let Some(part) = &self.part {
             let known = self.picture.tool_bounds.as_ref();
             if !known.is_some_and(|(job, _)| Arc::ptr_eq(job, &part.job)) {
@@ -543,7 +519,7 @@ impl LatheView {
 
     /// Whether the tool post is on the far side of the spindle; false until the first result
     /// of the worker.
-    pub const fn is_rear(&self) -> bool {
+    const fn is_rear(&self) -> bool {
         self.preview.rear_tool_post
     }
 

@@ -1,0 +1,53 @@
+//! The revolved part as triangles.
+
+use core::f32::consts::TAU;
+
+use glam::{Mat4, Vec2, Vec4, vec3, vec4};
+
+use super::visibility::SurfaceCorner;
+use crate::part_outline::PartOutline;
+
+/// Half the width of the chalk mark on the skin, turns.
+const MARK_TURNS: f32 = 1.5 / 64.0;
+
+/// Revolves the outline of a part. `model`: turn of the spindle.
+pub fn triangles(
+    part: &PartOutline,
+    sides: u32,
+    model: Mat4,
+) -> impl Iterator<Item = [SurfaceCorner; 3]> {
+    let ring: Vec<(f32, Vec2)> = (0..=sides)
+        .map(|side| {
+            let share = side as f32 / sides.max(1) as f32;
+            (share, Vec2::from_angle(share * TAU))
+        })
+        .collect();
+    part.edges().iter().flat_map(move |edge| {
+        let corners: Vec<[SurfaceCorner; 2]> = ring
+            .iter()
+            .map(|&(share, direction)| {
+                let turned = |at: Vec2| vec3(at.x, at.y * direction.x, at.y * direction.y);
+                let is_mark = share < MARK_TURNS || share > 1.0 - MARK_TURNS / 3.0;
+                let (color, finish) = match (edge.is_skin, is_mark) {
+                    (true, true) => (vec4(0.78, 0.78, 0.78, 0.88), SKIN_FINISH),
+                    (true, false) => (vec4(0.40, 0.385, 0.38, 0.88), SKIN_FINISH),
+                    (false, _) => (vec4(0.80, 0.80, 0.815, 0.95), CUT_FINISH),
+                };
+                [0, 1].map(|end| SurfaceCorner {
+                    position: model.transform_point3(turned(edge.ends[end])),
+                    normal: model.transform_vector3(turned(edge.normals[end])),
+                    color,
+                    finish,
+                })
+            })
+            .collect();
+        let quads = corners.windows(2).flat_map(|pair| {
+            let ([a, b], [c, d]) = (pair[0], pair[1]);
+            [[a, c, b], [b, c, d]]
+        });
+        quads.collect::<Vec<_>>()
+    })
+}
+
+const SKIN_FINISH: Vec4 = vec4(0.55, 0.75, 0.0, 0.0);
+const CUT_FINISH: Vec4 = vec4(0.24, 1.0, 1.0, 0.0);
