@@ -163,25 +163,25 @@ impl Emulator {
                 self.panel.clear_aborted();
                 InputAnswer::Applied
             }
-            to_panel => self.apply_to_panel(to_panel),
+            to_panel => self.apply_to_panel(&to_panel),
         }
     }
 
     /// Applies an input that only the panel handles.
-    fn apply_to_panel(&mut self, input: EmulatorInput) -> InputAnswer {
+    fn apply_to_panel(&mut self, input: &EmulatorInput) -> InputAnswer {
         match input {
-            EmulatorInput::ConnectCable(cable) => self.panel.connect_cable(cable),
+            EmulatorInput::ConnectCable(cable) => self.panel.connect_cable(*cable),
             EmulatorInput::TransferFailed => self.panel.transfer_failed(),
             EmulatorInput::PortState(shown) => {
                 let mut requests = Vec::new();
-                self.panel.show_port_state(shown, &mut requests);
+                self.panel.show_port_state(*shown, &mut requests);
                 self.send_requests(requests);
             }
             EmulatorInput::FitGraphic { min, max } => {
-                self.panel.fit_graphic(min, max, &self.simulation.cnc);
+                self.panel.fit_graphic(*min, *max, &self.simulation.cnc);
             }
-            EmulatorInput::ShowPage(page) => self.panel.show(page),
-            EmulatorInput::RestorePanel(retained) => self.panel.restore(&retained),
+            EmulatorInput::ShowPage(page) => self.panel.show(*page),
+            EmulatorInput::RestorePanel(retained) => self.panel.restore(retained),
             EmulatorInput::StoreEdited => self.store_edited_text(),
             _ => {}
         }
