@@ -114,8 +114,7 @@ impl DebuggedRun {
             _ if cnc.is_in_alarm() => RunProgress::Ended,
             RunState::Reset if self.has_begun => RunProgress::Ended,
             _ if ticks < START_TICKS => RunProgress::Starting,
-            RunState::Stop => RunProgress::Stopped,
-            RunState::Hold => RunProgress::Stopped,
+            RunState::Stop | RunState::Hold => RunProgress::Stopped,
             RunState::Reset => RunProgress::Ended,
         }
     }
