@@ -53,11 +53,12 @@ const TEXT: &str = "O0007\nG50 X100 Z100\nT0101 M03 S800\nG00 X42 Z2\n\
 /// Clicks along a vertical line, which crosses the path, until a block is named.
 fn click_until_block(bench: &mut WindowBench, block: &str) -> bool {
     let picture = bench.harness.get_by_label("Machine picture").rect();
-    (0..200).any(|step| {
+    (0..450).any(|step: usize| {
         // Each click is far from the one before: two close clicks would be a double click.
         let share = (step as f32 * 0.618) % 1.0;
+        let column = [0.7, 0.55, 0.4][step % 3];
         let position = egui::pos2(
-            picture.left() + picture.width() * 0.7,
+            picture.left() + picture.width() * column,
             picture.top() + picture.height() * share,
         );
         for pressed in [true, false] {

@@ -6,10 +6,17 @@ use std::sync::Arc;
 
 use crossbeam::channel::Receiver;
 use crossbeam::queue::ArrayQueue;
+use gsk_core::machine::{LatheFault, SimulatedLathe};
+use gsk_core::units::Point;
 use gsk_host::kernel::monitor::MachineView;
 use gsk_host::kernel::part::PartView;
 use gsk_host::kernel::{Console, Notice, PanelSnapshot};
 use gsk_host::termination::TerminationFlag;
+
+/// Differences of positions below this one are not shown, mm.
+const SHOWN_MM: f64 = 0.000_1;
+/// Differences of the spindle speed below this one are not shown, r/min.
+const SHOWN_RPM: f64 = 0.1;
 
 /// Compares published machine states with the last one that was repainted.
 pub struct RepaintFilter {
@@ -69,7 +76,7 @@ fn looks_same(one: &MachineView, other: &MachineView) -> bool {
     };
     is_plc_same
         && one.halted == other.halted
-        && one.lathe == other.lathe
+        && looks_same_lathe(&one.lathe, &other.lathe)
         && one.inputs == other.inputs
         && one.next_ladder == other.next_ladder
         && one.ladder_refused == other.ladder_refused
@@ -79,4 +86,31 @@ fn looks_same(one: &MachineView, other: &MachineView) -> bool {
         && one.offsets == other.offsets
         && one.variables == other.variables
         && one.alarms == other.alarms
+}
+
+/// Whether no view shows a difference between two states of the lathe. Following error and
+/// spindle speed fade out for a minute after a motion, far below the last digit.
+fn looks_same_lathe(one: &SimulatedLathe, other: &SimulatedLathe) -> bool {
+    let is_near = |one: Point, other: Point| {
+        (one.x - other.x).abs() < SHOWN_MM && (one.z - other.z).abs() < SHOWN_MM
+    };
+    let signals = |it: &SimulatedLathe| {
+        (
+            it.is_tool_post_clamped(),
+            it.is_chuck_clamped(),
+            it.is_tailstock_forward(),
+            it.is_coolant_on(),
+            it.is_lubrication_on(),
+            it.is_over_limit(),
+            it.is_emergency_loop_closed(),
+            it.station(),
+            it.forced_input_count(),
+        )
+    };
+    let mut faults = LatheFault::ALL.into_iter();
+    is_near(one.slide_position(), other.slide_position())
+        && is_near(one.following_error(), other.following_error())
+        && (one.spindle_rpm() - other.spindle_rpm()).abs() < SHOWN_RPM
+        && signals(one) == signals(other)
+        && faults.all(|(_, fault)| one.has_fault(fault) == other.has_fault(fault))
 }
