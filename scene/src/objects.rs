@@ -274,7 +274,8 @@ impl SceneObjects {
         self.chips.draw(device);
         self.set_inputs(device, &self.programs.part, scene);
         device.set_matrix(&self.programs.part, "u_model", &scene.part_model);
-        self.part.draw_revolved(device, &self.programs.part, self.level);
+        self.part
+            .draw_revolved(device, &self.programs.part, self.level);
         let line = &self.programs.line;
         device.use_program(line);
         device.set_matrix(line, "u_projection", &scene.projection);
