@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use gsk_core::command::{ExecutedMove, Frame, MoveKind};
+use gsk_core::command::{ExecutedMove, MoveKind};
 use gsk_core::units::Point;
 use gsk_host::kernel::part::PartView;
 use gsk_runner::curves::RapidRates;
@@ -119,10 +119,10 @@ impl SceneRecorder {
             job: Arc::clone(&self.job),
             job_name: None,
             section: Arc::clone(&self.section.1),
+            // Drawn as rings: the preview has no spindle angle.
+            threads: Arc::default(),
             tool,
             tip,
-            zero: Point::default(),
-            frame: Frame::default(),
             spindle_rpm,
             coolant: false,
             clamped: true,
@@ -131,6 +131,7 @@ impl SceneRecorder {
             door_open: false,
             rear_tool_post: self.rear_tool_post,
             findings: machining.findings().to_vec(),
+            crash: None,
             block: None,
         };
         let elapsed_s = f32::from(INTERVAL_MS) / 1000.0;

@@ -34,7 +34,7 @@ fn a_start_after_reset_in_the_cut_is_explained_until_the_tool_is_back() {
     tap(&mut bench, Key::Reset);
     bench.run(1000);
     assert!(is_reported(&bench), "{}", bench.lcd_of_kernel());
-    let position = |bench: &WindowBench| bench.kernel.emulator().simulation.cnc.position_machine();
+    let position = |bench: &WindowBench| bench.kernel.emulator().cnc().position_machine();
     let before = position(&bench);
     bench.click("Show the way back");
     bench.run(300);

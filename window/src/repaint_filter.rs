@@ -22,7 +22,7 @@ const SHOWN_RPM: f64 = 0.1;
 pub struct RepaintFilter {
     snapshots: Arc<ArrayQueue<PanelSnapshot>>,
     machine: Arc<ArrayQueue<MachineView>>,
-    part: Arc<ArrayQueue<PartView>>,
+    part: Arc<ArrayQueue<Arc<PartView>>>,
     notices: Receiver<Notice>,
     termination: TerminationFlag,
     last_machine: Option<MachineView>,

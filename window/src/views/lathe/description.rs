@@ -315,7 +315,7 @@ mod tests {
         let mut part = view(50.0);
         part.tool = 1;
         let mut describer = SceneDescriber::default();
-        let whole = describer.describe(&part, false, SceneTheme::Day, 0.1);
+        let whole = describer.describe(&part, SceneTheme::Day, 0.1);
         assert!(whole.effects.marks.is_empty() && whole.effects.bar_bend == 0.0);
         let contact = Point::new(20.0, -5.0);
         let finding = CollisionFinding {
@@ -331,14 +331,14 @@ mod tests {
         };
         part.findings = vec![finding];
         part.crash = Some(finding);
-        let crashed = describer.describe(&part, false, SceneTheme::Day, 0.1);
+        let crashed = describer.describe(&part, SceneTheme::Day, 0.1);
         assert_ne!(crashed.current_tool(), whole.current_tool());
         assert!(crashed.effects.bar_bend > 0.0);
         let jaws = part.job.stock.chuck.jaws as f32;
         assert_eq!(crashed.effects.marks, [[60.0 + jaws - 5.0, 20.0]]);
         // The way out clears the crash; its place stays marked.
         part.crash = None;
-        let clear = describer.describe(&part, false, SceneTheme::Day, 0.1);
+        let clear = describer.describe(&part, SceneTheme::Day, 0.1);
         assert_eq!(clear.current_tool(), whole.current_tool());
         assert!(clear.effects.bar_bend == 0.0 && clear.effects.marks.len() == 1);
     }
@@ -348,22 +348,22 @@ mod tests {
         let mut part = view(50.0);
         part.tool = 1;
         let mut describer = SceneDescriber::default();
-        describer.describe(&part, false, SceneTheme::Day, 0.03);
+        describer.describe(&part, SceneTheme::Day, 0.03);
         for step in 0..20 {
             part.section = Arc::new(part.section.as_ref().clone());
             part.tip.z = -0.1 * f64::from(step);
-            describer.describe(&part, false, SceneTheme::Day, 0.03);
+            describer.describe(&part, SceneTheme::Day, 0.03);
         }
-        let cutting = describer.describe(&part, false, SceneTheme::Day, 0.03);
+        let cutting = describer.describe(&part, SceneTheme::Day, 0.03);
         assert!(cutting.effects.chips.len() > 5 && cutting.effects.station_offset == 0.0);
         part.tool = 3;
-        let turning = describer.describe(&part, false, SceneTheme::Day, 0.03);
+        let turning = describer.describe(&part, SceneTheme::Day, 0.03);
         assert!(
             turning.effects.station_offset > 1.5,
             "{:?}",
             turning.effects
         );
-        let seated = describer.describe(&part, false, SceneTheme::Day, 2.0);
+        let seated = describer.describe(&part, SceneTheme::Day, 2.0);
         assert_eq!(seated.effects.station_offset, 0.0);
     }
 
@@ -380,7 +380,7 @@ mod tests {
         part.job = Arc::new(Job::new(stock));
         let mut describer = SceneDescriber::default();
         let mut state = |part: &PartView, elapsed_s: f32| {
-            let lathe = describer.describe(part, false, SceneTheme::Day, elapsed_s);
+            let lathe = describer.describe(part, SceneTheme::Day, elapsed_s);
             (lathe.quill.unwrap().retraction, lathe.jaw_radius)
         };
         // A tailstock that was never moved by the control is set by hand.

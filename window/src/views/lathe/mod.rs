@@ -7,7 +7,6 @@ mod jolt;
 mod path;
 mod picture;
 
-use std::sync::Arc;
 use std::time::Duration;
 
 use eframe::glow;
@@ -21,7 +20,6 @@ use gsk_scene::description::{LatheDescription, SceneTheme, SectionCut};
 use gsk_scene::level::SceneLevel;
 
 use super::interface::{View, ViewFrame, ViewStart};
-use super::machine::path::DrawnPath;
 use super::{bar_frame, plain_frame};
 use crate::settings::StoredSceneCamera;
 use crate::theme;
