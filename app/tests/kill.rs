@@ -169,7 +169,7 @@ fn run_and_kill(folder: &Path, seed: u64, random: &mut KillRandom) -> u64 {
 
 /// Asserts that each part of the data on the disk equals that of one of the two emulators.
 fn assert_old_or_new(found: &Emulator, before: &Emulator, after: &Emulator, context: &str) {
-    let [found, before, after] = [found, before, after].map(|emulator| emulator.cnc());
+    let [found, before, after] = [found, before, after].map(Emulator::cnc);
     macro_rules! same {
         ($part:ident) => {
             assert!(

@@ -5,7 +5,7 @@ use gsk_panel::emulator::{Emulator, StampedInput};
 
 use crate::machine_part::{MachinePart, PartInput};
 use crate::moment::{HistoryInput, MachineMoment, RecordedInput};
-use crate::state_list::StateList;
+use crate::state_list::{StateList, StoredState};
 
 /// Interval between two full states, ticks (ms of machine time).
 pub const STATE_INTERVAL_TICKS: u64 = 10_000;
@@ -83,7 +83,7 @@ impl History {
     /// a full state if one is due.
     pub fn follow(&mut self, emulator: &Emulator, part: &MachinePart) {
         self.end = emulator.ticks();
-        let last = self.states.last().map_or(0, |last| last.tick());
+        let last = self.states.last().map_or(0, StoredState::tick);
         if self.end >= last + STATE_INTERVAL_TICKS {
             self.store_state(emulator, part);
         }
@@ -136,7 +136,7 @@ impl History {
 
     /// Returns the first tick that can be reached.
     pub fn start(&self) -> u64 {
-        self.states.first().map_or(self.end, |first| first.tick())
+        self.states.first().map_or(self.end, StoredState::tick)
     }
 
     /// Returns the last tick of the session.
@@ -206,10 +206,8 @@ impl History {
     /// recorded since the branch point becomes the branch. `None` without a branch.
     pub fn return_to_branch(&mut self) -> Option<MachineMoment> {
         let branch = self.branch.take()?;
-        if self.continue_from(branch.from).is_none() {
-            // The branch point has left the budget.
-            return None;
-        }
+        // `None` also if the branch point has left the budget.
+        self.continue_from(branch.from)?;
         for recorded in branch.inputs {
             self.record(recorded);
         }

@@ -34,15 +34,15 @@ impl HistoryInput {
     /// Returns the length of the texts in the input, bytes.
     pub(crate) fn text_bytes(&self) -> usize {
         match self {
-            Self::Machine(EmulatorInput::Receive(file))
-            | Self::Machine(EmulatorInput::Port(PortRequest::Receive { file, .. })) => {
-                file.text.len()
-            }
+            Self::Machine(
+                EmulatorInput::Receive(file)
+                | EmulatorInput::Port(PortRequest::Receive { file, .. }),
+            ) => file.text.len(),
             Self::Machine(EmulatorInput::Request(request)) => match &**request {
-                ControlRequest::StoreProgram(text) => text.len(),
                 ControlRequest::OpenExternal(program)
                 | ControlRequest::StoreEdited { program, .. } => program.text().len(),
-                ControlRequest::StoreReceived(
+                ControlRequest::StoreProgram(text)
+                | ControlRequest::StoreReceived(
                     ReceivedData::Program(text) | ReceivedData::Replacement(text),
                 ) => text.len(),
                 ControlRequest::LoadLadder(ladder) => ladder.source().len(),

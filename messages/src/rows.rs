@@ -1901,7 +1901,7 @@ message_rows! {
     pitch_ren_spacing PitchRenSpacing(spacing: "{:.3}", number: "{:03}", interval: "{:.3}");
     pitch_ren_sum PitchRenSum(point, value, largest);
     pitch_rtl_row PitchRtlRow(count);
-    pitch_rtl_targets PitchRtlTargets(said, found);
+    pitch_rtl_targets PitchRtlTargets(stated, found);
     pitch_run_wrong PitchRunWrong();
     pitch_show_flat PitchShowFlat();
     pitch_show_head PitchShowHead(axis, interval: "{:.3}", origin, factor, state: message);

@@ -6,6 +6,7 @@
 use std::sync::{Arc, Mutex};
 
 use eframe::egui;
+use eframe::glow;
 use gsk_scene::camera::CameraPreset;
 use gsk_scene::description::LatheDescription;
 use gsk_scene::renderer::{SceneRenderer, SceneViewport};
@@ -27,7 +28,7 @@ struct ResizeBench {
     wanted: u32,
 }
 
-fn viewport(size: [i32; 2], output: Option<eframe::glow::Framebuffer>) -> SceneViewport {
+fn viewport(size: [i32; 2], output: Option<glow::Framebuffer>) -> SceneViewport {
     SceneViewport {
         pixels: [0, 0, size[0], size[1]],
         output,
@@ -44,7 +45,7 @@ impl eframe::App for ResizeBench {
             let mut state = shared.lock().expect("the lock");
             let lathe = LatheDescription::default();
             let camera = CameraPreset::Operator.camera(&lathe);
-            let mut paint = |renderer: &mut SceneRenderer, size| {
+            let paint = |renderer: &mut SceneRenderer, size| {
                 let viewport = viewport(size, painter.intermediate_fbo());
                 renderer
                     .paint(painter.gl(), &lathe, &camera, viewport)
@@ -82,10 +83,10 @@ impl eframe::App for ResizeBench {
 }
 
 fn main() {
-    let numbers = std::env::args().filter_map(|it| it.parse().ok());
+    let mut numbers = std::env::args().filter_map(|it| it.parse().ok());
     let bench = ResizeBench {
         state: Arc::default(),
-        wanted: numbers.last().unwrap_or(10_000),
+        wanted: numbers.next_back().unwrap_or(10_000),
     };
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default().with_inner_size([160.0, 120.0]),

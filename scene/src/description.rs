@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::effects::SceneEffects;
+use crate::chips::ChipState;
 use crate::part_outline::PartOutline;
 use crate::tool_path::ToolPath;
 
@@ -121,18 +121,19 @@ pub struct QuillDescription {
     pub retraction: f32,
 }
 
-/// A thread of the part.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ThreadDescription {
-    /// Least x of the grooves of the half section, mm.
-    pub low: f32,
-    /// Greatest x of the grooves of the half section, mm.
-    pub high: f32,
-    /// Distance along x per positive turn of the spindle, mm; negative for a right-hand
-    /// thread.
-    pub lead: f32,
-    /// Whether the thread is in a bore.
-    pub is_internal: bool,
+/// What happens beside the motion of the axes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SceneEffects {
+    /// Chips, flying or in the tray.
+    pub chips: Vec<ChipState>,
+    /// Angle by which a crash has bent the bar in the jaws, radians; 0 without one.
+    pub bar_bend: f32,
+    /// Turn of the tool carrier that remains until its station is in position, stations.
+    pub station_offset: f32,
+    /// Whether the spindle is too fast for the eye: its jaws are drawn as a haze.
+    pub is_spindle_blurred: bool,
+    /// Positions of collisions as (x, radius), mm.
+    pub marks: Vec<[f32; 2]>,
 }
 
 /// The sector that is cut out of the part. A cut part does not turn.

@@ -3,7 +3,6 @@
 
 use glam::{Mat4, Vec2, Vec3, vec2, vec3};
 
-use crate::chips::ChipState;
 use crate::description::{LatheDescription, LatheDimensions, LatheKind, MountedTool};
 use crate::placement::tool_side;
 
@@ -13,21 +12,6 @@ const BROKEN_SHARE: f32 = 0.36;
 const SLIP_MM: f32 = 4.0;
 /// Greatest bend of a bar, radians.
 const MAX_BEND: f32 = 0.2;
-
-/// What happens beside the motion of the axes.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct SceneEffects {
-    /// Chips, flying or in the tray.
-    pub chips: Vec<ChipState>,
-    /// Angle by which a crash has bent the bar in the jaws, radians; 0 without one.
-    pub bar_bend: f32,
-    /// Turn of the tool carrier that remains until its station is in position, stations.
-    pub station_offset: f32,
-    /// Whether the spindle is too fast for the eye: its jaws are drawn as a haze.
-    pub is_spindle_blurred: bool,
-    /// Positions of collisions as (x, radius), mm.
-    pub marks: Vec<[f32; 2]>,
-}
 
 /// The bend of the bar after a crash: it pivots in the jaws, away from the tool.
 pub fn bar_bend(lathe: &LatheDescription) -> Mat4 {

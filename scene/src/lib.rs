@@ -29,6 +29,7 @@ mod part_objects;
 pub mod part_outline;
 pub mod part_threads;
 pub mod placement;
+mod polyline;
 pub mod primitives;
 pub mod renderer;
 pub mod section_cut;

@@ -4,9 +4,22 @@ use core::f32::consts::TAU;
 
 use glam::{Vec2, Vec3, vec2, vec3};
 
-use crate::description::ThreadDescription;
 use crate::mesh::{SceneMaterial, SceneMesh};
-use crate::part_outline::simplify;
+use crate::polyline::simplify;
+
+/// A thread of the part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThreadDescription {
+    /// Least x of the grooves of the half section, mm.
+    pub low: f32,
+    /// Greatest x of the grooves of the half section, mm.
+    pub high: f32,
+    /// Distance along x per positive turn of the spindle, mm; negative for a right-hand
+    /// thread.
+    pub lead: f32,
+    /// Whether the thread is in a bore.
+    pub is_internal: bool,
+}
 
 /// Surface of a cut thread.
 const THREAD_STEEL: SceneMaterial = SceneMaterial {

@@ -8,7 +8,7 @@ use gsk_host::job::{self, SelectedJob};
 use gsk_host::kernel::{OpenedProgram, StorePolicy};
 use gsk_messages::{Language, Message, say};
 
-use crate::widgets::card::{CardPicture, PartOutline};
+use crate::widgets::card::{CardPicture, SampleOutline};
 use crate::widgets::icons::Icon;
 
 #[derive(Debug)]
@@ -85,7 +85,7 @@ pub static SAMPLES: [ProgramSample; 7] = [
 ];
 
 /// Outlines of the parts that the samples cut, by the file names of the samples.
-static OUTLINES: [(&str, PartOutline); 4] = [
+static OUTLINES: [(&str, SampleOutline); 4] = [
     (
         "01-stepped-shaft.CNC",
         &[

@@ -148,6 +148,10 @@ pub struct WindowArgs {
 
 /// The commands; only the options of the one that is called are built.
 #[derive(Debug, Subcommand)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "one value in the life of the program"
+)]
 pub enum CliCommand {
     /// Execute a program on the simulated lathe, as fast as the PC can
     ///

@@ -137,7 +137,7 @@ pub struct SceneArgs {
     /// Draw the program from beginning to end in N pictures, as an animation (APNG)
     #[arg(long, requires = "scene", value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1000))]
     pub frames: Option<u32>,
-    /// Camera of the lathe in space; `tool` follows the tool, `section` looks at the plane of the machine view
+    /// Camera of the lathe in space; `tool` follows the tool, `section` shows the plane of the machine view
     #[arg(
         long,
         requires = "scene",

@@ -55,7 +55,7 @@ impl CommandError {
         Self::Failed(say::command_output_lost(error))
     }
 
-    /// Several independent failures, each in a line of its own.
+    /// Several independent failures, each in a separate line.
     pub fn several(errors: &[Self]) -> Self {
         Self::Failed(join_lines(errors.iter().map(Self::message)))
     }

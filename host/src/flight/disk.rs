@@ -37,7 +37,7 @@ impl RecordingDisk {
     }
 
     /// Appends bytes to the file, in one system call where the system permits.
-    pub(super) fn execute(&mut self, job: DiskJob) -> Result<(), Message> {
+    pub(super) fn execute(&mut self, job: &DiskJob) -> Result<(), Message> {
         if job.is_first || self.file.is_none() {
             self.file = Some(self.open_file()?);
         }

@@ -68,7 +68,7 @@ impl FlightRecorder {
             let Ok(job) = platform::receive(&from_kernel, None) else {
                 return false;
             };
-            match disk.execute(job) {
+            match disk.execute(&job) {
                 Ok(()) => true,
                 Err(message) => {
                     let _ = report.try_send(message);

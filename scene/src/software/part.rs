@@ -27,7 +27,7 @@ pub fn triangles(
             .iter()
             .map(|&(share, direction)| {
                 let turned = |at: Vec2| vec3(at.x, at.y * direction.x, at.y * direction.y);
-                let is_mark = share < MARK_TURNS || share > 1.0 - MARK_TURNS / 3.0;
+                let is_mark = !(MARK_TURNS..=1.0 - MARK_TURNS / 3.0).contains(&share);
                 let (color, finish) = match (edge.is_skin, is_mark) {
                     (true, true) => (vec4(0.78, 0.78, 0.78, 0.88), SKIN_FINISH),
                     (true, false) => (vec4(0.40, 0.385, 0.38, 0.88), SKIN_FINISH),

@@ -8,7 +8,6 @@ use gsk_host::kernel::monitor::MachineView;
 use gsk_host::kernel::part::PartView;
 use gsk_messages::Language;
 
-use super::machine::path::DrawnPath;
 use crate::settings::WindowSettings;
 use crate::widgets::questions::Unsaved;
 
@@ -31,8 +30,6 @@ pub struct ViewFrame<'a> {
     /// The newest state of the part, for views whose row has `shows_part`; `None` before the
     /// first one.
     pub part: Option<&'a Arc<PartView>>,
-    /// The path of the selected program.
-    pub path: &'a Arc<DrawnPath>,
 }
 
 /// A view beside the panel.

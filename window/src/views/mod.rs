@@ -177,14 +177,15 @@ impl Views {
     /// Draws the content of a view. `native`: the view is in a separate window and receives
     /// all keys.
     fn draw_content(&mut self, ui: &mut Ui, view: ViewId, language: Language, native: bool) {
-        let path = Arc::clone(self.all.lathe.path());
         let frame = ViewFrame {
             language,
             owns_keys: native,
             machine: self.machine.as_ref(),
             part: self.part.as_ref(),
-            path: &path,
         };
+        if view == ViewId::Lathe {
+            self.all.scene.set_path(self.all.lathe.path());
+        }
         if let Some(drawn) = self.all.get(view) {
             drawn.show(ui, frame);
         }

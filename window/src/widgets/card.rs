@@ -22,13 +22,13 @@ const MARGIN: f32 = 8.0;
 const CORNER_RADIUS: f32 = 6.0;
 
 /// The outline of a turned part from the face to the chuck: Z and radius of each corner, mm.
-pub type PartOutline = &'static [(f32, f32)];
+pub type SampleOutline = &'static [(f32, f32)];
 
 /// What a card shows at its left edge.
 #[derive(Clone, Copy, Debug)]
 pub enum CardPicture {
     Icon(Icon),
-    Part(PartOutline),
+    Part(SampleOutline),
 }
 
 /// The texts and the picture of a card.
@@ -117,7 +117,7 @@ fn layout(
 }
 
 /// Draws the half of the part above its axis shaded, the half below it as an outline.
-fn paint_part(painter: &Painter, rect: Rect, outline: PartOutline) {
+fn paint_part(painter: &Painter, rect: Rect, outline: SampleOutline) {
     let length = outline.iter().fold(1.0, |most, (z, _)| f32::max(most, *z));
     let radius = outline.iter().fold(1.0, |most, (_, r)| f32::max(most, *r));
     let scale = (rect.width() / length).min(rect.height() / 2.0 / radius);

@@ -116,7 +116,9 @@ impl<W: Write> ClientOutput<W> {
     }
 
     pub fn send_event(&mut self, event: &str, body: Value) -> io::Result<()> {
-        self.send(json!({"type": "event", "event": event, "body": body}))
+        let mut message = json!({"type": "event", "event": event});
+        message["body"] = body;
+        self.send(message)
     }
 
     /// Answers a request: with its result, or with the text of its error.

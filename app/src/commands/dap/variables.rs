@@ -64,7 +64,7 @@ pub fn variables(reference: i64, simulation: &Simulation) -> Value {
             .map(|number| offset(number, simulation))
             .collect(),
         PLC => (AREAS.iter().zip(FIRST_AREA..))
-            .map(|(area, reference)| group(area.letter().to_owned(), String::new(), reference))
+            .map(|(area, reference)| group(area.letter(), "", reference))
             .collect(),
         FIRST_OFFSET.. if reference <= FIRST_OFFSET + LAST_OFFSET => {
             let number = reference - FIRST_OFFSET;
@@ -110,14 +110,14 @@ fn named(names: impl IntoIterator<Item = String>, simulation: &Simulation) -> Ve
     values.collect()
 }
 
-fn group(name: String, value: String, reference: i64) -> Value {
+fn group(name: &str, value: &str, reference: i64) -> Value {
     json!({"name": name, "value": value, "variablesReference": reference})
 }
 
 fn offset(number: i64, simulation: &Simulation) -> Value {
     let row = simulation.cnc.offsets().get(number as u8);
     let value = format!("X{} Z{} R{} T{}", row.x, row.z, row.r, row.t);
-    group(format!("T{number}"), value, FIRST_OFFSET + number)
+    group(&format!("T{number}"), &value, FIRST_OFFSET + number)
 }
 
 fn bytes(area_index: usize, simulation: &Simulation) -> Vec<Value> {
@@ -129,7 +129,7 @@ fn bytes(area_index: usize, simulation: &Simulation) -> Vec<Value> {
     let byte = |number: u16| {
         let value = memory.byte(ByteAddress::new(area, number));
         let name = format!("{}{number}", area.letter());
-        group(name, format!("{value:08b}"), first + i64::from(number))
+        group(&name, &format!("{value:08b}"), first + i64::from(number))
     };
     (0..area.count()).map(byte).collect()
 }

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use gsk_host::kernel::part::PartView;
 use gsk_scene::chips::{ChipFlow, ChipSource};
-use gsk_scene::description::LatheDescription;
-use gsk_scene::effects::{SceneEffects, tray_y};
+use gsk_scene::description::{LatheDescription, SceneEffects};
+use gsk_scene::effects::tray_y;
 use gsk_scene::placement;
 use gsk_workpiece::collision::{Obstacle, TouchingPart};
 use gsk_workpiece::job::Job;

@@ -6,10 +6,11 @@ use gsk_host::kernel::part::PartView;
 use gsk_runner::machining::live_part::ThreadZone;
 use gsk_scene::description::{
     LatheDescription, LatheDimensions, LatheKind, MountedTool, MountedToolForm, QuillDescription,
-    SceneOverlay, SceneTheme, SectionCut, ThreadDescription, TipPosition,
+    SceneEffects, SceneOverlay, SceneTheme, SectionCut, TipPosition,
 };
-use gsk_scene::effects::{SceneEffects, break_insert};
+use gsk_scene::effects::break_insert;
 use gsk_scene::part_outline::PartOutline;
+use gsk_scene::part_threads::ThreadDescription;
 use gsk_workpiece::grid::{GridContour, from_grid};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;

@@ -7,6 +7,7 @@ mod jolt;
 mod path;
 mod picture;
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use eframe::glow;
@@ -20,6 +21,7 @@ use gsk_scene::description::{LatheDescription, SceneTheme, SectionCut};
 use gsk_scene::level::SceneLevel;
 
 use super::interface::{View, ViewFrame, ViewStart};
+use super::machine::path::DrawnPath;
 use super::{bar_frame, plain_frame};
 use crate::settings::StoredSceneCamera;
 use crate::theme;
@@ -40,6 +42,8 @@ pub struct LatheSceneView {
     picture: ScenePicture,
     describer: SceneDescriber,
     camera: CameraControl,
+    /// The programmed path of the machine view.
+    path: Arc<DrawnPath>,
     /// Whether the programmed path is drawn.
     shows_path: bool,
     jolt: PictureJolt,
@@ -58,6 +62,7 @@ impl View for LatheSceneView {
             picture: ScenePicture::default(),
             describer: SceneDescriber::default(),
             camera: CameraControl::from_stored(start.settings.scene_camera),
+            path: Arc::default(),
             shows_path: true,
             jolt: PictureJolt::default(),
             shown: None,
@@ -91,14 +96,18 @@ impl LatheSceneView {
         self.camera.to_stored()
     }
 
+    /// Sets the programmed path that the view draws.
+    pub fn set_path(&mut self, path: &Arc<DrawnPath>) {
+        self.path = Arc::clone(path);
+    }
+
     fn show_bar(&mut self, ui: &mut Ui, frame: ViewFrame<'_>, part: Option<&PartView>) {
         let language = frame.language;
         let mut hint = say::lathe_scene_hint().text(language);
-        for words in [Some(say::lathe_scene_keys()), self.describe_level(language)] {
-            if let Some(words) = words {
-                hint.push_str("\n\n");
-                hint.push_str(&words.text(language));
-            }
+        let more = [Some(say::lathe_scene_keys()), self.describe_level(language)];
+        for words in more.into_iter().flatten() {
+            hint.push_str("\n\n");
+            hint.push_str(&words.text(language));
         }
         ui.horizontal_wrapped(|ui| {
             for preset in CameraPreset::ALL {
@@ -195,7 +204,7 @@ impl LatheSceneView {
             false => SceneTheme::Night,
         };
         let elapsed_s = passed_s.clamp(0.0, 0.3) as f32;
-        let path = Some(frame.path).filter(|_| self.shows_path);
+        let path = self.shows_path.then_some(&self.path);
         self.describer.set_path(path, now);
         let lathe = self.describer.describe(part, scene_theme, elapsed_s);
         let mut camera = self.camera.update(ui, &response, &lathe);

@@ -4,12 +4,14 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use eframe::egui_glow::CallbackFn;
 use eframe::glow;
-use egui::{Color32, ColorImage, PaintCallback, Rect, TextureHandle, TextureOptions, Ui, pos2};
+use egui::{ColorImage, PaintCallback, Rect, TextureHandle, TextureOptions, Ui, pos2};
 use gsk_scene::camera::OrbitCamera;
 use gsk_scene::description::LatheDescription;
 use gsk_scene::level::{LevelChooser, SceneLevel};
 use gsk_scene::renderer::{SceneError, SceneFigures, SceneRenderer, SceneViewport};
 use gsk_scene::software::{SoftwareQuality, SoftwareRenderer};
+
+use crate::theme;
 
 /// Greatest width and height of a picture that the processor draws, pixels.
 const MAX_PROCESSOR_SIDE: f32 = 1000.0;
@@ -227,7 +229,7 @@ impl ScenePicture {
         if let Some(picture) = &self.processor_picture {
             let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
             ui.painter()
-                .image(picture.texture.id(), rect, whole, Color32::WHITE);
+                .image(picture.texture.id(), rect, whole, theme::NO_TINT);
         }
     }
 }
