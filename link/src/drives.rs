@@ -33,7 +33,7 @@ impl AxisRates {
     }
 }
 
-/// The drives of X and Z.
+/// The pulse weight of X and Z, and the limits of speed and acceleration of their drives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drives {
     /// Slide travel of one pulse, mm.

@@ -23,8 +23,9 @@ struct Limit {
     operated: bool,
     /// Direction towards the switch, 1 or -1; 0 if unknown.
     direction: i64,
-    /// Pulses moved: on a switch of unknown end the sum of all motion since the operator's
-    /// last check, off a switch the signed distance from it.
+    /// Pulses moved. While a switch of unknown end is operated: the sum of all motion in both
+    /// directions since the operator's last check. While no switch is operated: the distance
+    /// from the last one, positive in the positive direction of the axis.
     moved: i64,
     /// Direction of the last motion on the operated switch, 1 or -1.
     last: i64,

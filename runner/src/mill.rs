@@ -195,8 +195,8 @@ impl MillTimes {
 }
 
 /// Writes a move as one line, a JSON object: the tip of the tool in work coordinates, mm.
-/// `cx`, `cy`, `cz` give the centre of an arc. A fourth and a fifth axis use their letters,
-/// `a0` and `a` for example, with degrees for rotary axes.
+/// `cx`, `cy`, `cz` give the centre of an arc. A fourth and a fifth axis use their letters, with
+/// degrees for rotary axes: `a0` is where A begins, `a` where it ends.
 ///
 /// # Errors
 /// Writing to `out` fails.

@@ -170,8 +170,8 @@ pub(super) enum MoveEnd<'a> {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) enum HeldCommand {
     Plain(ControlCommand),
-    /// A T word moves the tool by the change of its offset, the point, mm; the programmed
-    /// point does not move.
+    /// The command of a T word, and the vector by which the change of the offset moves the tool,
+    /// mm. The programmed point does not move.
     Travel(ControlCommand, Point),
 }
 

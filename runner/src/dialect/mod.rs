@@ -29,21 +29,21 @@ pub enum CodeDifference {
     UnknownCode,
     /// The target model has the same function under another number.
     Renumbered {
-        /// The function in the source model.
+        /// What the code means in the source model.
         here: CodeMeaning,
         /// The number of the function in the target model.
         number: u8,
     },
     /// The target model has no such function.
     Missing {
-        /// The function in the source model.
+        /// What the code means in the source model.
         here: CodeMeaning,
     },
-    /// The target model has another function under this number.
+    /// The code means something else in the target model.
     Differs {
         /// The function in the source model.
         here: CodeMeaning,
-        /// The function in the target model.
+        /// What it means in the target model.
         there: CodeMeaning,
         /// The number of the source function in the target model; `None` if the target has no
         /// such function.

@@ -56,7 +56,7 @@ pub enum TakeoverTarget {
     Project,
 }
 
-/// State of the other side at the time of the comparison.
+/// What the open project was compared with, and the values that it had then.
 pub struct ComparisonBasis {
     pub other: ComparedWith,
     /// The values of the other side.
