@@ -4,6 +4,7 @@ pub mod atomic;
 pub mod data_dir;
 pub mod decode;
 pub mod folders;
+pub mod exercises;
 pub mod lessons;
 mod manifest;
 pub mod mirrored_files;
