@@ -53,9 +53,12 @@ pub struct TaskHash([u8; 32]);
 impl TaskHash {
     /// Computes the hash of the text of a task.
     pub fn from_text(text: &str) -> Self {
-        let mut hasher = Blake2b256::new();
-        hasher.update(text.replace("\r\n", "\n").as_bytes());
-        Self(hasher.finalize().into())
+        Self::from_bytes(text.replace("\r\n", "\n").as_bytes())
+    }
+
+    /// Computes the hash of bytes.
+    pub fn from_bytes(bytes: &[u8]) -> Self {
+        Self(Blake2b256::digest(bytes).into())
     }
 }
 

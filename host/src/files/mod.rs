@@ -1,10 +1,10 @@
-//! Files on the disk: programs, jobs, lessons and the data directory.
+//! Files on the disk: programs, jobs, lessons, exercises and the data directory.
 
 pub mod atomic;
 pub mod data_dir;
 pub mod decode;
-pub mod folders;
 pub mod exercises;
+pub mod folders;
 pub mod lessons;
 mod manifest;
 pub mod mirrored_files;
