@@ -152,9 +152,10 @@ fn read_rule(raw: RuleFile) -> Result<CriterionRule, Message> {
         RuleFile::Pitch(size) => {
             size_rule(&size, |z, surface| PartDimension::Pitch { z, surface })?
         }
-        RuleFile::ThreadDepth(size) => {
-            size_rule(&size, |z, surface| PartDimension::ThreadDepth { z, surface })?
-        }
+        RuleFile::ThreadDepth(size) => size_rule(&size, |z, surface| PartDimension::ThreadDepth {
+            z,
+            surface,
+        })?,
         RuleFile::Length(length) => {
             let dimension = PartDimension::Length {
                 diameter: length.diameter,
@@ -245,8 +246,8 @@ fn read_conditions(texts: &[String]) -> Result<Vec<MachineCondition>, Message> {
         return Err(say::lesson_without_end());
     }
     let conditions = texts.iter().map(|text| {
-        let expectation = Expectation::parse(text)
-            .map_err(|error| say::subject_reason(text, error.message()))?;
+        let expectation =
+            Expectation::parse(text).map_err(|error| say::subject_reason(text, error.message()))?;
         if reads_screen(&expectation) {
             return Err(say::exercise_reads_screen(text));
         }

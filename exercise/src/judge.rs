@@ -292,7 +292,13 @@ impl<'a> SolutionJudge<'a> {
                 let unmet = first_unmet(conditions, end);
                 let is_met = unmet.is_none();
                 let found = unmet.or_else(|| log.evidence(end).found);
-                (is_met, MarkEvidence { found, ..log.evidence(end) })
+                (
+                    is_met,
+                    MarkEvidence {
+                        found,
+                        ..log.evidence(end)
+                    },
+                )
             }
             CriterionRule::Reached(conditions) => match &watch.decided {
                 Some(evidence) => (true, evidence.clone()),
@@ -328,10 +334,14 @@ impl<'a> SolutionJudge<'a> {
                 None => (false, log.evidence_of(end, say::exercise_no_cut(number))),
             },
             CriterionRule::TriedBeforeCut => {
-                let tick = |evidence: &Option<MarkEvidence>| evidence.as_ref().and_then(|it| it.tick);
+                let tick =
+                    |evidence: &Option<MarkEvidence>| evidence.as_ref().and_then(|it| it.tick);
                 let (trial, cut) = (tick(&log.trial), tick(&log.first_cut));
                 let is_met = trial.is_some_and(|trial| cut.is_none_or(|cut| trial < cut));
-                (is_met, or_end(if is_met { &log.trial } else { &log.first_cut }))
+                (
+                    is_met,
+                    or_end(if is_met { &log.trial } else { &log.first_cut }),
+                )
             }
             CriterionRule::NoCrash => absent(&log.crash),
             CriterionRule::NoAlarm => absent(&log.alarm),

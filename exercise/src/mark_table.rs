@@ -243,7 +243,9 @@ fn seconds(ms: u64) -> f64 {
 
 /// Width of a cell on a terminal: a Chinese character takes two columns.
 fn cell_width(text: &str) -> usize {
-    text.chars().map(|c| if c < '\u{1100}' { 1 } else { 2 }).sum()
+    text.chars()
+        .map(|c| if c < '\u{1100}' { 1 } else { 2 })
+        .sum()
 }
 
 /// Quotes a cell if it needs quotation marks. A cell that a spreadsheet would read as a formula

@@ -30,7 +30,9 @@ pub fn measure_dimension(machining: &Machining, dimension: &PartDimension) -> Op
             _ => None,
         }),
         PartDimension::Radius { z, surface } => features(surface).find_map(|it| match it {
-            Feature::Arc { z: ends, radius, .. } => contains(ends, front + z, radius),
+            Feature::Arc {
+                z: ends, radius, ..
+            } => contains(ends, front + z, radius),
             _ => None,
         }),
         PartDimension::Pitch { z, surface } => features(surface).find_map(|it| match it {

@@ -73,7 +73,10 @@ impl MemoryRecorder {
     fn add_inputs(&mut self, inputs: Vec<StampedInput>) -> Result<(), Message> {
         for StampedInput { tick, input } in inputs {
             let input = HistoryInput::Machine(input);
-            self.add(&RecordingEvent::Input(Box::new(RecordedInput { tick, input })))?;
+            self.add(&RecordingEvent::Input(Box::new(RecordedInput {
+                tick,
+                input,
+            })))?;
         }
         Ok(())
     }

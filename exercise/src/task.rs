@@ -110,7 +110,9 @@ impl ExerciseTask {
         unique.sort_unstable();
         unique.dedup();
         let costs = unique.iter().map(|number| {
-            let index = usize::try_from(*number).ok().and_then(|it| it.checked_sub(1));
+            let index = usize::try_from(*number)
+                .ok()
+                .and_then(|it| it.checked_sub(1));
             let hint = index.and_then(|index| self.hints.get(index));
             hint.map(|hint| hint.cost)
                 .ok_or_else(|| say::exercise_no_hint(number, self.hints.len()))

@@ -6,9 +6,7 @@ use gsk_runner::lesson::{LessonStart, LessonStartFile, LessonText};
 use gsk_workpiece::job::Job;
 use serde::Deserialize;
 
-use crate::criterion_file::{
-    CriterionFile, check_text, read_criterion, read_fault, read_time_ms,
-};
+use crate::criterion_file::{CriterionFile, check_text, read_criterion, read_fault, read_time_ms};
 use crate::task::{ExerciseHint, ExerciseTask, TaskHash};
 
 /// Greatest number of criteria of a task.
@@ -36,9 +34,7 @@ impl TaskError {
     /// Returns the message: file, line and rule.
     pub fn message(&self) -> Message {
         match &self.field {
-            Some(field) => {
-                say::exercise_file_rule(&self.file, self.line, field, self.rule.clone())
-            }
+            Some(field) => say::exercise_file_rule(&self.file, self.line, field, self.rule.clone()),
             None => say::lesson_file_line(&self.file, self.line, self.rule.clone()),
         }
     }
@@ -97,8 +93,7 @@ impl ExerciseTask {
         let in_field = |field: &str, rule| error(line_of_field(text, field), Some(field), rule);
         check_text(&raw.title).map_err(|rule| in_field("title", rule))?;
         check_text(&raw.text).map_err(|rule| in_field("text", rule))?;
-        let start =
-            LessonStart::read(raw.begins).map_err(|rule| in_field("begins", rule))?;
+        let start = LessonStart::read(raw.begins).map_err(|rule| in_field("begins", rule))?;
         if let Some(job) = &raw.job {
             job.check().map_err(|rule| in_field("job", rule))?;
         }

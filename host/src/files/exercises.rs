@@ -32,7 +32,9 @@ pub struct AvailableExercises {
 pub fn read(path: &Path) -> Result<ExerciseTask, Message> {
     let file = task_path(path);
     let folder = file.parent().and_then(Path::file_name).unwrap_or_default();
-    let text = program_file::read(&file).map_err(|error| error.message())?.text;
+    let text = program_file::read(&file)
+        .map_err(|error| error.message())?
+        .text;
     let id = folder.to_string_lossy();
     ExerciseTask::read(&id, &file.display().to_string(), &text).map_err(|error| error.message())
 }
@@ -60,7 +62,9 @@ pub fn read_solutions(path: &Path) -> Result<Vec<SolutionFile>, Message> {
         let is_solution =
             name == "reference.txt" || (name.starts_with("wrong-") && name.ends_with(".txt"));
         if is_solution {
-            let text = program_file::read(&path).map_err(|error| error.message())?.text;
+            let text = program_file::read(&path)
+                .map_err(|error| error.message())?
+                .text;
             let name = name.into_owned();
             solutions.push(SolutionFile { name, text });
         }

@@ -93,7 +93,12 @@ fn mark_all(paths: &[PathBuf], tasks: &[ExerciseTask]) -> Vec<ResultMark> {
         let workers: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
         let mut marks = work();
         // A worker does not panic; if one did, its results would be missing from the table.
-        marks.extend(workers.into_iter().filter_map(|it| it.join().ok()).flatten());
+        marks.extend(
+            workers
+                .into_iter()
+                .filter_map(|it| it.join().ok())
+                .flatten(),
+        );
         marks
     });
     marks.sort_by_key(|(index, _)| *index);

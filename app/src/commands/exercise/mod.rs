@@ -25,10 +25,7 @@ use crate::cli::{ExerciseCommand, ExerciseSolveArgs};
 ///
 /// # Errors
 /// The exercise is unknown, or a file cannot be read or written.
-pub fn exercise(
-    command: &ExerciseCommand,
-    language: Option<Language>,
-) -> Result<u8, CommandError> {
+pub fn exercise(command: &ExerciseCommand, language: Option<Language>) -> Result<u8, CommandError> {
     match command {
         ExerciseCommand::List(args) => Ok(list(args.data.as_deref(), language)),
         ExerciseCommand::Check(args) => check(&args.task),

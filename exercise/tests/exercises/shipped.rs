@@ -1,7 +1,7 @@
 //! Every shipped exercise is solved by its reference and failed by its wrong solutions.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
@@ -9,21 +9,25 @@ use gsk_exercise::check::{SolutionFile, TaskCheck, check_task};
 use gsk_exercise::library::EXERCISES;
 use gsk_exercise::task::ExerciseTask;
 
+use super::{exercises_folder, read_file};
+
 /// Least number of wrong solutions of an exercise.
 const WRONG_SOLUTIONS: usize = 3;
-
-fn exercises_folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/exercises")
-}
 
 fn solutions(name: &str) -> Vec<SolutionFile> {
     let entries = fs::read_dir(exercises_folder().join(name)).expect("a folder");
     let mut paths: Vec<PathBuf> = entries.map(|entry| entry.expect("entry").path()).collect();
     paths.sort();
-    let texts = paths.iter().filter(|path| path.extension().is_some_and(|it| it == "txt"));
+    let texts = paths
+        .iter()
+        .filter(|path| path.extension().is_some_and(|it| it == "txt"));
     texts
         .map(|path| SolutionFile {
-            name: path.file_name().expect("name").to_string_lossy().into_owned(),
+            name: path
+                .file_name()
+                .expect("name")
+                .to_string_lossy()
+                .into_owned(),
             text: fs::read_to_string(path).expect("a script"),
         })
         .collect()
@@ -31,9 +35,7 @@ fn solutions(name: &str) -> Vec<SolutionFile> {
 
 /// Checks one exercise and returns what is wrong with it.
 fn check(name: &str) -> Vec<String> {
-    let file = exercises_folder().join(name).join("task.ron");
-    let text = fs::read_to_string(&file).expect("a task");
-    let task = match ExerciseTask::read(name, name, &text) {
+    let task = match ExerciseTask::read(name, name, &read_file(name, "task.ron")) {
         Ok(task) => task,
         Err(error) => return vec![error.to_string()],
     };
@@ -43,16 +45,24 @@ fn check(name: &str) -> Vec<String> {
         .iter()
         .map(|fault| format!("{name}: {fault}"))
         .collect();
-    for (solution, report) in &reports {
-        let is_reference = solution == "reference.txt";
-        for verdict in report.verdicts.iter().filter(|it| it.is_met != is_reference) {
-            if !problems.is_empty() && (is_reference || !problems.is_empty()) {
-                problems.push(format!("    {solution}: {} {:?}", verdict.id, verdict.evidence));
-            }
+    if !problems.is_empty() {
+        for (solution, report) in &reports {
+            let verdicts = report.verdicts.iter();
+            problems.extend(verdicts.filter(|it| !it.is_met).map(|verdict| {
+                let evidence = &verdict.evidence;
+                let found = evidence.found.as_ref().map(ToString::to_string);
+                let (tick, measured) = (evidence.tick, evidence.measured);
+                format!(
+                    "    {solution}: {}: {tick:?} {measured:?} {found:?}",
+                    verdict.id
+                )
+            }));
         }
     }
     if solutions.len() <= WRONG_SOLUTIONS {
-        problems.push(format!("{name}: {WRONG_SOLUTIONS} wrong solutions are needed"));
+        problems.push(format!(
+            "{name}: {WRONG_SOLUTIONS} wrong solutions are needed"
+        ));
     }
     problems
 }
@@ -77,7 +87,9 @@ fn every_exercise_is_solved_by_its_reference_and_failed_by_its_wrong_solutions()
     let threads = thread::available_parallelism().map_or(1, usize::from);
     let problems: Vec<String> = thread::scope(|scope| {
         let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
-        let results = workers.into_iter().map(|worker| worker.join().expect("checked"));
+        let results = workers
+            .into_iter()
+            .map(|worker| worker.join().expect("checked"));
         results.flatten().collect()
     });
     assert!(problems.is_empty(), "{}", problems.join("\n"));
@@ -87,7 +99,13 @@ fn every_exercise_is_solved_by_its_reference_and_failed_by_its_wrong_solutions()
 fn every_folder_of_exercises_is_in_the_library() {
     let entries = fs::read_dir(exercises_folder()).expect("a folder");
     let mut folders: Vec<String> = entries
-        .map(|entry| entry.expect("entry").file_name().to_string_lossy().into_owned())
+        .map(|entry| {
+            entry
+                .expect("entry")
+                .file_name()
+                .to_string_lossy()
+                .into_owned()
+        })
         .collect();
     folders.sort();
     let names: Vec<&str> = EXERCISES.iter().map(|(name, _)| *name).collect();
