@@ -29,8 +29,8 @@ use dnc::DncLine;
 pub(crate) use interpreter_host::ControlHost;
 pub use ladder::LadderStep;
 use ladder::TIMER_PRESETS;
-use parts::{CncRun, Coordinates, DriveUnit, ManualMotion, PlcPort, SpindleUnit, WriteSwitches};
 pub use parts::RunStop;
+use parts::{CncRun, Coordinates, DriveUnit, ManualMotion, PlcPort, SpindleUnit, WriteSwitches};
 pub use request::{ControlRequest, OffsetEntry, ReceivedData, SerialPort};
 pub use view::ProgramCursor;
 

@@ -98,6 +98,15 @@ impl LivePart {
         self.reported_findings = 0;
     }
 
+    /// Follows another machine from the next tick on: the slides have made no motion from the
+    /// one to the other.
+    pub fn change_machine(&mut self) {
+        self.cut_pending();
+        self.threads.end_pass();
+        self.last_tick = None;
+        self.program_ended = false;
+    }
+
     /// Cuts the part with the motion of the last tick of the control; call it after every tick.
     /// Returns the collisions found since the last call, empty if there are none.
     pub fn follow_tick(&mut self, simulation: &Simulation) -> &[CollisionFinding] {

@@ -185,10 +185,14 @@ pub fn find_block(
             number -= 1;
             continue;
         }
+        let mut part = stopped.run.part;
+        if let Some(part) = &mut part {
+            part.change_machine();
+        }
         return Ok(BlockState {
             clear_point: stopped.tool_change.unwrap_or(stopped.outermost),
             simulation: stopped.run.simulation,
-            part: stopped.run.part,
+            part,
             functions: stopped.functions,
             remarks,
         });

@@ -92,11 +92,7 @@ fn compare_words(list: &mut DifferenceList, before: &Cnc, after: &Cnc) {
         let limit = cnc.spindle().limit();
         limit.map_or_else(|| "-".to_owned(), |limit| limit.to_string())
     };
-    list.compare(
-        say::restart_name_speed_limit(),
-        limit(before),
-        limit(after),
-    );
+    list.compare(say::restart_name_speed_limit(), limit(before), limit(after));
 }
 
 fn compare_equipment(list: &mut DifferenceList, now: &Simulation, target: &BlockState) {

@@ -170,7 +170,11 @@ pub(super) fn step_messages(route: &RestartRoute, target: &Simulation) -> Vec<Me
     steps.extend(route.m_before_tool.iter().map(output));
     steps.push(say::restart_step_tool(report::tool_word(target.cnc.tool())));
     let spindle = target.cnc.spindle();
-    let code = if spindle.is_surface_mode() { "G96" } else { "G97" };
+    let code = if spindle.is_surface_mode() {
+        "G96"
+    } else {
+        "G97"
+    };
     steps.push(say::restart_step_s(format!("{code} S{}", spindle.s_word())));
     steps.extend(route.m_after_tool.iter().map(output));
     steps.extend(route.approach.iter().map(rapid));

@@ -13,8 +13,8 @@ use crate::cnc::parts::RunStop;
 use crate::cnc::{Cnc, Event};
 use crate::command::{Action, ControlCommand, SourcePosition, SpindleCommand, ThreadStart};
 use crate::mode::OperatingMode;
-use crate::operation::{PreparedRestart, RunContinuation, RunState};
 use crate::motion::{Interpolator, ThreadMove};
+use crate::operation::{PreparedRestart, RunContinuation, RunState};
 use crate::units::{Axis, Point};
 use gsk_messages::{Message, say};
 
