@@ -25,7 +25,7 @@ use programs::{PROGRAMS, TestProgram};
 const AUTO_KEY: BitAddress = BitAddress::new(Area::X, 20, 1);
 const START_KEY: BitAddress = BitAddress::new(Area::X, 25, 0);
 const RESET_KEY: BitAddress = BitAddress::new(Area::X, 26, 0);
-const LIMIT: u32 = 3_000_000;
+const LIMIT: u32 = 900_000;
 
 /// Random numbers that are the same in each run: xorshift.
 struct Random(u64);
@@ -60,7 +60,8 @@ fn setup(program: &TestProgram) -> Setup {
     let mut setup = Setup::default();
     let memory = &mut setup.memory;
     memory.parameters.set_bit(1, 4, true).unwrap();
-    memory.parameters.set_bit(164, 0, true).unwrap();
+    let has_chuck = program.name == "manual example";
+    memory.parameters.set_bit(164, 0, has_chuck).unwrap();
     memory.settings.macro_b = program.macro_b;
     for (number, x, z, r) in [(1, 0.0, 0.0, 0.4), (2, 1.2, -0.8, 0.2), (3, -2.0, 1.5, 0.3)] {
         memory
@@ -141,6 +142,8 @@ impl RecordedRun {
             if cnc.run_state() == RunState::Stop && !cnc.is_moving() {
                 self.press(START_KEY);
             }
+            let wait = self.simulation.cnc.active_message();
+            assert!(wait.is_none(), "{}", wait.unwrap().line_text_en());
         }
     }
 
