@@ -113,9 +113,12 @@ impl LivePart {
         let cnc = &simulation.cnc;
         let tool = simulation.lathe.station().unwrap_or(cnc.tool().0);
         let frame = cnc.frame();
+        // The way to the start point of a restart is rapid to its last tick.
+        let is_operating = matches!(cnc.run_state(), RunState::Run | RunState::Hold);
+        let is_approach = is_operating && cnc.has_restart();
         let conditions = MotionConditions {
             tool,
-            rapid: cnc.is_rapid_under_way(),
+            rapid: is_approach || cnc.is_rapid_under_way(),
             thread: cnc.is_in_thread(),
             turning: simulation.lathe.spindle_rpm().abs() > STANDSTILL_RPM,
             source: moving_block(simulation),
