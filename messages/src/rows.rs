@@ -2265,12 +2265,15 @@ message_rows! {
     restart_approach_alarm RestartApproachAlarm(number: "{:03}", text: message);
     restart_approach_collision RestartApproachCollision();
     restart_approach_stuck RestartApproachStuck(wait: message);
+    restart_at_collision RestartAtCollision(text);
     restart_block RestartBlock(program, line, block);
     restart_block_ended RestartBlockEnded();
     restart_call RestartCall(program, line, runs);
+    restart_confirm RestartConfirm();
     restart_difference RestartDifference(name: message, now, then);
     restart_in_alarm RestartInAlarm();
     restart_machine_function RestartMachineFunction(code: "{:02}");
+    restart_menu RestartMenu(line);
     restart_name_chuck RestartNameChuck();
     restart_name_coolant RestartNameCoolant();
     restart_name_gear RestartNameGear();
@@ -2288,6 +2291,7 @@ message_rows! {
     restart_on_real_lathe RestartOnRealLathe();
     restart_pass_missing RestartPassMissing(pass);
     restart_path RestartPath(x: "{:.3}", z: "{:.3}");
+    restart_planning RestartPlanning();
     restart_same_state RestartSameState();
     restart_search_alarm RestartSearchAlarm(number: "{:03}", text: message);
     restart_search_waits RestartSearchWaits(wait: message);
@@ -2297,6 +2301,7 @@ message_rows! {
     restart_step_s RestartStepS(word);
     restart_step_tool RestartStepTool(word);
     restart_thread_begin RestartThreadBegin();
+    restart_title RestartTitle();
     restart_under_lock RestartUnderLock();
     restart_while_running RestartWhileRunning();
     return_before_switch ReturnBeforeSwitch(axis);
