@@ -2401,7 +2401,6 @@ message_rows! {
     script_no_tick ScriptNoTick(text);
     script_no_time ScriptNoTime(text);
     script_no_voltage ScriptNoVoltage(text);
-    script_no_why ScriptNoWhy(text);
     script_not_closed ScriptNotClosed();
     script_not_on_off ScriptNotOnOff(text);
     script_not_typable ScriptNotTypable(character);
@@ -2764,19 +2763,6 @@ message_rows! {
     wait_in_feed_hold WaitInFeedHold();
     wait_in_interlock WaitInInterlock();
     wait_in_start_lock WaitInStartLock();
-    why_alarm WhyAlarm(number: "{:03}", reason: message);
-    why_alarm_inactive WhyAlarmInactive(number: "{:03}");
-    why_axis_moves WhyAxisMoves(axis);
-    why_axis_without_command WhyAxisWithoutCommand(axis);
-    why_bit WhyBit(bit, value, meaning);
-    why_bit_since WhyBitSince(bit, value, time: "{:.3}", meaning);
-    why_block WhyBlock(line);
-    why_forced WhyForced(bit, value);
-    why_key WhyKey(key);
-    why_key_acts WhyKeyActs(key);
-    why_rung_dead WhyRungDead(rung, line);
-    why_rung_latched WhyRungLatched(rung, line);
-    why_rung_live WhyRungLive(rung, line);
     window_add WindowAdd();
     window_alarm_cause WindowAlarmCause(cause);
     window_alarm_cleared_by WindowAlarmClearedBy(what);
