@@ -1,5 +1,5 @@
 //! Restarts at random blocks: the rest of the path and the end state equal those of an
-//! uninterrupted run. `RESTART_BLOCKS=500` sets the number of blocks (default 40).
+//! uninterrupted run. `RESTART_BLOCKS=500` sets the number of blocks (default 20).
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
 #[path = "restart/programs.rs"]
@@ -357,7 +357,7 @@ fn uninterrupted(now: &Simulation, part: &LivePart) -> RecordedRun {
 #[test]
 fn restarts_at_random_blocks_equal_an_uninterrupted_run() {
     let wanted = std::env::var("RESTART_BLOCKS").ok();
-    let wanted: usize = wanted.and_then(|it| it.parse().ok()).unwrap_or(40);
+    let wanted: usize = wanted.and_then(|it| it.parse().ok()).unwrap_or(20);
     let only = std::env::var("RESTART_PROGRAM").ok();
     let mut random = Random(0x9e37_79b9_7f4a_7c15);
     let mut greatest = Figures::default();
