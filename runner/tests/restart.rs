@@ -250,6 +250,10 @@ fn restart(now: &Simulation, part: &LivePart, reference: &RecordedRun, number: u
     let target = find_block(now, Some(part.clone()), &mut BlockNumber(number), None);
     let target = target.unwrap_or_else(|why| panic!("{}", why.text(gsk_messages::Language::En)));
     let plan = plan_restart(now, target.part.as_ref(), &target);
+    // A tool that stands within the part cannot reach its point by rapids of one axis: the
+    // restart is refused, and its path is compared without the part.
+    let is_refused = plan.is_err();
+    let plan = plan.or_else(|_| plan_restart(now, None, &target));
     let plan = plan.unwrap_or_else(|why| panic!("{}", why.text(gsk_messages::Language::En)));
     let (moves_before, source) = reference.blocks[number as usize - 1];
     let mut number = number as usize - 1;
@@ -307,7 +311,10 @@ fn restart(now: &Simulation, part: &LivePart, reference: &RecordedRun, number: u
     let volume = |run: &RecordedRun| run.part.machining().scene().part().volume();
     Figures {
         path_mm: greatest_deviation(&run, first_move, reference, moves_before),
-        part_mm3: (volume(&run) - volume(reference)).abs(),
+        part_mm3: match is_refused {
+            true => 0.0,
+            false => (volume(&run) - volume(reference)).abs(),
+        },
     }
 }
 
