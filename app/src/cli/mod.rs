@@ -20,6 +20,7 @@ mod project;
 mod replay;
 mod run;
 mod run_debug;
+mod run_restart;
 mod transfer;
 
 use std::path::PathBuf;
@@ -53,6 +54,7 @@ pub use project::{
 pub use replay::ReplayArgs;
 pub use run::RunArgs;
 pub use run_debug::RunDebugArgs;
+pub use run_restart::RunRestartArgs;
 pub use transfer::{
     ExistingFile, SerialArgs, TextEnd, TransferArgs, TransferBackupArgs, TransferCommand,
     TransferControlArgs, TransferDeleteArgs, TransferListArgs, TransferPortArgs,

@@ -17,6 +17,7 @@ use gsk_core::operation::RunState;
 use gsk_core::plc::address::BitAddress;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
+use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
 use gsk_link::LinkState;
 use gsk_messages::Message;
@@ -26,6 +27,7 @@ use gsk_panel::pages::PageId;
 use gsk_panel::panel::SerialFile;
 use gsk_panel::screen::Screen;
 use gsk_project::ProjectState;
+use gsk_runner::machining::live_part::LivePart;
 use gsk_runner::program_summary::ProgramSummary;
 
 use super::lesson::{LessonAction, LessonState};
@@ -111,6 +113,8 @@ pub enum Command {
     SendSetup(Sender<Box<Setup>>),
     /// Send once the content of the control and the current operation level.
     SendState(Sender<Box<(ProjectState, OperationLevel)>>),
+    /// Send once a copy of control and simulated lathe, and of the part in it.
+    SendMachine(Sender<Box<MachineCopy>>),
     /// Set the job of the part in the simulated lathe, on fresh stock; `None` removes the
     /// part.
     Job(Option<Box<SelectedJob>>),
@@ -127,6 +131,9 @@ pub enum Command {
     ReleaseAll,
     Quit,
 }
+
+/// A copy of control and simulated lathe, and the part in it; `None` without a job.
+pub type MachineCopy = (Simulation, Option<LivePart>);
 
 /// A command of the window for the pulse board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -356,6 +363,15 @@ impl Console {
         let (to, answer) = bounded(1);
         self.commands.send(Command::SendState(to)).ok()?;
         platform::wait_for_answer(&answer, ANSWER_TIMEOUT).map(|state| *state)
+    }
+
+    /// Returns a copy of the machine with its part; `None` if the kernel does not answer within
+    /// 5 s. It blocks, as [`Self::setup`] does.
+    pub fn machine_copy(&self) -> Option<Box<MachineCopy>> {
+        const ANSWER_TIMEOUT: Duration = Duration::from_secs(5);
+        let (to, answer) = bounded(1);
+        self.commands.send(Command::SendMachine(to)).ok()?;
+        platform::wait_for_answer(&answer, ANSWER_TIMEOUT)
     }
 
     /// Stores a text as a program of the memory and selects it; returns its number, or why it is
