@@ -131,6 +131,15 @@ impl FlightRecorder {
         }
     }
 
+    /// Ends the recorded section, because the machine went back to a past moment. The next call
+    /// of [`Self::follow`] begins another one.
+    pub fn begin_section(&mut self) {
+        if self.has_state {
+            self.add(&RecordingEvent::Reached(self.last_tick));
+            self.has_state = false;
+        }
+    }
+
     fn add(&mut self, event: &RecordingEvent) {
         let Some(encoder) = &mut self.encoder else {
             return;

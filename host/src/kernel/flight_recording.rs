@@ -1,4 +1,4 @@
-//! Keeps the flight recorders of the kernel up to date.
+//! Keeps the time line and the flight recorders of the kernel up to date.
 
 use gsk_messages::Message;
 
@@ -8,16 +8,11 @@ use crate::flight::{FlightRecorder, join_inputs};
 impl Kernel {
     /// Adds a recorder. It follows the learner's own machine, also during a lesson.
     pub fn add_flight_recorder(&mut self, recorder: FlightRecorder) {
-        let (own, _) = match &mut self.lesson {
-            Some(lesson) => lesson.own_and_part(),
-            None => (&mut self.emulator, &mut self.part),
-        };
-        own.record_inputs();
         self.recorders.push(recorder);
         self.follow_with_recorders();
     }
 
-    /// Passes the inputs since the last call to the recorders. A pulse board interrupts them:
+    /// Passes the inputs since the last call to the time line and to the recorders. A pulse board interrupts them:
     /// its exchange is not recorded.
     pub(super) fn follow_with_recorders(&mut self) {
         let (own, part) = match &mut self.lesson {
@@ -25,6 +20,8 @@ impl Kernel {
             None => (&mut self.emulator, &mut self.part),
         };
         let inputs = join_inputs(own.ticks(), own.take_inputs(), part.take_inputs());
+        self.timeline
+            .follow(own, part.state(), &inputs, self.has_real_slides);
         for recorder in &mut self.recorders {
             if self.has_real_slides {
                 recorder.interrupt();
