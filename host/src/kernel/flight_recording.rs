@@ -49,11 +49,11 @@ impl Kernel {
         }
     }
 
-    /// Ends all recordings.
-    pub(super) fn finish_recorders(&mut self) {
+    /// Ends all recordings. `is_complete` is false after a crash of the program.
+    pub(super) fn finish_recorders(&mut self, is_complete: bool) {
         self.follow_with_recorders();
         for recorder in self.recorders.drain(..) {
-            recorder.finish();
+            recorder.finish(is_complete);
         }
     }
 }
@@ -128,7 +128,7 @@ mod tests {
         }
         begin_and_leave(&mut kernel, Arc::new(lesson));
         kernel.run(100);
-        kernel.finish_recorders();
+        kernel.finish_recorders(true);
         let replayed = replay(&fs::read(&file).expect("a file")).expect("a recording");
         assert_eq!((replayed.error, replayed.difference), (None, None));
         assert!(replayed.is_complete && replayed.equal_hashes > 5);

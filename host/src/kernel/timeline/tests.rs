@@ -10,6 +10,7 @@ use gsk_messages::Message;
 use gsk_runner::lesson::built_in_lessons;
 use gsk_tests::test_folder;
 use gsk_workpiece::job::Job;
+use gsk_workpiece::part::TurnedPart;
 use gsk_workpiece::stock::Stock;
 use gsk_workpiece::tool::Tool;
 
@@ -68,7 +69,7 @@ fn messages(console: &Console) -> Vec<Message> {
         .collect()
 }
 
-fn cut_part(kernel: &Kernel) -> gsk_workpiece::part:: {
+fn cut_part(kernel: &Kernel) -> TurnedPart {
     let machining = kernel.part.state().machining().expect("a job");
     machining.scene().part().clone()
 }

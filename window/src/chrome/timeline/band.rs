@@ -23,6 +23,8 @@ const LEVELS: usize = 5;
 pub(super) struct Band {
     /// The tick to which the pointer has dragged the handle; `None` while it does not drag.
     dragged_to: Option<u64>,
+    /// Whether the pointer has given the band the focus, until the present is shown again.
+    has_pointer_focus: bool,
 }
 
 /// Converts ticks to positions on the band.
@@ -76,7 +78,7 @@ impl Band {
         };
         draw(ui, scale, view, shown, &response);
         let moved = self
-            .follow_pointer(&response, scale)
+            .follow_pointer(&response, scale, shown)
             .or_else(|| follow_keys(ui, &response, view, shown));
         let hint = hint_at_pointer(&response, scale, view);
         response.on_hover_ui_at_pointer(|ui| {
@@ -88,9 +90,11 @@ impl Band {
         moved
     }
 
-    fn follow_pointer(&mut self, response: &Response, scale: Scale) -> Option<u64> {
-        if response.clicked() || response.drag_started() {
-            response.request_focus();
+    fn follow_pointer(&mut self, response: &Response, scale: Scale, shown: u64) -> Option<u64> {
+        // In the present the cursor keys stay with the panel (WINDOW-28).
+        if self.has_pointer_focus && shown >= scale.last && !response.dragged() {
+            self.has_pointer_focus = false;
+            response.surrender_focus();
         }
         let is_moved = response.dragged() || response.clicked();
         let position = response.interact_pointer_pos().filter(|_| is_moved);
@@ -99,6 +103,10 @@ impl Band {
             return None;
         };
         let tick = scale.tick(position.x);
+        if tick < scale.last && !response.has_focus() {
+            self.has_pointer_focus = true;
+            response.request_focus();
+        }
         (self.dragged_to.replace(tick) != Some(tick)).then_some(tick)
     }
 }
