@@ -2534,6 +2534,7 @@ message_rows! {
     timeline_continue_hint TimelineContinueHint();
     timeline_continued TimelineContinued();
     timeline_hint TimelineHint();
+    timeline_mark TimelineMark(time: message, mark: message);
     timeline_mark_alarm TimelineMarkAlarm(alarm: "{:03}");
     timeline_mark_block TimelineMarkBlock();
     timeline_mark_branch TimelineMarkBranch();

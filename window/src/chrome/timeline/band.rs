@@ -234,12 +234,12 @@ fn hint_at_pointer(response: &Response, scale: Scale, view: &TimelineView) -> Op
     let is_near = |tick: u64| tick >= scale.first && (scale.x(tick) - x).abs() <= MARK_DISTANCE;
     let time = time_text(view, scale.tick(x));
     if view.branch.is_some_and(|(from, _)| is_near(from)) {
-        return Some(say::subject_reason(time, say::timeline_mark_branch()));
+        return Some(say::timeline_mark(time, say::timeline_mark_branch()));
     }
     let near = view.marks.iter().filter(|mark| is_near(mark.tick));
     let rarest = near.max_by_key(|mark| style_of_mark(mark.kind).0);
     Some(match rarest {
-        Some(mark) => say::subject_reason(time_text(view, mark.tick), mark_text(mark.kind)),
+        Some(mark) => say::timeline_mark(time_text(view, mark.tick), mark_text(mark.kind)),
         None => time,
     })
 }
