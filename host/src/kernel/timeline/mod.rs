@@ -206,20 +206,21 @@ impl Timeline {
         let Some(history) = self.history.as_ref().filter(|_| self.is_published) else {
             return false;
         };
-        let view = TimelineView {
-            start: history.start(),
-            end: history.end(),
-            branch: history.branch(),
-            marks: self.marks.shared(),
-            can_continue,
-        };
+        let (start, end, branch) = (history.start(), history.end(), history.branch());
         if let Some(last) = &self.last_view {
-            let is_soon = view.end >= last.end && view.end < last.end + VIEW_TICKS;
-            let is_same = last.start == view.start && last.branch == view.branch;
+            let is_soon = end >= last.end && end < last.end + VIEW_TICKS;
+            let is_same = last.start == start && last.branch == branch;
             if is_soon && is_same && last.can_continue == can_continue {
                 return false;
             }
         }
+        let view = TimelineView {
+            start,
+            end,
+            branch,
+            marks: self.marks.shared(),
+            can_continue,
+        };
         self.views.force_push(Arc::new(view.clone()));
         self.last_view = Some(view);
         true
