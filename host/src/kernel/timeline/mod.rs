@@ -319,10 +319,7 @@ impl Kernel {
             self.return_to_present();
             return false;
         }
-        // The window sends a job on its own account.
-        if !matches!(command, Command::Job(_)) {
-            self.notify(Notice::Message(say::timeline_past_is_shown()));
-        }
+        self.notify(Notice::Message(say::timeline_past_is_shown()));
         true
     }
 
@@ -453,10 +450,11 @@ const fn changes_machine(command: &Command) -> bool {
         | Command::FreeLathe
         | Command::Lesson(_)
         | Command::Store(..)
-        | Command::Job(_)
         | Command::FreshStock
         | Command::CrashStops(_) => true,
-        Command::TransferFailed
+        // The window finds the job of the present program some time after it was opened.
+        Command::Job(_)
+        | Command::TransferFailed
         | Command::Link(_)
         | Command::Probe(_)
         | Command::Monitor(_)

@@ -110,14 +110,12 @@ fn the_keeper_saves_the_present_and_the_past_stands_still() {
         Command::Turn(5),
         Command::Fault(LatheFault::DoorOpen, true),
         Command::PowerCycle,
-        Command::Job(None),
         Command::FreshStock,
     ] {
         console.send(command);
         kernel.run(1000);
     }
     let refusals = messages(&console);
-    // The window sends jobs without its operator: no message.
     assert_eq!(refusals.len(), 5);
     assert!(
         refusals
