@@ -126,7 +126,7 @@ fn closing_the_time_line_shows_the_present() {
     let entry = bench
         .harness
         .get_all_by_label("Time line")
-        .find(|node| node.accesskit_node().role() == egui::accesskit::Role::Button)
+        .find(|node| node.accesskit_node().role() != egui::accesskit::Role::Slider)
         .map(|node| node.rect().center());
     let entry = entry.expect("an entry of the menu");
     bench.harness.hover_at(entry);
