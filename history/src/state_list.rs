@@ -48,6 +48,16 @@ impl StateList {
         self.states.first()
     }
 
+    pub(crate) fn second(&self) -> Option<&StoredState> {
+        self.states.get(1)
+    }
+
+    /// Returns the states with the index of the first input after each.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (&MachineMoment, usize)> {
+        let states = self.states.iter();
+        states.map(|state| (&state.moment, state.next_input))
+    }
+
     pub(crate) fn last(&self) -> Option<&StoredState> {
         self.states.last()
     }

@@ -201,7 +201,9 @@ impl WindowStarter {
         if let Some(link) = link {
             kernel.connect(link);
         }
-        let folder = RecordingTarget::Folder(path.join(flight::FOLDER));
+        let recordings = path.join(flight::FOLDER);
+        flight::offer_unfinished(&recordings, &console);
+        let folder = RecordingTarget::Folder(recordings);
         let file = args.record.clone().map(RecordingTarget::File);
         for target in core::iter::once(folder).chain(file) {
             let recorder = FlightRecorder::start(target).map_err(CommandError::gone)?;

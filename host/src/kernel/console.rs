@@ -37,6 +37,7 @@ use super::part::PartView;
 use super::probe::Probe;
 use super::program_start::StartDistance;
 use super::program_wait::ProgramWait;
+use super::timeline::{PastMoment, TimelineCommand, TimelineView};
 use crate::input_watch::InputWatch;
 use crate::job::SelectedJob;
 use crate::kernel::pace::RunSpeed;
@@ -122,6 +123,8 @@ pub enum Command {
     FreshStock,
     /// Set whether the simulated lathe stops at a collision.
     CrashStops(bool),
+    /// Publish, show or change the time line.
+    Timeline(TimelineCommand),
     /// Publish the part with the snapshots (true), or stop publishing it. The part is cut in either
     /// case.
     ShowPart(bool),
@@ -278,6 +281,8 @@ pub struct PanelSnapshot {
     pub lesson: Option<LessonState>,
     /// The alarms raised since the control was opened, the newest first.
     pub alarm_records: Arc<Vec<AlarmRecord>>,
+    /// The past moment that the snapshot shows; `None` for the present.
+    pub past: Option<PastMoment>,
     /// Motion of slides and spindle; `None` unless the window plays the sound of the machine.
     pub motion: Option<MachineMotion>,
 }
@@ -331,6 +336,8 @@ pub struct Console {
     pub link: Arc<ArrayQueue<LinkView>>,
     /// Queue with the newest state of the part, while there is a job.
     pub part: Arc<ArrayQueue<Arc<PartView>>>,
+    /// Queue with the newest state of the time line, while the window has requested it.
+    pub timeline: Arc<ArrayQueue<Arc<TimelineView>>>,
     /// Receives the notices of the kernel.
     pub notices: Receiver<Notice>,
     /// Sender for helper threads, whose notices are received from `notices`, too.
