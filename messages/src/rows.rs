@@ -1946,6 +1946,7 @@ message_rows! {
     ported_changed PortedChanged(word, note: message);
     ported_codes_title PortedCodesTitle();
     ported_complete PortedComplete(findings);
+    ported_in_all PortedInAll();
     ported_in_sets PortedInSets();
     ported_incomplete PortedIncomplete(refused);
     ported_note PortedNote();

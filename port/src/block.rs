@@ -159,23 +159,24 @@ impl ForeignBlock {
     /// Removes the blank at a position from which a word was removed, so that one blank remains
     /// between its neighbours.
     fn remove_blank_at(&mut self, at: usize) {
-        let is_blank = |piece: Option<&LinePiece>| {
-            matches!(piece, Some(LinePiece::Text(text)) if text.trim().is_empty())
-        };
-        let first = at == 0;
-        if is_blank(self.pieces.get(at)) && (first || is_blank(self.pieces.get(at - 1))) {
+        let is_blank = |piece: Option<&LinePiece>| matches!(piece, Some(LinePiece::Text(text)) if text.trim().is_empty());
+        let is_end = at == self.pieces.len();
+        let follows_blank = at > 0 && is_blank(self.pieces.get(at - 1));
+        if is_end && follows_blank {
+            self.pieces.pop();
+        } else if is_blank(self.pieces.get(at)) && (at == 0 || follows_blank) {
             self.pieces.remove(at);
         }
     }
 
     /// Removes empty pieces and blanks that follow a blank.
     pub fn drop_double_blanks(&mut self) {
-        let is_blank = |piece: &LinePiece| {
-            matches!(piece, LinePiece::Text(text) if text.trim().is_empty())
-        };
+        let is_blank =
+            |piece: &LinePiece| matches!(piece, LinePiece::Text(text) if text.trim().is_empty());
         self.pieces
             .retain(|piece| !matches!(piece, LinePiece::Text(text) if text.is_empty()));
-        self.pieces.dedup_by(|next, kept| is_blank(next) && is_blank(kept));
+        self.pieces
+            .dedup_by(|next, kept| is_blank(next) && is_blank(kept));
     }
 
     /// Adds a word after the last word of the block, before comments.

@@ -14,7 +14,10 @@ impl Porter<'_> {
         if let Some(word) = block.word(b'O').cloned() {
             let number = word.number.and_then(|it| it.whole());
             let Some(here) = number.and_then(|it| self.numbers.program(it)) else {
-                return Err(Refusal::new(word.shown(), say::ported_note_program_number()));
+                return Err(Refusal::new(
+                    word.shown(),
+                    say::ported_note_program_number(),
+                ));
             };
             if number != Some(here) || !word.written.to_ascii_uppercase().starts_with('O') {
                 self.note(block.line, word.shown(), say::ported_note_program_number());
@@ -49,7 +52,8 @@ impl Porter<'_> {
 
     /// Converts M98 with its number of calls.
     pub fn convert_call(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
-        let refuse = |block: &ForeignBlock| Refusal::new(shown_word(block, b'P'), say::ported_note_call());
+        let refuse =
+            |block: &ForeignBlock| Refusal::new(shown_word(block, b'P'), say::ported_note_call());
         let number = whole(block, b'P').ok_or_else(|| refuse(block))?;
         let repeats = block.number(b'L').map(|it| it.whole());
         let splits = repeats.is_none() && number > 9999 && self.state.set != CodeSet::Haas;
@@ -74,7 +78,10 @@ impl Porter<'_> {
         let program = number.and_then(|it| self.numbers.locals.get(&it).copied());
         let count = block.number(b'L').map_or(Some(1), |it| it.whole());
         let (Some(program), Some(count)) = (program, count) else {
-            return Err(Refusal::new(shown_word(block, b'P'), say::ported_note_local_call()));
+            return Err(Refusal::new(
+                shown_word(block, b'P'),
+                say::ported_note_local_call(),
+            ));
         };
         self.note(block.line, "M97", say::ported_note_local_call());
         block.replace_where(
@@ -117,12 +124,17 @@ impl Porter<'_> {
         });
         if let Some(formula) = formula.filter(|text| text.trim() != "*") {
             let shown: String = formula.chars().take(24).collect();
-            return Err(Refusal::new(shown.to_ascii_uppercase(), say::ported_note_macro()));
+            return Err(Refusal::new(
+                shown.to_ascii_uppercase(),
+                say::ported_note_macro(),
+            ));
         }
         let words: Vec<ForeignWord> = block.words().cloned().collect();
         for word in words.iter().filter(|word| word.number.is_none()) {
             let shown = word.shown();
-            let number = shown.split_once('#').and_then(|(_, it)| it.parse::<i64>().ok());
+            let number = shown
+                .split_once('#')
+                .and_then(|(_, it)| it.parse::<i64>().ok());
             let here = match number {
                 Some(number @ 100..=131) => number + 100,
                 Some(number @ 500..=515) => number,
@@ -141,9 +153,8 @@ impl Porter<'_> {
     /// Checks an operation of macro A, which this control has, too.
     pub fn convert_macro(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
         let operation = whole(block, b'H');
-        let is_known = |number| {
-            matches!(number, 1..=5 | 11..=13 | 21..=27 | 31..=34 | 80..=86 | 99)
-        };
+        let is_known =
+            |number| matches!(number, 1..=5 | 11..=13 | 21..=27 | 31..=34 | 80..=86 | 99);
         match operation {
             Some(number) if is_known(number) => {
                 block.replace(b'H', &format!("H{number:02}"));

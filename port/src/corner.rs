@@ -97,11 +97,15 @@ impl<'a> Porter<'a> {
         }
         let point = |unit: Vector, by: f64| {
             let diameter = x as f64 + 2.0 * unit[0] * by;
-            [diameter.round() as i64, (z as f64 + unit[1] * by).round() as i64]
+            [
+                diameter.round() as i64,
+                (z as f64 + unit[1] * by).round() as i64,
+            ]
         };
         let (before, after) = (point(one_unit, -reach), point(two_unit, reach));
         block.remove(b"XUZW");
-        let written = |[x, z]: [i64; 2]| format!("{} {}", length_word(b'X', x), length_word(b'Z', z));
+        let written =
+            |[x, z]: [i64; 2]| format!("{} {}", length_word(b'X', x), length_word(b'Z', z));
         block.append(&written(before));
         let code = match (is_round, cross > 0.0) {
             (false, _) => "G01",

@@ -100,11 +100,7 @@ impl Porter<'_> {
     }
 
     /// Converts the first block of the two-block form.
-    fn convert_rough_depth(
-        &mut self,
-        block: &mut ForeignBlock,
-        cycle: i64,
-    ) -> Result<(), Refusal> {
+    fn convert_rough_depth(&mut self, block: &mut ForeignBlock, cycle: i64) -> Result<(), Refusal> {
         self.convert_feed(block);
         self.convert_length(block, b'U');
         self.convert_length(block, b'W');
@@ -133,9 +129,15 @@ impl Porter<'_> {
         };
         let letter = if cycle == 710 { b'U' } else { b'W' };
         let depth = length_word(letter, self.state.cycle_length(depth));
-        block.before.push(format!("G{} {depth} {RETRACT}", cycle / 10));
+        block
+            .before
+            .push(format!("G{} {depth} {RETRACT}", cycle / 10));
         block.remove(b"D");
-        self.note(block.line, format!("G{}", cycle / 10), say::ported_note_rough());
+        self.note(
+            block.line,
+            format!("G{}", cycle / 10),
+            say::ported_note_rough(),
+        );
         Ok(())
     }
 
@@ -238,8 +240,8 @@ impl Porter<'_> {
     fn word_is_step(&self, block: &ForeignBlock) -> bool {
         let source = self.parts.iter().find(|part| part.block.line == block.line);
         let word = |letter| source.and_then(|part| part.block.word(letter));
-        word(b'P').or(word(b'I')).is_some_and(|it: &ForeignWord| {
-            it.number.is_some_and(|number| number.micro != 0)
-        })
+        word(b'P')
+            .or(word(b'I'))
+            .is_some_and(|it: &ForeignWord| it.number.is_some_and(|number| number.micro != 0))
     }
 }

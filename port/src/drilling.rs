@@ -50,7 +50,11 @@ impl Porter<'_> {
             lines.push(to("G01", level));
         }
         lines.push(to("G00", back));
-        self.note(block.line, format!("G{}", code / 10), say::ported_note_drill());
+        self.note(
+            block.line,
+            format!("G{}", code / 10),
+            say::ported_note_drill(),
+        );
         block.remove_g(&[code, 0, 10]);
         block.remove(b"ZRQPFK");
         if block.has(b'X') {
@@ -68,11 +72,10 @@ impl Porter<'_> {
     fn convert_drill_words(&mut self, block: &ForeignBlock) {
         let state = &mut self.state;
         let length = |letter| block.number(letter).map(|it| state.length(it));
-        let seconds = |number: crate::number::Number| {
-            match state.set.is_rs274() || number.has_point {
-                true => number.micro,
-                false => number.micro / 1_000,
-            }
+        let seconds = |number: crate::number::Number| match state.set.is_rs274() || number.has_point
+        {
+            true => number.micro,
+            false => number.micro / 1_000,
         };
         let (bottom, level) = (length(b'Z'), length(b'R'));
         let peck = block.number(b'Q').map(|it| state.cycle_length(it));
@@ -92,7 +95,7 @@ impl Porter<'_> {
         if code == 840 {
             return format!(" F{}", write_number(self.state.lead(number), 5));
         }
-        self.convert_feed(block);
+        self.start_feed(block);
         format!(" F{}", write_number(self.state.feed(number), 5))
     }
 }

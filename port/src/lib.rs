@@ -33,4 +33,4 @@ mod thread_cycles;
 
 pub use dialect::{CodeSet, ForeignDialect, PlainNumbers, PortFinding, PortOptions};
 pub use porter::{PortedProgram, port_program};
-pub use table::{CODES, CodeRow, CodeRule, WORDS, WordRow};
+pub use table::code_table;

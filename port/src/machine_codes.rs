@@ -97,14 +97,20 @@ impl Porter<'_> {
         let direction = self.state.machine.spindle.replace(code);
         if direction.is_some_and(|it| it != code) {
             block.before.push("M05".to_owned());
-            self.note(block.line, format!("M{:02}", code / 10), say::ported_note_reverse());
+            self.note(
+                block.line,
+                format!("M{:02}", code / 10),
+                say::ported_note_reverse(),
+            );
         }
     }
 
     /// Writes M01 as a skipped M00: the block skip switch becomes the optional stop switch.
     fn convert_optional_stop(&mut self, block: &mut ForeignBlock, row: &CodeRow) {
         self.note(block.line, "M01", row_note(row));
-        let is_alone = block.words().all(|word| is_m(word, 10) || word.letter == b'N');
+        let is_alone = block
+            .words()
+            .all(|word| is_m(word, 10) || word.letter == b'N');
         let is_skipped = block.text().trim_start().starts_with('/');
         if !is_alone {
             block.remove_where(|word| is_m(word, 10));
@@ -210,7 +216,11 @@ impl Porter<'_> {
         if block.has_g(960) && self.state.set.is_rs274() {
             if let Some(limit) = whole(block, b'D') {
                 block.before.push(format!("G50 S{limit}"));
-                self.note(block.line, shown_word(block, b'D'), say::ported_note_surface_speed());
+                self.note(
+                    block.line,
+                    shown_word(block, b'D'),
+                    say::ported_note_surface_speed(),
+                );
             }
             block.remove(b"D");
         }
@@ -230,11 +240,18 @@ impl Porter<'_> {
             false => number.micro,
         };
         if !(0..=9_999_500_000).contains(&speed) {
-            return Err(Refusal::new(shown_word(block, b'S'), say::ported_note_speed()));
+            return Err(Refusal::new(
+                shown_word(block, b'S'),
+                say::ported_note_speed(),
+            ));
         }
         if speed != number.micro || number.has_point {
             if speed != number.micro {
-                self.note(block.line, shown_word(block, b'S'), say::ported_note_surface_speed());
+                self.note(
+                    block.line,
+                    shown_word(block, b'S'),
+                    say::ported_note_surface_speed(),
+                );
             }
             block.replace(b'S', &format!("S{}", write_whole(speed)));
         }

@@ -15,7 +15,11 @@ const FEED_DECIMALS: u32 = 5;
 
 /// Writes a length after its letter.
 pub(crate) fn length_word(letter: u8, micro: i64) -> String {
-    format!("{}{}", char::from(letter), write_number(micro, LENGTH_DECIMALS))
+    format!(
+        "{}{}",
+        char::from(letter),
+        write_number(micro, LENGTH_DECIMALS)
+    )
 }
 
 impl Porter<'_> {
@@ -62,7 +66,11 @@ impl Porter<'_> {
             if block.has(position) && !self.state.is_incremental {
                 return value(position);
             }
-            let letter = if block.has(position) { position } else { distance };
+            let letter = if block.has(position) {
+                position
+            } else {
+                distance
+            };
             match block.has(letter) {
                 true => Some(from[axis]? + value(letter)?),
                 false => from[axis],
@@ -85,28 +93,36 @@ impl Porter<'_> {
         }
     }
 
-    /// Converts F, and writes the feed mode of the foreign control's power-on before the first
-    /// one.
+    /// Converts F.
     pub fn convert_feed(&mut self, block: &mut ForeignBlock) {
         let Some(number) = block.number(b'F') else {
             return;
         };
-        if self.state.per_revolution.is_none() && !self.state.set.is_rs274() {
-            self.state.per_revolution = Some(true);
-            block.prepend("G99");
-            self.note(block.line, "F", say::ported_note_first_feed());
-        }
+        self.start_feed(block);
         let feed = self.state.feed(number);
         if feed != number.micro {
             if !number.has_point && !self.state.set.is_rs274() {
                 let word = block.word(b'F').map(ForeignWord::shown);
-                self.note(block.line, word.unwrap_or_default(), say::ported_note_feed_increments());
+                self.note(
+                    block.line,
+                    word.unwrap_or_default(),
+                    say::ported_note_feed_increments(),
+                );
             }
             let decimals = match self.state.is_per_revolution() {
                 true => FEED_DECIMALS,
                 false => LENGTH_DECIMALS,
             };
             block.replace(b'F', &format!("F{}", write_number(feed, decimals)));
+        }
+    }
+
+    /// Writes the feed mode of the foreign control's power-on before the first feed.
+    pub fn start_feed(&mut self, block: &mut ForeignBlock) {
+        if self.state.per_revolution.is_none() && !self.state.set.is_rs274() {
+            self.state.per_revolution = Some(true);
+            block.prepend("G99");
+            self.note(block.line, "F", say::ported_note_first_feed());
         }
     }
 
@@ -129,7 +145,11 @@ impl Porter<'_> {
         }
         if !number.has_point && lead != number.micro {
             let word = block.word(letter).map(ForeignWord::shown);
-            self.note(block.line, word.unwrap_or_default(), say::ported_note_feed_increments());
+            self.note(
+                block.line,
+                word.unwrap_or_default(),
+                say::ported_note_feed_increments(),
+            );
         }
         block.replace(letter, &format!("F{}", write_number(lead, FEED_DECIMALS)));
     }
@@ -162,7 +182,10 @@ impl Porter<'_> {
         if let Some(number) = block.number(b'R') {
             if number.micro < 0 {
                 let word = block.word(b'R').map(ForeignWord::shown);
-                return Err(Refusal::new(word.unwrap_or_default(), say::ported_note_long_arc()));
+                return Err(Refusal::new(
+                    word.unwrap_or_default(),
+                    say::ported_note_long_arc(),
+                ));
             }
             let radius = round_to(self.state.length(number), LENGTH_DECIMALS);
             let radius = radius.max(smallest_radius(start, end));
@@ -181,7 +204,10 @@ impl Porter<'_> {
             let center = self.axis_value(number, axis);
             let Some(from) = start[axis] else {
                 let word = block.word(letter).map(ForeignWord::shown);
-                return Err(Refusal::new(word.unwrap_or_default(), say::ported_note_centers()));
+                return Err(Refusal::new(
+                    word.unwrap_or_default(),
+                    say::ported_note_centers(),
+                ));
             };
             let offset = (center - from) / if axis == 0 { 2 } else { 1 };
             block.replace(letter, &length_word(letter, offset));
@@ -204,12 +230,8 @@ impl Porter<'_> {
             return Err(refuse());
         };
         let (letter, value) = match (has_x, has_z) {
-            (true, false) => {
-                (b'Z', from_z as f64 + (x - from_x) as f64 / 2.0 / tangent)
-            }
-            (false, true) => {
-                (b'X', from_x as f64 + (z - from_z) as f64 * 2.0 * tangent)
-            }
+            (true, false) => (b'Z', from_z as f64 + (x - from_x) as f64 / 2.0 / tangent),
+            (false, true) => (b'X', from_x as f64 + (z - from_z) as f64 * 2.0 * tangent),
             _ => return Err(refuse()),
         };
         if !value.is_finite() || value.abs() > 1e10 {

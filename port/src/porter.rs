@@ -48,11 +48,7 @@ impl Refusal {
 
 /// Ports a foreign program. Words of a block without an equivalent stay in a comment after a
 /// command that stops the program with alarm 500.
-pub fn port_program(
-    text: &str,
-    dialect: ForeignDialect,
-    options: PortOptions,
-) -> PortedProgram {
+pub fn port_program(text: &str, dialect: ForeignDialect, options: PortOptions) -> PortedProgram {
     let parts = read_source(text, dialect.has_semicolon_comments());
     let plain = options
         .plain_numbers
@@ -354,7 +350,8 @@ impl Porter<'_> {
 
 /// The note of a row, or the general one.
 pub(crate) fn row_note(row: &CodeRow) -> Message {
-    row.note.map_or_else(say::ported_note_unknown_code, |note| note())
+    row.note
+        .map_or_else(say::ported_note_unknown_code, |note| note())
 }
 
 /// Whether a rule is of group 00, which shares no block with group 01.

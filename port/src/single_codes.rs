@@ -27,10 +27,18 @@ impl Porter<'_> {
             } else {
                 number.micro
             };
-            let here = if letter == b'P' { 'X' } else { char::from(letter) };
+            let here = if letter == b'P' {
+                'X'
+            } else {
+                char::from(letter)
+            };
             if here != char::from(letter) || seconds != number.micro {
                 if letter == b'P' {
-                    self.note(block.line, shown_word(block, b'P'), say::ported_note_dwell());
+                    self.note(
+                        block.line,
+                        shown_word(block, b'P'),
+                        say::ported_note_dwell(),
+                    );
                 }
                 block.replace(letter, &format!("{here}{}", write_number(seconds, 3)));
             }
@@ -67,10 +75,7 @@ impl Porter<'_> {
     }
 
     /// Converts G53 to the reference point; this control has no other machine coordinates.
-    pub fn convert_machine_coordinates(
-        &mut self,
-        block: &mut ForeignBlock,
-    ) -> Result<(), Refusal> {
+    pub fn convert_machine_coordinates(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
         for (axis, position, distance) in [(0, b'X', b'U'), (1, b'Z', b'W')] {
             let Some(number) = block.number(position) else {
                 continue;

@@ -120,14 +120,21 @@ mod tests {
 
     #[test]
     fn a_text_keeps_its_layout() {
-        for text in ["", "%\nO1;\nG0 X1.; Z2.;\n\nM30", "G0 X1 (A;B);\r\nM30;\r\n"] {
+        for text in [
+            "",
+            "%\nO1;\nG0 X1.; Z2.;\n\nM30",
+            "G0 X1 (A;B);\r\nM30;\r\n",
+        ] {
             assert_eq!(read(text, false), text);
         }
     }
 
     #[test]
     fn comments_of_other_forms_get_brackets() {
-        assert_eq!(read("G0 X1 ; go (fast)\n;\n", true), "G0 X1 (go [fast])\n\n");
+        assert_eq!(
+            read("G0 X1 ; go (fast)\n;\n", true),
+            "G0 X1 (go [fast])\n\n"
+        );
         assert_eq!(read("G0 X1 // go\n", true), "G0 X1 (go)\n");
         assert_eq!(read("G0 X1; rough turn\n", false), "G0 X1; (rough turn)\n");
     }

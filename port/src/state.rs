@@ -191,7 +191,8 @@ impl ForeignState {
 
     /// Whether a length without a point must be rewritten.
     pub fn changes_length(&self, number: Number) -> bool {
-        self.is_inch || (!number.has_point && self.plain == PlainNumbers::Increments)
+        let counts = !number.has_point && self.plain == PlainNumbers::Increments;
+        number.micro != 0 && (self.is_inch || counts)
     }
 
     /// Whether feeds are per revolution.

@@ -101,8 +101,7 @@ impl Porter<'_> {
         }
         let depth = block.number(b'D').ok_or_else(|| missing("D"))?;
         let lead = block.number(b'E').or(block.number(b'F'));
-        let has_run_out = (self.state.machine.run_out)
-            .unwrap_or(self.state.set == CodeSet::Haas);
+        let has_run_out = (self.state.machine.run_out).unwrap_or(self.state.set == CodeSet::Haas);
         let data = ThreadData {
             finishing: 1,
             run_out: if has_run_out { 10 } else { 0 },
@@ -171,7 +170,9 @@ impl Porter<'_> {
         let start = self.state.diameter(need(b'R', "R")?);
         let first = self.state.length(need(b'H', "H")?).abs();
         let lead = self.state.to_metric(need(b'P', "P")?.micro);
-        let least = block.number(b'J').map_or(0, |it| self.state.length(it).abs());
+        let least = block
+            .number(b'J')
+            .map_or(0, |it| self.state.length(it).abs());
         let data = ThreadData {
             finishing: block.number(b'Q').map_or(1, nearest_whole),
             run_out: 0,
@@ -185,7 +186,9 @@ impl Porter<'_> {
         if let Some(number) = block.number(b'K') {
             let level = self.state.length(number);
             let written = self.state.axes[1].move_to(level);
-            block.before.push(format!("G00 {}", length_word(b'Z', written)));
+            block
+                .before
+                .push(format!("G00 {}", length_word(b'Z', written)));
         }
         self.note(block.line, "G76", say::ported_note_mach_thread());
         block.remove(b"T");
