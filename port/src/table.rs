@@ -774,11 +774,14 @@ pub(crate) static WORDS: &[WordRow] = &[
     ),
     word("T1 T101", "T0101", say::ported_note_tool),
     word("; //", "( )", say::ported_note_comment),
-    word("#100 IF GOTO WHILE o100", "", say::ported_note_macro),
+    word("#100 IF GOTO WHILE o100", REFUSED, say::ported_note_macro),
     word("A", "X_ Z_", say::ported_note_angle),
     word("Y0 D1 H1", "", say::ported_note_no_effect),
-    word("B C V Y", "", say::ported_note_axis),
+    word("B C V Y", REFUSED, say::ported_note_axis),
 ];
+
+/// Stands in the table for codes and words that have no equivalent.
+const REFUSED: &str = "✗";
 
 /// The whole table as Markdown, for the manual and the command line.
 pub fn code_table(language: Language) -> String {
@@ -792,6 +795,7 @@ pub fn code_table(language: Language) -> String {
     );
     let code = |written: &str| match written {
         "" => text(say::ported_removed()),
+        REFUSED => REFUSED.to_owned(),
         _ => format!("`{written}`"),
     };
     let mut push = |foreign: &str, sets: &str, becomes: &str, note: String| {
@@ -807,7 +811,11 @@ pub fn code_table(language: Language) -> String {
             false => names.join(", "),
         };
         let note = row.note.map_or_else(String::new, |note| text(note()));
-        push(&row.written_codes(), &sets, row.becomes, note);
+        let becomes = match row.rule {
+            CodeRule::Refuse => REFUSED,
+            _ => row.becomes,
+        };
+        push(&row.written_codes(), &sets, becomes, note);
     }
     for row in WORDS {
         let sets = text(say::ported_in_all());
