@@ -29,6 +29,8 @@ mod single_codes;
 mod source;
 mod state;
 mod table;
+#[cfg(test)]
+mod tests;
 mod thread_cycles;
 
 pub use dialect::{CodeSet, ForeignDialect, PlainNumbers, PortFinding, PortOptions};

@@ -35,6 +35,10 @@ impl Porter<'_> {
             self.state.axes[axis].forget();
             return;
         };
+        if axis == 0 && self.state.is_radius {
+            let word = format!("{}", char::from(letter));
+            self.note(block.line, word, say::ported_note_radius());
+        }
         let value = self.axis_value(number, axis);
         let is_distance = letter == distance || self.state.is_incremental;
         let tracked = &mut self.state.axes[axis];

@@ -117,6 +117,10 @@ impl Porter<'_> {
 
     /// Converts G50 and G92 of other sets: coordinates, or the maximum speed.
     pub fn convert_coordinates(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
+        if !block.has_any(b"XUZWS") {
+            block.remove_g(&[500, 920]);
+            return Ok(());
+        }
         block.replace_g(920, "G50");
         for (axis, position, distance) in [(0, b'X', b'U'), (1, b'Z', b'W')] {
             if let Some(number) = block.number(position) {
