@@ -72,7 +72,7 @@ impl Porter<'_> {
         Ok(())
     }
 
-    /// Converts M97: the part of the program that it calls is a program of its own here.
+    /// Converts M97: the part of the program that it calls becomes a separate program.
     pub fn convert_local_call(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
         let number = whole(block, b'P');
         let program = number.and_then(|it| self.numbers.locals.get(&it).copied());

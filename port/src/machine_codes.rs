@@ -6,7 +6,7 @@ use crate::block::{ForeignBlock, ForeignWord, LinePiece};
 use crate::number::{divide_rounded, write_whole};
 use crate::porter::{Porter, Refusal, row_note};
 use crate::program_numbers::whole;
-use crate::table::{CodeRow, CodeRule, find_row};
+use crate::table::{CodeRule, ForeignCodeRow, find_row};
 use crate::thread_cycles::shown_word;
 
 /// Greatest tool and offset number.
@@ -44,7 +44,7 @@ impl Porter<'_> {
         &mut self,
         block: &mut ForeignBlock,
         code: i64,
-        row: &CodeRow,
+        row: &ForeignCodeRow,
         word: &str,
     ) -> Result<(), Refusal> {
         match row.rule {
@@ -106,7 +106,7 @@ impl Porter<'_> {
     }
 
     /// Writes M01 as a skipped M00: the block skip switch becomes the optional stop switch.
-    fn convert_optional_stop(&mut self, block: &mut ForeignBlock, row: &CodeRow) {
+    fn convert_optional_stop(&mut self, block: &mut ForeignBlock, row: &ForeignCodeRow) {
         self.note(block.line, "M01", row_note(row));
         let is_alone = block
             .words()
@@ -210,7 +210,7 @@ impl Porter<'_> {
     pub fn convert_speed(
         &mut self,
         block: &mut ForeignBlock,
-        main: Option<&CodeRow>,
+        main: Option<&ForeignCodeRow>,
     ) -> Result<(), Refusal> {
         let is_limit = main.is_some_and(|row| row.rule == CodeRule::SetCoordinates);
         if block.has_g(960) && self.state.set.is_rs274() {

@@ -8,7 +8,7 @@ use crate::number::write_number;
 use crate::program_numbers::{ProgramNumbers, find_code_set, whole};
 use crate::source::{SourcePart, read_source, without_brackets};
 use crate::state::{ActiveCode, ForeignState};
-use crate::table::{CodeRow, CodeRule, find_row};
+use crate::table::{CodeRule, ForeignCodeRow, find_row};
 
 /// A program for this control, and what differs from the foreign one.
 #[derive(Clone, Debug, PartialEq)]
@@ -206,8 +206,8 @@ impl Porter<'_> {
     fn convert_g_codes(
         &mut self,
         block: &mut ForeignBlock,
-    ) -> Result<Option<&'static CodeRow>, Refusal> {
-        let mut main: Option<&'static CodeRow> = None;
+    ) -> Result<Option<&'static ForeignCodeRow>, Refusal> {
+        let mut main: Option<&'static ForeignCodeRow> = None;
         for code in block.g_codes().collect::<Vec<_>>() {
             let word = format!("G{}", write_number(code * 100_000, 1).trim_end_matches('.'));
             let Some(row) = find_row(b'G', code, self.state.set) else {
@@ -240,7 +240,7 @@ impl Porter<'_> {
         &mut self,
         block: &mut ForeignBlock,
         code: i64,
-        row: &CodeRow,
+        row: &ForeignCodeRow,
         word: &str,
     ) -> Result<bool, Refusal> {
         let state = &mut self.state;
@@ -349,7 +349,7 @@ impl Porter<'_> {
 }
 
 /// The note of a row, or the general one.
-pub(crate) fn row_note(row: &CodeRow) -> Message {
+pub(crate) fn row_note(row: &ForeignCodeRow) -> Message {
     row.note
         .map_or_else(say::ported_note_unknown_code, |note| note())
 }

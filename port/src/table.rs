@@ -94,7 +94,7 @@ pub(crate) enum CodeRule {
 
 /// A row of the table.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct CodeRow {
+pub(crate) struct ForeignCodeRow {
     /// `G` or `M`.
     pub letter: u8,
     /// Numbers in tenths: G92.1 is 921.
@@ -109,7 +109,7 @@ pub(crate) struct CodeRow {
     pub note: Option<fn() -> Message>,
 }
 
-impl CodeRow {
+impl ForeignCodeRow {
     /// The codes as written, such as `G54`, for the table of the manual.
     pub fn written_codes(&self) -> String {
         let letter = char::from(self.letter);
@@ -138,8 +138,8 @@ const fn row(
     rule: CodeRule,
     becomes: &'static str,
     note: Option<fn() -> Message>,
-) -> CodeRow {
-    CodeRow {
+) -> ForeignCodeRow {
+    ForeignCodeRow {
         letter,
         codes,
         sets,
@@ -151,7 +151,7 @@ const fn row(
 
 /// All codes that the porter knows. The first row that has a code and a set is valid.
 #[rustfmt::skip] // One row a line.
-pub(crate) static CODES: &[CodeRow] = &[
+pub(crate) static CODES: &[ForeignCodeRow] = &[
     row(b'G', &[0, 10, 20, 30], ALL, CodeRule::Motion, "G00 G01 G02 G03", Some(say::ported_note_corner)),
     row(b'G', &[40], ALL, CodeRule::Dwell, "G04 P_ X_", Some(say::ported_note_dwell)),
     row(b'G', &[70], &[LinuxCnc], CodeRule::Diameter, "", Some(say::ported_note_diameter)),
@@ -234,7 +234,7 @@ pub(crate) static CODES: &[CodeRow] = &[
 ];
 
 /// The row of a code (tenths) in a set; `None` for codes that the table lacks.
-pub(crate) fn find_row(letter: u8, code: i64, set: CodeSet) -> Option<&'static CodeRow> {
+pub(crate) fn find_row(letter: u8, code: i64, set: CodeSet) -> Option<&'static ForeignCodeRow> {
     CODES
         .iter()
         .find(|row| row.letter == letter && row.codes.contains(&code) && row.sets.contains(&set))
