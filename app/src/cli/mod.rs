@@ -32,7 +32,7 @@ pub use gsk_runner::Language;
 use tracing::level_filters::LevelFilter;
 
 pub use dap::DapArgs;
-pub use dialect::DialectArgs;
+pub use dialect::{DialectArgs, ProgramOrigin};
 pub use help::HelpArgs;
 pub use ladder::{LadderArgs, LadderCommand, LadderRunArgs};
 use language::language_parser;
@@ -178,6 +178,10 @@ pub enum CliCommand {
     /// Block by block: codes that the other model does not have, that mean something else
     /// there, or that have another number. With -o the program is written with the numbers of
     /// the other model where they say the same; all else stands as it is, and is listed.
+    ///
+    /// From the dialect of another control (`fanuc0t`, `fanuc-10t`, `haas`, `fusion`, `mach3`,
+    /// `linuxcnc`) the program is ported: printed or, with -o, written, and checked. Lines
+    /// without an equivalent are listed, and stop the ported program with alarm 500.
     Dialect(DeferredArgs<DialectArgs>),
     /// Operate the panel by a script of key presses and expectations
     #[command(after_help = script_help())]
