@@ -4,6 +4,7 @@ use gsk_messages::say;
 
 use crate::block::{ForeignBlock, ForeignWord, LinePiece};
 use crate::dialect::CodeSet;
+use crate::number::Number;
 use crate::porter::{Porter, Refusal};
 use crate::program_numbers::{has_m, whole};
 use crate::thread_cycles::shown_word;
@@ -12,7 +13,7 @@ impl Porter<'_> {
     /// Converts O and N. A local subprogram gets its O word in a line before it.
     pub fn convert_numbers(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
         if let Some(word) = block.word(b'O').cloned() {
-            let number = word.number.and_then(|it| it.whole());
+            let number = word.number.and_then(Number::whole);
             let Some(here) = number.and_then(|it| self.numbers.program(it)) else {
                 return Err(Refusal::new(
                     word.shown(),
@@ -52,10 +53,12 @@ impl Porter<'_> {
 
     /// Converts M98 with its number of calls.
     pub fn convert_call(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
+        // The program that it calls may feed before the first F of this text.
+        self.start_feed(block);
         let refuse =
             |block: &ForeignBlock| Refusal::new(shown_word(block, b'P'), say::ported_note_call());
         let number = whole(block, b'P').ok_or_else(|| refuse(block))?;
-        let repeats = block.number(b'L').map(|it| it.whole());
+        let repeats = block.number(b'L').map(Number::whole);
         let splits = repeats.is_none() && number > 9999 && self.state.set != CodeSet::Haas;
         let (count, program) = match splits {
             true => (number / 10_000, number % 10_000),
@@ -74,9 +77,10 @@ impl Porter<'_> {
 
     /// Converts M97: the part of the program that it calls becomes a separate program.
     pub fn convert_local_call(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
+        self.start_feed(block);
         let number = whole(block, b'P');
         let program = number.and_then(|it| self.numbers.locals.get(&it).copied());
-        let count = block.number(b'L').map_or(Some(1), |it| it.whole());
+        let count = block.number(b'L').map_or(Some(1), Number::whole);
         let (Some(program), Some(count)) = (program, count) else {
             return Err(Refusal::new(
                 shown_word(block, b'P'),
@@ -85,7 +89,7 @@ impl Porter<'_> {
         };
         self.note(block.line, "M97", say::ported_note_local_call());
         block.replace_where(
-            |word| word.letter == b'M' && word.number.and_then(|it| it.whole()) == Some(97),
+            |word| word.letter == b'M' && word.number.and_then(Number::whole) == Some(97),
             "M98",
         );
         self.write_call(block, count, program);

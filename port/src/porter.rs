@@ -66,15 +66,15 @@ pub fn port_program(text: &str, dialect: ForeignDialect, options: PortOptions) -
         parts: &parts,
     };
     let mut text = String::with_capacity(text.len() * 2);
-    for index in 0..parts.len() {
+    for (index, part) in parts.iter().enumerate() {
         let block = porter.port_block(index);
-        let end = parts[index].line_end;
+        let end = part.line_end;
         for line in &block.before {
             text.push_str(line);
             text.push_str(end);
         }
         text.push_str(&block.text());
-        let separator = &parts[index].separator;
+        let separator = &part.separator;
         let (closing, line_break) = match block.after.is_empty() {
             true => (separator.as_str(), ""),
             false => {

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::block::ForeignBlock;
 use crate::dialect::{CodeSet, ForeignDialect};
+use crate::number::Number;
 use crate::source::SourcePart;
 
 /// Greatest program and sequence number.
@@ -114,7 +115,7 @@ pub(crate) fn find_code_set(dialect: ForeignDialect, parts: &[SourcePart]) -> Co
 /// Whether a block has an M code.
 pub(crate) fn has_m(block: &ForeignBlock, code: i64) -> bool {
     let mut words = block.words().filter(|word| word.letter == b'M');
-    words.any(|word| word.number.and_then(|it| it.whole()) == Some(code))
+    words.any(|word| word.number.and_then(Number::whole) == Some(code))
 }
 
 /// The value of a word if it is a whole number.

@@ -212,10 +212,9 @@ impl ForeignState {
 
     fn feed_divisor(&self) -> i64 {
         match (self.set, self.is_per_revolution(), self.is_inch) {
-            (CodeSet::Haas, _, true) => 10_000,
+            (CodeSet::Haas, _, true) | (_, true, true) => 10_000,
             (CodeSet::Haas, _, false) => 1_000,
             (_, false, false) => 1,
-            (_, true, true) => 10_000,
             (_, false, true) | (_, true, false) => 100,
         }
     }

@@ -1,6 +1,6 @@
 //! Restarts at random blocks: the rest of the path and the end state equal those of an
 //! uninterrupted run. `RESTART_BLOCKS=500` sets the number of blocks (default 20).
-#![allow(clippy::expect_used, clippy::unwrap_used)]
+#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
 
 #[path = "restart/programs.rs"]
 mod programs;

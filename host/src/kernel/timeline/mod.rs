@@ -462,6 +462,7 @@ const fn changes_machine(command: &Command) -> bool {
         | Command::Translate(_)
         | Command::PublishMotion(_)
         | Command::WatchLink(_)
+        | Command::SendMachine(_)
         | Command::SendSetup(_)
         | Command::SendState(_)
         | Command::ShowPart(_)
