@@ -53,8 +53,7 @@ impl Porter<'_> {
 
     /// Converts M98 with its number of calls.
     pub fn convert_call(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
-        // The program that it calls may feed before the first F of this text.
-        self.start_feed(block);
+        self.start_feed_before_call(block);
         let refuse =
             |block: &ForeignBlock| Refusal::new(shown_word(block, b'P'), say::ported_note_call());
         let number = whole(block, b'P').ok_or_else(|| refuse(block))?;
@@ -77,7 +76,7 @@ impl Porter<'_> {
 
     /// Converts M97: the part of the program that it calls becomes a separate program.
     pub fn convert_local_call(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
-        self.start_feed(block);
+        self.start_feed_before_call(block);
         let number = whole(block, b'P');
         let program = number.and_then(|it| self.numbers.locals.get(&it).copied());
         let count = block.number(b'L').map_or(Some(1), Number::whole);

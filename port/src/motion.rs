@@ -130,6 +130,16 @@ impl Porter<'_> {
         }
     }
 
+    /// Writes it in a line before a call: the called program may feed before the first F of
+    /// this text.
+    pub fn start_feed_before_call(&mut self, block: &mut ForeignBlock) {
+        if self.state.per_revolution.is_none() && !self.state.set.is_rs274() {
+            self.state.per_revolution = Some(true);
+            block.before.push("G99".to_owned());
+            self.note(block.line, "F", say::ported_note_first_feed());
+        }
+    }
+
     /// Converts the lead of a thread, F or E.
     pub fn convert_lead(&mut self, block: &mut ForeignBlock) {
         let letter = match (block.has(b'E'), block.has(b'F')) {

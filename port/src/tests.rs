@@ -94,14 +94,14 @@ fn drilling_becomes_moves() {
 
 #[test]
 fn calls_have_their_count_before_the_number() {
-    assert_eq!(fanuc("M98 P12 L3\n"), "M98 P30012\n");
-    assert_eq!(fanuc("M98 P51002\n"), "M98 P51002\n");
+    assert_eq!(fanuc("M98 P12 L3\n"), "G99\nM98 P30012\n");
+    assert_eq!(fanuc("G98\nM98 P51002\n"), "G98\nM98 P51002\n");
     assert_eq!(
         port(
             ForeignDialect::Haas,
             "O1\nM97 P50 L2\nM30\nN50 G0 Z1.\nM99\n"
         ),
-        "O1\nM98 P29001\nM30\nO9001\nN50 G0 Z1.\nM99\n"
+        "O1\nG99\nM98 P29001\nM30\nO9001\nN50 G0 Z1.\nM99\n"
     );
     let refused = first_finding(
         ForeignDialect::Haas,

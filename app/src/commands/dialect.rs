@@ -83,7 +83,7 @@ fn write_program(input: &Path, target: &Path, bytes: &[u8]) -> Result<(), Comman
         files: vec![&input],
         ..CommandInputs::default()
     };
-    check_overwrites(&inputs, &[&target.to_owned()])?;
+    check_overwrites(&inputs, &[target])?;
     output::reserve_file(target)?.write(bytes)?;
     Ok(())
 }

@@ -84,8 +84,8 @@ impl MarkList {
         }
     }
 
-    /// Removes every second frequent mark of the older half, or the oldest quarter if there is
-    /// none.
+    /// Removes every second frequent mark of the older half, or the oldest quarter if
+    /// there are few.
     fn thin(&mut self) {
         let half = self.marks.len() / 2;
         let before = self.marks.len();
@@ -99,7 +99,7 @@ impl MarkList {
             is_kept = !is_kept;
             is_kept
         });
-        if self.marks.len() + half / 2 > before {
+        if before - self.marks.len() < half / 4 {
             self.marks.drain(..half / 2);
         }
     }

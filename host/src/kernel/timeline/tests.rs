@@ -244,7 +244,9 @@ fn the_job_of_the_window_does_not_replace_the_restored_part() {
 #[test]
 fn the_saved_minutes_replay_without_a_difference() {
     let (mut kernel, console) = cutting_kernel();
-    let path = test_folder("timeline-save").join("last.gskrec");
+    let folder = test_folder("timeline-save");
+    fs::create_dir_all(&folder).expect("a folder");
+    let path = folder.join("last.gskrec");
     kernel.run(70_000);
     let save = TimelineCommand::Save {
         minutes: Some(1),
