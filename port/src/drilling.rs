@@ -9,6 +9,8 @@ use crate::porter::{Porter, Refusal};
 
 /// Maximum number of pecks of a hole.
 const MAX_PECKS: i64 = 200;
+/// Least depth of a peck, 10⁻⁶ mm: the least increment of this control.
+const LEAST_PECK: i64 = 1_000;
 /// Distance before the bottom of the last peck at which the drill feeds again.
 const CLEARANCE: i64 = UNIT / 2;
 
@@ -108,7 +110,7 @@ fn peck_lines(
     feed: &str,
 ) -> Option<()> {
     let step = peck.map_or(level - bottom, i64::abs);
-    if step == 0 || (level - bottom) / step > MAX_PECKS {
+    if step < LEAST_PECK || (level - bottom) / step > MAX_PECKS {
         return None;
     }
     let mut feed = feed.to_owned();

@@ -7,7 +7,6 @@ use gsk_tests::test_folder;
 
 use super::disk::{ENDING, MAX_FOLDER_BYTES, prepare_folder};
 use super::*;
-use crate::kernel::{Kernel, Notice};
 
 /// A machine that a recorder follows tick by tick.
 struct Flight {
@@ -123,11 +122,14 @@ fn a_folder_keeps_the_newest_recordings() {
 #[test]
 fn only_a_session_without_its_end_is_offered() {
     let folder = test_folder("flight-unfinished");
-    let (_kernel, console) = Kernel::new(Emulator::new(Setup::default()));
+    let (offers, received) = std::sync::mpsc::channel();
     let offered = || {
-        offer_unfinished(&folder, &console);
+        let offers = offers.clone();
+        offer_unfinished(&folder, move |message| {
+            offers.send(message).expect("a receiver")
+        });
         let wait = core::time::Duration::from_millis(500);
-        console.notices.recv_timeout(wait).ok()
+        received.recv_timeout(wait).ok()
     };
     assert_eq!(offered(), None, "no recordings");
     for (is_complete, number) in [(true, 1), (false, 2), (true, 3)] {
@@ -136,6 +138,6 @@ fn only_a_session_without_its_end_is_offered() {
         flight.recorder.finish(is_complete);
         let path = folder.join(format!("session-{number:06}.{ENDING}"));
         let message = say::flight_not_ended(path.display());
-        assert_eq!(offered(), (!is_complete).then(|| Notice::Message(message)));
+        assert_eq!(offered(), (!is_complete).then_some(message));
     }
 }

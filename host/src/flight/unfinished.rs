@@ -3,25 +3,21 @@
 use std::path::Path;
 
 use gsk_history::recording::{RecordingEvent, RecordingReader};
-use gsk_messages::say;
+use gsk_messages::{Message, say};
 use tracing::warn;
 
 use super::disk::{MAX_FOLDER_BYTES, newest_recording};
-use crate::kernel::{Console, Notice};
 use crate::platform;
 
-/// Notifies the window in the background if the last session recorded in a folder did not end
+/// Calls `notify` in the background if the last session recorded in a folder did not end
 /// properly. Call it before the next recording starts.
-pub fn offer_unfinished(folder: &Path, console: &Console) {
+pub fn offer_unfinished(folder: &Path, notify: impl FnOnce(Message) + Send + 'static) {
     let Some(path) = newest_recording(folder) else {
         return;
     };
-    let notices = console.notice_sender.clone();
     let begun = platform::run_in_background("last session", move || {
         if is_unfinished(&path) {
-            let message = say::flight_not_ended(path.display());
-            // A window that is gone needs no message.
-            let _ = notices.try_send(Notice::Message(message));
+            notify(say::flight_not_ended(path.display()));
         }
     });
     if let Err(error) = begun {
