@@ -53,7 +53,6 @@ impl Porter<'_> {
 
     /// Converts M98 with its number of calls.
     pub fn convert_call(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
-        self.start_feed_before_call(block);
         let refuse =
             |block: &ForeignBlock| Refusal::new(shown_word(block, b'P'), say::ported_note_call());
         let number = whole(block, b'P').ok_or_else(|| refuse(block))?;
@@ -70,13 +69,13 @@ impl Porter<'_> {
         if repeats.is_some() {
             self.note(block.line, shown_word(block, b'L'), say::ported_note_call());
         }
+        self.start_feed_before_call(block);
         self.write_call(block, count, program);
         Ok(())
     }
 
     /// Converts M97: the part of the program that it calls becomes a separate program.
     pub fn convert_local_call(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
-        self.start_feed_before_call(block);
         let number = whole(block, b'P');
         let program = number.and_then(|it| self.numbers.locals.get(&it).copied());
         let count = block.number(b'L').map_or(Some(1), Number::whole);
@@ -91,6 +90,7 @@ impl Porter<'_> {
             |word| word.letter == b'M' && word.number.and_then(Number::whole) == Some(97),
             "M98",
         );
+        self.start_feed_before_call(block);
         self.write_call(block, count, program);
         Ok(())
     }
