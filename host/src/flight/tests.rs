@@ -126,7 +126,7 @@ fn only_a_session_without_its_end_is_offered() {
     let offered = || {
         let offers = offers.clone();
         offer_unfinished(&folder, move |message| {
-            offers.send(message).expect("a receiver")
+            offers.send(message).expect("a receiver");
         });
         let wait = core::time::Duration::from_millis(500);
         received.recv_timeout(wait).ok()
