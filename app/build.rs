@@ -1,5 +1,5 @@
-//! Leaves the symbols out of a release of the program. Cargo does not apply `strip` of a profile
-//! to a package that has other settings of its own in it.
+//! Leaves the symbols out of a release of the program: Cargo ignores `strip` of a profile for a
+//! package that the profile has further settings for.
 
 use std::env;
 
