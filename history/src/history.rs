@@ -38,11 +38,6 @@ impl HistorySeek {
         &self.moment
     }
 
-    /// Returns the sought tick.
-    pub const fn target(&self) -> u64 {
-        self.target
-    }
-
     /// Returns the machine as far as the seek has come.
     pub fn into_moment(self) -> MachineMoment {
         self.moment
@@ -84,7 +79,7 @@ impl History {
     /// Adds an input that has been applied to the machine.
     pub fn record(&mut self, recorded: RecordedInput) {
         self.end = self.end.max(recorded.tick);
-        self.input_bytes += INPUT_BYTES + recorded.input.text_bytes();
+        self.input_bytes += count_bytes(core::slice::from_ref(&recorded));
         self.inputs.push(recorded);
     }
 
@@ -132,24 +127,12 @@ impl History {
             if self.branch.take().is_some() || self.states.thin() {
                 continue;
             }
-            if !self.drop_first_state() {
+            let Some(unused) = self.states.drop_first() else {
                 return;
-            }
+            };
+            let dropped: Vec<_> = self.inputs.drain(unused).collect();
+            self.input_bytes -= count_bytes(&dropped);
         }
-    }
-
-    /// Removes the first state and the inputs that only it needs; returns `false` if it is the
-    /// only one.
-    fn drop_first_state(&mut self) -> bool {
-        let Some(unused) = self.states.drop_first() else {
-            return false;
-        };
-        let dropped = self.inputs.drain(unused);
-        let bytes: usize = dropped
-            .map(|dropped| INPUT_BYTES + dropped.input.text_bytes())
-            .sum();
-        self.input_bytes -= bytes;
-        true
     }
 
     /// Returns the estimated memory of states and inputs, bytes.
@@ -276,18 +259,16 @@ impl History {
     /// Returns the session from the last full state at or before a tick, or from its first
     /// state, without the abandoned future.
     pub fn since(&self, tick: u64) -> Self {
-        let mut later = Self {
+        let (states, first_input) = self.states.since(tick);
+        let inputs = self.inputs.get(first_input..).unwrap_or_default().to_vec();
+        Self {
+            budget_bytes: self.budget_bytes,
+            states,
+            input_bytes: count_bytes(&inputs),
+            inputs,
+            end: self.end,
             branch: None,
-            ..self.clone()
-        };
-        let is_early = |states: &StateList| {
-            let second = states.second();
-            second.is_some_and(|state| state.tick() <= tick)
-        };
-        while is_early(&later.states) {
-            later.drop_first_state();
         }
-        later
     }
 
     /// Returns the states with the inputs before each of them, the oldest first.
@@ -312,11 +293,7 @@ impl History {
         let moment = self.seek(tick)?;
         let input_count = self.inputs_before(tick);
         let inputs = self.inputs.split_off(input_count);
-        let bytes: usize = inputs
-            .iter()
-            .map(|recorded| INPUT_BYTES + recorded.input.text_bytes())
-            .sum();
-        self.input_bytes -= bytes;
+        self.input_bytes -= count_bytes(&inputs);
         self.branch = Some(HistoryBranch {
             from: tick,
             end: self.end,
@@ -350,4 +327,10 @@ impl History {
     fn inputs_before(&self, tick: u64) -> usize {
         self.inputs.partition_point(|input| input.tick < tick)
     }
+}
+
+/// Returns the estimated memory of inputs, bytes.
+fn count_bytes(inputs: &[RecordedInput]) -> usize {
+    let bytes = |recorded: &RecordedInput| INPUT_BYTES + recorded.input.text_bytes();
+    inputs.iter().map(bytes).sum()
 }

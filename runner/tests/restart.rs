@@ -106,8 +106,7 @@ impl RecordedRun {
 
     fn tick(&mut self) {
         self.simulation.tick();
-        let found = self.part.follow_tick(&self.simulation);
-        drop(found.to_vec());
+        self.part.follow_tick(&self.simulation);
         for event in self.simulation.cnc.events() {
             match event {
                 Event::BlockStarted(source, _) => self.blocks.push((self.moves.len(), *source)),
@@ -243,6 +242,8 @@ fn distance_to_segment(point: Point, from: Point, to: Point) -> f64 {
 struct Figures {
     path_mm: f64,
     part_mm3: f64,
+    /// Restarts of which every way collides.
+    refused: usize,
 }
 
 /// Restarts at block number `number` of the reference run and compares.
@@ -253,7 +254,10 @@ fn restart(now: &Simulation, part: &LivePart, reference: &RecordedRun, number: u
     // A tool that stands within the part cannot reach its point by rapids of one axis: the
     // restart is refused, and its path is compared without the part.
     let is_refused = plan.is_err();
-    let plan = plan.or_else(|_| plan_restart(now, None, &target));
+    let plan = plan.or_else(|why| {
+        assert_eq!(why, gsk_messages::say::restart_approach_collision());
+        plan_restart(now, None, &target)
+    });
     let plan = plan.unwrap_or_else(|why| panic!("{}", why.text(gsk_messages::Language::En)));
     let (moves_before, source) = reference.blocks[number as usize - 1];
     let mut number = number as usize - 1;
@@ -310,6 +314,7 @@ fn restart(now: &Simulation, part: &LivePart, reference: &RecordedRun, number: u
     assert_eq!(end_state(&run), end_state(reference), "end state");
     let volume = |run: &RecordedRun| run.part.machining().scene().part().volume();
     Figures {
+        refused: usize::from(is_refused),
         path_mm: greatest_deviation(&run, first_move, reference, moves_before),
         part_mm3: match is_refused {
             true => 0.0,
@@ -387,13 +392,16 @@ fn restarts_at_random_blocks_equal_an_uninterrupted_run() {
             let figures = restart(&now, &part, &reference, number);
             worst.path_mm = worst.path_mm.max(figures.path_mm);
             worst.part_mm3 = worst.part_mm3.max(figures.part_mm3);
+            worst.refused += figures.refused;
             done += 1;
         }
         println!("{}: {share} restarts, {worst:?}", program.name);
         greatest.path_mm = greatest.path_mm.max(worst.path_mm);
         greatest.part_mm3 = greatest.part_mm3.max(worst.part_mm3);
+        greatest.refused += worst.refused;
     }
     println!("{done} restarts, greatest {greatest:?}");
+    assert!(greatest.refused * 10 <= done, "{greatest:?} of {done}");
     assert!(greatest.path_mm < 0.005, "{greatest:?}");
     assert!(greatest.part_mm3 < 1.0, "{greatest:?}");
 }

@@ -12,8 +12,8 @@ impl Kernel {
         self.follow_with_recorders();
     }
 
-    /// Passes the inputs since the last call to the time line and to the recorders. A pulse board interrupts them:
-    /// its exchange is not recorded.
+    /// Passes the inputs since the last call to the time line and to the recorders. A pulse board
+    /// interrupts them: its exchange is not recorded.
     pub(super) fn follow_with_recorders(&mut self) {
         let (own, part) = match &mut self.lesson {
             Some(lesson) => lesson.own_and_part(),

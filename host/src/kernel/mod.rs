@@ -33,7 +33,7 @@ use gsk_core::memory::OperationLevel;
 use gsk_core::operation::{OperatingMode, RunState};
 use gsk_core::program::Program;
 use gsk_core::simulation::Simulation;
-use gsk_messages::{Message, say};
+use gsk_messages::say;
 use gsk_panel::emulator::{Emulator, EmulatorInput};
 use gsk_panel::keys::Key;
 use gsk_panel::panel::{KeyEvent, SerialCable};
@@ -477,11 +477,15 @@ impl Kernel {
             Command::Monitor(on) => self.machine_monitor = on.then(MachineMonitor::default),
             Command::Fault(fault, on) => self.emulator.set_fault(fault, on),
             Command::Request(request) => {
-                if let Some(why) = self.restart_refusal(&request) {
+                let is_restart = matches!(*request, ControlRequest::Restart(_));
+                if is_restart && let Some(why) = self.emulator.cnc().request_refusal(&request) {
                     return self.notify(Notice::Message(why));
                 }
                 if let Err(alarm) = self.emulator.request(*request) {
                     self.notify(Notice::Refused(alarm));
+                } else if is_restart {
+                    // The next cycle start does something else now.
+                    self.notify(Notice::Message(say::restart_start_again()));
                 }
             }
             Command::Write(requests) => self.write_all_or_none(requests),
@@ -532,13 +536,6 @@ impl Kernel {
             Command::Alive => {}
             Command::Quit => self.quit_requested = true,
         }
-    }
-
-    /// Why the control refuses the request of a restart; `None` for other requests.
-    fn restart_refusal(&self, request: &ControlRequest) -> Option<Message> {
-        let is_restart = matches!(request, ControlRequest::Restart(_));
-        let refusal = || self.emulator.cnc().request_refusal(request);
-        is_restart.then(refusal).flatten()
     }
 
     /// Queues a key event. The emergency stop waits for no other key.

@@ -2,6 +2,7 @@
 
 use gsk_core::cnc::{Event, RunStop};
 use gsk_core::command::{MoveKind, ProgramId, SourcePosition};
+use gsk_core::program::{Program, Syntax};
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
 use gsk_messages::{Message, say};
@@ -24,36 +25,34 @@ pub trait BlockWatcher {
     fn follow_tick(&mut self, simulation: &Simulation) -> Option<SourcePosition>;
 }
 
-/// Waits for a certain begin of a block in a line.
+/// Waits for the block in a line to begin for the first time.
 #[derive(Clone, Copy, Debug)]
 pub struct LineWatcher {
     program: ProgramId,
     line: u32,
-    begins_left: u32,
 }
 
 impl LineWatcher {
-    /// Waits for the begin number `occurrence`, from 1, of the block in a line.
-    pub const fn new(program: ProgramId, line: u32, occurrence: u32) -> Self {
+    /// Waits for the first block with words in a line, from 1, of the program or after it: a
+    /// comment or an empty line never begins.
+    pub fn new(id: ProgramId, program: &Program, line: u32) -> Self {
+        let has_words = |index: &u32| {
+            let block = program.parse_with_variables(*index, Syntax::default());
+            block.is_ok_and(|block| !block.is_empty())
+        };
+        let first = program.block_from_line(line);
+        let found = (first..program.block_count()).find(has_words);
         Self {
-            program,
-            line,
-            begins_left: occurrence,
+            program: id,
+            line: found.map_or(line, |index| program.block_line(index)),
         }
     }
 }
 
 impl BlockWatcher for LineWatcher {
     fn follow_tick(&mut self, simulation: &Simulation) -> Option<SourcePosition> {
-        for source in begun_blocks(simulation) {
-            if source.program == self.program && source.line == self.line {
-                self.begins_left = self.begins_left.saturating_sub(1);
-                if self.begins_left == 0 {
-                    return Some(source);
-                }
-            }
-        }
-        None
+        begun_blocks(simulation)
+            .find(|source| source.program == self.program && source.line == self.line)
     }
 }
 
@@ -282,5 +281,17 @@ fn stop_before(
         if let Some(why) = moment.check() {
             return Err(why);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_comment_line_stands_for_the_block_below_it() {
+        let program = Program::new("O0001\n(rough)\n\nG00 X#100\nM30\n");
+        let line = |line| LineWatcher::new(ProgramId::External, &program, line).line;
+        assert_eq!([2, 3, 4, 5, 6].map(line), [4, 4, 4, 5, 6]);
     }
 }

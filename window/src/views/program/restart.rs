@@ -130,8 +130,10 @@ fn plan(console: &Console, text: &str, line: u32) -> PlanResult {
     let copy = console.machine_copy();
     let copy = copy.ok_or_else(say::window_kernel_stopped)?;
     let (simulation, part) = *copy;
-    let program = find_program(&simulation, text).ok_or_else(say::program_other_text)?;
-    let mut watcher = LineWatcher::new(program, line, 1);
+    let id = find_program(&simulation, text).ok_or_else(say::program_other_text)?;
+    let program = simulation.cnc.programs().get(id);
+    let program = program.ok_or_else(say::program_other_text)?;
+    let mut watcher = LineWatcher::new(id, program, line);
     let target = restart::find_block(&simulation, None, &mut watcher, None)?;
     restart::plan_restart(&simulation, part.as_ref(), &target).map(Box::new)
 }
