@@ -6,6 +6,8 @@ use std::collections::HashSet;
 use egui::{Id, Key, Memory, Modifiers, Rect, Shape, Vec2, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use gsk_core::setup::Setup;
+use gsk_messages::Language;
+use gsk_window::WindowSettings;
 use gsk_window::layout::{Layouts, WindowLayout};
 use gsk_window::view::{VIEWS, ViewId};
 
@@ -168,6 +170,24 @@ fn tab_visits_every_view_in_reading_order_with_a_visible_focus() {
             stops.len().min(12),
             "{context}: no way back"
         );
+    }
+}
+
+#[test]
+fn tab_reaches_the_time_line_once() {
+    let settings = WindowSettings {
+        language: Language::En,
+        layouts: Layouts::with_layout(WindowLayout::Panel),
+        timeline: true,
+        ..WindowSettings::default()
+    };
+    let mut bench = WindowBench::with_settings(Setup::default(), settings, vec2(1024.0, 768.0));
+    bench.run(1000);
+    let stops = tab_through(&mut bench, "time line");
+    assert_reading_order(&stops, "time line");
+    for name in ["Save", "Range", "Time line"] {
+        let named = stops.iter().filter(|stop| stop.name.starts_with(name));
+        assert_eq!(named.count(), 1, "{name}");
     }
 }
 

@@ -34,6 +34,7 @@ mod serial;
 mod speed;
 mod stop_keys;
 mod streams;
+mod timeline;
 mod tips;
 mod transfer;
 #[cfg(unix)]

@@ -8,7 +8,7 @@ use crate::cnc::Cnc;
 use crate::machine::{BoardContacts, MachineInputs, SimulatedLathe};
 use crate::operation::RunState;
 use crate::setup::Setup;
-use crate::units::TICK_MS;
+use crate::units::{Point, TICK_MS};
 
 /// The 自动 key, X20.1.
 const AUTO_KEY: BitAddress = BitAddress {
@@ -162,6 +162,15 @@ impl Simulation {
                 }
             }
         }
+    }
+
+    /// Places the slides, which stand still, at another position, mm (X as a radius). The
+    /// control knows the new position.
+    pub fn place_slides(&mut self, position: Point) {
+        self.cnc.place_slides(position);
+        self.lathe.move_slides(position);
+        self.lathe.set_count(self.cnc.pulses());
+        self.inputs = self.lathe.inputs();
     }
 
     /// Switches the power of the control off and on. Retained memory is kept and the lathe

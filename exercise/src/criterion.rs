@@ -137,6 +137,9 @@ pub enum CriterionRule {
     Reached(Vec<MachineCondition>),
     /// These groups of conditions hold one after the other.
     InOrder(Vec<Vec<MachineCondition>>),
+    /// These groups of conditions hold one after the other, and none of the task's faults is
+    /// present meanwhile.
+    WorksAfterRepair(Vec<Vec<MachineCondition>>),
     /// These conditions never hold together.
     Never(Vec<MachineCondition>),
     /// A macro variable has a value in this range at the end.

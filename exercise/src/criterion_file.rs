@@ -82,6 +82,7 @@ enum RuleFile {
     AtEnd(Vec<String>),
     Reached(Vec<String>),
     InOrder(Vec<Vec<String>>),
+    WorksAfterRepair(Vec<Vec<String>>),
     Never(Vec<String>),
     Variable(VariableFile),
     ReferencedBeforeStart,
@@ -173,8 +174,13 @@ fn read_rule(raw: RuleFile) -> Result<CriterionRule, Message> {
             if groups.len() < 2 {
                 return Err(say::exercise_order_of_one());
             }
-            let groups = groups.iter().map(|group| read_conditions(group));
-            CriterionRule::InOrder(groups.collect::<Result<_, _>>()?)
+            CriterionRule::InOrder(read_groups(&groups)?)
+        }
+        RuleFile::WorksAfterRepair(groups) => {
+            if groups.is_empty() {
+                return Err(say::lesson_without_end());
+            }
+            CriterionRule::WorksAfterRepair(read_groups(&groups)?)
         }
         RuleFile::Variable(variable) => {
             if variable.from > variable.to {
@@ -195,6 +201,11 @@ fn read_rule(raw: RuleFile) -> Result<CriterionRule, Message> {
         RuleFile::FirstRepair(name) => CriterionRule::FirstRepair(read_fault(&name)?),
         RuleFile::Repaired(name) => CriterionRule::Repaired(read_fault(&name)?),
     })
+}
+
+fn read_groups(groups: &[Vec<String>]) -> Result<Vec<Vec<MachineCondition>>, Message> {
+    let groups = groups.iter().map(|group| read_conditions(group));
+    groups.collect()
 }
 
 /// Converts a time of the file to ms.

@@ -190,13 +190,16 @@ impl<'a> SolutionJudge<'a> {
     }
 
     fn check_conditions(&mut self, moment: &MachineMoment) {
+        let lathe = moment.emulator.lathe();
+        let is_faulty = self.task.faults.iter().any(|fault| lathe.has_fault(*fault));
         let criteria = self.task.criteria.iter().zip(&mut self.watches);
         for (criterion, watch) in criteria.filter(|(_, watch)| watch.decided.is_none()) {
             let is_decided = match &criterion.rule {
+                CriterionRule::WorksAfterRepair(_) if is_faulty => false,
                 CriterionRule::Reached(conditions) | CriterionRule::Never(conditions) => {
                     all_hold(conditions, moment)
                 }
-                CriterionRule::InOrder(groups) => {
+                CriterionRule::InOrder(groups) | CriterionRule::WorksAfterRepair(groups) => {
                     let next = groups.get(watch.held_groups);
                     if next.is_some_and(|group| all_hold(group, moment)) {
                         watch.held_groups += 1;
@@ -304,13 +307,15 @@ impl<'a> SolutionJudge<'a> {
                 Some(evidence) => (true, evidence.clone()),
                 None => self.not_reached(conditions, end),
             },
-            CriterionRule::InOrder(groups) => match &watch.decided {
-                Some(evidence) => (true, evidence.clone()),
-                None => {
-                    let missing = groups.get(watch.held_groups);
-                    self.not_reached(missing.map_or(&[], Vec::as_slice), end)
+            CriterionRule::InOrder(groups) | CriterionRule::WorksAfterRepair(groups) => {
+                match &watch.decided {
+                    Some(evidence) => (true, evidence.clone()),
+                    None => {
+                        let missing = groups.get(watch.held_groups);
+                        self.not_reached(missing.map_or(&[], Vec::as_slice), end)
+                    }
                 }
-            },
+            }
             CriterionRule::Never(_) => absent(&watch.decided),
             CriterionRule::RepairedWhile(_) => {
                 let is_met = watch.decided.is_none() && !log.repairs.is_empty();

@@ -24,6 +24,26 @@ struct HistoryBranch {
     states: StateList,
 }
 
+/// A seek that is made in slices: the machine on its way to a tick.
+#[derive(Clone, Debug)]
+pub struct HistorySeek {
+    moment: MachineMoment,
+    next_input: usize,
+    target: u64,
+}
+
+impl HistorySeek {
+    /// Returns the machine as far as the seek has come.
+    pub const fn moment(&self) -> &MachineMoment {
+        &self.moment
+    }
+
+    /// Returns the machine as far as the seek has come.
+    pub fn into_moment(self) -> MachineMoment {
+        self.moment
+    }
+}
+
 /// The recorded session of a machine. Every moment of it can be reached again.
 ///
 /// A moment of tick `t` is the machine as tick `t` has left it, before the inputs with the stamp
@@ -59,7 +79,7 @@ impl History {
     /// Adds an input that has been applied to the machine.
     pub fn record(&mut self, recorded: RecordedInput) {
         self.end = self.end.max(recorded.tick);
-        self.input_bytes += INPUT_BYTES + recorded.input.text_bytes();
+        self.input_bytes += count_bytes(core::slice::from_ref(&recorded));
         self.inputs.push(recorded);
     }
 
@@ -89,8 +109,10 @@ impl History {
         }
     }
 
-    /// Stores a full state now: before an input that is expensive to repeat.
+    /// Stores a full state now: before an input that is expensive to repeat, or of a machine
+    /// whose exchange with a pulse board cannot be repeated.
     pub fn store_state(&mut self, emulator: &Emulator, part: &MachinePart) {
+        self.end = emulator.ticks();
         let moment = MachineMoment {
             emulator: emulator.clone(),
             part: part.clone(),
@@ -108,11 +130,8 @@ impl History {
             let Some(unused) = self.states.drop_first() else {
                 return;
             };
-            let dropped = self.inputs.drain(unused);
-            let bytes: usize = dropped
-                .map(|dropped| INPUT_BYTES + dropped.input.text_bytes())
-                .sum();
-            self.input_bytes -= bytes;
+            let dropped: Vec<_> = self.inputs.drain(unused).collect();
+            self.input_bytes -= count_bytes(&dropped);
         }
     }
 
@@ -147,22 +166,114 @@ impl History {
     /// Returns the machine at a tick: the last state before it, and the inputs since then.
     /// `None` outside the session.
     pub fn seek(&self, tick: u64) -> Option<MachineMoment> {
+        let mut seek = self.begin_seek(tick)?;
+        while !self.advance_seek(&mut seek, u64::MAX) {}
+        Some(seek.into_moment())
+    }
+
+    /// Starts to seek a tick in slices; `None` outside the session. The history must not change
+    /// until the seek is complete.
+    pub fn begin_seek(&self, tick: u64) -> Option<HistorySeek> {
+        let state = self.state_before(tick)?;
+        Some(HistorySeek {
+            moment: state.moment.clone(),
+            next_input: state.next_input,
+            target: tick,
+        })
+    }
+
+    /// Continues a seek to a later tick, if that takes fewer ticks than a new one; otherwise
+    /// starts a new one. `None` outside the session.
+    pub fn redirect_seek(&self, seek: HistorySeek, tick: u64) -> Option<HistorySeek> {
+        let state = self.state_before(tick)?;
+        let reached = seek.moment.ticks();
+        if reached < tick && reached >= state.tick() {
+            return Some(HistorySeek {
+                target: tick,
+                ..seek
+            });
+        }
+        self.begin_seek(tick)
+    }
+
+    /// Simulates at most `max_ticks` of a seek; returns `true` once it is complete.
+    pub fn advance_seek(&self, seek: &mut HistorySeek, max_ticks: u64) -> bool {
+        let mut remaining = max_ticks;
+        loop {
+            let input = self.inputs.get(seek.next_input);
+            let due = input.filter(|input| input.tick < seek.target);
+            let stop = due.map_or(seek.target, |input| input.tick);
+            while seek.moment.ticks() < stop {
+                if remaining == 0 {
+                    return false;
+                }
+                remaining -= 1;
+                seek.moment.tick();
+            }
+            let Some(due) = due else { return true };
+            seek.moment.apply(due.input.clone());
+            seek.next_input += 1;
+        }
+    }
+
+    /// Returns control, panel and lathe at a tick, without the part, which takes most of the
+    /// time of a seek. `None` outside the session.
+    pub fn seek_machine(&self, tick: u64) -> Option<Emulator> {
+        let state = self.state_before(tick)?;
+        let mut emulator = state.moment.emulator.clone();
+        for recorded in self
+            .inputs
+            .get(state.next_input..self.inputs_before(tick))?
+        {
+            while emulator.ticks() < recorded.tick {
+                emulator.tick();
+            }
+            if let HistoryInput::Machine(input) = &recorded.input {
+                emulator.apply(input.clone());
+            }
+        }
+        while emulator.ticks() < tick {
+            emulator.tick();
+        }
+        Some(emulator)
+    }
+
+    /// Returns the last full state at or before a tick without simulating anything, the first
+    /// one if there is none before; `None` after the end of the session.
+    pub fn stored_state(&self, tick: u64) -> Option<MachineMoment> {
         if tick > self.end {
             return None;
         }
-        let input_count = self.inputs_before(tick);
-        let state = self.states.last_before(tick, input_count)?;
-        let mut moment = state.moment.clone();
-        for recorded in self.inputs.get(state.next_input..input_count)? {
-            while moment.ticks() < recorded.tick {
-                moment.tick();
-            }
-            moment.apply(recorded.input.clone());
+        let state = self.states.last_before(tick, self.inputs.len());
+        let state = state.or_else(|| self.states.first())?;
+        Some(state.moment.clone())
+    }
+
+    fn state_before(&self, tick: u64) -> Option<&StoredState> {
+        if tick > self.end {
+            return None;
         }
-        while moment.ticks() < tick {
-            moment.tick();
+        self.states.last_before(tick, self.inputs_before(tick))
+    }
+
+    /// Returns the session from the last full state at or before a tick, or from its first
+    /// state, without the abandoned future.
+    pub fn since(&self, tick: u64) -> Self {
+        let (states, first_input) = self.states.since(tick);
+        let inputs = self.inputs.get(first_input..).unwrap_or_default().to_vec();
+        Self {
+            budget_bytes: self.budget_bytes,
+            states,
+            input_bytes: count_bytes(&inputs),
+            inputs,
+            end: self.end,
+            branch: None,
         }
-        Some(moment)
+    }
+
+    /// Returns the states with the inputs before each of them, the oldest first.
+    pub(crate) fn states(&self) -> impl Iterator<Item = (&MachineMoment, usize)> {
+        self.states.iter()
     }
 
     /// Returns the machine at the end of the session, with the inputs after the last tick.
@@ -182,11 +293,7 @@ impl History {
         let moment = self.seek(tick)?;
         let input_count = self.inputs_before(tick);
         let inputs = self.inputs.split_off(input_count);
-        let bytes: usize = inputs
-            .iter()
-            .map(|recorded| INPUT_BYTES + recorded.input.text_bytes())
-            .sum();
-        self.input_bytes -= bytes;
+        self.input_bytes -= count_bytes(&inputs);
         self.branch = Some(HistoryBranch {
             from: tick,
             end: self.end,
@@ -220,4 +327,10 @@ impl History {
     fn inputs_before(&self, tick: u64) -> usize {
         self.inputs.partition_point(|input| input.tick < tick)
     }
+}
+
+/// Returns the estimated memory of inputs, bytes.
+fn count_bytes(inputs: &[RecordedInput]) -> usize {
+    let bytes = |recorded: &RecordedInput| INPUT_BYTES + recorded.input.text_bytes();
+    inputs.iter().map(bytes).sum()
 }

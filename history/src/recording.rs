@@ -13,6 +13,7 @@
 
 mod frame;
 mod long_texts;
+mod session;
 
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
@@ -22,6 +23,7 @@ use crate::machine_part::PartInput;
 use crate::moment::RecordedInput;
 use frame::{FrameEncoder, FrameReader};
 use long_texts::{TextNumbers, restore_texts};
+pub use session::encode_session;
 
 /// Version of the format; a reader refuses newer ones.
 pub const FORMAT: u32 = 1;

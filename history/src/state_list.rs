@@ -48,6 +48,30 @@ impl StateList {
         self.states.first()
     }
 
+    /// Returns the states from the last one at or before a tick, or from the first one, and the
+    /// number of inputs before them.
+    pub(crate) fn since(&self, tick: u64) -> (Self, usize) {
+        let later = self.states.partition_point(|state| state.tick() <= tick);
+        let kept = self.states.get(later.saturating_sub(1)..);
+        let mut states = kept.unwrap_or_default().to_vec();
+        let first_input = states.first().map_or(0, |first| first.next_input);
+        for state in &mut states {
+            state.next_input -= first_input;
+        }
+        let list = Self {
+            bytes: states.iter().map(|state| state.bytes).sum(),
+            states,
+            thinning: 0,
+        };
+        (list, first_input)
+    }
+
+    /// Returns the states with the index of the first input after each.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (&MachineMoment, usize)> {
+        let states = self.states.iter();
+        states.map(|state| (&state.moment, state.next_input))
+    }
+
     pub(crate) fn last(&self) -> Option<&StoredState> {
         self.states.last()
     }

@@ -9,7 +9,9 @@ use gsk_core::setup::Setup;
 use gsk_history::history::History;
 use gsk_history::machine_part::{MachinePart, NamedJob, PartInput};
 use gsk_history::moment::{HistoryInput, MachineMoment, RecordedInput, state_hash};
-use gsk_history::recording::{FORMAT, RecordingEncoder, RecordingError, RecordingEvent};
+use gsk_history::recording::{
+    FORMAT, RecordingEncoder, RecordingError, RecordingEvent, encode_session,
+};
 use gsk_history::replay::replay;
 use gsk_panel::emulator::{Emulator, EmulatorInput, PortRequest, WaitCondition};
 use gsk_panel::keys::{KEYS, Key};
@@ -305,6 +307,34 @@ fn another_future_keeps_the_abandoned_one_as_a_branch() {
     assert_same(&end, &abandoned, "the abandoned future again");
     let again = session.history.return_to_branch().expect("the branch");
     assert_same(&again, &new_future, "the new future again");
+}
+
+#[test]
+fn a_seek_in_slices_and_one_of_the_machine_alone_reach_the_same_moment() {
+    let mut session = Session::new(4, usize::MAX);
+    for _ in 0..20 {
+        session.act();
+    }
+    let (history, random) = (&session.history, &mut session.random);
+    let mut seek = history.begin_seek(history.start()).expect("a moment");
+    for _ in 0..20 {
+        let tick = history.start() + random.below(history.end() - history.start());
+        seek = history.redirect_seek(seek, tick).expect("a moment");
+        while !history.advance_seek(&mut seek, 700) {}
+        let at_once = history.seek(tick).expect("a moment");
+        assert_same(seek.moment(), &at_once, &format!("tick {tick}"));
+        let machine = history.seek_machine(tick).expect("a moment");
+        assert!(machine == at_once.emulator, "the machine at {tick}");
+    }
+    let middle = (history.start() + history.end()) / 2;
+    let bytes = encode_session(&history.since(middle), "test").expect("encoded");
+    let replayed = replay(&bytes).expect("a recording");
+    assert_eq!((replayed.error, replayed.difference), (None, None));
+    assert!(replayed.is_complete);
+    let half = replayed.history.expect("a session");
+    assert!(half.start() <= middle && half.start() + 10_000 >= middle);
+    let end = half.present().expect("the end");
+    assert!(end.emulator == session.moment.emulator);
 }
 
 /// The bytes of a recorded session, and its end.

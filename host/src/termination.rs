@@ -26,7 +26,10 @@ impl SignalError {
 
 /// A shared flag that requests the end of the program.
 #[derive(Clone, Debug, Default)]
-pub struct TerminationFlag(Arc<AtomicBool>);
+pub struct TerminationFlag {
+    is_requested: Arc<AtomicBool>,
+    has_crashed: Arc<AtomicBool>,
+}
 
 impl TerminationFlag {
     /// Installs the signal handlers. A second signal ends the program at once.
@@ -35,17 +38,29 @@ impl TerminationFlag {
     /// The system refuses the handlers.
     pub fn install_signal_handlers() -> Result<Self, SignalError> {
         let flag = Self::default();
-        platform::register_termination_flag(&flag.0, TERMINATED_EXIT_CODE).map_err(SignalError)?;
+        platform::register_termination_flag(&flag.is_requested, TERMINATED_EXIT_CODE)
+            .map_err(SignalError)?;
         Ok(flag)
     }
 
     /// Requests the end of the program, because the window cannot be used any more.
     pub fn request(&self) {
-        self.0.store(true, Ordering::Relaxed);
+        self.is_requested.store(true, Ordering::Relaxed);
+    }
+
+    /// Requests the end of the program after a panic: its recording remains without an end.
+    pub fn report_crash(&self) {
+        self.has_crashed.store(true, Ordering::Relaxed);
+        self.request();
+    }
+
+    /// Whether the program ends because of a panic.
+    pub fn has_crashed(&self) -> bool {
+        self.has_crashed.load(Ordering::Relaxed)
     }
 
     /// Whether the end of the program is requested.
     pub fn is_requested(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+        self.is_requested.load(Ordering::Relaxed)
     }
 }

@@ -39,15 +39,15 @@ impl AlarmLog {
     }
 
     /// Records alarms and ladder messages that have become active. Call it every tick. Returns
-    /// `true` if it recorded at least one.
-    pub fn update(&mut self, cnc: &Cnc) -> bool {
+    /// their number.
+    pub fn update(&mut self, cnc: &Cnc) -> usize {
         let message = cnc.active_message();
         let active = || cnc.alarms().iter().chain(&message);
         let same = active()
             .map(|alarm| alarm.number)
             .eq(self.active.iter().copied());
         if same {
-            return false;
+            return 0;
         }
         let new: Vec<&Alarm> = active()
             .filter(|alarm| !self.active.contains(&alarm.number))
@@ -57,9 +57,17 @@ impl AlarmLog {
             self.records.push_front(new_record(alarm, cnc));
         }
         self.records.truncate(MAX_RECORDS);
-        let raised = !new.is_empty();
+        let raised = new.len();
         self.active = active().map(|alarm| alarm.number).collect();
         raised
+    }
+
+    /// Removes the newest records, because the control went back to a moment before them.
+    pub fn remove_newest(&mut self, count: usize, cnc: &Cnc) {
+        self.records.drain(..count.min(self.records.len()));
+        let message = cnc.active_message();
+        let active = cnc.alarms().iter().chain(&message);
+        self.active = active.map(|alarm| alarm.number).collect();
     }
 }
 

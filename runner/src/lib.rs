@@ -16,6 +16,7 @@ pub mod partner;
 pub mod picture;
 pub mod program_summary;
 pub mod report;
+pub mod restart;
 pub mod script;
 pub mod solid;
 pub mod text_format;

@@ -28,6 +28,7 @@ const PACKAGES: [&str; 24] = [
     "commission",
     "panel",
     "project",
+    "port",
     "runner",
     "debugger",
     "history",

@@ -29,6 +29,7 @@ mod models;
 mod numbers;
 mod pages;
 mod parameter_coverage;
+mod port;
 mod project;
 mod properties;
 mod protections;

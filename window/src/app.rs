@@ -81,7 +81,7 @@ pub fn run(start: WindowStart) -> Result<(), Message> {
             let ending =
                 TerminationFlag::install_signal_handlers().map_err(std::io::Error::other)?;
             let panics = ending.clone();
-            platform::before_panic(move || panics.request());
+            platform::before_panic(move || panics.report_crash());
             let display = platform::display_server(creation);
             let context = &creation.egui_ctx;
             Ok(Box::new(App::new(start, ending, display, context)?))

@@ -42,6 +42,7 @@ use gsk_panel::keys::Key;
 use crate::chrome::first_start::FirstStart;
 use crate::chrome::message_history::MessageHistory;
 use crate::chrome::program_opener::ProgramOpener;
+use crate::chrome::timeline::TimelineStrip;
 use crate::chrome::way_back::WayBack;
 use crate::chrome::{top_bar, zoom};
 use crate::input::held_keys::{HeldKeys, PanelKeyChange};
@@ -101,6 +102,7 @@ pub struct Window {
     /// Whether the kernel is requested to send the LCD in the other language, too.
     is_translation_requested: bool,
     sounds: MachineSound,
+    timeline: TimelineStrip,
     /// The way back to the start of a program whose keys the panel marks.
     way_back: Option<WayBack>,
 }
@@ -118,6 +120,7 @@ impl Window {
     /// Creates a window that is connected to the kernel's `console`.
     pub fn new(console: Console, settings: WindowSettings) -> Self {
         let opener = ProgramOpener::new(console.clone());
+        let timeline = TimelineStrip::new(console.clone());
         let views = Views::new(ViewStart {
             console: &console,
             settings: &settings,
@@ -147,6 +150,7 @@ impl Window {
             reversed_keys: KeysReversed::default(),
             is_translation_requested: false,
             sounds: MachineSound::default(),
+            timeline,
             way_back: None,
         }
     }
@@ -310,6 +314,8 @@ impl Window {
             .frame(slim)
             .show_separator_line(false);
         status_panel.show(ui, |ui| self.show_message_line(ui));
+        self.timeline.follow(self.settings.timeline);
+        self.timeline.show(ui, self.snapshot.as_ref(), language);
         // The central panel has no frame: the clear colour fills what the panel leaves free.
         egui::CentralPanel::default()
             .frame(Frame::NONE)

@@ -10,6 +10,7 @@ use gsk_core::machine::{LatheFault, SimulatedLathe};
 use gsk_core::units::Point;
 use gsk_host::kernel::monitor::MachineView;
 use gsk_host::kernel::part::PartView;
+use gsk_host::kernel::timeline::TimelineView;
 use gsk_host::kernel::{Console, Notice, PanelSnapshot};
 use gsk_host::termination::TerminationFlag;
 
@@ -23,6 +24,7 @@ pub struct RepaintFilter {
     snapshots: Arc<ArrayQueue<PanelSnapshot>>,
     machine: Arc<ArrayQueue<MachineView>>,
     part: Arc<ArrayQueue<Arc<PartView>>>,
+    timeline: Arc<ArrayQueue<Arc<TimelineView>>>,
     notices: Receiver<Notice>,
     termination: TerminationFlag,
     last_machine: Option<MachineView>,
@@ -36,6 +38,7 @@ impl RepaintFilter {
             snapshots: Arc::clone(&console.snapshots),
             machine: Arc::clone(&console.machine),
             part: Arc::clone(&console.part),
+            timeline: Arc::clone(&console.timeline),
             notices: console.notices.clone(),
             termination,
             last_machine: None,
@@ -46,8 +49,10 @@ impl RepaintFilter {
     /// last one, unless the window has taken it already.
     pub fn needs_repaint(&mut self) -> bool {
         let machine = self.machine.pop();
-        let is_other_news =
-            !(self.snapshots.is_empty() && self.part.is_empty() && self.notices.is_empty());
+        let is_other_news = !(self.snapshots.is_empty()
+            && self.part.is_empty()
+            && self.timeline.is_empty()
+            && self.notices.is_empty());
         let Some(machine) = machine else { return true };
         let last = self.last_machine.as_ref();
         if last.is_some_and(|last| looks_same(last, &machine)) {

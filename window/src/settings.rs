@@ -66,6 +66,8 @@ pub struct WindowSettings {
     pub zoom: Option<u16>,
     /// Whether the keys of the panel must be at least as large as a finger.
     pub fingers: bool,
+    /// Whether the time line of the session is shown.
+    pub timeline: bool,
     /// Volume of the machine's sound, per cent; `None`: the sound is off.
     pub sound: Option<u8>,
 }
@@ -86,6 +88,7 @@ impl Default for WindowSettings {
             machine: None,
             zoom: None,
             fingers: false,
+            timeline: false,
             sound: None,
         }
     }

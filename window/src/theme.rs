@@ -194,6 +194,20 @@ pub fn time_column(path: Color32) -> Color32 {
     path.gamma_multiply(0.75)
 }
 
+// Time line of the session.
+
+pub const TIMELINE_GROUND: Color32 = DRAWING_GROUND;
+/// Part of the time line after the past moment that is shown.
+pub const TIMELINE_LATER_SHADE: Color32 = TIME_DONE_SHADE;
+pub const TIMELINE_BLOCK: Color32 = FEED_PATH;
+pub const TIMELINE_KEY: Color32 = SUCCESS;
+pub const TIMELINE_INPUT: Color32 = CODE_SETTING;
+pub const TIMELINE_ALARM: Color32 = ALARM_TEXT;
+pub const TIMELINE_COLLISION: Color32 = COLLISION;
+/// Start of the abandoned future.
+pub const TIMELINE_BRANCH: Color32 = WARNING;
+pub const TIMELINE_HANDLE: Color32 = TIME_CURSOR;
+
 // Drawing of the part.
 
 pub const GRID_LINE: Color32 = Color32::from_gray(34);

@@ -21,6 +21,7 @@ mod project;
 mod replay;
 mod run;
 mod run_debug;
+mod run_restart;
 mod transfer;
 
 use std::path::PathBuf;
@@ -32,7 +33,7 @@ pub use gsk_runner::Language;
 use tracing::level_filters::LevelFilter;
 
 pub use dap::DapArgs;
-pub use dialect::DialectArgs;
+pub use dialect::{DialectArgs, ProgramOrigin};
 pub use exercise::{
     ExerciseCheckArgs, ExerciseCommand, ExerciseListArgs, ExerciseMarkArgs, ExerciseSolveArgs,
     MarkTableFormat,
@@ -58,6 +59,7 @@ pub use project::{
 pub use replay::ReplayArgs;
 pub use run::RunArgs;
 pub use run_debug::RunDebugArgs;
+pub use run_restart::RunRestartArgs;
 pub use transfer::{
     ExistingFile, SerialArgs, TextEnd, TransferArgs, TransferBackupArgs, TransferCommand,
     TransferControlArgs, TransferDeleteArgs, TransferListArgs, TransferPortArgs,
@@ -181,6 +183,10 @@ pub enum CliCommand {
     /// Block by block: codes that the other model does not have, that mean something else
     /// there, or that have another number. With -o the program is written with the numbers of
     /// the other model where they say the same; all else stands as it is, and is listed.
+    ///
+    /// From the dialect of another control (`fanuc0t`, `fanuc-10t`, `haas`, `fusion`, `mach3`,
+    /// `linuxcnc`) the program is ported: printed or, with -o, written, and checked. Lines
+    /// without an equivalent are listed, and stop the ported program with alarm 500.
     Dialect(DeferredArgs<DialectArgs>),
     /// Operate the panel by a script of key presses and expectations
     #[command(after_help = script_help())]

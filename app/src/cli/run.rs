@@ -6,7 +6,7 @@ use clap::Args;
 use gsk_host::job::PartArgs;
 use gsk_host::setup_args::{self, SetupArgs};
 
-use super::{PictureArgs, RunDebugArgs};
+use super::{PictureArgs, RunDebugArgs, RunRestartArgs};
 
 /// `run`.
 #[derive(Args, Debug)]
@@ -49,6 +49,8 @@ pub struct RunArgs {
     pub part: PartArgs,
     #[command(flatten)]
     pub debug: RunDebugArgs,
+    #[command(flatten)]
+    pub restart: RunRestartArgs,
     /// Draw the executed toolpath (name ends in .png or .svg)
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,

@@ -1,6 +1,7 @@
 //! `run`: executes a program in the complete control.
 
 mod debugging;
+mod restarting;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -99,6 +100,15 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
         },
         None => None,
     };
+    restarting::prepare_restart(
+        args,
+        &mut simulation,
+        &mut outputs.live_part,
+        &outputs.debugger,
+    )?;
+    if !wants_part(args, needs_part) {
+        outputs.live_part = None;
+    }
     let partner = partner
         .as_mut()
         .map(|partner| partner as &mut dyn ProgramPartner);
@@ -208,14 +218,20 @@ fn choose_job(
     setup: &Setup,
     needs_part: bool,
 ) -> Result<Option<SelectedJob>, CommandError> {
-    let needs_part = needs_part
+    if wants_part(args, needs_part) {
+        return Ok(Some(job::choose(&args.part.job, main, setup)?));
+    }
+    // Without a part the way of a restart is not checked for collisions.
+    let job = args.restart.restart.as_ref();
+    Ok(job.and_then(|_| job::choose(&args.part.job, main, setup).ok()))
+}
+
+/// Whether a requested result needs the part. `needs_part`: a breakpoint does.
+fn wants_part(args: &RunArgs, needs_part: bool) -> bool {
+    needs_part
         || args.part.is_requested()
         || args.debug.stop_on_collision
-        || args.picture.needs_part();
-    match needs_part {
-        true => Ok(Some(job::choose(&args.part.job, main, setup)?)),
-        false => Ok(None),
-    }
+        || args.picture.needs_part()
 }
 
 /// Opens a board and waits until it is ready. The inner `Err` holds the exit code for a board

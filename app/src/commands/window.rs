@@ -7,7 +7,7 @@ use gsk_core::setup::Setup;
 use gsk_host::files::data_dir::{self, DataDir, DataDirError};
 use gsk_host::files::models;
 use gsk_host::flight::{self, FlightRecorder, RecordingTarget};
-use gsk_host::kernel::{BoardConnection, Kernel};
+use gsk_host::kernel::{BoardConnection, Kernel, Notice};
 use gsk_host::loading::LoadError;
 use gsk_host::message_format::describe_io_error;
 use gsk_host::ports::dnc::{self, DncSource};
@@ -201,7 +201,13 @@ impl WindowStarter {
         if let Some(link) = link {
             kernel.connect(link);
         }
-        let folder = RecordingTarget::Folder(path.join(flight::FOLDER));
+        let recordings = path.join(flight::FOLDER);
+        let notices = console.notice_sender.clone();
+        flight::offer_unfinished(&recordings, move |message| {
+            // A window that is gone needs no message.
+            let _ = notices.try_send(Notice::Message(message));
+        });
+        let folder = RecordingTarget::Folder(recordings);
         let file = args.record.clone().map(RecordingTarget::File);
         for target in core::iter::once(folder).chain(file) {
             let recorder = FlightRecorder::start(target).map_err(CommandError::gone)?;

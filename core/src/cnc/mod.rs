@@ -23,11 +23,13 @@ mod view;
 use gsk_messages::Message;
 use serde::{Deserialize, Serialize};
 
+pub use automatic::restart::RestartRoute;
 pub use dnc::DncInput;
 use dnc::DncLine;
 pub(crate) use interpreter_host::ControlHost;
 pub use ladder::LadderStep;
 use ladder::TIMER_PRESETS;
+pub use parts::RunStop;
 use parts::{CncRun, Coordinates, DriveUnit, ManualMotion, PlcPort, SpindleUnit, WriteSwitches};
 pub use request::{ControlRequest, OffsetEntry, ReceivedData, SerialPort};
 pub use view::ProgramCursor;

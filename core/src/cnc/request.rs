@@ -17,7 +17,7 @@ use super::{Cnc, LadderStep, X_BYTES};
 use crate::alarm::Alarm;
 use crate::command::ProgramId;
 use crate::memory::{Authority, ElectronicDisk, Rights, SettingRow, WriteRefusal};
-use crate::operation::{RunState, SoftSwitch};
+use crate::operation::{PreparedRestart, RunState, SoftSwitch};
 use crate::program::Program;
 use crate::units::Axis;
 
@@ -167,6 +167,8 @@ pub enum ControlRequest {
     StepLadder(LadderStep),
     /// Loads a ladder for the next power-on, as a download does.
     LoadLadder(Arc<Ladder>),
+    /// Drops the stopped run; the next cycle start in AUTO begins the restart.
+    Restart(Box<PreparedRestart>),
 }
 
 /// A value for a tool offset, and how the offset is calculated from it.
@@ -280,6 +282,7 @@ impl Cnc {
             ControlRequest::HaltLadder(halt) => self.plc.halted = halt,
             ControlRequest::StepLadder(step) => self.step_ladder(step),
             ControlRequest::LoadLadder(ladder) => self.load_ladder(ladder),
+            ControlRequest::Restart(restart) => self.accept_restart(restart),
         }
         Ok(())
     }

@@ -191,6 +191,15 @@ impl Cnc {
         }
     }
 
+    /// The M code of the direction that the ladder has switched: 3, 4, or 5 for none.
+    pub fn spindle_m_code(&self) -> u8 {
+        match pins::spindle_direction(self.plc.engine.memory()) {
+            SpindleDirection::Stop => 5,
+            SpindleDirection::Forward => 3,
+            SpindleDirection::Reverse => 4,
+        }
+    }
+
     /// The state of the spindle in the control: speeds, gear, limits.
     pub const fn spindle(&self) -> &SpindleControl {
         &self.spindle.control

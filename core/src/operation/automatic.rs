@@ -9,12 +9,15 @@
 //!    └─ RESET key, M30, emergency stop: from every state
 //! ```
 
+use std::collections::VecDeque;
+
 use super::intervention::CycleShift;
 use super::speed_arrival::SpeedArrival;
 use super::thread_state::{HoldProtection, SpindleWatch, TapStage};
 use crate::alarm::Alarm;
 use crate::command::{Action, ControlCommand, Frame, ProgramId, SourcePosition};
-use crate::interpreter::ReadState;
+use crate::interpreter::{Interpreter, ModalState, ReadState};
+use crate::memory::{ControlParameters, ControlSettings, Offsets, SwitchedOff, Variables};
 use crate::motion::Interpolator;
 use crate::run_state::RunState;
 use crate::units::Point;
@@ -95,6 +98,43 @@ pub struct AutomaticRun {
     #[serde(default, skip_serializing_if = "core::ops::Not::not")]
     #[serde(rename = "hold_put_off")]
     pub(crate) hold_deferred: bool,
+    /// The restart that the next cycle start begins, or whose approach is under way; `None`
+    /// without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) restart: Option<Box<PreparedRestart>>,
+}
+
+/// A restart at a block: the way to its start point and the state of the run that continues
+/// there.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PreparedRestart {
+    /// The selected program and its text length in bytes, to detect another program.
+    pub(crate) program: (ProgramId, usize),
+    /// The block at which the run continues.
+    pub(crate) source: SourcePosition,
+    /// Machine coordinates at which the way begins, mm.
+    pub(crate) from: Point,
+    /// The remaining actions of the approach.
+    pub(crate) steps: VecDeque<Action>,
+    /// The state of the run before the block.
+    pub(crate) continuation: RunContinuation,
+}
+
+/// The state of the control before a block, as far as a program changes it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct RunContinuation {
+    pub interpreter: Interpreter,
+    pub automatic: AutomaticRun,
+    pub modal: ModalState,
+    pub off: SwitchedOff,
+    pub variables: Variables,
+    pub offsets: Offsets,
+    pub parameters: ControlParameters,
+    pub settings: ControlSettings,
+    /// Absolute coordinates at which the relative ones are 0, mm.
+    pub relative_zero: Point,
+    /// Programmed X minus X of the tool tip, mm (radius).
+    pub programmed_x_lead: f64,
 }
 
 /// A stopped AUTO run that is suspended while MDI blocks are executed (manual II, MDI;
@@ -135,6 +175,7 @@ impl Default for AutomaticRun {
             suspended: None,
             cycle_shift: CycleShift::default(),
             hold_deferred: false,
+            restart: None,
         }
     }
 }
@@ -143,6 +184,11 @@ impl AutomaticRun {
     /// STL or SPL: whether a block is under way or held.
     pub const fn is_operating(&self) -> bool {
         matches!(self.state, RunState::Run | RunState::Hold)
+    }
+
+    /// Whether the approach of a restart is under way or held.
+    pub(crate) const fn is_approaching(&self) -> bool {
+        self.is_started && self.restart.is_some()
     }
 
     /// DEN: whether only FIN is missing for the end of the block.

@@ -161,6 +161,7 @@ fn two_hundred_altered_results_are_flagged() {
     let solved = solve("04-spindle", "wrong-1.txt");
     let honest = seal(solved.report.clone(), &solved.recording, 1);
     let mut numbers = Numbers(0x9e37_79b9_7f4a_7c15);
+    let mut without_effect = 0;
     for round in 0..200 {
         // The forger has a key, so a seal over his file is valid.
         let altered = match round % 4 {
@@ -179,12 +180,19 @@ fn two_hundred_altered_results_are_flagged() {
             continue;
         }
         let mark = mark(&solved, &altered);
-        assert!(!mark.flags.is_empty(), "round {round} is not noticed");
         assert!(
             mark.points() <= solved.report.points,
             "round {round} gains points"
         );
+        if mark.flags.is_empty() {
+            // A key less that changes nothing: `S600M3` can be entered as one line or as two. The
+            // altered session is another way to the same state, and is marked as such.
+            assert_eq!(round % 4, 3, "round {round} is not noticed");
+            assert_eq!(mark.report.as_ref(), Some(&solved.report), "round {round}");
+            without_effect += 1;
+        }
     }
+    assert!(without_effect <= 2, "{without_effect} of 50 sessions");
 }
 
 #[test]

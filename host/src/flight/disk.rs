@@ -78,15 +78,7 @@ fn not_written(path: &Path, error: &io::Error) -> Message {
 /// number of the new one.
 pub(super) fn prepare_folder(folder: &Path) -> io::Result<u64> {
     fs::create_dir_all(folder)?;
-    let mut recordings: Vec<(u64, PathBuf, u64)> = platform::list(folder)?
-        .into_iter()
-        .filter_map(|path| {
-            let number = number_of(&path)?;
-            let length = platform::path_facts(&path).ok()?.length;
-            Some((number, path, length))
-        })
-        .collect();
-    recordings.sort_unstable();
+    let recordings = list_recordings(folder)?;
     let mut total: u64 = recordings.iter().map(|(_, _, length)| length).sum();
     let limit = MAX_FOLDER_BYTES.saturating_sub(MAX_FILE_BYTES as u64);
     for (_, path, length) in &recordings {
@@ -97,6 +89,26 @@ pub(super) fn prepare_folder(folder: &Path) -> io::Result<u64> {
         total -= length;
     }
     Ok(recordings.last().map_or(1, |(number, ..)| number + 1))
+}
+
+/// Returns the newest recording in a folder; `None` without one.
+pub(super) fn newest_recording(folder: &Path) -> Option<PathBuf> {
+    let newest = list_recordings(folder).ok()?.pop();
+    newest.map(|(_, path, _)| path)
+}
+
+/// Returns the recordings in a folder with number and length, the oldest first.
+fn list_recordings(folder: &Path) -> io::Result<Vec<(u64, PathBuf, u64)>> {
+    let mut recordings: Vec<_> = platform::list(folder)?
+        .into_iter()
+        .filter_map(|path| {
+            let number = number_of(&path)?;
+            let length = platform::path_facts(&path).ok()?.length;
+            Some((number, path, length))
+        })
+        .collect();
+    recordings.sort_unstable();
+    Ok(recordings)
 }
 
 fn number_of(path: &Path) -> Option<u64> {

@@ -5,6 +5,7 @@
 //! handed over, so that a killed program loses at most the last second.
 
 mod disk;
+mod unfinished;
 
 use std::io;
 use std::path::PathBuf;
@@ -19,6 +20,7 @@ use tracing::error;
 
 use crate::platform::{self, TaskHandle};
 use disk::{DiskJob, RecordingDisk};
+pub use unfinished::offer_unfinished;
 
 /// Name of the folder in a data directory that holds the recordings.
 pub const FOLDER: &str = "recordings";
@@ -131,6 +133,15 @@ impl FlightRecorder {
         }
     }
 
+    /// Ends the recorded section, because the machine went back to a past moment. The next call
+    /// of [`Self::follow`] begins another one.
+    pub fn begin_section(&mut self) {
+        if self.has_state {
+            self.add(&RecordingEvent::Reached(self.last_tick));
+            self.has_state = false;
+        }
+    }
+
     fn add(&mut self, event: &RecordingEvent) {
         let Some(encoder) = &mut self.encoder else {
             return;
@@ -194,9 +205,10 @@ impl FlightRecorder {
         }
     }
 
-    /// Ends the recording and waits until it is on the disk.
-    pub fn finish(mut self) {
-        if self.has_state {
+    /// Ends the recording and waits until it is on the disk. `is_complete`: the session ends
+    /// properly, not by a crash of the program.
+    pub fn finish(mut self, is_complete: bool) {
+        if self.has_state && is_complete {
             self.add(&RecordingEvent::End(self.last_tick));
         }
         if let Some(to_disk) = self.to_disk.take()

@@ -49,7 +49,7 @@ fn a_recording_reaches_the_end_of_the_session() {
         assert_eq!(flight.recorder.flush(&flight.emulator), None);
     }
     let end = flight.emulator.clone();
-    flight.recorder.finish();
+    flight.recorder.finish(true);
     let replayed = replay(&fs::read(&file).expect("a file")).expect("a recording");
     assert_eq!((replayed.error, replayed.difference), (None, None));
     assert!(replayed.is_complete && replayed.equal_hashes == 2);
@@ -71,7 +71,7 @@ fn a_board_interrupts_the_recording() {
     flight.emulator.take_inputs();
     flight.run(100);
     let end = flight.emulator.clone();
-    flight.recorder.finish();
+    flight.recorder.finish(true);
     let replayed = replay(&fs::read(&file).expect("a file")).expect("a recording");
     assert_eq!(replayed.error, None);
     let history = replayed.history.expect("the second section");
@@ -93,7 +93,7 @@ fn a_file_that_cannot_be_written_ends_the_recording() {
         }
     }
     assert!(report.is_some());
-    flight.recorder.finish();
+    flight.recorder.finish(true);
 }
 
 #[test]
@@ -111,10 +111,33 @@ fn a_folder_keeps_the_newest_recordings() {
     assert_eq!(kept, [8, 9, 10]);
     assert!(folder.join("note.txt").exists());
     let unused = Flight::start(RecordingTarget::Folder(folder.to_path_buf()));
-    unused.recorder.finish();
+    unused.recorder.finish(true);
     assert!(!path(11).exists(), "nothing was recorded");
     let mut flight = Flight::start(RecordingTarget::Folder(folder.to_path_buf()));
     flight.run(10);
-    flight.recorder.finish();
+    flight.recorder.finish(true);
     assert!(path(11).exists());
+}
+
+#[test]
+fn only_a_session_without_its_end_is_offered() {
+    let folder = test_folder("flight-unfinished");
+    let (offers, received) = std::sync::mpsc::channel();
+    let offered = || {
+        let offers = offers.clone();
+        offer_unfinished(&folder, move |message| {
+            offers.send(message).expect("a receiver");
+        });
+        let wait = core::time::Duration::from_millis(500);
+        received.recv_timeout(wait).ok()
+    };
+    assert_eq!(offered(), None, "no recordings");
+    for (is_complete, number) in [(true, 1), (false, 2), (true, 3)] {
+        let mut flight = Flight::start(RecordingTarget::Folder(folder.to_path_buf()));
+        flight.run(10);
+        flight.recorder.finish(is_complete);
+        let path = folder.join(format!("session-{number:06}.{ENDING}"));
+        let message = say::flight_not_ended(path.display());
+        assert_eq!(offered(), (!is_complete).then_some(message));
+    }
 }

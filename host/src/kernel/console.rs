@@ -17,6 +17,7 @@ use gsk_core::operation::RunState;
 use gsk_core::plc::address::BitAddress;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
+use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
 use gsk_link::LinkState;
 use gsk_messages::Message;
@@ -26,6 +27,7 @@ use gsk_panel::pages::PageId;
 use gsk_panel::panel::SerialFile;
 use gsk_panel::screen::Screen;
 use gsk_project::ProjectState;
+use gsk_runner::machining::live_part::LivePart;
 use gsk_runner::program_summary::ProgramSummary;
 
 use super::lesson::{LessonAction, LessonState};
@@ -35,6 +37,7 @@ use super::part::PartView;
 use super::probe::Probe;
 use super::program_start::StartDistance;
 use super::program_wait::ProgramWait;
+use super::timeline::{PastMoment, TimelineCommand, TimelineView};
 use crate::input_watch::InputWatch;
 use crate::job::SelectedJob;
 use crate::kernel::pace::RunSpeed;
@@ -111,6 +114,8 @@ pub enum Command {
     SendSetup(Sender<Box<Setup>>),
     /// Send once the content of the control and the current operation level.
     SendState(Sender<Box<(ProjectState, OperationLevel)>>),
+    /// Send once a copy of control and simulated lathe, and of the part in it.
+    SendMachine(Sender<Box<MachineCopy>>),
     /// Set the job of the part in the simulated lathe, on fresh stock; `None` removes the
     /// part.
     Job(Option<Box<SelectedJob>>),
@@ -118,6 +123,8 @@ pub enum Command {
     FreshStock,
     /// Set whether the simulated lathe stops at a collision.
     CrashStops(bool),
+    /// Publish, show or change the time line.
+    Timeline(TimelineCommand),
     /// Publish the part with the snapshots (true), or stop publishing it. The part is cut in either
     /// case.
     ShowPart(bool),
@@ -127,6 +134,9 @@ pub enum Command {
     ReleaseAll,
     Quit,
 }
+
+/// A copy of control and simulated lathe, and the part in it; `None` without a job.
+pub type MachineCopy = (Simulation, Option<LivePart>);
 
 /// A command of the window for the pulse board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -271,6 +281,8 @@ pub struct PanelSnapshot {
     pub lesson: Option<LessonState>,
     /// The alarms raised since the control was opened, the newest first.
     pub alarm_records: Arc<Vec<AlarmRecord>>,
+    /// The past moment that the snapshot shows; `None` for the present.
+    pub past: Option<PastMoment>,
     /// Motion of slides and spindle; `None` unless the window plays the sound of the machine.
     pub motion: Option<MachineMotion>,
 }
@@ -324,6 +336,8 @@ pub struct Console {
     pub link: Arc<ArrayQueue<LinkView>>,
     /// Queue with the newest state of the part, while there is a job.
     pub part: Arc<ArrayQueue<Arc<PartView>>>,
+    /// Queue with the newest state of the time line, while the window has requested it.
+    pub timeline: Arc<ArrayQueue<Arc<TimelineView>>>,
     /// Receives the notices of the kernel.
     pub notices: Receiver<Notice>,
     /// Sender for helper threads, whose notices are received from `notices`, too.
@@ -356,6 +370,15 @@ impl Console {
         let (to, answer) = bounded(1);
         self.commands.send(Command::SendState(to)).ok()?;
         platform::wait_for_answer(&answer, ANSWER_TIMEOUT).map(|state| *state)
+    }
+
+    /// Returns a copy of the machine with its part; `None` if the kernel does not answer within
+    /// 5 s. It blocks, as [`Self::setup`] does.
+    pub fn machine_copy(&self) -> Option<Box<MachineCopy>> {
+        const ANSWER_TIMEOUT: Duration = Duration::from_secs(5);
+        let (to, answer) = bounded(1);
+        self.commands.send(Command::SendMachine(to)).ok()?;
+        platform::wait_for_answer(&answer, ANSWER_TIMEOUT)
     }
 
     /// Stores a text as a program of the memory and selects it; returns its number, or why it is

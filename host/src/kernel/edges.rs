@@ -64,7 +64,7 @@ const fn release_timing(key: Key) -> ReleaseTiming {
 }
 
 /// Whether a key ends a motion. Its press applies all earlier waiting changes at once.
-const fn ends_motion(key: Key) -> bool {
+pub(super) const fn ends_motion(key: Key) -> bool {
     matches!(key, Key::Reset | Key::FeedHold | Key::SpindleStop)
 }
 

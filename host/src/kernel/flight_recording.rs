@@ -1,4 +1,4 @@
-//! Keeps the flight recorders of the kernel up to date.
+//! Keeps the time line and the flight recorders of the kernel up to date.
 
 use gsk_messages::Message;
 
@@ -8,23 +8,20 @@ use crate::flight::{FlightRecorder, join_inputs};
 impl Kernel {
     /// Adds a recorder. It follows the learner's own machine, also during a lesson.
     pub fn add_flight_recorder(&mut self, recorder: FlightRecorder) {
-        let (own, _) = match &mut self.lesson {
-            Some(lesson) => lesson.own_and_part(),
-            None => (&mut self.emulator, &mut self.part),
-        };
-        own.record_inputs();
         self.recorders.push(recorder);
         self.follow_with_recorders();
     }
 
-    /// Passes the inputs since the last call to the recorders. A pulse board interrupts them:
-    /// its exchange is not recorded.
+    /// Passes the inputs since the last call to the time line and to the recorders. A pulse board
+    /// interrupts them: its exchange is not recorded.
     pub(super) fn follow_with_recorders(&mut self) {
         let (own, part) = match &mut self.lesson {
             Some(lesson) => lesson.own_and_part(),
             None => (&mut self.emulator, &mut self.part),
         };
         let inputs = join_inputs(own.ticks(), own.take_inputs(), part.take_inputs());
+        self.timeline
+            .follow(own, part.state(), &inputs, self.has_real_slides);
         for recorder in &mut self.recorders {
             if self.has_real_slides {
                 recorder.interrupt();
@@ -52,11 +49,11 @@ impl Kernel {
         }
     }
 
-    /// Ends all recordings.
-    pub(super) fn finish_recorders(&mut self) {
+    /// Ends all recordings. `is_complete` is false after a crash of the program.
+    pub(super) fn finish_recorders(&mut self, is_complete: bool) {
         self.follow_with_recorders();
         for recorder in self.recorders.drain(..) {
-            recorder.finish();
+            recorder.finish(is_complete);
         }
     }
 }
@@ -131,7 +128,7 @@ mod tests {
         }
         begin_and_leave(&mut kernel, Arc::new(lesson));
         kernel.run(100);
-        kernel.finish_recorders();
+        kernel.finish_recorders(true);
         let replayed = replay(&fs::read(&file).expect("a file")).expect("a recording");
         assert_eq!((replayed.error, replayed.difference), (None, None));
         assert!(replayed.is_complete && replayed.equal_hashes > 5);

@@ -21,13 +21,14 @@ mod program_opening;
 mod program_start;
 mod program_wait;
 mod thread;
+pub mod timeline;
 
 use std::sync::Arc;
 
 use crossbeam::channel::{Receiver, Sender, bounded};
 use crossbeam::queue::ArrayQueue;
 use gsk_core::alarm::Alarm;
-use gsk_core::cnc::{ControlRequest, Event};
+use gsk_core::cnc::{Cnc, ControlRequest, Event};
 use gsk_core::memory::OperationLevel;
 use gsk_core::operation::{OperatingMode, RunState};
 use gsk_core::program::Program;
@@ -69,6 +70,7 @@ pub use program_start::StartDistance;
 use program_start::StartWatch;
 use program_wait::WaitWatch;
 pub use thread::{KernelEnvironment, KernelThread, start};
+use timeline::{Timeline, TimelineMarkKind};
 
 /// Ticks of 1 ms between two snapshots.
 pub const SNAPSHOT_TICKS: u64 = 25;
@@ -133,6 +135,8 @@ pub struct Kernel {
     active_probe: Option<ActiveProbe>,
     /// The part in the lathe, with its job.
     part: KernelPart,
+    /// The history of the learner's own machine, and the past moment that is shown.
+    timeline: Timeline,
     /// The recorders that follow the learner's own machine.
     recorders: Vec<FlightRecorder>,
     /// Number of commands received so far; an increase proves that the window is alive.
@@ -148,13 +152,15 @@ pub struct Kernel {
 impl Kernel {
     /// Creates a kernel for an emulator, and the console with the channels between the kernel and
     /// its window.
-    pub fn new(emulator: Emulator) -> (Self, Console) {
+    pub fn new(mut emulator: Emulator) -> (Self, Console) {
         let (commands, from_window) = bounded(QUEUE_CAPACITY);
         let (notices, from_kernel) = bounded(QUEUE_CAPACITY);
         let snapshots = Arc::new(ArrayQueue::new(1));
         let machine = Arc::new(ArrayQueue::new(1));
         let links = Arc::new(ArrayQueue::new(1));
         let part = Arc::new(ArrayQueue::new(1));
+        let timeline = Arc::new(ArrayQueue::new(1));
+        emulator.record_inputs();
         let kernel = Self {
             emulator,
             commands: from_window,
@@ -184,6 +190,7 @@ impl Kernel {
             speed_ratio: None,
             active_probe: None,
             part: KernelPart::new(Arc::clone(&part)),
+            timeline: Timeline::new(Arc::clone(&timeline)),
             recorders: Vec::new(),
             command_count: 0,
             input_watch: InputWatch::default(),
@@ -199,6 +206,7 @@ impl Kernel {
                 machine,
                 link: links,
                 part,
+                timeline,
                 notices: from_kernel,
                 notice_sender: notices,
                 input_watch: watch,
@@ -225,15 +233,19 @@ impl Kernel {
     /// automatically on the simulated lathe, else that of a real lathe (decision WINDOW-9).
     pub fn speed(&self) -> RunSpeed {
         let runs = self.emulator.cnc().run_state() == RunState::Run;
-        match runs && self.drive.is_none() {
+        match runs && self.drive.is_none() && !self.timeline.shows_past() {
             true => self.speed,
             false => RunSpeed::REAL,
         }
     }
 
-    /// Executes the window's commands and runs this number of ticks.
+    /// Executes the window's commands and runs this number of ticks, unless the past is shown.
     pub fn run(&mut self, ticks: u64) {
         self.execute_commands();
+        if self.timeline.shows_past() && !self.has_real_slides {
+            // The machine stands still while its past is shown.
+            return self.advance_past();
+        }
         for _ in 0..ticks {
             self.tick();
         }
@@ -258,7 +270,7 @@ impl Kernel {
         }
         self.tick += 1;
         self.cut_part();
-        self.alarm_history.update(self.emulator.cnc());
+        self.mark_events();
         self.start_watch.update(self.emulator.cnc());
         if let Some(serial) = &mut self.serial {
             // Files are exchanged with the learner's own machine, also during a lesson.
@@ -296,14 +308,39 @@ impl Kernel {
                 false => say::window_collision(what, x, z),
             };
             self.notify(Notice::Collided(message));
+            if self.lesson.is_none() {
+                let tick = self.emulator.ticks();
+                self.timeline.marks().add(tick, TimelineMarkKind::Collision);
+            }
+        }
+    }
+
+    /// Collects the alarms and the blocks of a tick. With a board a new alarm ends a look at
+    /// the past.
+    fn mark_events(&mut self) {
+        let is_raised = self.alarm_history.update(&self.emulator);
+        if is_raised && self.has_real_slides {
+            self.return_to_present();
+        }
+        if self.lesson.is_some() {
+            return;
+        }
+        let tick = self.emulator.ticks();
+        let marks = self.timeline.marks();
+        if is_raised && let Some(newest) = self.alarm_history.records().first() {
+            marks.add(tick, TimelineMarkKind::Alarm(newest.alarm.number));
+        }
+        let mut events = self.emulator.cnc().events().iter();
+        if events.any(|event| matches!(event, Event::BlockStarted(..))) {
+            marks.add(tick, TimelineMarkKind::Block);
         }
     }
 
     /// Publishes a snapshot if anything has changed since the last one; returns true if there
     /// is something new to show.
     pub fn publish(&mut self) -> bool {
-        let part_shown = self.part.publish(self.emulator.simulation());
-        let views_shown = self.publish_machine() || part_shown;
+        let timeline_shown = self.publish_timeline();
+        let views_shown = self.publish_machine() || timeline_shown;
         self.wait_watch
             .update(self.tick, self.emulator.simulation());
         let snapshot = self.snapshot();
@@ -325,7 +362,8 @@ impl Kernel {
             return false;
         }
         monitor.next_tick = self.tick + MACHINE_VIEW_TICKS;
-        let now = MachineView::from_emulator(&self.emulator);
+        let shown = self.timeline.past_machine().unwrap_or(&self.emulator);
+        let now = MachineView::from_emulator(shown);
         if monitor.last_view.as_ref() == Some(&now) {
             return false;
         }
@@ -336,42 +374,50 @@ impl Kernel {
 
     /// Returns the current state of the panel.
     pub fn snapshot(&self) -> PanelSnapshot {
-        let panel = self.emulator.panel();
+        let shown = self.shown_machine();
+        let (panel, cnc) = (shown.panel(), shown.cnc());
+        let is_present = !self.timeline.shows_past();
         PanelSnapshot {
-            screen: self.emulator.screen(),
+            screen: shown.screen(),
             translated: self
                 .translate_screen
-                .then(|| Box::new(self.emulator.translated_screen())),
+                .then(|| Box::new(shown.translated_screen())),
             page: panel.page(),
-            model: self.emulator.cnc().model().id(),
+            model: cnc.model().id(),
             keys_reversed: KeysReversed {
-                x: self.emulator.cnc().parameters().is_up_positive(),
-                z: self.emulator.cnc().parameters().is_left_positive(),
+                x: cnc.parameters().is_up_positive(),
+                z: cnc.parameters().is_left_positive(),
             },
             brightness: panel.view().brightness,
-            y_memory: self.emulator.lamps(),
+            y_memory: shown.lamps(),
             pressed: panel.pressed(),
             wheel: panel.wheel(),
             speed_percent: self.speed_percent,
             speed: self.speed,
             speed_ratio: self.speed_ratio,
-            alarm: self.active_alarm(),
-            position_unknown: self.emulator.cnc().is_position_unknown(),
+            alarm: active_alarm(cnc),
+            position_unknown: cnc.is_position_unknown(),
             board: self.drive.as_ref().map(Drive::state),
-            run_state: self.emulator.cnc().run_state(),
+            run_state: cnc.run_state(),
             program_wait: self
                 .wait_watch
-                .report(self.tick, self.emulator.cnc().run_state()),
-            start_distance: self.start_watch.report(self.emulator.cnc()),
-            is_moving: self.emulator.cnc().is_moving() || self.motion().spindle_rpm > 0.0,
-            program: self.emulator.cnc().programs().selected(),
+                .report(self.tick, cnc.run_state())
+                .filter(|_| is_present),
+            start_distance: self
+                .start_watch
+                .report(self.emulator.cnc())
+                .filter(|_| is_present),
+            is_moving: (is_present || self.has_real_slides)
+                && (self.emulator.cnc().is_moving() || self.motion().spindle_rpm > 0.0),
+            program: cnc.programs().selected(),
             lesson: self.lesson.as_ref().map(PracticeSession::state),
             alarm_records: self.alarm_history.records(),
-            motion: self.publish_motion.then(|| self.motion()),
+            motion: (self.publish_motion && is_present).then(|| self.motion()),
+            past: self.timeline.past_moment(),
             forced: ForcedState {
-                forced_bits: self.emulator.cnc().plc().forces().len(),
-                forced_inputs: self.emulator.lathe().forced_input_count(),
-                faults: self.emulator.lathe().fault_count(),
+                forced_bits: cnc.plc().forces().len(),
+                forced_inputs: shown.lathe().forced_input_count(),
+                faults: shown.lathe().fault_count(),
             },
         }
     }
@@ -397,6 +443,9 @@ impl Kernel {
         self.command_count += 1;
         if self.is_late(&command) {
             self.notify(Notice::Message(say::key_came_late()));
+            return;
+        }
+        if self.is_refused_in_past(&command) {
             return;
         }
         if matches!(
@@ -428,8 +477,15 @@ impl Kernel {
             Command::Monitor(on) => self.machine_monitor = on.then(MachineMonitor::default),
             Command::Fault(fault, on) => self.emulator.set_fault(fault, on),
             Command::Request(request) => {
+                let is_restart = matches!(*request, ControlRequest::Restart(_));
+                if is_restart && let Some(why) = self.emulator.cnc().request_refusal(&request) {
+                    return self.notify(Notice::Message(why));
+                }
                 if let Err(alarm) = self.emulator.request(*request) {
                     self.notify(Notice::Refused(alarm));
+                } else if is_restart {
+                    // The next cycle start does something else now.
+                    self.notify(Notice::Message(say::restart_start_again()));
                 }
             }
             Command::Write(requests) => self.write_all_or_none(requests),
@@ -438,8 +494,9 @@ impl Kernel {
                 self.part.fresh_stock();
                 self.notify(Notice::FreshStock);
             }
+            Command::Timeline(command) => self.execute_timeline_command(command),
             Command::CrashStops(stops) => self.part.set_crash_stops(stops),
-            Command::ShowPart(visible) => self.part.set_visible(visible),
+            Command::ShowPart(visible) => self.show_part(visible),
             Command::PowerCycle => self.emulator.power_cycle(),
             Command::ForceInput(address, state) => {
                 self.emulator.force_input(address, state);
@@ -469,6 +526,11 @@ impl Kernel {
             Command::SendState(to) => {
                 // The receiver may be gone.
                 let _ = to.try_send(Box::new(self.project_state()));
+            }
+            Command::SendMachine(to) => {
+                let part = self.part.state().live().cloned();
+                // The receiver may be gone.
+                let _ = to.try_send(Box::new((self.emulator.simulation().clone(), part)));
             }
             Command::ReleaseAll => self.release_all_keys(),
             Command::Alive => {}
@@ -502,7 +564,15 @@ impl Kernel {
         }
     }
 
+    fn show_part(&mut self, visible: bool) {
+        self.part.set_visible(visible);
+        self.timeline.set_part_visible(visible);
+    }
+
     fn set_job(&mut self, chosen: Option<SelectedJob>) {
+        if self.is_job_of_restored_part(chosen.as_ref()) {
+            return;
+        }
         let part = match &mut self.lesson {
             Some(lesson) => lesson.own_part(),
             None => &mut self.part,
@@ -612,12 +682,6 @@ impl Kernel {
         }
     }
 
-    fn active_alarm(&self) -> Option<Alarm> {
-        let cnc = self.emulator.cnc();
-        let alarm = cnc.alarms().first().cloned();
-        alarm.or_else(|| cnc.active_message())
-    }
-
     /// Releases every key and drops the handwheel detents that the axis has not followed yet,
     /// because there is no longer proof that the operator is at the machine.
     fn release_keys_and_wheel(&mut self) {
@@ -640,4 +704,9 @@ impl Kernel {
         // that it is gone.
         let _ = self.notices.try_send(notice);
     }
+}
+
+fn active_alarm(cnc: &Cnc) -> Option<Alarm> {
+    let alarm = cnc.alarms().first().cloned();
+    alarm.or_else(|| cnc.active_message())
 }

@@ -129,6 +129,15 @@ impl KernelPart {
         self.state.apply(input);
     }
 
+    /// Replaces the part and its job by those of another moment.
+    pub(super) fn replace_state(&mut self, state: MachinePart) {
+        self.inputs.clear();
+        self.crash = (state.machining()).and_then(|it| it.findings().last().copied());
+        self.state = state;
+        self.shown_version = None;
+        self.force_publish();
+    }
+
     /// Makes the next call of [`Self::publish`] publish even an unchanged part.
     pub(super) fn force_publish(&mut self) {
         self.last = None;

@@ -315,7 +315,7 @@ impl KernelLoop {
             kernel.emulator.store_edited();
             keeper.finish(&kernel.emulator);
         }
-        kernel.finish_recorders();
+        kernel.finish_recorders(!outside.termination.has_crashed());
         if outside.termination.is_requested() {
             (outside.wake)();
             wait_for_window(&kernel);

@@ -9,6 +9,7 @@ use std::thread;
 use crossbeam::channel::{Receiver, Sender, TryRecvError, bounded};
 use gsk_core::cnc::{Cnc, DncInput};
 use gsk_messages::{Message, say};
+use gsk_panel::emulator::{Emulator, EmulatorInput};
 use gsk_runner::partner::{DncReceiver, PartnerWait, connect_partner, pass_characters};
 
 use crate::message_format::describe_io_error;
@@ -126,6 +127,23 @@ impl DncPartner {
             }
         }
         Ok(())
+    }
+
+    /// Breaks off the program that is being sent, because the control went back to a past
+    /// moment: the source cannot follow. Its program ends with alarm 086.
+    pub fn break_off(&mut self, emulator: &mut Emulator) {
+        self.call_number = emulator.cnc().dnc_request_count();
+        self.drop_chunk();
+        if let Some(to_port) = self.to_port.take() {
+            let _ = to_port.try_send(DC3);
+        }
+        if self.source != DncSource::Standard {
+            self.chunks = None;
+        }
+        if emulator.cnc().programs().dnc_buffer().is_some() {
+            let reason = say::serial_partner_gone();
+            emulator.apply(EmulatorInput::Dnc(DncInput::Failed(reason)));
+        }
     }
 
     fn drop_chunk(&mut self) {

@@ -140,6 +140,15 @@ impl SerialLine {
         messages
     }
 
+    /// Breaks off transfers, because the control went back to a past moment.
+    pub fn break_off(&mut self, emulator: &mut Emulator) {
+        if let Some(port) = &mut self.port {
+            port.side = ControlPort::new(port.baud, self.framing, self.line_end);
+            port.shown_status = PortStatus::Idle;
+        }
+        emulator.show_port_state(Communication::Idle);
+    }
+
     /// Applies the rate of parameter 044 to the port, and opens or closes it with the control
     /// and with bit parameter 002.5.
     fn follow_rate(

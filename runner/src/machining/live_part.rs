@@ -98,15 +98,27 @@ impl LivePart {
         self.reported_findings = 0;
     }
 
+    /// Follows another machine from the next tick on: the slides have made no motion from the
+    /// one to the other.
+    pub fn change_machine(&mut self) {
+        self.cut_pending();
+        self.threads.end_pass();
+        self.last_tick = None;
+        self.program_ended = false;
+    }
+
     /// Cuts the part with the motion of the last tick of the control; call it after every tick.
     /// Returns the collisions found since the last call, empty if there are none.
     pub fn follow_tick(&mut self, simulation: &Simulation) -> &[CollisionFinding] {
         let cnc = &simulation.cnc;
         let tool = simulation.lathe.station().unwrap_or(cnc.tool().0);
         let frame = cnc.frame();
+        // The way to the start point of a restart is rapid to its last tick.
+        let is_operating = matches!(cnc.run_state(), RunState::Run | RunState::Hold);
+        let is_approach = is_operating && cnc.has_restart();
         let conditions = MotionConditions {
             tool,
-            rapid: cnc.is_rapid_under_way(),
+            rapid: is_approach || cnc.is_rapid_under_way(),
             thread: cnc.is_in_thread(),
             turning: simulation.lathe.spindle_rpm().abs() > STANDSTILL_RPM,
             source: moving_block(simulation),

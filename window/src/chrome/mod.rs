@@ -7,6 +7,7 @@ pub mod message_line;
 pub mod pane_area;
 pub mod program_opener;
 pub mod startup_error;
+pub mod timeline;
 pub mod top_bar;
 pub mod top_bar_requests;
 pub mod way_back;

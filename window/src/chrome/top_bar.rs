@@ -56,6 +56,8 @@ pub enum TopBarRequest {
     Zoom(Option<u16>),
     /// Open or close a view.
     ToggleView(ViewId),
+    /// Show or hide the time line.
+    ToggleTimeline,
     /// Open or close the lessons.
     ToggleLessons,
     /// End the lesson and return to the learner's machine.

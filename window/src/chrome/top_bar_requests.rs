@@ -53,6 +53,9 @@ impl Window {
             }
             top_bar::TopBarRequest::Layout(layout) => self.settings.layouts.choose(layout),
             top_bar::TopBarRequest::ToggleView(view) => self.settings.layouts.toggle(view),
+            top_bar::TopBarRequest::ToggleTimeline => {
+                self.settings.timeline = !self.settings.timeline;
+            }
             top_bar::TopBarRequest::ToggleLessons => self.settings.layouts.toggle(ViewId::Lesson),
             top_bar::TopBarRequest::LeaveLesson => {
                 self.console.send(Command::Lesson(LessonAction::Leave));

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::io;
 use std::path::PathBuf;
 
+use gsk_core::command::ProgramId;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_debugger::breakpoints::{BreakHit, BreakpointSet};
@@ -80,6 +81,16 @@ impl RunDebugger {
             reports: Vec::new(),
             language,
         })
+    }
+
+    /// The program files, for locations.
+    pub const fn sources(&self) -> &ProgramSources {
+        &self.sources
+    }
+
+    /// The name of a program in messages.
+    pub fn name_of(&self, program: ProgramId) -> String {
+        program_name(program, &self.sources)
     }
 
     /// Whether a breakpoint needs the collisions of the part.

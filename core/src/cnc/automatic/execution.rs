@@ -32,7 +32,8 @@ impl Cnc {
     pub(crate) fn start_command(&mut self, command: ControlCommand) {
         let command = self.run.automatic.cycle_shift.shift_command(command);
         self.run.modal = command.modal;
-        if !self.run.automatic.within_block {
+        let is_approach = self.run.automatic.is_approaching();
+        if !self.run.automatic.within_block && !is_approach {
             self.events
                 .push(Event::BlockStarted(command.source, command.modal));
         }
@@ -45,7 +46,9 @@ impl Cnc {
         self.events.extend(explanation.map(Event::Explained));
         self.run.automatic.update_protection(&command.action);
         self.update_speed_arrival(&command.action);
-        self.run.automatic.last_source = Some(command.source);
+        if !is_approach {
+            self.run.automatic.last_source = Some(command.source);
+        }
         let from = self.drives.interpolator.commanded();
         let start_s = self.machine_time_s();
         let stage = match self.execute(&command) {
@@ -302,7 +305,8 @@ impl Cnc {
         }
         self.run.automatic.within_block = !current.command.block_end;
         // The end of a text without M30 is not a block.
-        let is_block = !matches!(current.command.action, Action::End { m30: false, .. });
+        let is_block = !matches!(current.command.action, Action::End { m30: false, .. })
+            && !self.run.automatic.is_approaching();
         if current.command.block_end && is_block {
             self.events.push(Event::BlockEnded(current.command.source));
         }

@@ -5,6 +5,7 @@ mod execution;
 mod interlock;
 mod intervention;
 mod refusal;
+pub(in crate::cnc) mod restart;
 mod speed_arrival;
 mod thread;
 mod wait_reason;
@@ -113,6 +114,9 @@ impl Cnc {
     }
 
     fn start_program(&mut self) {
+        if self.run.automatic.restart.is_some() {
+            return self.begin_restart();
+        }
         if core::mem::take(&mut self.run.rewind_at_start) {
             self.run.cursor_line = 1;
         }
@@ -201,7 +205,8 @@ impl Cnc {
     /// Suspends the stopped AUTO run, with the commands that were read but not executed, and
     /// returns it; returns a run that is already suspended unchanged. `None` without either.
     fn suspend_run(&mut self) -> Option<Box<SuspendedRun>> {
-        if self.run.automatic.is_mdi || !self.run.automatic.can_resume() {
+        let is_kept = !self.run.automatic.is_mdi && !self.run.automatic.is_approaching();
+        if !is_kept || !self.run.automatic.can_resume() {
             return self.run.automatic.suspended.take();
         }
         let automatic = core::mem::take(&mut self.run.automatic);
@@ -378,7 +383,7 @@ impl Cnc {
         if self.end_spoilt_thread(&command.action) {
             return false;
         }
-        if self.board_delays_command(&command.action) {
+        if self.stops_before(&command) || self.board_delays_command(&command.action) {
             self.run.automatic.next_command = Some(command);
             return false;
         }
@@ -418,6 +423,9 @@ impl Cnc {
             return None;
         }
         let settled = settled && !self.run.handshake.is_busy() && !self.board_delays_reading();
+        if self.run.automatic.is_approaching() {
+            return settled.then(|| self.next_approach_command()).flatten();
+        }
         let slides_stand_still = !self.is_board_lagging();
         let (interpreter, mut world) = self.interpreter_and_world(settled);
         world.slides_stand_still = slides_stand_still;

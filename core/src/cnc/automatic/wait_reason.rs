@@ -112,6 +112,9 @@ impl Cnc {
                 false => say::wait_for_input_low(*input),
             });
         }
+        if self.waits_for_restart_speed() {
+            return Some(say::wait_for_spindle_speed());
+        }
         if self.drives.interpolator.is_finished() || self.is_moving() {
             return None;
         }

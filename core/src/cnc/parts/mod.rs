@@ -13,5 +13,6 @@ pub(crate) use drives::DriveUnit;
 pub(crate) use manual_motion::ManualMotion;
 pub(crate) use plc_port::PlcPort;
 pub(crate) use run::CncRun;
+pub use run::RunStop;
 pub(crate) use spindle_unit::SpindleUnit;
 pub(crate) use switches::WriteSwitches;

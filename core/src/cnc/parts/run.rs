@@ -48,6 +48,40 @@ pub(crate) struct CncRun {
     /// one without); `None` if explanations are off.
     #[serde(skip)]
     pub explanations: Option<VecDeque<Option<Explanation>>>,
+    /// The begin of a command before which the run stops; `None` except in a copy that looks
+    /// for the state at a block.
+    #[serde(skip)]
+    pub stop: Option<RunStop>,
+}
+
+/// The begin of a command, counted from now on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RunStop {
+    /// Number of blocks that still begin before the block.
+    pub blocks_before: u64,
+    /// The pass of the block's cycle, from 1; `None` for the begin of the block.
+    pub pass: Option<u64>,
+    /// Whether the block of the pass has begun.
+    pub is_in_block: bool,
+}
+
+impl RunStop {
+    /// Whether the run stops before a command that is about to begin. `pass` is the pass of a
+    /// cycle to which the command belongs.
+    pub(crate) fn stops_before(&mut self, begins_block: bool, pass: Option<u64>) -> bool {
+        if begins_block {
+            if self.is_in_block {
+                return true;
+            }
+            if self.blocks_before > 0 {
+                self.blocks_before -= 1;
+                return false;
+            }
+            self.is_in_block = true;
+        }
+        let is_pass = self.pass.is_none_or(|wanted| pass == Some(wanted));
+        self.is_in_block && is_pass
+    }
 }
 
 impl CncRun {
@@ -67,6 +101,7 @@ impl CncRun {
             cursor_line: 1,
             rewind_at_start: false,
             explanations: None,
+            stop: None,
         }
     }
 }

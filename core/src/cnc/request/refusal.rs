@@ -47,6 +47,7 @@ impl Cnc {
             }
         };
         let permission = match request {
+            ControlRequest::Restart(restart) => return self.restart_refusal(restart),
             ControlRequest::ZeroRelative(_)
             | ControlRequest::ClearParts
             | ControlRequest::ClearCuttingTime => check_running(self.is_moving()),

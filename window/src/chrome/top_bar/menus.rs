@@ -144,6 +144,13 @@ pub fn show_views(ui: &mut Ui, settings: &WindowSettings) -> Option<TopBarReques
             ui.close();
         }
     }
+    ui.separator();
+    let entry = egui::Button::selectable(settings.timeline, say::timeline_name().text(language));
+    let hint = say::timeline_menu_hint().text(language);
+    if ui.add(entry).on_hover_text(hint).clicked() {
+        request = Some(TopBarRequest::ToggleTimeline);
+        ui.close();
+    }
     request
 }
 

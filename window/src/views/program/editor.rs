@@ -40,6 +40,8 @@ pub struct EditorResponse {
     /// The target of the word that was clicked with Ctrl, and the line of that word, from 0;
     /// `None` without such a click.
     pub clicked_target: Option<(JumpTarget, usize)>,
+    /// The line, from 1, at whose block the user requests a restart; `None` without a request.
+    pub restart_line: Option<u32>,
 }
 
 /// The widget id of the text field.
@@ -136,6 +138,7 @@ pub fn show_editable(
                 &output.galley,
                 output.galley_pos,
             ),
+            restart_line: show_menu(document, &response, language),
         };
         if done.is_changed {
             document.update_after_change();
@@ -205,6 +208,22 @@ pub fn show_read_only(ui: &mut Ui, sheet: &EditorInputs<'_>, jump: Option<usize>
             );
         }
     });
+}
+
+/// The context menu of the text. Returns the line of the cursor, from 1, if the user requests a
+/// restart at its block.
+fn show_menu(document: &ProgramDocument, response: &Response, language: Language) -> Option<u32> {
+    let mut line = None;
+    response.context_menu(|ui| {
+        let cursor = cursor_range(ui.ctx()).map_or(0, |range| range.start);
+        let at = document.line_at(document.byte_of_character(cursor)) as u32 + 1;
+        let name = say::restart_menu(at).text(language);
+        if ui.button(name).clicked() {
+            line = Some(at);
+            ui.close();
+        }
+    });
+    line
 }
 
 fn line_numbers_width(lines: usize) -> f32 {

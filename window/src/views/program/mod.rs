@@ -7,6 +7,7 @@ mod document;
 mod document_store;
 mod editor;
 mod paint;
+mod restart;
 mod targets;
 pub use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -29,6 +30,7 @@ pub use document::{ProgramDocument, TextOrigin, with_line_feeds};
 use document_store::{DocumentEvent, DocumentStore};
 use editor::EditorInputs;
 use paint::TextColorizer;
+use restart::RestartDialog;
 use targets::JumpTarget;
 
 /// Which text to load into the editor.
@@ -49,6 +51,7 @@ pub struct ProgramView {
     checker: TextChecker,
     last_check: Option<TextCheck>,
     painter: TextColorizer,
+    restart: RestartDialog,
     bar: ProgramBar,
     /// The range of characters to select and scroll to in the next frame; `None`: none.
     selection_to_show: Option<Range<usize>>,
@@ -120,6 +123,7 @@ impl ProgramView {
         Self {
             document: ProgramDocument::new(TextOrigin::New, ""),
             checker: TextChecker::new(&console),
+            restart: RestartDialog::new(console.clone()),
             document_store: DocumentStore::new(console),
             last_check: None,
             painter: TextColorizer::default(),
@@ -231,6 +235,7 @@ impl ProgramView {
             .frame(plain_frame())
             .show(ui, |ui| self.show_text(ui, language));
         self.show_unsaved_question(ui.ctx(), language);
+        self.restart.show(ui.ctx(), language);
         let document = &self.document;
         self.checker.request_check(document.revision, ui.ctx(), || {
             (document.name(), document.text.clone())
@@ -259,6 +264,10 @@ impl ProgramView {
         let done = editor::show_editable(ui, sheet, &mut self.painter, &mut self.selection_to_show);
         if done.is_changed {
             self.message = None;
+        }
+        if let Some(line) = done.restart_line {
+            let text = self.document.text.clone();
+            self.restart.open(text, line, ui.ctx());
         }
         if let Some((target, line)) = done.clicked_target {
             self.go_to(target, line, ui.ctx());

@@ -1,0 +1,152 @@
+//! Chamfers and corner arcs between two lines.
+
+use gsk_messages::say;
+
+use crate::block::ForeignBlock;
+use crate::motion::length_word;
+use crate::porter::{Porter, Refusal};
+use crate::program_numbers::whole;
+use crate::source::SourcePart;
+
+/// A point or direction: X as a radius, Z; millionths of a millimetre.
+type Vector = [f64; 2];
+
+impl<'a> Porter<'a> {
+    /// Converts `,C` `,R` and C, R of a line. Between lines parallel to the axes it is I, K or
+    /// R here; otherwise the tangent points are computed and the corner becomes its own block.
+    pub fn convert_corner(
+        &mut self,
+        block: &mut ForeignBlock,
+        index: usize,
+    ) -> Result<(), Refusal> {
+        let is_rs274 = self.state.set.is_rs274();
+        let is_corner = |word: &crate::block::ForeignWord| {
+            matches!(word.letter, b'C' | b'R') && (word.has_comma || !is_rs274)
+        };
+        let Some(word) = block.words().find(|word| is_corner(word)).cloned() else {
+            self.convert_length(block, b'I');
+            self.convert_length(block, b'K');
+            return Ok(());
+        };
+        let refuse = || Refusal::new(word.shown(), say::ported_note_corner());
+        let size = self.state.length(word.number.ok_or_else(refuse)?).abs();
+        if !block.has_any(b"XUZW") {
+            return Err(refuse());
+        }
+        block.remove_where(is_corner);
+        if size == 0 {
+            return Ok(());
+        }
+        let start = self.position();
+        let corner = self.end_point(block, start);
+        let (next, end) = self.next_line(index, corner).ok_or_else(refuse)?;
+        let moves = [0, 1].map(|axis| leg(start[axis], corner[axis], block, axis));
+        let leaves = [0, 1].map(|axis| leg(corner[axis], end[axis], next, axis));
+        let ([Some(x1), Some(z1)], [Some(x2), Some(z2)]) = (moves, leaves) else {
+            return Err(refuse());
+        };
+        let is_round = word.letter == b'R';
+        let first = [x1 / 2.0, z1];
+        let second = [x2 / 2.0, z2];
+        let letter = match (is_round, x1 == 0.0 && z2 == 0.0, z1 == 0.0 && x2 == 0.0) {
+            (true, true, _) | (true, _, true) => b'R',
+            (false, true, _) => b'I',
+            (false, _, true) => b'K',
+            (_, false, false) => {
+                return self
+                    .write_corner(block, next, (first, second), size, is_round)
+                    .ok_or_else(refuse);
+            }
+        };
+        let sign = if second[0] + second[1] < 0.0 { -1 } else { 1 };
+        block.append(&length_word(letter, size * sign));
+        Ok(())
+    }
+
+    /// Writes a corner between lines of any direction as a block after the first line; `None`
+    /// if it does not fit or a position is unknown.
+    fn write_corner(
+        &mut self,
+        block: &mut ForeignBlock,
+        next: &ForeignBlock,
+        (first, second): (Vector, Vector),
+        size: i64,
+        is_round: bool,
+    ) -> Option<()> {
+        let [Some(x), Some(z)] = self.end_point(block, self.position()) else {
+            return None;
+        };
+        if self.state.is_incremental || next.has_any(b"UW") {
+            return None;
+        }
+        let length = |vector: Vector| vector[0].hypot(vector[1]);
+        let (one, two) = (length(first), length(second));
+        if one < 1.0 || two < 1.0 {
+            return None;
+        }
+        let (one_unit, two_unit) = (first.map(|it| it / one), second.map(|it| it / two));
+        let cross = one_unit[1] * two_unit[0] - one_unit[0] * two_unit[1];
+        let dot = one_unit[0] * two_unit[0] + one_unit[1] * two_unit[1];
+        let turn = cross.abs().atan2(dot);
+        let reach = match is_round {
+            true => size as f64 * (turn / 2.0).tan(),
+            false => size as f64,
+        };
+        if reach > one || reach > two {
+            return None;
+        }
+        let point = |unit: Vector, by: f64| {
+            let diameter = x as f64 + 2.0 * unit[0] * by;
+            [
+                diameter.round() as i64,
+                (z as f64 + unit[1] * by).round() as i64,
+            ]
+        };
+        let (before, after) = (point(one_unit, -reach), point(two_unit, reach));
+        block.remove(b"XUZW");
+        let written =
+            |[x, z]: [i64; 2]| format!("{} {}", length_word(b'X', x), length_word(b'Z', z));
+        block.append(&written(before));
+        let code = match (is_round, cross > 0.0) {
+            (false, _) => "G01",
+            (true, true) => "G03",
+            (true, false) => "G02",
+        };
+        let mut line = format!("{code} {}", written(after));
+        if is_round {
+            line.push_str(&format!(" {}", length_word(b'R', size)));
+        }
+        block.after.push(line);
+        if is_round && !next.g_codes().any(|code| code <= 30) {
+            block.after.push("G01".to_owned());
+        }
+        for (axis, position) in self.state.axes.iter_mut().zip(after) {
+            axis.move_to(position);
+        }
+        Some(())
+    }
+
+    /// The next block with axis words, if it is a line, and its end point.
+    fn next_line(
+        &self,
+        index: usize,
+        from: [Option<i64>; 2],
+    ) -> Option<(&'a ForeignBlock, [Option<i64>; 2])> {
+        let rest: &'a [SourcePart] = self.parts.get(index + 1..)?;
+        let next = rest.iter().find(|part| part.block.has_content())?;
+        let block = &next.block;
+        let is_line = !block.g_codes().any(|code| code != 10);
+        let is_program = whole(block, b'O').is_some();
+        (is_line && !is_program && block.has_any(b"XUZW"))
+            .then(|| (block, self.end_point(block, from)))
+    }
+}
+
+/// The distance of a move along an axis: 0 if the block does not command it.
+fn leg(from: Option<i64>, to: Option<i64>, block: &ForeignBlock, axis: usize) -> Option<f64> {
+    let (position, distance) = crate::motion::AXIS_LETTERS[axis];
+    if !block.has(position) && !block.has(distance) {
+        return Some(0.0);
+    }
+    Some((to? - from?) as f64)
+}

@@ -1,0 +1,128 @@
+//! Drilling cycles become the moves that they consist of.
+
+use gsk_messages::say;
+
+use crate::block::ForeignBlock;
+use crate::motion::length_word;
+use crate::number::{UNIT, round_to, write_number};
+use crate::porter::{Porter, Refusal};
+
+/// Maximum number of pecks of a hole.
+const MAX_PECKS: i64 = 200;
+/// Least depth of a peck, 10⁻⁶ mm: the least increment of this control.
+const LEAST_PECK: i64 = 1_000;
+/// Distance before the bottom of the last peck at which the drill feeds again.
+const CLEARANCE: i64 = UNIT / 2;
+
+impl Porter<'_> {
+    /// Converts a block of G81 to G85, or one that repeats it at another position.
+    pub fn convert_drill(&mut self, block: &mut ForeignBlock, code: i64) -> Result<(), Refusal> {
+        let is_start = block.has_g(code);
+        if !is_start && !block.has_any(b"XZUW") {
+            return Ok(());
+        }
+        let refuse = |word: &str| Refusal::new(word, say::ported_note_drill_words());
+        if self.state.is_incremental || block.has_any(b"UW") {
+            return Err(refuse("U"));
+        }
+        self.convert_drill_words(block);
+        let drill = self.state.drill;
+        let (Some(bottom), Some(level)) = (drill.bottom, drill.level.or(drill.initial)) else {
+            return Err(refuse("Z"));
+        };
+        let back = drill.initial.unwrap_or(level).max(level);
+        let mut lines = Vec::new();
+        let feed = self.take_drill_feed(block, code);
+        let to = |code: &str, z: i64| format!("{code} {}", length_word(b'Z', z));
+        lines.push(to("G00", level));
+        match code {
+            830 => peck_lines(&mut lines, (level, bottom), drill.peck, &feed)
+                .ok_or_else(|| refuse("Q"))?,
+            840 => {
+                lines.push(format!("{}{feed}", to("G33", bottom)));
+                let direction = self.state.machine.spindle.unwrap_or(30) / 10;
+                lines.push(format!("M{direction:02}"));
+            }
+            _ => lines.push(format!("{}{feed}", to("G01", bottom))),
+        }
+        if let Some(dwell) = drill.dwell.filter(|it| *it > 0 && code != 840) {
+            lines.push(format!("G04 X{}", write_number(dwell, 3)));
+        }
+        if code == 850 {
+            lines.push(to("G01", level));
+        }
+        lines.push(to("G00", back));
+        self.note(
+            block.line,
+            format!("G{}", code / 10),
+            say::ported_note_drill(),
+        );
+        block.remove_g(&[code, 0, 10]);
+        block.remove(b"ZRQPFK");
+        if block.has(b'X') {
+            self.convert_axis(block, 0, true);
+            block.prepend("G00");
+        } else {
+            block.append(&lines.remove(0));
+        }
+        block.after.extend(lines);
+        self.state.axes[1].move_to(back);
+        Ok(())
+    }
+
+    /// Keeps the words that stay valid for the next hole.
+    fn convert_drill_words(&mut self, block: &ForeignBlock) {
+        let state = &mut self.state;
+        let length = |letter| block.number(letter).map(|it| state.length(it));
+        let seconds = |number: crate::number::Number| match state.set.is_rs274() || number.has_point
+        {
+            true => number.micro,
+            false => number.micro / 1_000,
+        };
+        let (bottom, level) = (length(b'Z'), length(b'R'));
+        let peck = block.number(b'Q').map(|it| state.cycle_length(it));
+        let dwell = block.number(b'P').map(seconds);
+        let drill = &mut state.drill;
+        drill.bottom = bottom.or(drill.bottom);
+        drill.level = level.or(drill.level);
+        drill.peck = peck.or(drill.peck);
+        drill.dwell = dwell.or(drill.dwell);
+    }
+
+    /// The feed of the block as a word with a blank before it; empty without F.
+    fn take_drill_feed(&mut self, block: &mut ForeignBlock, code: i64) -> String {
+        let Some(number) = block.number(b'F') else {
+            return String::new();
+        };
+        if code == 840 {
+            return format!(" F{}", write_number(self.state.lead(number), 5));
+        }
+        self.start_feed(block);
+        format!(" F{}", write_number(self.state.feed(number), 5))
+    }
+}
+
+/// The pecks of a hole with full retraction; `None` if there are none or too many.
+fn peck_lines(
+    lines: &mut Vec<String>,
+    (level, bottom): (i64, i64),
+    peck: Option<i64>,
+    feed: &str,
+) -> Option<()> {
+    let step = peck.map_or(level - bottom, i64::abs);
+    if step < LEAST_PECK || (level - bottom) / step > MAX_PECKS {
+        return None;
+    }
+    let mut feed = feed.to_owned();
+    let mut depth = level;
+    while depth > bottom {
+        if depth != level {
+            lines.push(format!("G00 {}", length_word(b'Z', level)));
+            lines.push(format!("G00 {}", length_word(b'Z', depth + CLEARANCE)));
+        }
+        depth = round_to(depth - step, 3).max(bottom);
+        lines.push(format!("G01 {}{feed}", length_word(b'Z', depth)));
+        feed.clear();
+    }
+    Some(())
+}

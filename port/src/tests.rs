@@ -1,0 +1,168 @@
+//! Ported texts, word by word.
+
+use gsk_messages::Language;
+
+use crate::{ForeignDialect, PlainNumbers, PortOptions, port_program};
+
+fn port(dialect: ForeignDialect, text: &str) -> String {
+    port_program(text, dialect, PortOptions::default()).text
+}
+
+fn fanuc(text: &str) -> String {
+    port(ForeignDialect::Fanuc0t, text)
+}
+
+fn first_finding(dialect: ForeignDialect, text: &str) -> String {
+    let ported = port_program(text, dialect, PortOptions::default());
+    let first = ported.findings.first().expect("a finding");
+    format!("{}: {}", first.line, first.message().text(Language::En))
+}
+
+#[test]
+fn numbers_without_a_point_are_increments_unless_an_option_says_otherwise() {
+    assert_eq!(fanuc("G00X1500Z-200\n"), "G00X1.5Z-0.2\n");
+    assert_eq!(fanuc("G00 X15. Z0\n"), "G00 X15. Z0\n");
+    let options = PortOptions {
+        plain_numbers: Some(PlainNumbers::AsWritten),
+        starts_in_inches: true,
+    };
+    let ported = port_program("G00X1Z-2.5\n", ForeignDialect::Fanuc0t, options);
+    assert_eq!(ported.text, "G00X25.4Z-63.5\n");
+}
+
+#[test]
+fn roundings_of_inch_increments_do_not_add_up() {
+    let text = "G20 G99\nG0 X1. Z0\nG1 U.0001 F.01\nU.0001\nU.0001\nU.0001\n";
+    let ported = fanuc(text);
+    let sum: f64 = (ported.lines().skip(2))
+        .filter_map(|line| line.split_once('U'))
+        .filter_map(|(_, rest)| rest.split(' ').next()?.parse::<f64>().ok())
+        .sum();
+    assert!((sum - 0.0004 * 25.4).abs() < 0.000_51, "{ported}");
+}
+
+#[test]
+fn leads_and_tapers_change_their_letters() {
+    let ten = ForeignDialect::Fanuc10t;
+    assert_eq!(
+        port(ten, "G92 X30. Z-20. I-1. E1.5\nX29. I-1.\n"),
+        "G92 X30. Z-20. R-1. F1.5\nX29. R-1.\n"
+    );
+    assert_eq!(port(ten, "G32 Z-20. E2.\n"), "G32 Z-20. F2.\n");
+    assert_eq!(
+        port(ForeignDialect::Haas, "M24\nG92 X30. Z-20. F1.5\nX29.\n"),
+        "(M24)\nG92 X30. Z-20. F1.5 J0 K0\nX29.\n"
+    );
+    assert_eq!(
+        port(ForeignDialect::LinuxCnc, "G7 G90\nG33 Z-20 K1.5\n"),
+        "(G7 G90)\nG32 Z-20 F1.5\n"
+    );
+}
+
+#[test]
+fn corners_between_slanted_lines_become_blocks() {
+    let text = "G0 X20. Z0\nG98 G1 Z-10. ,R2. F99.\nX40. Z-20.\n";
+    assert_eq!(
+        fanuc(text),
+        "G0 X20. Z0\nG98 G1 F99. X20. Z-9.172\nG02 X21.172 Z-10.586 R2.\nG01\nX40. Z-20.\n"
+    );
+    assert_eq!(
+        fanuc("G0 X20. Z0\nG98 G1 Z-10. ,C2. F99.\nX40.\n"),
+        "G0 X20. Z0\nG98 G1 Z-10. F99. I2.\nX40.\n"
+    );
+    let refused = first_finding(ForeignDialect::Fanuc0t, "G98 G1 Z-10.,C2. F99.\nM30\n");
+    assert!(refused.starts_with("1: ,C2. is not ported"), "{refused}");
+}
+
+#[test]
+fn drilling_becomes_moves() {
+    assert_eq!(
+        port(
+            ForeignDialect::Haas,
+            "G99\nG0 X0 Z5.\nG84 Z-20. R3. F1.25\nG80\n"
+        ),
+        "G99\nG0 X0 Z5.\nG00 Z3.\nG33 Z-20. F1.25\nM03\nG00 Z5.\n(G80)\n"
+    );
+    assert_eq!(
+        port(
+            ForeignDialect::Haas,
+            "G99\nG0 X0 Z5.\nG83 Z-3. R1. Q2. F0.1\n"
+        ),
+        "G99\nG0 X0 Z5.\nG00 Z1.\nG01 Z-1. F0.1\nG00 Z1.\nG00 Z-0.5\nG01 Z-3.\nG00 Z5.\n"
+    );
+}
+
+#[test]
+fn calls_have_their_count_before_the_number() {
+    assert_eq!(fanuc("M98 P12 L3\n"), "G99\nM98 P30012\n");
+    assert_eq!(fanuc("G98\nM98 P51002\n"), "G98\nM98 P51002\n");
+    assert_eq!(
+        port(
+            ForeignDialect::Haas,
+            "O1\nM97 P50 L2\nM30\nN50 G0 Z1.\nM99\n"
+        ),
+        "O1\nG99\nM98 P29001\nM30\nO9001\nN50 G0 Z1.\nM99\n"
+    );
+    let refused = first_finding(
+        ForeignDialect::Haas,
+        "O1\nM97 P50\nG0 X1.\nN50 G0 Z1.\nM99\n",
+    );
+    assert!(refused.starts_with("2: P50 is not ported"), "{refused}");
+}
+
+#[test]
+fn machine_codes_follow_the_machine() {
+    assert_eq!(fanuc("M03\nM04\n"), "M03\nM05\nM04\n");
+    assert_eq!(fanuc("N5 M01 (CHECK)\n"), "/N5 M00 (CHECK)\n");
+    assert_eq!(fanuc("G0 X1. M01\n"), "G0 X1.\n/M00\n");
+    assert_eq!(port(ForeignDialect::Haas, "M10\nM11\n"), "M12\nM13\n");
+    let refused = first_finding(ForeignDialect::Fanuc0t, "M61\n");
+    assert!(refused.starts_with("1: M61 is not ported"), "{refused}");
+    assert_eq!(
+        port(ForeignDialect::Mach3, "T2 M6\nT3\nM6\n"),
+        "T0202\n(T3)\nT0303\n"
+    );
+}
+
+#[test]
+fn coordinate_systems_and_returns() {
+    let haas = ForeignDialect::Haas;
+    assert_eq!(port(haas, "G54 G0 X1.\nG54\n"), "G0 X1.\n(G54)\n");
+    let refused = first_finding(haas, "G54 G0 X1.\nG55 X2.\n");
+    assert!(refused.starts_with("2: G55 is not ported"), "{refused}");
+    assert_eq!(port(haas, "G53 G0 X0 Z0 M9\n"), "G00\nG28 U0 W0 M9\n");
+    assert!(first_finding(haas, "G53 X-100.\n").contains("G53 X-100."));
+    assert_eq!(port(haas, "G30 P2 U0\n"), "G28 U0\n");
+}
+
+#[test]
+fn radius_mode_doubles_x() {
+    assert_eq!(
+        port(
+            ForeignDialect::LinuxCnc,
+            "G8\nG1 X10 Z-5 F100\nG2 X12 Z-7 I2 K0\n"
+        ),
+        "(G8)\nG1 X20. Z-5 F100\nG2 X24. Z-7 I2 K0\n"
+    );
+}
+
+#[test]
+fn variables_of_macro_a_are_renumbered() {
+    assert_eq!(
+        fanuc("G65 H01 P#100 Q1500\nG0 X#100\n"),
+        "G65 H01 P#200 Q1500\nG0 X#200\n"
+    );
+    let refused = first_finding(ForeignDialect::Fanuc0t, "#100=#101+1\n");
+    assert!(refused.contains("is not ported"), "{refused}");
+}
+
+#[test]
+fn a_profile_keeps_motion_and_feed_only() {
+    let text = "G99\nG0 X50. Z2.\nG71 U2. R1.\nG71 P1 Q2 U0.4 W0.1 F0.2 S500\n\
+                N1 G0 G42 X20. Z2. S900\nN2 G1 Z-20. F0.1\n";
+    assert_eq!(
+        fanuc(text),
+        "G99\nG0 X50. Z2.\nG71 U2. R1.\nG71 P1 Q2 U0.4 W0.1 F0.2 S500\n\
+         N1 G0 X20.\nN2 G1 Z-20. F0.1\n"
+    );
+}

@@ -1,0 +1,297 @@
+//! Runs the program in a copy of the machine up to a block.
+
+use gsk_core::cnc::{Event, RunStop};
+use gsk_core::command::{MoveKind, ProgramId, SourcePosition};
+use gsk_core::program::{Program, Syntax};
+use gsk_core::simulation::Simulation;
+use gsk_core::units::Point;
+use gsk_messages::{Message, say};
+
+use super::copy_run::{CopyProgress, CopyRun};
+use super::machine_functions::MachineFunctions;
+use crate::machining::live_part::LivePart;
+
+/// Greatest machine time of a search, hours.
+const MAX_HOURS: u64 = 12;
+const TICKS_PER_HOUR: u64 = 3_600_000;
+/// Ticks between two stored moments of the search, from which the run to the block begins.
+const CHECKPOINT_TICKS: u64 = 2000;
+/// Ticks without progress after which the wait of the copy ends the search.
+const MAX_WAIT_TICKS: u64 = 600_000;
+
+/// Decides in which tick the wanted block begins.
+pub trait BlockWatcher {
+    /// Called after each tick. Returns the wanted block once it has begun in this tick.
+    fn follow_tick(&mut self, simulation: &Simulation) -> Option<SourcePosition>;
+}
+
+/// Waits for the block in a line to begin for the first time.
+#[derive(Clone, Copy, Debug)]
+pub struct LineWatcher {
+    program: ProgramId,
+    line: u32,
+}
+
+impl LineWatcher {
+    /// Waits for the first block with words in a line, from 1, of the program or after it: a
+    /// comment or an empty line never begins.
+    pub fn new(id: ProgramId, program: &Program, line: u32) -> Self {
+        let has_words = |index: &u32| {
+            let block = program.parse_with_variables(*index, Syntax::default());
+            block.is_ok_and(|block| !block.is_empty())
+        };
+        let first = program.block_from_line(line);
+        let found = (first..program.block_count()).find(has_words);
+        Self {
+            program: id,
+            line: found.map_or(line, |index| program.block_line(index)),
+        }
+    }
+}
+
+impl BlockWatcher for LineWatcher {
+    fn follow_tick(&mut self, simulation: &Simulation) -> Option<SourcePosition> {
+        begun_blocks(simulation)
+            .find(|source| source.program == self.program && source.line == self.line)
+    }
+}
+
+fn begun_blocks(simulation: &Simulation) -> impl Iterator<Item = SourcePosition> + '_ {
+    let events = simulation.cnc.events().iter();
+    events.filter_map(|event| match event {
+        Event::BlockStarted(source, _) => Some(*source),
+        _ => None,
+    })
+}
+
+/// The machine before a block, in a copy that has run the program from its head.
+#[derive(Clone, Debug)]
+pub struct BlockState {
+    /// Control and lathe, stopped before the block.
+    pub simulation: Simulation,
+    /// The part, if the search began with one.
+    pub part: Option<LivePart>,
+    /// The M functions that the program has output.
+    pub functions: MachineFunctions,
+    /// A slide position that is clear of the part, machine coordinates, mm: the one of the last
+    /// tool change, else the outermost end of a rapid.
+    pub clear_point: Point,
+    /// What the operator must know about this state.
+    pub remarks: Vec<Message>,
+}
+
+/// A moment of the search.
+#[derive(Clone, Debug)]
+struct SearchMoment {
+    run: CopyRun,
+    /// Number of blocks that have begun.
+    blocks: u64,
+    functions: MachineFunctions,
+    tool_change: Option<Point>,
+    outermost: Point,
+    tool: u8,
+}
+
+impl SearchMoment {
+    fn new(mut simulation: Simulation, part: Option<LivePart>) -> Self {
+        simulation.cnc.begin_restart_search(None);
+        Self {
+            outermost: simulation.cnc.position_machine(),
+            tool: simulation.cnc.tool().0,
+            run: CopyRun::new(simulation, part),
+            blocks: 0,
+            functions: MachineFunctions::default(),
+            tool_change: None,
+        }
+    }
+
+    fn tick(&mut self) {
+        self.run.tick();
+        let cnc = &self.run.simulation.cnc;
+        for event in cnc.events() {
+            match event {
+                Event::BlockStarted(_, modal) => {
+                    self.blocks += 1;
+                    if let Some(code) = modal.m {
+                        self.functions.add(code);
+                    }
+                    if modal.tool != self.tool {
+                        self.tool = modal.tool;
+                        self.tool_change = Some(cnc.commanded_machine_position());
+                    }
+                }
+                Event::MoveEnded(executed) if executed.kind == MoveKind::Rapid => {
+                    let end = executed.conditions.frame.to_machine(executed.to);
+                    if (end.x, end.z) > (self.outermost.x, self.outermost.z) {
+                        self.outermost = end;
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// The reason for which the search cannot continue; `None` if it can. A stop of the program
+    /// is answered with cycle start.
+    fn check(&mut self) -> Option<Message> {
+        let cnc = &self.run.simulation.cnc;
+        let message = cnc.active_message();
+        let alarm = cnc.alarms().first().or(message.as_ref());
+        if let Some(alarm) = alarm {
+            return Some(say::restart_search_alarm(alarm.number, alarm.reason()));
+        }
+        match self.run.progress() {
+            CopyProgress::Running => None,
+            CopyProgress::Stopped => {
+                self.run.press_cycle_start();
+                None
+            }
+            CopyProgress::Ended => Some(match cnc.start_refusal() {
+                Some(why) if self.blocks == 0 => why,
+                _ => say::restart_block_ended(),
+            }),
+        }
+    }
+}
+
+/// Runs the selected program in a copy of `now` until `watcher` reports a block, and stops the
+/// copy before this block begins; with `pass` before that pass of the block's cycle. A block
+/// that continues a thread is replaced by the first block of the thread. With `part` the copy
+/// cuts this part.
+///
+/// # Errors
+/// Why the block is not reached.
+pub fn find_block(
+    now: &Simulation,
+    part: Option<LivePart>,
+    watcher: &mut impl BlockWatcher,
+    pass: Option<u64>,
+) -> Result<BlockState, Message> {
+    if now.cnc.programs().selected().is_none() {
+        return Err(say::restart_no_program());
+    }
+    let first = SearchMoment::new(place_at_program_zero(now), part);
+    let (moments, block) = search_forward(first, watcher)?;
+    let mut number = block;
+    let mut remarks = Vec::new();
+    loop {
+        let stopped = stop_before(&moments, number, pass)?;
+        let cnc = &stopped.run.simulation.cnc;
+        if cnc.continues_thread() && number > 1 {
+            if remarks.is_empty() {
+                remarks.push(say::restart_thread_begin());
+            }
+            number -= 1;
+            continue;
+        }
+        let mut part = stopped.run.part;
+        if let Some(part) = &mut part {
+            part.change_machine();
+        }
+        return Ok(BlockState {
+            clear_point: stopped.tool_change.unwrap_or(stopped.outermost),
+            simulation: stopped.run.simulation,
+            part,
+            functions: stopped.functions,
+            remarks,
+        });
+    }
+}
+
+/// The machine with its slides at the point where the program last set its coordinates (G50),
+/// from which a full run begins; without such a point the slides stay.
+fn place_at_program_zero(now: &Simulation) -> Simulation {
+    let mut copy = now.clone();
+    if let Some(zero) = now.cnc.program_zero() {
+        copy.place_slides(zero);
+    }
+    copy
+}
+
+/// Runs until the watcher reports a block. Returns the stored moments, the oldest first, and
+/// the number of the block in the run.
+fn search_forward(
+    mut moment: SearchMoment,
+    watcher: &mut impl BlockWatcher,
+) -> Result<(Vec<SearchMoment>, u64), Message> {
+    let mut moments = vec![moment.clone()];
+    let mut last_stored = 0;
+    let mut last_progress = 0;
+    for tick in 0..MAX_HOURS * TICKS_PER_HOUR {
+        let before = moment.blocks;
+        moment.tick();
+        if let Some(wanted) = watcher.follow_tick(&moment.run.simulation) {
+            let is_wanted = |source: SourcePosition| {
+                source.program == wanted.program && source.line == wanted.line
+            };
+            let index = begun_blocks(&moment.run.simulation).position(is_wanted);
+            let begun = index.map_or(moment.blocks, |index| before + index as u64 + 1);
+            return Ok((moments, begun.max(1)));
+        }
+        if let Some(why) = moment.check() {
+            return Err(why);
+        }
+        if moment.blocks > before || moment.run.simulation.cnc.is_moving() {
+            last_progress = tick;
+        } else if tick - last_progress > MAX_WAIT_TICKS
+            && let Some(wait) = moment.run.simulation.cnc.wait_reason()
+        {
+            return Err(say::restart_search_waits(wait));
+        }
+        if moment.blocks > before && tick >= last_stored + CHECKPOINT_TICKS {
+            last_stored = tick;
+            // The first one stays: a thread may have begun long ago.
+            if moments.len() > 2 {
+                moments.remove(1);
+            }
+            moments.push(moment.clone());
+        }
+    }
+    Err(say::restart_not_reached(MAX_HOURS))
+}
+
+/// Runs from the last moment before block number `number` to the begin of this block.
+fn stop_before(
+    moments: &[SearchMoment],
+    number: u64,
+    pass: Option<u64>,
+) -> Result<SearchMoment, Message> {
+    let before = moments.iter().rev().find(|moment| moment.blocks < number);
+    let mut moment = before.cloned().ok_or_else(say::restart_block_ended)?;
+    moment.run.simulation.cnc.set_run_stop(Some(RunStop {
+        blocks_before: number - moment.blocks - 1,
+        pass,
+        is_in_block: false,
+    }));
+    loop {
+        moment.tick();
+        let is_block_over = moment.blocks > number;
+        if moment.run.simulation.cnc.is_at_run_stop() {
+            let is_next = pass.is_some() && moment.run.simulation.cnc.is_before_block();
+            let is_first = moment.blocks < number;
+            if let Some(pass) = pass.filter(|_| is_next && !is_first) {
+                return Err(say::restart_pass_missing(pass));
+            }
+            moment.run.simulation.cnc.set_run_stop(None);
+            return Ok(moment);
+        }
+        if is_block_over {
+            return Err(say::restart_block_ended());
+        }
+        if let Some(why) = moment.check() {
+            return Err(why);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_comment_line_stands_for_the_block_below_it() {
+        let program = Program::new("O0001\n(rough)\n\nG00 X#100\nM30\n");
+        let line = |line| LineWatcher::new(ProgramId::External, &program, line).line;
+        assert_eq!([2, 3, 4, 5, 6].map(line), [4, 4, 4, 5, 6]);
+    }
+}

@@ -1,0 +1,97 @@
+//! Restart at a block: runs the program in a copy of the machine up to the block, lists what
+//! differs there from the machine now, and finds a way to the start point.
+//!
+//! ```text
+//!   machine now --clone--> BlockSearch --stops before the block--> BlockState
+//!        |                                                            |
+//!        +----------------- differences, route, trial <---------------+
+//!                                   |
+//!                              RestartPlan --> ControlRequest::Restart
+//! ```
+
+mod block_search;
+mod copy_run;
+mod difference;
+mod machine_functions;
+mod route;
+
+use gsk_core::command::{ProgramId, SourcePosition};
+use gsk_core::interpreter::RunningCall;
+use gsk_core::operation::PreparedRestart;
+use gsk_core::simulation::Simulation;
+use gsk_messages::{Message, say};
+
+use crate::machining::live_part::LivePart;
+
+pub use block_search::{BlockState, BlockWatcher, LineWatcher, find_block};
+pub use difference::StateDifference;
+
+/// A restart that can be requested, with all that an operator must know before.
+#[derive(Clone, Debug)]
+pub struct RestartPlan {
+    /// The block at which the run continues.
+    pub block: SourcePosition,
+    /// The text of the block.
+    pub block_text: String,
+    /// The calls that lead to the block, the innermost last.
+    pub calls: Vec<RunningCall>,
+    /// The values that the restart changes.
+    pub differences: Vec<StateDifference>,
+    /// The way to the start point, one action each.
+    pub steps: Vec<Message>,
+    /// What the restart does not do.
+    pub remarks: Vec<Message>,
+    /// The restart itself.
+    pub restart: Box<PreparedRestart>,
+}
+
+/// Plans the restart of the machine `now` at the block before which `target` has stopped.
+/// `part` is the part in the machine now; without it the way is not checked for collisions.
+///
+/// # Errors
+/// Why the machine cannot restart now, or why no way leads to the start point.
+pub fn plan_restart(
+    now: &Simulation,
+    part: Option<&LivePart>,
+    target: &BlockState,
+) -> Result<RestartPlan, Message> {
+    if let Some(why) = now.cnc.restart_state_refusal() {
+        return Err(why);
+    }
+    let block = target.simulation.cnc.next_block();
+    let block = block.ok_or_else(say::restart_block_ended)?;
+    let route = route::find_route(now, part, target)?;
+    let mut remarks = target.remarks.clone();
+    if part.is_none() {
+        remarks.push(say::restart_needs_part());
+    }
+    let others = target.functions.others();
+    remarks.extend(others.map(say::restart_machine_function));
+    let text = target.simulation.cnc.programs().get(block.program);
+    Ok(RestartPlan {
+        block,
+        block_text: text.map_or_else(String::new, |it| it.line(block.line).trim().to_owned()),
+        calls: target.simulation.cnc.running_calls().collect(),
+        differences: difference::find_differences(now, target),
+        steps: route::step_messages(&route, &target.simulation),
+        remarks,
+        restart: Box::new(route::prepare(now, target, &route)?),
+    })
+}
+
+impl RestartPlan {
+    /// The plan as lines for the operator. `program_name` names a program.
+    pub fn lines(&self, program_name: impl Fn(ProgramId) -> String) -> Vec<Message> {
+        let name = program_name(self.block.program);
+        let mut lines = vec![say::restart_block(name, self.block.line, &self.block_text)];
+        lines.extend(self.calls.iter().rev().map(|call| {
+            say::restart_call(program_name(call.caller), call.caller_line, call.runs_left)
+        }));
+        lines.extend(self.differences.iter().map(StateDifference::to_message));
+        lines.push(say::restart_same_state());
+        lines.extend(self.steps.iter().cloned());
+        lines.extend(self.remarks.iter().cloned());
+        lines.push(say::restart_start_again());
+        lines
+    }
+}

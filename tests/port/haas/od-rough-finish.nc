@@ -1,0 +1,28 @@
+%
+O00100 (HAAS OD ROUGH AND FINISH)
+(G54 X0 IS CENTER OF ROTATION)
+(Z0 IS FACE OF PART)
+(T1 IS OD CUTTING TOOL)
+(BEGIN PREPARATION BLOCKS)
+T101 (Select tool and offset 1)
+G00 G18 G20 G40 G80 G99 (Safe startup)
+G50 S1000 (Limit spindle to 1000 RPM)
+G97 S500 M03 (CSS off, spindle on CW)
+G00 G54 X2.1 Z0.1 (Rapid to 1st position)
+M08 (Coolant on)
+G96 S200 (CSS on)
+(BEGIN CUTTING BLOCKS)
+G71 P1 Q2 D0.08 U0.02 W0.005 F0.012
+N1 G00 X0.75 (P1 - Begin toolpath)
+G01 Z-0.75 F0.01
+X1. Z-1.
+Z-1.25
+G02 X1.5 Z-1.5 R0.25
+N2 G01 X2. (Q2 - End toolpath)
+G70 P1 Q2
+(BEGIN COMPLETION BLOCKS)
+G97 S500
+G00 G53 X0 M09 (X home, coolant off)
+G53 Z0 M05 (Z home, spindle off)
+M30 (End program)
+%

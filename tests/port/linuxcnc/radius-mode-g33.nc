@@ -1,0 +1,19 @@
+%
+( radius mode, single passes of a thread )
+G8 G18 G21 G90 G94 G40
+S500 M3
+T2 M6
+G43 H2
+G0 X12 Z4
+G0 X9.7
+G33 Z-20 K1.5
+G0 X12
+Z4
+X9.4
+G33 Z-20 K1.5
+G0 X12
+Z4
+G0 X30 Z30
+M5
+M2
+%
