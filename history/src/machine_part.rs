@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
+use gsk_core::machine::LatheFault;
 use gsk_core::simulation::Simulation;
 use gsk_runner::machining::live_part::LivePart;
 use gsk_runner::machining::{CollisionFinding, Machining};
+use gsk_workpiece::collision::TouchingPart;
 use gsk_workpiece::job::Job;
 use gsk_workpiece::stock::Stock;
 use serde::{Deserialize, Serialize};
@@ -91,6 +93,29 @@ impl MachinePart {
     pub fn follow_tick(&mut self, simulation: &Simulation) -> Option<CollisionFinding> {
         self.has_gripped |= simulation.lathe.is_chuck_clamped();
         self.live.as_mut()?.follow_tick(simulation).first().copied()
+    }
+
+    /// Returns the faults by which a collision stops the simulated lathe: the drive of the axis
+    /// with more distance to go trips, and the spindle is blocked. `None` if the collision stops
+    /// nothing.
+    ///
+    /// With a guessed job the position of the part is an assumption by hand, and the shape of a
+    /// tool beyond its edge is one always: such a collision is reported and stops nothing
+    /// (WINDOW-29).
+    pub fn crash_faults(
+        &self,
+        finding: &CollisionFinding,
+        simulation: &Simulation,
+    ) -> Option<[LatheFault; 2]> {
+        let by_body = matches!(finding.collision.touching_part, TouchingPart::Body(_));
+        let is_given = self.job_name.is_some() || self.job.zero.is_some();
+        let is_certain = is_given || (finding.source.is_some() && !by_body);
+        let left = simulation.cnc.distance_to_go();
+        let drive = match left.x.abs() > left.z.abs() {
+            true => LatheFault::DriveX,
+            false => LatheFault::DriveZ,
+        };
+        (self.crash_stops && is_certain).then_some([drive, LatheFault::SpindleBlocked])
     }
 
     /// Returns the part with its threads; `None` without a job.

@@ -4,6 +4,7 @@ use std::io;
 
 use gsk_core::cnc::{ControlRequest, ReceivedData};
 use gsk_panel::emulator::{Emulator, EmulatorInput, PortRequest};
+use gsk_runner::machining::CollisionFinding;
 use serde::{Deserialize, Serialize};
 
 use crate::machine_part::{MachinePart, NamedJob, PartInput};
@@ -89,11 +90,11 @@ impl MachineMoment {
         }
     }
 
-    /// Simulates one millisecond. A collision has no effect here: the faults that it caused
-    /// are among the recorded inputs.
-    pub fn tick(&mut self) {
+    /// Simulates one millisecond and returns the first collision in it, if any. A collision has
+    /// no effect here: the faults that it caused are among the recorded inputs.
+    pub fn tick(&mut self) -> Option<CollisionFinding> {
         self.emulator.tick();
-        self.part.follow_tick(self.emulator.simulation());
+        self.part.follow_tick(self.emulator.simulation())
     }
 
     /// Returns the ticks of the emulator.

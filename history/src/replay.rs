@@ -1,8 +1,10 @@
 //! Replays a recording: simulates it from its states and inputs, and compares the hashes.
 
+use gsk_runner::machining::CollisionFinding;
+
 use crate::history::{DEFAULT_BUDGET_BYTES, History};
 use crate::machine_part::MachinePart;
-use crate::moment::{MachineMoment, state_hash};
+use crate::moment::{MachineMoment, RecordedInput, state_hash};
 use crate::recording::{RecordingError, RecordingEvent, RecordingReader};
 
 /// Greatest number of ticks between two events. The recorder writes one a second, in which no
@@ -39,26 +41,61 @@ pub struct Replay {
     pub history: Option<History>,
 }
 
-/// Replays a recording up to its end or to the first damage.
+/// Follows a replay tick by tick. Every method returns whether the replay continues.
+pub trait ReplayObserver {
+    /// The machine is in a state that the recording contains.
+    fn begin(&mut self, moment: &MachineMoment) -> bool;
+
+    /// An input is about to act on the machine.
+    fn before_input(&mut self, moment: &MachineMoment, recorded: &RecordedInput) -> bool;
+
+    /// A tick has passed, with the first collision in it, if any.
+    fn after_tick(&mut self, moment: &MachineMoment, collision: Option<&CollisionFinding>) -> bool;
+
+    /// The replay has ended with the machine in this state. Not called without a state.
+    fn end(&mut self, moment: MachineMoment);
+}
+
+/// Replays a recording up to its end or to the first damage, and stores its history.
 ///
 /// # Errors
 /// The bytes are no recording, or one of a newer format.
 pub fn replay(bytes: &[u8]) -> Result<Replay, RecordingError> {
+    let mut keeper = HistoryKeeper::default();
+    let replayed = replay_observed(bytes, &mut keeper)?;
+    Ok(Replay {
+        history: keeper.0,
+        ..replayed
+    })
+}
+
+/// Replays a recording and shows every input and tick to `observer`, until it stops the replay.
+/// The history of the result is empty.
+///
+/// # Errors
+/// The bytes are no recording, or one of a newer format.
+pub fn replay_observed(
+    bytes: &[u8],
+    observer: &mut dyn ReplayObserver,
+) -> Result<Replay, RecordingError> {
     let mut reader = RecordingReader::new(bytes)?;
-    let mut player = Player::default();
+    let mut player = Player::new(observer);
     let error = loop {
         let offset = reader.offset();
         match reader.next_event() {
-            Ok(Some(event)) => {
-                if player.play(event).is_none() {
-                    break Some(RecordingError::OutOfOrder(offset));
-                }
-            }
+            Ok(Some(event)) => match player.play(event) {
+                Some(true) => {}
+                Some(false) => break None,
+                None => break Some(RecordingError::OutOfOrder(offset)),
+            },
             Ok(None) => break None,
             Err(newer @ RecordingError::NewerFormat(_)) => return Err(newer),
             Err(error) => break Some(error),
         }
     };
+    if let Some(moment) = player.moment.take() {
+        player.observer.end(moment);
+    }
     Ok(Replay {
         program: player.program,
         input_count: player.input_count,
@@ -67,12 +104,42 @@ pub fn replay(bytes: &[u8]) -> Result<Replay, RecordingError> {
         difference: player.difference,
         is_complete: player.is_complete,
         error,
-        history: player.section.map(|(_, history)| history),
+        history: None,
     })
 }
 
-#[derive(Debug, Default)]
-struct Player {
+/// Stores the history of the replayed session since its last state.
+#[derive(Default)]
+struct HistoryKeeper(Option<History>);
+
+impl ReplayObserver for HistoryKeeper {
+    fn begin(&mut self, moment: &MachineMoment) -> bool {
+        self.0 = Some(History::new(moment.clone(), DEFAULT_BUDGET_BYTES));
+        true
+    }
+
+    fn before_input(&mut self, moment: &MachineMoment, recorded: &RecordedInput) -> bool {
+        if let Some(history) = &mut self.0 {
+            if recorded.input.is_expensive() {
+                history.store_state(&moment.emulator, &moment.part);
+            }
+            history.record(recorded.clone());
+        }
+        true
+    }
+
+    fn after_tick(&mut self, moment: &MachineMoment, _: Option<&CollisionFinding>) -> bool {
+        if let Some(history) = &mut self.0 {
+            history.follow(&moment.emulator, &moment.part);
+        }
+        true
+    }
+
+    fn end(&mut self, _: MachineMoment) {}
+}
+
+struct Player<'a> {
+    observer: &'a mut dyn ReplayObserver,
     program: String,
     input_count: usize,
     replayed_ticks: u64,
@@ -80,48 +147,70 @@ struct Player {
     last_equal: Option<u64>,
     difference: Option<HashDifference>,
     is_complete: bool,
-    /// The machine, and its history since the last state.
-    section: Option<(MachineMoment, History)>,
+    /// The machine since the last state.
+    moment: Option<MachineMoment>,
 }
 
-impl Player {
-    /// Plays an event; `None` if it is out of order.
-    fn play(&mut self, event: RecordingEvent) -> Option<()> {
+impl<'a> Player<'a> {
+    const fn new(observer: &'a mut dyn ReplayObserver) -> Self {
+        Self {
+            observer,
+            program: String::new(),
+            input_count: 0,
+            replayed_ticks: 0,
+            equal_hashes: 0,
+            last_equal: None,
+            difference: None,
+            is_complete: false,
+            moment: None,
+        }
+    }
+
+    /// Plays an event and returns whether the replay continues; `None` if the event is out of
+    /// order.
+    fn play(&mut self, event: RecordingEvent) -> Option<bool> {
         match event {
-            RecordingEvent::Start { program, .. } => self.program = program,
+            RecordingEvent::Start { program, .. } => {
+                self.program = program;
+                Some(true)
+            }
             RecordingEvent::State { emulator, part } => {
                 let mut moment = MachineMoment {
                     emulator: *emulator,
                     part: MachinePart::default(),
                 };
                 part.into_iter().for_each(|input| moment.part.apply(input));
-                let history = History::new(moment.clone(), DEFAULT_BUDGET_BYTES);
-                self.section = Some((moment, history));
+                let continues = self.observer.begin(&moment);
+                self.moment = Some(moment);
+                Some(continues)
             }
             RecordingEvent::Input(recorded) => {
-                self.run_until(recorded.tick)?;
-                let (moment, history) = self.section.as_mut()?;
-                if recorded.input.is_expensive() {
-                    history.store_state(&moment.emulator, &moment.part);
+                if !self.run_until(recorded.tick)? {
+                    return Some(false);
                 }
-                moment.apply(recorded.input.clone());
-                history.record(*recorded);
+                let moment = self.moment.as_mut()?;
+                let continues = self.observer.before_input(moment, &recorded);
+                moment.apply(recorded.input);
                 self.input_count += 1;
+                Some(continues)
             }
             RecordingEvent::Reached(tick) | RecordingEvent::BoardLinked(tick) => {
-                self.run_until(tick)?;
+                self.run_until(tick)
             }
             RecordingEvent::Hash { tick, hash } => {
-                self.run_until(tick)?;
-                let (moment, _) = self.section.as_ref()?;
-                self.compare(tick, state_hash(&moment.emulator) == Some(hash));
+                let continues = self.run_until(tick)?;
+                if continues {
+                    let moment = self.moment.as_ref()?;
+                    self.compare(tick, state_hash(&moment.emulator) == Some(hash));
+                }
+                Some(continues)
             }
             RecordingEvent::End(tick) => {
-                self.run_until(tick)?;
-                self.is_complete = true;
+                let continues = self.run_until(tick)?;
+                self.is_complete = continues;
+                Some(continues)
             }
         }
-        Some(())
     }
 
     fn compare(&mut self, tick: u64, is_equal: bool) {
@@ -136,19 +225,21 @@ impl Player {
         }
     }
 
-    /// Runs the machine to a tick; `None` without a state, or if the tick is in the past or too
-    /// far ahead.
-    fn run_until(&mut self, tick: u64) -> Option<()> {
-        let (moment, history) = self.section.as_mut()?;
+    /// Runs the machine to a tick and returns whether the replay continues; `None` without a
+    /// state, or if the tick is in the past or too far ahead.
+    fn run_until(&mut self, tick: u64) -> Option<bool> {
+        let moment = self.moment.as_mut()?;
         let gap = tick.checked_sub(moment.ticks())?;
         if gap > MAX_GAP_TICKS {
             return None;
         }
         while moment.ticks() < tick {
-            moment.tick();
+            let collision = moment.tick();
             self.replayed_ticks += 1;
-            history.follow(&moment.emulator, &moment.part);
+            if !self.observer.after_tick(moment, collision.as_ref()) {
+                return Some(false);
+            }
         }
-        Some(())
+        Some(true)
     }
 }

@@ -32,6 +32,7 @@ const PACKAGES: [&str; 24] = [
     "runner",
     "debugger",
     "history",
+    "exercise",
     "help",
     "language",
     "host",

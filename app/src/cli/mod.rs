@@ -5,6 +5,7 @@ pub mod chinese;
 mod dap;
 mod deferred;
 mod dialect;
+mod exercise;
 mod help;
 mod ladder;
 mod language;
@@ -33,6 +34,10 @@ use tracing::level_filters::LevelFilter;
 
 pub use dap::DapArgs;
 pub use dialect::{DialectArgs, ProgramOrigin};
+pub use exercise::{
+    ExerciseCheckArgs, ExerciseCommand, ExerciseListArgs, ExerciseMarkArgs, ExerciseSolveArgs,
+    MarkTableFormat,
+};
 pub use help::HelpArgs;
 pub use ladder::{LadderArgs, LadderCommand, LadderRunArgs};
 use language::language_parser;
@@ -189,6 +194,13 @@ pub enum CliCommand {
     /// List, check or play guided lessons
     #[command(subcommand)]
     Lesson(LessonCommand),
+    /// List, check, solve or mark exercises
+    ///
+    /// An exercise marks itself: the recording of a solution is replayed bit for bit, and its
+    /// criteria are checked on the machine and on the part. docs/exercises.md describes how to
+    /// write one.
+    #[command(subcommand)]
+    Exercise(ExerciseCommand),
     /// Replay a recording of the window and compare the states in it
     ///
     /// The window records every session into `recordings` of the data folder, the last 50 MB.

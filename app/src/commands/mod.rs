@@ -4,6 +4,7 @@ mod check;
 mod dap;
 mod dialect;
 mod error;
+mod exercise;
 mod help;
 mod ladder;
 mod lesson;
@@ -88,6 +89,7 @@ pub fn run_command_line(cli: CommandLine) -> ExitCode {
         Some(CliCommand::Dialect(args)) => dialect::dialect(&args, language),
         Some(CliCommand::Operate(args)) => operate::operate(&args, language),
         Some(CliCommand::Lesson(command)) => lesson::lesson(&command, language),
+        Some(CliCommand::Exercise(command)) => exercise::exercise(&command, language),
         Some(CliCommand::Replay(args)) => replay::replay(&args, language),
         Some(CliCommand::Screen(args)) => screen::screen(&args),
         Some(CliCommand::Keys(args)) => tables::keys(&args, language),

@@ -1,8 +1,9 @@
-//! Files on the disk: programs, jobs, lessons and the data directory.
+//! Files on the disk: programs, jobs, lessons, exercises and the data directory.
 
 pub mod atomic;
 pub mod data_dir;
 pub mod decode;
+pub mod exercises;
 pub mod folders;
 pub mod lessons;
 mod manifest;

@@ -13,7 +13,6 @@ use gsk_history::machine_part::{MachinePart, NamedJob, PartInput};
 use gsk_panel::emulator::Emulator;
 use gsk_runner::machining::CollisionFinding;
 use gsk_runner::machining::live_part::{ThreadZone, running_block};
-use gsk_workpiece::collision::TouchingPart;
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
 
@@ -174,8 +173,7 @@ impl KernelPart {
     }
 
     /// Cuts the part after a tick. Returns the first collision of the tick and whether it stops the
-    /// lathe; `None` without a collision. A stop blocks the spindle and trips the drive of the axis
-    /// with more distance to go. A real lathe (`simulated` is false) is not stopped, because its
+    /// lathe; `None` without a collision. A real lathe (`simulated` is false) is not stopped, because its
     /// part may differ from this one.
     pub(super) fn after_tick(
         &mut self,
@@ -183,22 +181,14 @@ impl KernelPart {
         simulated: bool,
     ) -> Option<(CollisionFinding, bool)> {
         let finding = self.state.follow_tick(emulator.simulation())?;
-        // With a guessed job the position of the part is an assumption by hand, and the shape of
-        // a tool beyond its edge is one always: such a collision is reported and stops nothing
-        // (WINDOW-29).
-        let by_body = matches!(finding.collision.touching_part, TouchingPart::Body(_));
-        let is_given = self.state.job_name().is_some() || self.state.job().zero.is_some();
-        let is_certain = is_given || (finding.source.is_some() && !by_body);
-        let stops = self.state.crash_stops() && simulated && is_certain;
-        if stops {
+        let faults = self.state.crash_faults(&finding, emulator.simulation());
+        let faults = faults.filter(|_| simulated);
+        let stops = faults.is_some();
+        if let Some(faults) = faults {
             self.crash = Some(finding);
-            let left = emulator.cnc().distance_to_go();
-            let drive = match left.x.abs() > left.z.abs() {
-                true => LatheFault::DriveX,
-                false => LatheFault::DriveZ,
-            };
-            emulator.set_fault(drive, true);
-            emulator.set_fault(LatheFault::SpindleBlocked, true);
+            for fault in faults {
+                emulator.set_fault(fault, true);
+            }
         }
         Some((finding, stops))
     }

@@ -26,7 +26,7 @@ pub use demonstration_file::{
 pub use file::LessonError;
 pub use library::{LESSONS, built_in_lessons};
 pub use practice::{Practice, PracticeView};
-pub use practice_machine::LessonStart;
+pub use practice_machine::{LessonStart, LessonStartFile};
 pub use progress::{LessonProgress, LessonRemark};
 
 /// A text in Chinese and English.

@@ -20,7 +20,7 @@ const MAX_PREPARATION_MS: u64 = 600_000;
 /// The initial state of a lesson (field `begins`), as written in the lesson file.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(super) struct LessonStartFile {
+pub struct LessonStartFile {
     /// Whether both axes are referenced.
     referenced: bool,
     /// Position of the slides: X as a diameter and Z, machine coordinates, mm; `None` for the usual
@@ -50,7 +50,11 @@ pub struct LessonStart {
 }
 
 impl LessonStart {
-    pub(super) fn read(raw: LessonStartFile) -> Result<Self, Message> {
+    /// Checks the initial state and creates it.
+    ///
+    /// # Errors
+    /// The rule that is broken.
+    pub fn read(raw: LessonStartFile) -> Result<Self, Message> {
         let mut setup = Setup::delivered().with_chuck();
         setup.referenced = raw.referenced;
         let point = |(x, z): (f64, f64)| Point::from_diameter(Diameter(x), z);

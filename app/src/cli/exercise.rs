@@ -1,0 +1,91 @@
+//! Options of `exercise`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand, ValueEnum};
+
+/// `exercise`.
+#[derive(Debug, Subcommand)]
+pub enum ExerciseCommand {
+    /// List the exercises: name, criteria, points, time, title
+    List(ExerciseListArgs),
+    /// Check an exercise: its reference solution gets all points, its wrong solutions fail as they state
+    Check(ExerciseCheckArgs),
+    /// Play an operator script as the solution of an exercise and write the result
+    Solve(ExerciseSolveArgs),
+    /// Replay every result in a folder and print a table of the marks
+    ///
+    /// Every result is replayed from the start of its exercise, on all processors. Exit code 1:
+    /// a result is not what it claims.
+    Mark(ExerciseMarkArgs),
+}
+
+/// `exercise list`.
+#[derive(Args, Debug)]
+pub struct ExerciseListArgs {
+    /// Data folder with a teacher's exercises in its folder `exercises`
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
+}
+
+/// `exercise check`.
+#[derive(Args, Debug)]
+pub struct ExerciseCheckArgs {
+    /// Folder of the exercise: task.ron, reference.txt, wrong-1.txt, wrong-2.txt, …
+    #[arg(value_name = "DIR")]
+    pub task: PathBuf,
+}
+
+/// `exercise solve`.
+#[derive(Args, Debug)]
+pub struct ExerciseSolveArgs {
+    /// Name of the exercise, as `exercise list` prints it, or its folder
+    #[arg(value_name = "NAME|DIR")]
+    pub task: PathBuf,
+    /// The operator script
+    #[arg(long, value_name = "FILE")]
+    pub script: PathBuf,
+    /// File of the result
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Name of the learner [default: the name of the script]
+    #[arg(long, value_name = "NAME")]
+    pub learner: Option<String>,
+    /// Number of a hint that the learner read (may be repeated)
+    #[arg(long, value_name = "N")]
+    pub hint: Vec<u32>,
+    /// Data folder with a teacher's exercises in its folder `exercises`, and with the key that seals results
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
+}
+
+/// `exercise mark`.
+#[derive(Args, Debug)]
+pub struct ExerciseMarkArgs {
+    /// The folder with the results (.gskresult)
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// How the table is written
+    #[arg(long, value_enum, default_value_t, value_name = "FORMAT")]
+    pub format: MarkTableFormat,
+    /// File of the table [default: standard output]
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Data folder with a teacher's exercises in its folder `exercises`
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
+}
+
+/// Format of the table of `exercise mark`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum MarkTableFormat {
+    /// Aligned columns
+    #[default]
+    Text,
+    /// Comma-separated values, for a spreadsheet
+    Csv,
+    /// All criteria with their evidence
+    Json,
+    /// A page with all criteria and their evidence
+    Html,
+}

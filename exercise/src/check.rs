@@ -1,0 +1,123 @@
+//! Checks a task: its reference solution gets all points, its wrong solutions lose those that they
+//! name, and every criterion can fail.
+
+use std::collections::BTreeSet;
+
+use gsk_messages::{Message, say};
+
+use crate::judge::judge;
+use crate::report::ExerciseReport;
+use crate::solve::{SolutionScript, record_solution};
+use crate::task::ExerciseTask;
+
+/// Begins the comment in a wrong solution that names the criteria which it does not meet.
+const FAILS: &str = "# fails:";
+
+/// A script beside the file of a task.
+#[derive(Clone, Debug)]
+pub struct SolutionFile {
+    /// Name of the file, as `wrong-1.txt`.
+    pub name: String,
+    /// Its text.
+    pub text: String,
+}
+
+impl SolutionFile {
+    /// Returns whether the file is the reference solution.
+    pub fn is_reference(&self) -> bool {
+        self.name == "reference.txt"
+    }
+
+    /// Returns the criteria that the solution names as not met; `None` without the comment.
+    fn stated_failures(&self) -> Option<BTreeSet<&str>> {
+        let mut lines = self.text.lines();
+        let stated = lines.find_map(|line| line.trim().strip_prefix(FAILS))?;
+        Some(stated.split_whitespace().collect())
+    }
+}
+
+/// The result of a check.
+#[derive(Clone, Debug, Default)]
+pub struct TaskCheck {
+    /// The report of each solution that could be judged, by the name of its file.
+    pub reports: Vec<(String, ExerciseReport)>,
+    /// What is wrong with the task or its solutions.
+    pub faults: Vec<Message>,
+}
+
+/// Records and judges a solution.
+///
+/// # Errors
+/// The script cannot be played, or its recording is refused.
+pub fn judge_script(task: &ExerciseTask, text: &str) -> Result<ExerciseReport, Message> {
+    let script = SolutionScript::read(text)?;
+    let recording = record_solution(task, &script, env!("CARGO_PKG_VERSION"))?;
+    judge(task, &recording).map_err(|error| error.message())
+}
+
+/// Plays the solutions of a task.
+pub fn check_task(task: &ExerciseTask, solutions: &[SolutionFile]) -> TaskCheck {
+    let mut check = TaskCheck::default();
+    if !solutions.iter().any(SolutionFile::is_reference) {
+        check.faults.push(say::exercise_no_reference());
+    }
+    let mut failed: BTreeSet<String> = BTreeSet::new();
+    for solution in solutions {
+        let named = |message: Message| say::subject_reason(&solution.name, message);
+        match judge_script(task, &solution.text) {
+            Ok(report) => {
+                let fault = match solution.is_reference() {
+                    true => check_reference(&report),
+                    false => check_wrong(solution, &report),
+                };
+                check.faults.extend(fault.map(named));
+                failed.extend(report.unmet().into_iter().map(str::to_owned));
+                check.reports.push((solution.name.clone(), report));
+            }
+            Err(message) => check.faults.push(named(message)),
+        }
+    }
+    check_idle(task, &mut failed, &mut check.faults);
+    let always_met = task
+        .criteria
+        .iter()
+        .filter(|criterion| !failed.contains(&criterion.id));
+    check
+        .faults
+        .extend(always_met.map(|criterion| say::exercise_always_met(&criterion.id)));
+    check
+}
+
+fn check_reference(report: &ExerciseReport) -> Option<Message> {
+    let unmet = report.unmet();
+    (!unmet.is_empty()).then(|| say::exercise_reference_fails(unmet.join(" ")))
+}
+
+fn check_wrong(solution: &SolutionFile, report: &ExerciseReport) -> Option<Message> {
+    let Some(stated) = solution.stated_failures() else {
+        return Some(say::exercise_no_stated_failure());
+    };
+    let unmet: BTreeSet<&str> = report.unmet().into_iter().collect();
+    let list = |names: &BTreeSet<&str>| {
+        let names: Vec<&str> = names.iter().copied().collect();
+        names.join(" ")
+    };
+    (stated != unmet || unmet.is_empty())
+        .then(|| say::exercise_fails_otherwise(list(&stated), list(&unmet)))
+}
+
+/// Judges a learner who does nothing: he gets no points, and shows which demands can fail.
+fn check_idle(task: &ExerciseTask, failed: &mut BTreeSet<String>, faults: &mut Vec<Message>) {
+    match judge_script(task, "wait 1s") {
+        Ok(report) => {
+            if report.points > 0 {
+                faults.push(say::exercise_points_for_nothing(report.points));
+            }
+            let demands = task.criteria.iter().filter(|it| !it.is_exclusion());
+            let unmet = report.unmet();
+            let ids = demands.map(|criterion| criterion.id.as_str());
+            failed.extend(ids.filter(|id| unmet.contains(id)).map(str::to_owned));
+        }
+        Err(message) => faults.push(message),
+    }
+}

@@ -1,0 +1,147 @@
+//! Marks results: replays each one and compares it with what it claims.
+
+use std::collections::BTreeMap;
+
+use gsk_messages::{Message, say};
+
+use crate::judge::judge;
+use crate::report::ExerciseReport;
+use crate::result_file::{ExerciseResult, read_result};
+use crate::seal::KeyNumber;
+use crate::task::{ExerciseTask, TaskHash};
+
+/// The mark of one result.
+#[derive(Clone, Debug)]
+pub struct ResultMark {
+    /// Name of the file.
+    pub file: String,
+    /// Name of the learner, as the result states it.
+    pub learner: String,
+    /// Name of the task, as the result states it.
+    pub task: String,
+    /// The points that the result claims.
+    pub claimed_points: u32,
+    /// Points that the hints cost.
+    pub hint_cost: u32,
+    /// The report of the replay; `None` if the recording was refused.
+    pub report: Option<ExerciseReport>,
+    /// Number of the key that sealed the result; `None` if it is no result.
+    pub key: Option<KeyNumber>,
+    /// Hash of the recording, by which copies are found.
+    recording_hash: Option<TaskHash>,
+    /// Greatest number of results of a learner.
+    attempts: u32,
+    /// Why the result is not what it claims; empty if it is.
+    pub flags: Vec<Message>,
+}
+
+impl ResultMark {
+    /// Returns the points of the replay without the cost of the hints; 0 if the recording was
+    /// refused.
+    pub fn points(&self) -> u32 {
+        let points = self.report.as_ref().map_or(0, |report| report.points);
+        points.saturating_sub(self.hint_cost)
+    }
+
+    /// Returns the greatest number of points; 0 if the recording was refused.
+    pub fn max_points(&self) -> u32 {
+        self.report.as_ref().map_or(0, |report| report.max_points)
+    }
+
+    /// Creates the mark of a file that cannot be marked.
+    pub fn refused(file: &str, flag: Message) -> Self {
+        Self {
+            file: file.to_owned(),
+            learner: String::new(),
+            task: String::new(),
+            claimed_points: 0,
+            hint_cost: 0,
+            report: None,
+            key: None,
+            recording_hash: None,
+            attempts: 0,
+            flags: vec![flag],
+        }
+    }
+}
+
+/// Marks one result. `tasks` are the tasks that it may belong to.
+pub fn mark_result(file: &str, bytes: &[u8], tasks: &[ExerciseTask]) -> ResultMark {
+    match read_result(bytes) {
+        Ok(result) => mark_read(file, result, tasks),
+        Err(message) => ResultMark::refused(file, message),
+    }
+}
+
+fn mark_read(file: &str, result: ExerciseResult, tasks: &[ExerciseTask]) -> ResultMark {
+    let ExerciseResult {
+        head,
+        recording,
+        key,
+        is_sealed,
+    } = result;
+    let mut mark = ResultMark {
+        learner: head.learner,
+        task: head.report.task.clone(),
+        claimed_points: head.report.points,
+        key: Some(key),
+        recording_hash: Some(TaskHash::from_bytes(&recording)),
+        flags: Vec::new(),
+        ..ResultMark::refused(file, say::exercise_not_result())
+    };
+    if !is_sealed {
+        mark.flags.push(say::exercise_flag_seal());
+    }
+    let Some(task) = tasks.iter().find(|task| task.id == mark.task) else {
+        let names: Vec<&str> = tasks.iter().map(|task| task.id.as_str()).collect();
+        let unknown = say::exercise_unknown(&mark.task, names.join(" "));
+        mark.flags.push(unknown);
+        return mark;
+    };
+    mark.attempts = task.attempts;
+    if head.report.task_hash != task.hash.to_string() {
+        mark.flags.push(say::exercise_flag_task(&task.id));
+        return mark;
+    }
+    match task.hint_cost(&head.hints) {
+        Ok(cost) => mark.hint_cost = cost,
+        Err(message) => mark.flags.push(message),
+    }
+    match judge(task, &recording) {
+        Ok(report) => {
+            if report != head.report {
+                let claimed = head.report.points;
+                mark.flags
+                    .push(say::exercise_flag_report(claimed, report.points));
+            }
+            mark.report = Some(report);
+        }
+        Err(error) => mark.flags.push(error.message()),
+    }
+    mark
+}
+
+/// Flags what only a comparison of all results shows: copies, and results beyond the permitted
+/// attempts.
+pub fn flag_repetitions(marks: &mut [ResultMark]) {
+    let mut recordings: BTreeMap<String, String> = BTreeMap::new();
+    let mut attempts: BTreeMap<(String, String), u32> = BTreeMap::new();
+    for mark in marks {
+        let Some(hash) = mark.recording_hash else {
+            continue;
+        };
+        match recordings.get(&hash.to_string()) {
+            Some(first) => mark.flags.push(say::exercise_flag_same(first)),
+            None => {
+                recordings.insert(hash.to_string(), mark.file.clone());
+            }
+        }
+        let author = (mark.learner.clone(), mark.task.clone());
+        let count = attempts.entry(author).or_default();
+        *count += 1;
+        if mark.attempts > 0 && *count > mark.attempts {
+            let flag = say::exercise_flag_attempts(*count, mark.attempts);
+            mark.flags.push(flag);
+        }
+    }
+}

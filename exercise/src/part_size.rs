@@ -1,0 +1,74 @@
+//! Measures a dimension of the part in the same way as `check --measure`.
+
+use gsk_runner::machining::Machining;
+use gsk_workpiece::measure::{Feature, SectionSide, measure_features};
+
+use crate::criterion::{PartDimension, PartSurface};
+
+/// Returns the size of a dimension, mm or degrees; `None` if the part does not have it.
+pub fn measure_dimension(machining: &Machining, dimension: &PartDimension) -> Option<f64> {
+    let section = machining.scene().part().section();
+    let front = front_z(&measure_features(&section, SectionSide::Outside))?;
+    let features = |surface: PartSurface| {
+        let side = match surface {
+            PartSurface::Outside => SectionSide::Outside,
+            PartSurface::Bore => SectionSide::Inside,
+        };
+        measure_features(&section, side).into_iter()
+    };
+    match *dimension {
+        PartDimension::Diameter { z, surface } => features(surface).find_map(|it| match it {
+            Feature::Cylinder { diameter, z: ends } => contains(ends, front + z, diameter.0),
+            _ => None,
+        }),
+        PartDimension::Width { z, surface } => features(surface).find_map(|it| match it {
+            Feature::Cylinder { z: ends, .. } => contains(ends, front + z, ends.0 - ends.1),
+            _ => None,
+        }),
+        PartDimension::Angle { z, surface } => features(surface).find_map(|it| match it {
+            Feature::Cone { z: ends, angle, .. } => contains(ends, front + z, angle),
+            _ => None,
+        }),
+        PartDimension::Radius { z, surface } => features(surface).find_map(|it| match it {
+            Feature::Arc {
+                z: ends, radius, ..
+            } => contains(ends, front + z, radius),
+            _ => None,
+        }),
+        PartDimension::Pitch { z, surface } => features(surface).find_map(|it| match it {
+            Feature::Thread { z: ends, pitch, .. } => contains(ends, front + z, pitch),
+            _ => None,
+        }),
+        PartDimension::ThreadDepth { z, surface } => features(surface).find_map(|it| match it {
+            Feature::Thread {
+                z: ends, diameters, ..
+            } => contains(ends, front + z, (diameters.0.0 - diameters.1.0).abs() / 2.0),
+            _ => None,
+        }),
+        PartDimension::Length { diameter, surface } => features(surface).find_map(|it| match it {
+            Feature::Face { diameters, z } => {
+                let ends = (diameters.0.0, diameters.1.0);
+                // The front face is where the length begins.
+                contains(ends, diameter, front - z).filter(|length| *length > 0.001)
+            }
+            _ => None,
+        }),
+    }
+}
+
+/// The value if the position is between both ends.
+fn contains(ends: (f64, f64), position: f64, value: f64) -> Option<f64> {
+    let (low, high) = (ends.0.min(ends.1), ends.0.max(ends.1));
+    (low..=high).contains(&position).then_some(value)
+}
+
+/// Z of the front end of the part.
+fn front_z(features: &[Feature]) -> Option<f64> {
+    features.first().map(|first| match *first {
+        Feature::Face { z, .. } => z,
+        Feature::Cylinder { z, .. }
+        | Feature::Cone { z, .. }
+        | Feature::Arc { z, .. }
+        | Feature::Thread { z, .. } => z.0,
+    })
+}

@@ -1,0 +1,209 @@
+//! Follows how a learner works: starts, cuts, trials, alarms, repairs.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use gsk_core::alarm::Alarm;
+use gsk_core::cnc::Event;
+use gsk_core::command::ProgramId;
+use gsk_core::machine::LatheFault;
+use gsk_core::memory::{OFFSET_ROWS, ToolOffset};
+use gsk_core::operation::{OperatingMode, RunState};
+use gsk_history::moment::{HistoryInput, MachineMoment};
+use gsk_messages::{Message, say};
+use gsk_panel::emulator::EmulatorInput;
+use gsk_panel::keys::Key;
+use gsk_panel::panel::KeyEvent;
+use gsk_runner::machining::CollisionFinding;
+use gsk_runner::machining::live_part::running_block;
+
+use crate::report::MarkEvidence;
+
+/// A repaired fault and the moment of the repair.
+#[derive(Clone, Debug)]
+pub struct FaultRepair {
+    /// The repaired fault.
+    pub fault: LatheFault,
+    /// The moment of the repair.
+    pub evidence: MarkEvidence,
+}
+
+/// What has happened so far, as far as a criterion can depend on it.
+#[derive(Clone, Debug, Default)]
+pub struct ProcedureLog {
+    start_tick: u64,
+    /// X and Z offsets at the start, by number.
+    start_offsets: BTreeMap<u8, (f64, f64)>,
+    part_version: Option<u64>,
+    was_running: bool,
+    /// Alarms of the last tick.
+    active_alarms: BTreeSet<u16>,
+    /// The first start of a program.
+    pub first_start: Option<MarkEvidence>,
+    /// The first start of a program with an axis that was not referenced.
+    pub unreferenced_start: Option<MarkEvidence>,
+    /// The first end of a program under machine lock.
+    pub trial: Option<MarkEvidence>,
+    /// The first cut in automatic operation.
+    pub first_cut: Option<MarkEvidence>,
+    /// For each tool offset in force: the first cut, and whether X and Z were measured before it.
+    pub tool_cuts: BTreeMap<u8, (MarkEvidence, bool)>,
+    /// The first collision.
+    pub crash: Option<MarkEvidence>,
+    /// The first alarm.
+    pub alarm: Option<MarkEvidence>,
+    /// The first cycle start while an alarm was active.
+    pub ignored_alarm: Option<MarkEvidence>,
+    /// The repairs, the first one first.
+    pub repairs: Vec<FaultRepair>,
+}
+
+impl ProcedureLog {
+    /// Starts at a machine.
+    pub fn new(start: &MachineMoment) -> Self {
+        let cnc = start.emulator.cnc();
+        let offsets = (1..OFFSET_ROWS as u8).map(|number| (number, xz(cnc.offsets().get(number))));
+        Self {
+            start_tick: start.ticks(),
+            start_offsets: offsets.collect(),
+            part_version: part_version(start),
+            active_alarms: active_alarms(start),
+            ..Self::default()
+        }
+    }
+
+    /// Returns the current moment as evidence.
+    pub fn evidence(&self, moment: &MachineMoment) -> MarkEvidence {
+        let block = running_block(moment.emulator.simulation());
+        MarkEvidence {
+            tick: Some(moment.ticks().saturating_sub(self.start_tick)),
+            block: block.map(|block| {
+                let sequence = block.sequence.map(u32::from);
+                let sequence = sequence.map_or_else(String::new, |n| format!(" N{n}"));
+                format!("{}:{}{sequence}", program_name(block.program), block.line)
+            }),
+            measured: None,
+            found: None,
+        }
+    }
+
+    /// Returns the current moment as evidence, with what was found.
+    pub fn evidence_of(&self, moment: &MachineMoment, found: Message) -> MarkEvidence {
+        MarkEvidence {
+            found: Some(found),
+            ..self.evidence(moment)
+        }
+    }
+
+    /// Notes an input before it acts.
+    pub fn before_input(&mut self, moment: &MachineMoment, input: &HistoryInput) {
+        match input {
+            HistoryInput::Machine(EmulatorInput::Fault(fault, false)) => {
+                let evidence = self.evidence_of(moment, fault.row().label());
+                self.repairs.push(FaultRepair {
+                    fault: *fault,
+                    evidence,
+                });
+            }
+            HistoryInput::Machine(EmulatorInput::Key(KeyEvent::Down(Key::CycleStart))) => {
+                let alarm = moment.emulator.cnc().alarms().first();
+                if let Some(alarm) = alarm.filter(|_| self.ignored_alarm.is_none()) {
+                    self.ignored_alarm = Some(self.evidence_of(moment, alarm_message(alarm)));
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Notes what a tick has changed.
+    pub fn after_tick(&mut self, moment: &MachineMoment, collision: Option<&CollisionFinding>) {
+        let cnc = moment.emulator.cnc();
+        if let Some(collision) = collision.filter(|_| self.crash.is_none()) {
+            self.crash = Some(self.evidence_of(moment, collision.collision.message()));
+        }
+        let is_running = cnc.run_state() == RunState::Run;
+        let is_automatic = matches!(cnc.mode(), OperatingMode::Auto);
+        if is_running && !self.was_running && is_automatic {
+            let evidence = self.evidence(moment);
+            let referenced = cnc.referenced_axes();
+            if !(referenced.x && referenced.z) && self.unreferenced_start.is_none() {
+                self.unreferenced_start = Some(evidence.clone());
+            }
+            self.first_start.get_or_insert(evidence);
+        }
+        self.was_running = is_running;
+        let has_ended = cnc
+            .events()
+            .iter()
+            .any(|event| matches!(event, Event::ProgramEnded { .. }));
+        if has_ended && cnc.is_machine_locked() && self.trial.is_none() {
+            self.trial = Some(self.evidence(moment));
+        }
+        self.follow_cuts(moment, is_automatic && is_running);
+        self.follow_alarms(moment);
+    }
+
+    fn follow_cuts(&mut self, moment: &MachineMoment, is_automatic: bool) {
+        let version = part_version(moment);
+        if version == self.part_version {
+            return;
+        }
+        self.part_version = version;
+        // Version 0 is new stock.
+        if !is_automatic || version.is_none_or(|version| version == 0) {
+            return;
+        }
+        let cnc = moment.emulator.cnc();
+        let (_, offset) = cnc.tool();
+        if self.first_cut.is_none() {
+            self.first_cut = Some(self.evidence(moment));
+        }
+        if !self.tool_cuts.contains_key(&offset) {
+            let before = self.start_offsets.get(&offset).copied().unwrap_or_default();
+            let now = xz(cnc.offsets().get(offset));
+            let is_measured = before.0 != now.0 && before.1 != now.1;
+            let cut = (self.evidence(moment), is_measured);
+            self.tool_cuts.insert(offset, cut);
+        }
+    }
+
+    fn follow_alarms(&mut self, moment: &MachineMoment) {
+        let alarms = moment.emulator.cnc().alarms();
+        if alarms.len() == self.active_alarms.len() {
+            return;
+        }
+        let is_new = |number: &u16| !self.active_alarms.contains(number);
+        let raised = alarms.iter().find(|alarm| is_new(&alarm.number));
+        if let Some(alarm) = raised.filter(|_| self.alarm.is_none()) {
+            self.alarm = Some(self.evidence_of(moment, alarm_message(alarm)));
+        }
+        self.active_alarms = active_alarms(moment);
+    }
+}
+
+/// Returns number and text of an alarm.
+pub fn alarm_message(alarm: &Alarm) -> Message {
+    say::subject_reason(alarm.number_text(), alarm.reason())
+}
+
+fn program_name(program: ProgramId) -> String {
+    match program {
+        ProgramId::Stored(number) => format!("O{number:04}"),
+        ProgramId::External => "CNC".to_owned(),
+        ProgramId::Mdi => "MDI".to_owned(),
+        ProgramId::Dnc => "DNC".to_owned(),
+    }
+}
+
+fn active_alarms(moment: &MachineMoment) -> BTreeSet<u16> {
+    let alarms = moment.emulator.cnc().alarms().iter();
+    alarms.map(|alarm| alarm.number).collect()
+}
+
+fn part_version(moment: &MachineMoment) -> Option<u64> {
+    let machining = moment.part.machining()?;
+    Some(machining.scene().part().version())
+}
+
+const fn xz(row: ToolOffset) -> (f64, f64) {
+    (row.x, row.z)
+}
