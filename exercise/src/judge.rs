@@ -283,7 +283,8 @@ impl<'a> SolutionJudge<'a> {
         match &criterion.rule {
             CriterionRule::Size(dimension, size) => {
                 let machining = end.part.machining();
-                let measured = machining.and_then(|it| measure_dimension(it, dimension));
+                let measured = machining
+                    .and_then(|it| measure_dimension(&it.scene().part().section(), dimension));
                 let evidence = MarkEvidence {
                     measured,
                     found: measured.is_none().then(say::exercise_no_dimension),

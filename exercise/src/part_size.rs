@@ -1,20 +1,56 @@
 //! Measures a dimension of the part in the same way as `check --measure`.
 
-use gsk_runner::machining::Machining;
 use gsk_workpiece::measure::{Feature, SectionSide, measure_features};
+use gsk_workpiece::region::Region;
 
-use crate::criterion::{PartDimension, PartSurface};
+use crate::criterion::{CriterionRule, PartDimension, PartSurface, TolerancedSize};
+use crate::task::ExerciseTask;
 
-/// Returns the size of a dimension, mm or degrees; `None` if the part does not have it.
-pub fn measure_dimension(machining: &Machining, dimension: &PartDimension) -> Option<f64> {
-    let section = machining.scene().part().section();
-    let front = front_z(&measure_features(&section, SectionSide::Outside))?;
+/// A dimension of the drawing, and its size on the part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasuredSize {
+    /// Index of the criterion in the task.
+    pub criterion: usize,
+    /// The dimension.
+    pub dimension: PartDimension,
+    /// The size on the drawing.
+    pub size: TolerancedSize,
+    /// The size on the part, mm or degrees; `None` if the part does not have the dimension.
+    pub measured: Option<f64>,
+}
+
+impl MeasuredSize {
+    /// Returns whether the part has the dimension within its limits.
+    pub fn is_met(&self) -> bool {
+        self.measured.is_some_and(|it| self.size.contains(it))
+    }
+}
+
+/// Measures the dimensions that a task marks on the half section of a part.
+pub fn measure_sizes(task: &ExerciseTask, section: &Region) -> Vec<MeasuredSize> {
+    let criteria = task.criteria.iter().enumerate();
+    let sizes = criteria.filter_map(|(index, criterion)| match &criterion.rule {
+        CriterionRule::Size(dimension, size) => Some(MeasuredSize {
+            criterion: index,
+            dimension: *dimension,
+            size: *size,
+            measured: measure_dimension(section, dimension),
+        }),
+        _ => None,
+    });
+    sizes.collect()
+}
+
+/// Returns the size of a dimension on a half section, mm or degrees; `None` if the part does not
+/// have it.
+pub fn measure_dimension(section: &Region, dimension: &PartDimension) -> Option<f64> {
+    let front = front_z(&measure_features(section, SectionSide::Outside))?;
     let features = |surface: PartSurface| {
         let side = match surface {
             PartSurface::Outside => SectionSide::Outside,
             PartSurface::Bore => SectionSide::Inside,
         };
-        measure_features(&section, side).into_iter()
+        measure_features(section, side).into_iter()
     };
     match *dimension {
         PartDimension::Diameter { z, surface } => features(surface).find_map(|it| match it {

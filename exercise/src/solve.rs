@@ -1,16 +1,12 @@
 //! Plays an operator script on the machine of a task and records it.
 
-use gsk_history::machine_part::PartInput;
-use gsk_history::moment::{HistoryInput, MachineMoment, RecordedInput, state_hash};
-use gsk_history::recording::{FORMAT, RecordingEncoder, RecordingEvent};
+use gsk_history::moment::{HistoryInput, MachineMoment, RecordedInput};
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::{EmulatorInput, StampedInput};
 use gsk_panel::script::{Runner, Script, ScriptAction, ScriptError, ScriptProgress};
 
+use crate::solution_recorder::SolutionRecorder;
 use crate::task::ExerciseTask;
-
-/// Interval between two hashes in a recording, ticks.
-const HASH_INTERVAL_TICKS: u64 = 10_000;
 
 /// A script that solves a task, checked for what an operator can do.
 #[derive(Clone, Debug)]
@@ -51,47 +47,6 @@ impl SolutionScript {
     }
 }
 
-/// Records a machine in memory.
-struct MemoryRecorder {
-    encoder: RecordingEncoder,
-    bytes: Vec<u8>,
-}
-
-impl MemoryRecorder {
-    fn new() -> Self {
-        let mut bytes = Vec::new();
-        let encoder = RecordingEncoder::new(&mut bytes);
-        Self { encoder, bytes }
-    }
-
-    fn add(&mut self, event: &RecordingEvent) -> Result<(), Message> {
-        self.encoder
-            .encode(event, &mut self.bytes)
-            .map_err(say::as_written)
-    }
-
-    fn add_inputs(&mut self, inputs: Vec<StampedInput>) -> Result<(), Message> {
-        for StampedInput { tick, input } in inputs {
-            let input = HistoryInput::Machine(input);
-            self.add(&RecordingEvent::Input(Box::new(RecordedInput {
-                tick,
-                input,
-            })))?;
-        }
-        Ok(())
-    }
-
-    fn add_hash(&mut self, moment: &MachineMoment) -> Result<(), Message> {
-        match state_hash(&moment.emulator) {
-            Some(hash) => self.add(&RecordingEvent::Hash {
-                tick: moment.ticks(),
-                hash,
-            }),
-            None => Ok(()),
-        }
-    }
-}
-
 /// Plays a script on the machine of a task and returns the recording. `program_version` is the
 /// version of the program that records.
 ///
@@ -103,23 +58,14 @@ pub fn record_solution(
     program_version: &str,
 ) -> Result<Vec<u8>, Message> {
     let mut moment = task.create_start()?;
-    let mut recorder = MemoryRecorder::new();
-    recorder.add(&RecordingEvent::Start {
-        format: FORMAT,
-        program: program_version.to_owned(),
-    })?;
-    let part: Vec<PartInput> = moment.part.inputs_for_uncut().into();
-    recorder.add(&RecordingEvent::State {
-        emulator: Box::new(moment.emulator.clone()),
-        part,
-    })?;
+    let mut recorder = SolutionRecorder::begin(&moment, program_version)?;
     moment.emulator.record_inputs();
     let end = moment.ticks() + task.time_limit_ms;
     let mut runner = Runner::new(solution.script.clone());
     loop {
         // Only the actions that are due: the tick itself cuts the part, too.
         let progress = runner.advance(&mut moment.emulator, 0);
-        recorder.add_inputs(moment.emulator.take_inputs())?;
+        recorder.add_inputs(machine_inputs(&mut moment))?;
         match progress {
             ScriptProgress::Running => {}
             ScriptProgress::Failed(failure) => return Err(failure.message()),
@@ -134,13 +80,17 @@ pub fn record_solution(
         for fault in faults.into_iter().flatten() {
             moment.emulator.apply(EmulatorInput::Fault(fault, true));
         }
-        recorder.add_inputs(moment.emulator.take_inputs())?;
-        if moment.ticks().is_multiple_of(HASH_INTERVAL_TICKS) {
-            recorder.add(&RecordingEvent::Reached(moment.ticks()))?;
-            recorder.add_hash(&moment)?;
-        }
+        recorder.add_inputs(machine_inputs(&mut moment))?;
+        recorder.follow_tick(&moment.emulator)?;
     }
-    recorder.add_hash(&moment)?;
-    recorder.add(&RecordingEvent::End(moment.ticks()))?;
-    Ok(recorder.bytes)
+    recorder.finish(&moment.emulator)
+}
+
+fn machine_inputs(moment: &mut MachineMoment) -> Vec<RecordedInput> {
+    let inputs = moment.emulator.take_inputs().into_iter();
+    let recorded = inputs.map(|StampedInput { tick, input }| RecordedInput {
+        tick,
+        input: HistoryInput::Machine(input),
+    });
+    recorded.collect()
 }

@@ -96,6 +96,11 @@ impl ExerciseTask {
         [PartInput::Job(named), PartInput::CrashStops(true)]
     }
 
+    /// Returns whether a part is cut in the exercise.
+    pub const fn cuts_part(&self) -> bool {
+        self.job.is_some()
+    }
+
     /// Returns the greatest number of points.
     pub fn max_points(&self) -> u32 {
         self.criteria.iter().map(|criterion| criterion.points).sum()

@@ -7,8 +7,8 @@ use crossbeam::channel::{RecvTimeoutError, bounded};
 use eframe::egui::{self, ViewportCommand};
 use gsk_core::model::ModelId;
 use gsk_host::files::data_dir::DataDir;
-use gsk_host::files::lessons;
 use gsk_host::files::models;
+use gsk_host::files::{exercises, lessons};
 use gsk_host::kernel::{self, Console, Kernel, KernelEnvironment, KernelThread};
 use gsk_host::platform::DisplayServer;
 use gsk_host::project::{self, ImportRequest, ImportRights};
@@ -182,6 +182,8 @@ impl App {
             window.open_first_start();
         }
         window.set_lessons(lessons::load_lessons(Some(data.path())));
+        let found = exercises::load_exercises(Some(data.path()));
+        window.set_exercises(found, data.path().to_owned());
         theme::set_light(context, settings.light);
         let complaints = restored.complaints;
         if let Some(message) = platform::startup_message() {

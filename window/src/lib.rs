@@ -30,6 +30,7 @@ use egui::{Event, Frame, Margin, Panel, Pos2, Ui};
 use gsk_core::model::ModelId;
 use gsk_core::operation::RunState;
 use gsk_help::{Subject, Topic, topic};
+use gsk_host::files::exercises::AvailableExercises;
 use gsk_host::files::lessons::AvailableLessons;
 use gsk_host::input_watch::QUERY_INTERVAL;
 use gsk_host::kernel::{Command, Console, KeysReversed, PanelSnapshot};
@@ -216,6 +217,11 @@ impl Window {
         self.message = Some(StatusMessage::Text(message.into()));
     }
 
+    /// Sets the exercises that the window lists, and the data folder with the key of results.
+    pub fn set_exercises(&mut self, found: AvailableExercises, data: PathBuf) {
+        self.views.lessons().exercises().set_exercises(found, data);
+    }
+
     /// Sets the lessons that the window lists, those of a teacher included, and the errors in
     /// lesson files.
     pub fn set_lessons(&mut self, lessons: AvailableLessons) {
@@ -279,7 +285,7 @@ impl Window {
     pub fn ui(&mut self, ui: &mut Ui) {
         // Checked here because the key that closes the menu is consumed later.
         let menu = egui::Popup::is_any_open(ui.ctx());
-        self.receive();
+        self.receive(ui.ctx());
         self.update_sound();
         let refusal = self.model_choice().refusal;
         self.views.project().set_refusal(refusal);
@@ -385,6 +391,13 @@ impl Window {
         let finished = self.views.lessons().finished_lessons();
         if self.settings.lessons != *finished {
             self.settings.lessons.clone_from(finished);
+        }
+        let exercises = self.views.lessons().exercises();
+        if self.settings.exercises != *exercises.best() {
+            self.settings.exercises.clone_from(exercises.best());
+        }
+        if self.settings.learner != exercises.learner() {
+            exercises.learner().clone_into(&mut self.settings.learner);
         }
         let transfer = self.views.transfer().settings();
         if self.settings.transfer != *transfer {

@@ -1,6 +1,6 @@
 //! The settings of the window that are stored from one start to the next.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use gsk_host::pc::TransferSettings;
@@ -53,6 +53,10 @@ pub struct WindowSettings {
     pub scene_camera: Option<StoredSceneCamera>,
     /// Names of the finished lessons.
     pub lessons: BTreeSet<String>,
+    /// The learner's best points by the name of the exercise.
+    pub exercises: BTreeMap<String, u32>,
+    /// Name of the learner on results of exercises.
+    pub learner: String,
     /// Port, baud rate and files of the transfer view.
     pub transfer: TransferSettings,
     /// The open project and the recent ones.
@@ -82,6 +86,8 @@ impl Default for WindowSettings {
             solid: false,
             scene_camera: None,
             lessons: BTreeSet::new(),
+            exercises: BTreeMap::new(),
+            learner: String::new(),
             transfer: TransferSettings::default(),
             projects: ProjectSettings::default(),
             first_start: false,

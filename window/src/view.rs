@@ -138,7 +138,7 @@ views! {
         min_size: [220.0, 260.0],
         is_available: || true,
         is_monitor: false,
-        shows_part: false,
+        shows_part: true,
         uses_keys: false,
     },
     Transfer => ViewRow {

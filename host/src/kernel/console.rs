@@ -30,6 +30,7 @@ use gsk_project::ProjectState;
 use gsk_runner::machining::live_part::LivePart;
 use gsk_runner::program_summary::ProgramSummary;
 
+use super::exercise::{ExerciseAction, ExerciseState, HandedInSolution};
 use super::lesson::{LessonAction, LessonState};
 use super::link_view::LinkView;
 use super::monitor::MachineView;
@@ -99,6 +100,8 @@ pub enum Command {
     Speed(RunSpeed),
     /// Start, control or end a lesson.
     Lesson(LessonAction),
+    /// Start an exercise or hand it in.
+    Exercise(ExerciseAction),
     /// Reconnect, set up or check the pulse board.
     Link(LinkAction),
     /// Publish the LCD in the other language, too (true), or stop publishing it.
@@ -226,6 +229,8 @@ pub enum Notice {
     Refused(Alarm),
     /// The preview of an opened program is finished: its file name and the findings.
     Previewed(String, Box<ProgramSummary>),
+    /// The learner has handed in, or the time of his exercise is over.
+    HandedIn(Box<HandedInSolution>),
     /// Why a key does nothing; `None` once a key acts again.
     KeyRefusal(Option<Message>),
 }
@@ -279,6 +284,8 @@ pub struct PanelSnapshot {
     pub program: Option<ProgramId>,
     /// The current lesson, whose practice machine the snapshot shows; `None` outside lessons.
     pub lesson: Option<LessonState>,
+    /// The current exercise, whose machine the snapshot shows; `None` outside exercises.
+    pub exercise: Option<ExerciseState>,
     /// The alarms raised since the control was opened, the newest first.
     pub alarm_records: Arc<Vec<AlarmRecord>>,
     /// The past moment that the snapshot shows; `None` for the present.

@@ -1,5 +1,5 @@
-//! Runs lessons: a practice machine replaces the learner's own machine until the learner
-//! leaves the lesson.
+//! Runs lessons and exercises: a practice machine replaces the learner's own machine until the
+//! learner leaves it.
 
 use std::sync::Arc;
 
@@ -11,6 +11,7 @@ use gsk_workpiece::job::Job;
 use gsk_workpiece::stock::Stock;
 
 use super::alarm_history::AlarmHistory;
+use super::exercise::ExerciseRun;
 use super::key_refusals::KeyRefusals;
 use super::part::KernelPart;
 use super::program_opening::LastOpened;
@@ -43,10 +44,19 @@ pub struct LessonState {
     pub view: PracticeView,
 }
 
+/// What the learner does at the practice machine.
+#[derive(Debug)]
+pub(super) enum PracticeWork {
+    /// He follows the steps of a lesson, or watches a demonstration.
+    Lesson(Box<Practice>),
+    /// He solves a task.
+    Exercise(ExerciseRun),
+}
+
 /// A practice machine in use, and the learner's own state that it replaces.
 #[derive(Debug)]
 pub(super) struct PracticeSession {
-    practice: Practice,
+    work: PracticeWork,
     own: Box<Emulator>,
     own_part: KernelPart,
     own_opened: Option<LastOpened>,
@@ -56,14 +66,43 @@ pub(super) struct PracticeSession {
 impl PracticeSession {
     /// Runs one tick of the practice on `emulator`, the practice machine.
     pub(super) fn tick(&mut self, emulator: &mut Emulator) {
-        self.practice.tick(emulator);
+        match &mut self.work {
+            PracticeWork::Lesson(practice) => practice.tick(emulator),
+            PracticeWork::Exercise(_) => emulator.tick(),
+        }
     }
 
-    /// Returns the state of the lesson for the window.
-    pub(super) fn state(&self) -> LessonState {
-        LessonState {
-            name: self.practice.lesson().name.clone(),
-            view: self.practice.view(),
+    /// Returns the state of the lesson for the window; `None` in an exercise.
+    pub(super) fn state(&self) -> Option<LessonState> {
+        match &self.work {
+            PracticeWork::Lesson(practice) => Some(LessonState {
+                name: practice.lesson().name.clone(),
+                view: practice.view(),
+            }),
+            PracticeWork::Exercise(_) => None,
+        }
+    }
+
+    /// Returns the exercise; `None` in a lesson.
+    pub(super) const fn exercise(&self) -> Option<&ExerciseRun> {
+        match &self.work {
+            PracticeWork::Lesson(_) => None,
+            PracticeWork::Exercise(run) => Some(run),
+        }
+    }
+
+    /// Returns the exercise; `None` in a lesson.
+    pub(super) const fn exercise_mut(&mut self) -> Option<&mut ExerciseRun> {
+        match &mut self.work {
+            PracticeWork::Lesson(_) => None,
+            PracticeWork::Exercise(run) => Some(run),
+        }
+    }
+
+    fn practice_mut(&mut self) -> Option<&mut Practice> {
+        match &mut self.work {
+            PracticeWork::Lesson(practice) => Some(practice),
+            PracticeWork::Exercise(_) => None,
         }
     }
 
@@ -111,25 +150,33 @@ impl Kernel {
 
     fn act_on_practice(&mut self, act: impl FnOnce(&mut Practice, &mut Emulator)) {
         self.release_keys();
-        if let Some(lesson) = &mut self.lesson {
-            act(&mut lesson.practice, &mut self.emulator);
+        let session = self.lesson.as_mut();
+        if let Some(practice) = session.and_then(PracticeSession::practice_mut) {
+            act(practice, &mut self.emulator);
             self.part.fresh_stock();
         }
     }
 
     /// Ends a running demonstration, because the learner has pressed a key.
     pub(super) fn interrupt_demonstration(&mut self) {
-        if let Some(lesson) = &mut self.lesson {
-            lesson.practice.interrupt(&mut self.emulator);
+        let session = self.lesson.as_mut();
+        if let Some(practice) = session.and_then(PracticeSession::practice_mut) {
+            practice.interrupt(&mut self.emulator);
         }
     }
 
-    fn begin_lesson(&mut self, lesson: Arc<Lesson>) {
+    /// Why no lesson or exercise can begin now; `None` if one can.
+    pub(super) fn practice_refusal(&self) -> Option<Message> {
         if self.drive.is_some() {
-            return self.notify(Notice::Message(say::lesson_not_with_board()));
+            return Some(say::lesson_not_with_board());
         }
-        if self.is_own_machine_running() {
-            return self.notify(Notice::Message(say::lesson_not_while_running()));
+        let is_running = self.is_own_machine_running();
+        is_running.then(say::lesson_not_while_running)
+    }
+
+    fn begin_lesson(&mut self, lesson: Arc<Lesson>) {
+        if let Some(why) = self.practice_refusal() {
+            return self.notify(Notice::Message(why));
         }
         let job = lesson.job.clone();
         self.start_practice(Practice::begin(lesson), job);
@@ -138,8 +185,11 @@ impl Kernel {
     /// Starts a demonstration. If the learner is in a lesson, a board is connected or a program
     /// runs, sends a notice instead.
     fn demonstrate_lesson(&mut self, lesson: Arc<Lesson>) {
-        let under_way = self.lesson.as_ref().map(PracticeSession::state);
-        if under_way.is_some_and(|it| find_demonstration(&it.name).is_none()) {
+        let is_shown = |session: &PracticeSession| {
+            let state = session.state();
+            state.is_some_and(|it| find_demonstration(&it.name).is_some())
+        };
+        if self.lesson.as_ref().is_some_and(|it| !is_shown(it)) {
             return self.notify(Notice::Message(say::shown_lesson_under_way()));
         }
         if self.drive.is_some() {
@@ -165,22 +215,26 @@ impl Kernel {
             Err(why) => return self.notify(Notice::Message(why)),
         };
         let name = practice.lesson().name.clone();
-        self.leave_lesson();
-        self.release_keys();
-        let beside = self.part.empty_for_same_window();
-        let own = PracticeSession {
-            practice,
-            own: Box::new(core::mem::replace(&mut self.emulator, machine)),
-            own_part: core::mem::replace(&mut self.part, beside),
-            own_opened: self.last_opened.take(),
-            own_raised: core::mem::take(&mut self.alarm_history),
-        };
-        self.lesson = Some(own);
+        self.start_session(PracticeWork::Lesson(Box::new(practice)), machine);
         let file = job.is_some().then(|| format!("{name}.ron").into());
         self.part.set_job(Some(SelectedJob {
             job: job.unwrap_or_else(|| Job::new(Stock::bar(50.0, 0.0, 60.0))),
             file,
         }));
+    }
+
+    /// Replaces the learner's own machine, with its part, by a practice machine without a part.
+    pub(super) fn start_session(&mut self, work: PracticeWork, machine: Emulator) {
+        self.leave_lesson();
+        self.release_keys();
+        let beside = self.part.empty_for_same_window();
+        self.lesson = Some(PracticeSession {
+            work,
+            own: Box::new(core::mem::replace(&mut self.emulator, machine)),
+            own_part: core::mem::replace(&mut self.part, beside),
+            own_opened: self.last_opened.take(),
+            own_raised: core::mem::take(&mut self.alarm_history),
+        });
         self.key_refusals = KeyRefusals::default();
         self.start_watch = StartWatch::default();
     }

@@ -5,6 +5,7 @@ mod alarm_history;
 mod console;
 mod drive;
 mod edges;
+mod exercise;
 mod flight_recording;
 pub mod headless_board;
 mod journal;
@@ -58,6 +59,7 @@ pub use console::{
 pub use drive::BoardConnection;
 use drive::Drive;
 use edges::{KeyEdge, KeyEdgeQueue};
+pub use exercise::{ExerciseAction, ExerciseState, HandedInSolution};
 use key_refusals::{KeyRefusals, RefusalReport};
 use lesson::PracticeSession;
 pub use lesson::{LessonAction, LessonState};
@@ -292,6 +294,7 @@ impl Kernel {
         if let Some(probing) = &mut self.active_probe {
             probing.take_sample(self.tick, &self.emulator);
         }
+        self.follow_exercise();
         self.follow_with_recorders();
     }
 
@@ -355,6 +358,7 @@ impl Kernel {
     /// Publishes the state of machine and PLC if a view shows them, a publication is due and they
     /// have changed; returns true if so.
     fn publish_machine(&mut self) -> bool {
+        let hides_faults = self.hides_faults();
         let Some(monitor) = &mut self.machine_monitor else {
             return false;
         };
@@ -363,7 +367,10 @@ impl Kernel {
         }
         monitor.next_tick = self.tick + MACHINE_VIEW_TICKS;
         let shown = self.timeline.past_machine().unwrap_or(&self.emulator);
-        let now = MachineView::from_emulator(shown);
+        let now = MachineView {
+            hides_faults,
+            ..MachineView::from_emulator(shown)
+        };
         if monitor.last_view.as_ref() == Some(&now) {
             return false;
         }
@@ -410,14 +417,20 @@ impl Kernel {
             is_moving: (is_present || self.has_real_slides)
                 && (self.emulator.cnc().is_moving() || self.motion().spindle_rpm > 0.0),
             program: cnc.programs().selected(),
-            lesson: self.lesson.as_ref().map(PracticeSession::state),
+            lesson: self.lesson.as_ref().and_then(PracticeSession::state),
+            exercise: (self.lesson.as_ref())
+                .and_then(PracticeSession::exercise)
+                .map(|run| run.state(&self.emulator)),
             alarm_records: self.alarm_history.records(),
             motion: (self.publish_motion && is_present).then(|| self.motion()),
             past: self.timeline.past_moment(),
             forced: ForcedState {
                 forced_bits: cnc.plc().forces().len(),
                 forced_inputs: shown.lathe().forced_input_count(),
-                faults: shown.lathe().fault_count(),
+                faults: match self.hides_faults() {
+                    true => 0,
+                    false => shown.lathe().fault_count(),
+                },
             },
         }
     }
@@ -445,7 +458,7 @@ impl Kernel {
             self.notify(Notice::Message(say::key_came_late()));
             return;
         }
-        if self.is_refused_in_past(&command) {
+        if self.is_refused_in_past(&command) || self.is_settled_in_exercise(&command) {
             return;
         }
         if matches!(
@@ -503,6 +516,7 @@ impl Kernel {
             }
             Command::ReleaseForcedBits => self.release_forced_bits(),
             Command::Lesson(order) => self.execute_lesson_command(order),
+            Command::Exercise(action) => self.execute_exercise_command(action),
             Command::Speed(speed) => self.speed = speed,
             Command::ClearFaults => {
                 self.emulator.apply(EmulatorInput::ClearFaults);

@@ -14,6 +14,8 @@ use gsk_panel::pages::CoordinateFormat;
 #[derive(Clone, Debug, PartialEq)]
 pub struct MachineView {
     pub lathe: SimulatedLathe,
+    /// Whether the faults of the lathe are not shown, because an exercise is to find them.
+    pub hides_faults: bool,
     /// States of the contacts and sensors of the machine.
     pub inputs: MachineInputs,
     pub plc: Plc,
@@ -82,6 +84,7 @@ impl MachineView {
             .map(|(number, text)| format!("{number:04} {text}"));
         Self {
             lathe: simulation.lathe.clone(),
+            hides_faults: false,
             inputs: simulation.lathe.inputs(),
             plc: cnc.plc().clone(),
             halted: cnc.is_ladder_halted(),

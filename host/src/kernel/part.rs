@@ -63,7 +63,10 @@ const CRASH_FAULTS: [LatheFault; 3] = [
 /// Clears the faults that a collision has set. Faults of another kind remain.
 pub(super) fn end_crash_faults(emulator: &mut Emulator) {
     for fault in CRASH_FAULTS {
-        emulator.set_fault(fault, false);
+        // A fault that is not there is not repaired either: an exercise would count it.
+        if emulator.lathe().has_fault(fault) {
+            emulator.set_fault(fault, false);
+        }
     }
 }
 

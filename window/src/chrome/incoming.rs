@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use egui::Ui;
+use egui::{Context, Ui};
 use gsk_host::kernel::Notice;
 use gsk_host::platform;
 
@@ -11,7 +11,7 @@ use crate::widgets::status_message::StatusMessage;
 
 impl Window {
     /// Takes the snapshots and notices that the kernel has sent.
-    pub(crate) fn receive(&mut self) {
+    pub(crate) fn receive(&mut self, context: &Context) {
         // The program that was selected until now.
         let mut deselected = None;
         if let Some(snapshot) = self.console.snapshots.pop() {
@@ -76,6 +76,10 @@ impl Window {
                 Notice::Previewed(file, look) => {
                     self.message =
                         Some(StatusMessage::for_preview(self.message.take(), file, look));
+                }
+                Notice::HandedIn(solution) => {
+                    let exercises = self.views.lessons().exercises();
+                    exercises.take_solution(*solution, context);
                 }
                 Notice::KeyRefusal(Some(reason)) => {
                     self.message = Some(StatusMessage::KeyRefused(reason));

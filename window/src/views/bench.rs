@@ -113,7 +113,8 @@ impl Bench {
                     let row = fault.row();
                     let text = row.label().text(language);
                     let effect = row.effect().text(language);
-                    let mut on = machine.lathe.has_fault(fault);
+                    let is_shown = !machine.hides_faults && machine.lathe.has_fault(fault);
+                    let mut on = is_shown;
                     let colour = if on {
                         theme::ALARM_TEXT
                     } else {
@@ -141,7 +142,7 @@ impl Bench {
                         false => add_check(ui),
                     }
                     // The effect, while the fault is active.
-                    if machine.lathe.has_fault(fault) {
+                    if is_shown {
                         ui.indent(name, |ui| {
                             ui.add(Label::new(RichText::new(effect).weak()).wrap());
                         });

@@ -1,18 +1,22 @@
-//! The lesson view: the list of lessons, and the current step beside the panel.
+//! The lesson view: the list of lessons and exercises, and the current step or task beside the
+//! panel.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use egui::{CentralPanel, Color32, Panel, RichText, ScrollArea, Sense, Stroke, Ui, vec2};
 use gsk_help::{Subject, article, topic};
+use gsk_host::kernel::part::PartView;
 use gsk_host::kernel::{Command, Console, LessonAction, LessonState, PanelSnapshot};
 use gsk_messages::{Language, Message, say};
 use gsk_panel::keys::Key;
 use gsk_runner::lesson::{Lesson, LessonRemark, LessonStep, built_in_lessons, find_demonstration};
 
+use super::exercise::ExercisePane;
 use super::interface::{View, ViewFrame, ViewStart};
 use crate::focus;
 use crate::samples::{SampleRequest, good_samples};
+use crate::settings::WindowSettings;
 use crate::theme;
 use crate::widgets::card::{self, Card, CardPicture};
 use crate::widgets::icons::Icon;
@@ -38,29 +42,31 @@ pub struct LessonView {
     hint_requested: bool,
     /// A sample program that the user has chosen, until the window takes it; `None` without one.
     sample: Option<SampleRequest>,
-    /// Whether a lesson has begun since the window last queried it.
+    /// Whether a lesson or an exercise has begun since the window last queried it.
     has_begun: bool,
+    exercises: ExercisePane,
 }
 
 impl View for LessonView {
     fn create(start: ViewStart<'_>) -> Self {
-        Self::new(start.console.clone(), start.settings.lessons.clone())
+        Self::new(start.console.clone(), start.settings)
     }
 
     fn show(&mut self, ui: &mut Ui, frame: ViewFrame<'_>) {
-        self.draw(ui, frame.language);
+        self.draw(ui, frame.language, frame.part);
     }
 }
 
 impl LessonView {
-    /// Creates the view with the built-in lessons. `finished`: names of lessons that were
-    /// completed earlier.
-    pub fn new(console: Console, finished: BTreeSet<String>) -> Self {
+    /// Creates the view with the built-in lessons. The settings have what was completed earlier.
+    pub fn new(console: Console, settings: &WindowSettings) -> Self {
+        let (best, learner) = (settings.exercises.clone(), settings.learner.clone());
         Self {
+            exercises: ExercisePane::new(console.clone(), best, learner),
             console,
             lessons: built_in_lessons().into_iter().map(Arc::new).collect(),
             load_errors: Vec::new(),
-            finished,
+            finished: settings.lessons.clone(),
             state: None,
             step_start_s: None,
             hint_requested: false,
@@ -75,7 +81,12 @@ impl LessonView {
         self.sample.take()
     }
 
-    /// Whether a lesson has begun since the last call.
+    /// The exercises beside the lessons.
+    pub const fn exercises(&mut self) -> &mut ExercisePane {
+        &mut self.exercises
+    }
+
+    /// Whether a lesson or an exercise has begun since the last call.
     pub const fn take_begun(&mut self) -> bool {
         core::mem::replace(&mut self.has_begun, false)
     }
@@ -104,6 +115,7 @@ impl LessonView {
         let name = |state: &Option<LessonState>| state.as_ref().map(|state| state.name.clone());
         self.has_begun |= snapshot.lesson.is_some() && name(&self.state) != name(&snapshot.lesson);
         self.state.clone_from(&snapshot.lesson);
+        self.has_begun |= self.exercises.take_snapshot(snapshot);
         if let Some((lesson, state)) = self.current_lesson()
             && state.view.step == lesson.steps.len()
         {
@@ -137,13 +149,18 @@ impl LessonView {
     }
 
     /// Draws the view and handles its input.
-    fn draw(&mut self, ui: &mut Ui, language: Language) {
+    fn draw(&mut self, ui: &mut Ui, language: Language, part: Option<&Arc<PartView>>) {
+        self.exercises.receive_marks();
         let lesson = self.current_lesson().map(|(lesson, _)| Arc::clone(lesson));
         if let Some(lesson) = &lesson {
             // The buttons keep their position, whatever the length of the text above.
             Panel::bottom("lesson buttons")
                 .frame(super::bar_frame())
                 .show(ui, |ui| self.show_buttons(ui, language, lesson));
+        } else if self.exercises.is_open() {
+            Panel::bottom("exercise buttons")
+                .frame(super::bar_frame())
+                .show(ui, |ui| self.exercises.show_buttons(ui, language));
         }
         CentralPanel::default()
             .frame(super::side_frame())
@@ -154,6 +171,9 @@ impl LessonView {
                     .show(ui, |ui| {
                         match lesson {
                             Some(lesson) => self.show_lesson(ui, language, &lesson),
+                            None if self.exercises.is_open() => {
+                                self.exercises.show_task(ui, language, part);
+                            }
                             None => self.list(ui, language),
                         }
                         focus::scroll_to_focus(ui);
@@ -209,6 +229,7 @@ impl LessonView {
             ui.add_space(4.0);
             ui.label(RichText::new(error.text(language)).color(theme::ERROR_TEXT));
         }
+        self.exercises.show_list(ui, language);
     }
 
     fn show_lesson(&mut self, ui: &mut Ui, language: Language, lesson: &Arc<Lesson>) {
@@ -401,7 +422,7 @@ fn format_key_legend(key: Key) -> String {
 }
 
 /// Draws the mark of a step or lesson. `done` adds a tick to it.
-fn draw_mark(ui: &mut Ui, colour: Color32, done: bool) {
+pub(super) fn draw_mark(ui: &mut Ui, colour: Color32, done: bool) {
     let (rect, _) =
         ui.allocate_exact_size(vec2(MARK_DIAMETER + 2.0, MARK_DIAMETER + 4.0), Sense::HOVER);
     let (centre, radius) = (rect.center(), MARK_DIAMETER / 2.0);

@@ -6,6 +6,7 @@
 mod bench;
 mod commission;
 mod data;
+mod exercise;
 pub mod header;
 pub mod interface;
 mod ladder;

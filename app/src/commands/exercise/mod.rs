@@ -1,6 +1,5 @@
 //! `exercise`: lists, checks, solves and marks exercises without a window.
 
-mod key;
 mod marking;
 
 use std::path::Path;
@@ -8,12 +7,12 @@ use std::path::Path;
 use gsk_exercise::check::check_task;
 use gsk_exercise::judge::judge;
 use gsk_exercise::mark_table::MarkTable;
-use gsk_exercise::report::ExerciseReport;
+use gsk_exercise::report::{CriterionVerdict, ExerciseReport};
 use gsk_exercise::result_file::{ResultAuthor, write_result};
 use gsk_exercise::solve::{SolutionScript, record_solution};
 use gsk_exercise::task::ExerciseTask;
 use gsk_host::files::data_dir::default_data_path;
-use gsk_host::files::{exercises, program_file};
+use gsk_host::files::{exercise_key, exercises, program_file};
 use gsk_messages::{Language, say};
 use gsk_runner::report;
 
@@ -28,7 +27,7 @@ use crate::cli::{ExerciseCommand, ExerciseSolveArgs};
 pub fn exercise(command: &ExerciseCommand, language: Option<Language>) -> Result<u8, CommandError> {
     match command {
         ExerciseCommand::List(args) => Ok(list(args.data.as_deref(), language)),
-        ExerciseCommand::Check(args) => check(&args.task),
+        ExerciseCommand::Check(args) => check(&args.task, language.unwrap_or(Language::En)),
         ExerciseCommand::Solve(args) => solve(args, language),
         ExerciseCommand::Mark(args) => marking::mark(args, language),
     }
@@ -52,7 +51,7 @@ fn list(data: Option<&Path>, language: Option<Language>) -> u8 {
     }
 }
 
-fn check(path: &Path) -> Result<u8, CommandError> {
+fn check(path: &Path, language: Language) -> Result<u8, CommandError> {
     let task = exercises::read(path)?;
     let solutions = exercises::read_solutions(path)?;
     let check = check_task(&task, &solutions);
@@ -65,6 +64,7 @@ fn check(path: &Path) -> Result<u8, CommandError> {
         let (points, most) = (report.points, report.max_points);
         let line = say::exercise_check_solution(name, points, most, seconds, unmet);
         output::print_message(&line);
+        print_verdicts(&task, report, language, |verdict| !verdict.is_met);
     }
     for fault in &check.faults {
         output::report_error(fault);
@@ -90,7 +90,10 @@ fn solve(args: &ExerciseSolveArgs, language: Option<Language>) -> Result<u8, Com
         Some(data) => data.clone(),
         None => default_data_path()?,
     };
-    let key = key::load_or_make(&data)?;
+    let (key, made) = exercise_key::load_or_make(&data)?;
+    if let Some(made) = made {
+        complain!("{}", output::localize(&made));
+    }
     let script_name = args.script.file_stem().unwrap_or_default();
     let author = ResultAuthor {
         program: version.to_owned(),
@@ -102,20 +105,26 @@ fn solve(args: &ExerciseSolveArgs, language: Option<Language>) -> Result<u8, Com
     };
     let bytes = write_result(author, report.clone(), &recording, &key)?;
     target.write(&bytes)?;
-    print_report(&task, &report, language.unwrap_or(Language::En));
+    print_verdicts(&task, &report, language.unwrap_or(Language::En), |_| true);
     let (file, most) = (args.output.display(), report.max_points);
     output::print_message(&say::exercise_solved(file, report.points, most));
     Ok(EXIT_OK)
 }
 
-/// Prints the sentence and the evidence of each criterion.
-fn print_report(task: &ExerciseTask, report: &ExerciseReport, language: Language) {
+/// Prints the sentence and the evidence of the criteria that `is_shown` selects.
+fn print_verdicts(
+    task: &ExerciseTask,
+    report: &ExerciseReport,
+    language: Language,
+    is_shown: impl Fn(&CriterionVerdict) -> bool,
+) {
     let table = MarkTable {
         marks: &[],
         tasks: core::slice::from_ref(task),
         language,
     };
-    for (criterion, verdict) in task.criteria.iter().zip(&report.verdicts) {
+    let verdicts = task.criteria.iter().zip(&report.verdicts);
+    for (criterion, verdict) in verdicts.filter(|(_, verdict)| is_shown(verdict)) {
         let sentence = match verdict.is_met {
             true => &criterion.yes,
             false => &criterion.no,

@@ -430,7 +430,7 @@ impl Kernel {
 }
 
 /// Returns whether a command changes the machine or its part.
-const fn changes_machine(command: &Command) -> bool {
+pub(super) const fn changes_machine(command: &Command) -> bool {
     match command {
         Command::Key { down, .. } => *down,
         Command::Tap(_)
@@ -449,6 +449,7 @@ const fn changes_machine(command: &Command) -> bool {
         | Command::ClearFaults
         | Command::FreeLathe
         | Command::Lesson(_)
+        | Command::Exercise(_)
         | Command::Store(..)
         | Command::FreshStock
         | Command::CrashStops(_) => true,

@@ -1,0 +1,360 @@
+//! Runs exercises: the machine of a task replaces the learner's own machine, and everything that
+//! the learner does at it is recorded until he hands in.
+
+use std::sync::Arc;
+
+use gsk_exercise::solution_recorder::SolutionRecorder;
+use gsk_exercise::task::ExerciseTask;
+use gsk_history::moment::{MachineMoment, RecordedInput};
+use gsk_messages::{Message, say};
+use gsk_panel::emulator::Emulator;
+
+use super::lesson::{PracticeSession, PracticeWork};
+use super::timeline::changes_machine;
+use super::{Command, Kernel, Notice};
+use crate::flight::join_inputs;
+
+/// A command of the window for an exercise.
+#[derive(Clone, Debug)]
+pub enum ExerciseAction {
+    /// Start this exercise at its beginning.
+    Begin(Arc<ExerciseTask>),
+    /// End the recording and hand it in.
+    HandIn,
+}
+
+/// The state of the current exercise, for the window.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ExerciseState {
+    /// Name of the task.
+    pub id: String,
+    /// Machine time since the beginning, whole seconds.
+    pub elapsed_s: u64,
+    /// Whether the learner has handed in, or the time is over. The machine continues to run, but
+    /// nothing counts any more.
+    pub is_handed_in: bool,
+}
+
+/// What a learner hands in.
+#[derive(Clone, Debug)]
+pub struct HandedInSolution {
+    /// The task.
+    pub task: Arc<ExerciseTask>,
+    /// The recording of the solution.
+    pub recording: Vec<u8>,
+}
+
+impl PartialEq for HandedInSolution {
+    fn eq(&self, other: &Self) -> bool {
+        self.task.hash == other.task.hash && self.recording == other.recording
+    }
+}
+
+/// An exercise under way.
+#[derive(Debug)]
+pub(super) struct ExerciseRun {
+    task: Arc<ExerciseTask>,
+    /// `None` after the solution was handed in.
+    recorder: Option<SolutionRecorder>,
+    start_tick: u64,
+}
+
+impl ExerciseRun {
+    /// Starts a task; returns it with its machine and part.
+    fn begin(task: Arc<ExerciseTask>) -> Result<(Self, MachineMoment), Message> {
+        let mut start = task.create_start()?;
+        let recorder = SolutionRecorder::begin(&start, env!("CARGO_PKG_VERSION"))?;
+        start.emulator.record_inputs();
+        let run = Self {
+            task,
+            recorder: Some(recorder),
+            start_tick: start.ticks(),
+        };
+        Ok((run, start))
+    }
+
+    /// Returns the state for the window.
+    pub(super) fn state(&self, emulator: &Emulator) -> ExerciseState {
+        ExerciseState {
+            id: self.task.id.clone(),
+            elapsed_s: emulator.ticks().saturating_sub(self.start_tick) / 1000,
+            is_handed_in: self.recorder.is_none(),
+        }
+    }
+
+    /// Whether the learner has to find a fault.
+    pub(super) fn hides_faults(&self) -> bool {
+        !self.task.faults.is_empty()
+    }
+
+    /// Whether the learner still works, but the time is over.
+    fn is_time_over(&self, emulator: &Emulator) -> bool {
+        let end = self.start_tick + self.task.time_limit_ms;
+        self.recorder.is_some() && emulator.ticks() >= end
+    }
+
+    /// Records inputs, and a hash if one is due.
+    fn record(&mut self, emulator: &Emulator, inputs: Vec<RecordedInput>) -> Result<(), Message> {
+        let Some(recorder) = &mut self.recorder else {
+            return Ok(());
+        };
+        recorder.add_inputs(inputs)?;
+        recorder.follow_tick(emulator)
+    }
+
+    /// Ends the recording; `None` if it has ended before.
+    fn hand_in(&mut self, emulator: &Emulator) -> Option<Result<HandedInSolution, Message>> {
+        let recording = self.recorder.take()?.finish(emulator);
+        let task = Arc::clone(&self.task);
+        Some(recording.map(|recording| HandedInSolution { task, recording }))
+    }
+}
+
+impl Kernel {
+    pub(super) fn execute_exercise_command(&mut self, action: ExerciseAction) {
+        match action {
+            ExerciseAction::Begin(task) => self.begin_exercise(task),
+            ExerciseAction::HandIn => self.hand_in_exercise(),
+        }
+    }
+
+    fn begin_exercise(&mut self, task: Arc<ExerciseTask>) {
+        if let Some(why) = self.practice_refusal() {
+            return self.notify(Notice::Message(why));
+        }
+        match ExerciseRun::begin(task) {
+            Ok((run, MachineMoment { emulator, part })) => {
+                self.start_session(PracticeWork::Exercise(run), emulator);
+                self.part.replace_state(part);
+            }
+            Err(why) => self.notify(Notice::Message(why)),
+        }
+    }
+
+    /// Refuses what is no work at the machine during an exercise, with a notice: the recording of
+    /// a solution has only inputs of an operator. A click on a fault at the bench is its repair.
+    /// Returns whether the command is done with.
+    pub(super) fn is_settled_in_exercise(&mut self, command: &Command) -> bool {
+        if !self.is_in_exercise() || !changes_machine(command) {
+            return false;
+        }
+        match command {
+            Command::Fault(fault, _) => {
+                self.emulator.set_fault(*fault, false);
+                let repaired = say::exercise_repaired(fault.row().label());
+                self.notify(Notice::Message(repaired));
+                true
+            }
+            Command::Key { .. }
+            | Command::Tap(_)
+            | Command::Type(_)
+            | Command::Turn(_)
+            | Command::FitGraphic { .. }
+            | Command::FreshStock
+            | Command::FreeLathe
+            | Command::PowerCycle
+            | Command::Lesson(_)
+            | Command::Exercise(_) => false,
+            _ => {
+                self.notify(Notice::Message(say::exercise_keys_only()));
+                true
+            }
+        }
+    }
+
+    fn is_in_exercise(&self) -> bool {
+        let session = self.lesson.as_ref();
+        session.is_some_and(|session| session.exercise().is_some())
+    }
+
+    /// Whether the current exercise is to find faults, which therefore are not shown.
+    pub(super) fn hides_faults(&self) -> bool {
+        let run = self.lesson.as_ref().and_then(PracticeSession::exercise);
+        run.is_some_and(ExerciseRun::hides_faults)
+    }
+
+    /// Records what the learner has done up to this tick, and hands in when the time is over.
+    pub(super) fn follow_exercise(&mut self) {
+        self.record_exercise();
+        let run = self.lesson.as_ref().and_then(PracticeSession::exercise);
+        if run.is_some_and(|run| run.is_time_over(&self.emulator)) {
+            self.hand_in_exercise();
+        }
+    }
+
+    fn record_exercise(&mut self) {
+        let run = self.lesson.as_mut();
+        let Some(run) = run.and_then(PracticeSession::exercise_mut) else {
+            return;
+        };
+        let inputs = self.emulator.take_inputs();
+        let inputs = join_inputs(self.emulator.ticks(), inputs, self.part.take_inputs());
+        if let Err(why) = run.record(&self.emulator, inputs) {
+            self.notify(Notice::Message(why));
+        }
+    }
+
+    fn hand_in_exercise(&mut self) {
+        self.release_all_keys();
+        self.record_exercise();
+        let run = self.lesson.as_mut();
+        let run = run.and_then(PracticeSession::exercise_mut);
+        match run.and_then(|run| run.hand_in(&self.emulator)) {
+            Some(Ok(solution)) => self.notify(Notice::HandedIn(Box::new(solution))),
+            Some(Err(why)) => self.notify(Notice::Message(why)),
+            None => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use gsk_core::machine::LatheFault;
+    use gsk_core::simulation::Setup;
+    use gsk_exercise::judge::judge;
+    use gsk_exercise::library::built_in_tasks;
+    use gsk_exercise::report::ExerciseReport;
+    use gsk_panel::keys::Key;
+
+    use super::*;
+    use crate::kernel::{Console, LessonAction};
+
+    /// A kernel in an exercise.
+    struct Started {
+        kernel: Kernel,
+        console: Console,
+        task: Arc<ExerciseTask>,
+    }
+
+    fn start(id: &str) -> Started {
+        let (kernel, console) = Kernel::new(Emulator::new(Setup::default()));
+        let mut tasks = built_in_tasks().into_iter();
+        let task = Arc::new(tasks.find(|task| task.id == id).expect("an exercise"));
+        let mut started = Started {
+            kernel,
+            console,
+            task: Arc::clone(&task),
+        };
+        started.send(Command::Exercise(ExerciseAction::Begin(task)), 100);
+        started
+    }
+
+    impl Started {
+        fn send(&mut self, command: Command, ticks: u64) {
+            self.console.send(command);
+            self.kernel.run(ticks);
+        }
+
+        fn tap(&mut self, keys: &[Key]) {
+            for key in keys {
+                self.send(Command::Tap(*key), 300);
+            }
+        }
+
+        fn enter(&mut self, words: &[&str]) {
+            for word in words {
+                for letter in word.chars() {
+                    self.send(Command::Type(letter), 100);
+                }
+                self.tap(&[Key::Input]);
+            }
+            self.tap(&[Key::CycleStart]);
+        }
+
+        fn notices(&self) -> Vec<Notice> {
+            self.console.notices.try_iter().collect()
+        }
+
+        fn hand_in(&mut self) -> ExerciseReport {
+            let _ = self.notices();
+            self.send(Command::Exercise(ExerciseAction::HandIn), 100);
+            let solution = self.notices().into_iter().find_map(|notice| match notice {
+                Notice::HandedIn(solution) => Some(solution),
+                _ => None,
+            });
+            let solution = solution.expect("a solution");
+            judge(&self.task, &solution.recording).expect("marked")
+        }
+    }
+
+    const MDI_PAGE: [Key; 3] = [Key::Mdi, Key::Program, Key::PageDown];
+
+    #[test]
+    fn keys_in_the_window_solve_an_exercise() {
+        let mut started = start("04-spindle");
+        started.tap(&MDI_PAGE);
+        started.enter(&["S600", "M3"]);
+        started.kernel.run(4000);
+        started.enter(&["M5"]);
+        started.kernel.run(5000);
+        let report = started.hand_in();
+        assert_eq!(report.unmet(), Vec::<&str>::new());
+        let state = started.kernel.snapshot().exercise.expect("an exercise");
+        assert!(state.is_handed_in && state.elapsed_s > 9, "{state:?}");
+        started.send(Command::Lesson(LessonAction::Leave), 10);
+        assert_eq!(started.kernel.snapshot().exercise, None);
+    }
+
+    #[test]
+    fn what_no_operator_can_do_is_refused_and_a_crash_is_recorded() {
+        let mut started = start("22-roughing-cycle");
+        let job = started.kernel.part.state().job().clone();
+        started.send(Command::Open(Box::default()), 10);
+        started.send(Command::CrashStops(false), 10);
+        started.send(Command::ClearFaults, 10);
+        let refused = Notice::Message(say::exercise_keys_only());
+        assert_eq!(
+            started.notices(),
+            [refused.clone(), refused.clone(), refused]
+        );
+        assert_eq!(*started.kernel.part.state().job(), job);
+        started.tap(&MDI_PAGE);
+        started.enter(&["G0", "X50", "Z-100"]);
+        started.kernel.run(4000);
+        let is_collision = |notice: &Notice| matches!(notice, Notice::Collided(_));
+        assert!(started.notices().iter().any(is_collision));
+        started.send(Command::FreeLathe, 1000);
+        let report = started.hand_in();
+        assert_eq!(report.points, 0, "{report:?}");
+    }
+
+    #[test]
+    fn a_hidden_fault_is_not_shown_and_a_click_repairs_it() {
+        let mut started = start("f10-drive-z");
+        let snapshot = started.kernel.snapshot();
+        assert_eq!(snapshot.forced.faults, 0);
+        assert!(
+            started
+                .kernel
+                .emulator
+                .lathe()
+                .has_fault(LatheFault::DriveZ)
+        );
+        started.tap(&[Key::EmergencyStop]);
+        started.send(Command::Fault(LatheFault::DriveZ, true), 1000);
+        assert!(
+            !started
+                .kernel
+                .emulator
+                .lathe()
+                .has_fault(LatheFault::DriveZ)
+        );
+        let report = started.hand_in();
+        assert_eq!(report.unmet(), ["works"]);
+    }
+
+    #[test]
+    fn the_end_of_the_time_hands_in() {
+        let mut started = start("01-reference");
+        started.kernel.run(started.task.time_limit_ms + 100);
+        let is_solution = |notice: &Notice| matches!(notice, Notice::HandedIn(_));
+        assert_eq!(
+            started
+                .notices()
+                .iter()
+                .filter(|it| is_solution(it))
+                .count(),
+            1
+        );
+    }
+}

@@ -1,0 +1,293 @@
+//! Exercises in the lesson view: their list, the task that is being solved, and its report.
+
+mod solution_report;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use egui::{Context, RichText, Ui};
+use gsk_exercise::criterion::ExerciseCriterion;
+use gsk_exercise::part_size::{MeasuredSize, measure_sizes};
+use gsk_exercise::task::ExerciseTask;
+use gsk_host::files::exercises::AvailableExercises;
+use gsk_host::kernel::part::PartView;
+use gsk_host::kernel::{
+    Command, Console, ExerciseAction, ExerciseState, HandedInSolution, LessonAction, PanelSnapshot,
+};
+use gsk_messages::{Language, Message, say};
+use gsk_workpiece::region::Region;
+use solution_report::SolutionReport;
+
+use crate::theme;
+use crate::widgets::card::{self, Card, CardPicture};
+use crate::widgets::icons::Icon;
+
+/// The exercises in the lesson view.
+pub struct ExercisePane {
+    console: Console,
+    tasks: Vec<Arc<ExerciseTask>>,
+    /// Errors in the exercises of a teacher.
+    load_errors: Vec<Message>,
+    state: Option<ExerciseState>,
+    /// The section that was measured last, and the sizes on it.
+    measured: Option<(Arc<Region>, Vec<MeasuredSize>)>,
+    /// Numbers of the hints that the learner has read, from 1.
+    read_hints: BTreeSet<u32>,
+    report: SolutionReport,
+    /// The learner's best points by the name of the exercise.
+    best: BTreeMap<String, u32>,
+}
+
+impl ExercisePane {
+    /// Creates the pane without exercises. `best`: the learner's best points, by the name of the
+    /// exercise.
+    pub fn new(console: Console, best: BTreeMap<String, u32>, learner: String) -> Self {
+        Self {
+            report: SolutionReport::new(console.clone(), learner),
+            console,
+            tasks: Vec::new(),
+            load_errors: Vec::new(),
+            state: None,
+            measured: None,
+            read_hints: BTreeSet::new(),
+            best,
+        }
+    }
+
+    /// Replaces the listed exercises. Results are stored in the data folder `data`.
+    pub fn set_exercises(&mut self, found: AvailableExercises, data: PathBuf) {
+        self.tasks = found.tasks.into_iter().map(Arc::new).collect();
+        self.load_errors = found.errors;
+        self.report.set_data(data);
+    }
+
+    /// The learner's best points by the name of the exercise.
+    pub const fn best(&self) -> &BTreeMap<String, u32> {
+        &self.best
+    }
+
+    /// The name of the learner.
+    pub fn learner(&self) -> &str {
+        self.report.learner()
+    }
+
+    /// Whether an exercise is under way.
+    pub const fn is_open(&self) -> bool {
+        self.state.is_some()
+    }
+
+    /// Takes the state of the current exercise from a snapshot. Returns whether an exercise has
+    /// begun with it.
+    pub fn take_snapshot(&mut self, snapshot: &PanelSnapshot) -> bool {
+        let is_begin = match (&self.state, &snapshot.exercise) {
+            (Some(before), Some(now)) => before.id != now.id || now.elapsed_s < before.elapsed_s,
+            (None, Some(_)) => true,
+            (_, None) => false,
+        };
+        if is_begin {
+            self.measured = None;
+            self.read_hints.clear();
+            self.report.clear();
+        }
+        self.state.clone_from(&snapshot.exercise);
+        is_begin
+    }
+
+    /// Marks a solution in a thread.
+    pub fn take_solution(&mut self, solution: HandedInSolution, context: &Context) {
+        let hints = self.read_hints.iter().copied().collect();
+        self.report.mark(solution, hints, context);
+    }
+
+    /// Takes the marks that have arrived.
+    pub fn receive_marks(&mut self) {
+        if let Some((task, points)) = self.report.receive() {
+            let best = self.best.entry(task).or_default();
+            *best = points.max(*best);
+        }
+    }
+
+    fn current_task(&self) -> Option<Arc<ExerciseTask>> {
+        let id = &self.state.as_ref()?.id;
+        self.tasks.iter().find(|task| task.id == *id).cloned()
+    }
+
+    /// Draws the cards of the exercises.
+    pub fn show_list(&self, ui: &mut Ui, language: Language) {
+        ui.add_space(8.0);
+        let heading = say::exercise_heading().text(language);
+        card::show_heading(ui, Icon::MEASURE, &heading);
+        ui.label(say::exercise_intro().text(language));
+        let best = |task: &ExerciseTask| self.best.get(&task.id).copied();
+        let is_solved = |task: &ExerciseTask| best(task) == Some(task.max_points());
+        let solved = self.tasks.iter().filter(|task| is_solved(task)).count();
+        let words = say::exercise_progress(solved, self.tasks.len()).text(language);
+        card::show_progress(ui, solved, self.tasks.len(), &words);
+        let cards: Vec<Card> = self
+            .tasks
+            .iter()
+            .map(|task| Card {
+                picture: CardPicture::Icon(task_icon(task)),
+                title: task.title.in_language(language).to_owned(),
+                detail: describe_length(task, best(task)).text(language),
+                is_marked: is_solved(task),
+            })
+            .collect();
+        for (task, card) in self.tasks.iter().zip(card::show_cards(ui, &cards)) {
+            let about = task.text.in_language(language);
+            if card.on_hover_text(about).clicked() {
+                self.send(ExerciseAction::Begin(Arc::clone(task)));
+            }
+        }
+        for error in &self.load_errors {
+            ui.add_space(4.0);
+            ui.label(RichText::new(error.text(language)).color(theme::ERROR_TEXT));
+        }
+    }
+
+    fn send(&self, action: ExerciseAction) {
+        self.console.send(Command::Exercise(action));
+    }
+
+    /// Draws the current task with what is marked, or its report.
+    pub fn show_task(&mut self, ui: &mut Ui, language: Language, part: Option<&Arc<PartView>>) {
+        let (Some(task), Some(state)) = (self.current_task(), self.state.clone()) else {
+            return;
+        };
+        let practice =
+            RichText::new(say::lesson_practice().text(language)).color(theme::LESSON_HINT_TEXT);
+        ui.label(practice)
+            .on_hover_text(say::lesson_practice_hint().text(language));
+        ui.heading(task.title.in_language(language));
+        let text = RichText::new(task.text.in_language(language));
+        ui.label(text.size(theme::READING_SIZE).color(theme::BRIGHT_TEXT));
+        ui.add_space(6.0);
+        if state.is_handed_in {
+            self.report.show(ui, language);
+            return;
+        }
+        let left_s = (task.time_limit_ms / 1000).saturating_sub(state.elapsed_s);
+        let left = format!("{}:{:02}", left_s / 60, left_s % 60);
+        let words = say::exercise_time_left(left).text(language);
+        ui.label(RichText::new(words).color(theme::LESSON_STEP))
+            .on_hover_text(say::exercise_time_left_hint().text(language));
+        ui.add_space(6.0);
+        ui.strong(say::exercise_demands().text(language));
+        let sizes = self.measure(&task, part);
+        for (index, criterion) in task.criteria.iter().enumerate() {
+            let size = sizes.iter().find(|size| size.criterion == index);
+            show_demand(ui, language, criterion, size);
+        }
+        for (number, hint) in (1..).zip(&task.hints) {
+            if self.read_hints.contains(&number) {
+                let words = say::lesson_hint_is(hint.text.in_language(language)).text(language);
+                let words = RichText::new(words).size(theme::READING_SIZE);
+                ui.add_space(6.0);
+                ui.label(words.color(theme::LESSON_HINT_TEXT));
+            }
+        }
+    }
+
+    /// Measures the part if it has changed.
+    fn measure(&mut self, task: &ExerciseTask, part: Option<&Arc<PartView>>) -> Vec<MeasuredSize> {
+        let Some(section) = part.map(|part| &part.section) else {
+            return Vec::new();
+        };
+        let is_known = |known: &Arc<Region>| Arc::ptr_eq(known, section);
+        match &self.measured {
+            Some((known, sizes)) if is_known(known) => sizes.clone(),
+            _ => {
+                let sizes = measure_sizes(task, section);
+                self.measured = Some((Arc::clone(section), sizes.clone()));
+                sizes
+            }
+        }
+    }
+
+    /// Draws the buttons under the task.
+    pub fn show_buttons(&mut self, ui: &mut Ui, language: Language) {
+        let (Some(task), Some(state)) = (self.current_task(), self.state.clone()) else {
+            return;
+        };
+        ui.horizontal_wrapped(|ui| {
+            let hand_in = egui::Button::new(say::exercise_hand_in().text(language));
+            let hand_in = ui.add_enabled(!state.is_handed_in, hand_in);
+            let hint = say::exercise_hand_in_hint().text(language);
+            if hand_in.on_hover_text(hint).clicked() {
+                self.send(ExerciseAction::HandIn);
+            }
+            let mut unread = (1..).zip(&task.hints);
+            let unread = unread.find(|(number, _)| !self.read_hints.contains(number));
+            if let Some((number, hint)) = unread.filter(|_| !state.is_handed_in) {
+                let words = say::exercise_hint_for(hint.cost).text(language);
+                if ui.button(words).clicked() {
+                    self.read_hints.insert(number);
+                }
+            }
+            let again = ui.button(say::lesson_again().text(language));
+            let hint = say::exercise_again_hint().text(language);
+            if again.on_hover_text(hint).clicked() {
+                self.send(ExerciseAction::Begin(task));
+            }
+            let leave = ui.button(say::exercise_leave().text(language));
+            let hint = say::exercise_leave_hint().text(language);
+            if leave.on_hover_text(hint).clicked() {
+                self.console.send(Command::Lesson(LessonAction::Leave));
+            }
+        });
+    }
+}
+
+/// Draws a criterion: what is demanded, its points and, for a dimension, its size on the part.
+fn show_demand(
+    ui: &mut Ui,
+    language: Language,
+    criterion: &ExerciseCriterion,
+    size: Option<&MeasuredSize>,
+) {
+    let is_met = size.is_some_and(MeasuredSize::is_met);
+    let colour = match is_met {
+        true => theme::SUCCESS,
+        false => theme::TEXT,
+    };
+    ui.horizontal_wrapped(|ui| {
+        super::lesson::draw_mark(
+            ui,
+            if is_met {
+                theme::SUCCESS
+            } else {
+                theme::LESSON_OPEN
+            },
+            is_met,
+        );
+        ui.label(RichText::new(criterion.yes.in_language(language)).color(colour));
+        let points = say::exercise_worth(criterion.points).text(language);
+        ui.label(RichText::new(points).color(theme::NOTE_TEXT));
+        if let Some(size) = size {
+            let (least, most) = (size.size.min, size.size.max);
+            let words = match size.measured {
+                Some(measured) => say::exercise_size_now(least, most, measured),
+                None => say::exercise_size_missing(least, most),
+            };
+            ui.label(RichText::new(words.text(language)).color(colour));
+        }
+    });
+}
+
+/// The picture of an exercise's card.
+fn task_icon(task: &ExerciseTask) -> Icon {
+    match (task.faults.is_empty(), task.cuts_part()) {
+        (false, _) => Icon::WARNING,
+        (true, true) => Icon::STOCK,
+        (true, false) => Icon::KEYBOARD,
+    }
+}
+
+fn describe_length(task: &ExerciseTask, best: Option<u32>) -> Message {
+    let minutes = task.time_limit_ms.div_ceil(60_000);
+    match best {
+        Some(best) => say::exercise_best(best, task.max_points()),
+        None => say::exercise_card(task.max_points(), minutes),
+    }
+}
