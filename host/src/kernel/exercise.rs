@@ -210,7 +210,7 @@ impl Kernel {
 #[cfg(test)]
 mod tests {
     use gsk_core::machine::LatheFault;
-    use gsk_core::simulation::Setup;
+    use gsk_core::setup::Setup;
     use gsk_exercise::judge::judge;
     use gsk_exercise::library::built_in_tasks;
     use gsk_exercise::report::ExerciseReport;
@@ -299,7 +299,7 @@ mod tests {
     fn what_no_operator_can_do_is_refused_and_a_crash_is_recorded() {
         let mut started = start("22-roughing-cycle");
         let job = started.kernel.part.state().job().clone();
-        started.send(Command::Open(Box::default()), 10);
+        started.send(Command::ReleaseForcedBits, 10);
         started.send(Command::CrashStops(false), 10);
         started.send(Command::ClearFaults, 10);
         let refused = Notice::Message(say::exercise_keys_only());
@@ -309,6 +309,8 @@ mod tests {
         );
         assert_eq!(*started.kernel.part.state().job(), job);
         started.tap(&MDI_PAGE);
+        started.enter(&["T0101"]);
+        started.kernel.run(3000);
         started.enter(&["G0", "X50", "Z-100"]);
         started.kernel.run(4000);
         let is_collision = |notice: &Notice| matches!(notice, Notice::Collided(_));
