@@ -1,5 +1,6 @@
 //! Decides which recorded inputs an operator can make.
 
+use gsk_core::cnc::ControlRequest;
 use gsk_core::machine::LatheFault;
 use gsk_history::machine_part::PartInput;
 use gsk_history::moment::HistoryInput;
@@ -22,8 +23,12 @@ pub fn is_by_operator(input: &HistoryInput, after_collision: bool) -> bool {
             | EmulatorInput::PowerOn
             | EmulatorInput::StoreEdited
             | EmulatorInput::FitGraphic { .. }
+            // The computer takes what the learner has sent with 输出.
+            | EmulatorInput::TakeSent
             | EmulatorInput::Fault(_, false) => true,
             EmulatorInput::Fault(fault, true) => after_collision && CRASH_FAULTS.contains(fault),
+            // All keys are released when the window loses the focus: the wheel stops, too.
+            EmulatorInput::Request(request) => matches!(**request, ControlRequest::DropWheel),
             _ => false,
         },
         HistoryInput::Part(input) => matches!(input, PartInput::NewStock),

@@ -294,6 +294,13 @@ pub struct PanelSnapshot {
     pub motion: Option<MachineMotion>,
 }
 
+impl PanelSnapshot {
+    /// Whether the machine of a lesson or an exercise replaces the learner's own one.
+    pub const fn is_at_practice_machine(&self) -> bool {
+        self.lesson.is_some() || self.exercise.is_some()
+    }
+}
+
 /// Motion of slides and spindle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MachineMotion {

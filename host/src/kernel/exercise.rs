@@ -162,7 +162,8 @@ impl Kernel {
         }
     }
 
-    fn is_in_exercise(&self) -> bool {
+    /// Whether the machine of an exercise replaces the learner's own one.
+    pub(super) fn is_in_exercise(&self) -> bool {
         let session = self.lesson.as_ref();
         session.is_some_and(|session| session.exercise().is_some())
     }
@@ -218,6 +219,7 @@ mod tests {
 
     use super::*;
     use crate::kernel::{Console, LessonAction};
+    use crate::ports::dnc::DncSource;
 
     /// A kernel in an exercise.
     struct Started {
@@ -227,7 +229,8 @@ mod tests {
     }
 
     fn start(id: &str) -> Started {
-        let (kernel, console) = Kernel::new(Emulator::new(Setup::default()));
+        let (mut kernel, console) = Kernel::new(Emulator::new(Setup::default()));
+        kernel.set_dnc_source(DncSource::File("no-file.CNC".into()));
         let mut tasks = built_in_tasks().into_iter();
         let task = Arc::new(tasks.find(|task| task.id == id).expect("an exercise"));
         let mut started = Started {
@@ -282,6 +285,8 @@ mod tests {
     #[test]
     fn keys_in_the_window_solve_an_exercise() {
         let mut started = start("04-spindle");
+        // The proof that keys are held has expired.
+        started.kernel.release_keys_and_wheel();
         started.tap(&MDI_PAGE);
         started.enter(&["S600", "M3"]);
         started.kernel.run(4000);

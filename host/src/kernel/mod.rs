@@ -263,7 +263,9 @@ impl Kernel {
         for event in self.key_edges.take_due(self.tick) {
             self.pass_key_event(event);
         }
-        if let Some(partner) = &mut self.partner {
+        // The recording of an exercise has only inputs of an operator.
+        let is_in_exercise = self.is_in_exercise();
+        if let Some(partner) = self.partner.as_mut().filter(|_| !is_in_exercise) {
             partner.send_text(&mut self.emulator, PartnerWait::Forbidden);
         }
         match &mut self.lesson {

@@ -3,7 +3,7 @@
 
 use egui::{Align, Label, Layout, RichText, Ui};
 use gsk_core::command::ProgramId;
-use gsk_host::kernel::{Command, StartDistance};
+use gsk_host::kernel::{Command, PanelSnapshot, StartDistance};
 use gsk_messages::{Language, Message, say};
 use gsk_panel::keys::Key;
 
@@ -217,10 +217,11 @@ impl Window {
         )
     }
 
-    /// What the operator could do next; `None` in a lesson, which has its own instructions.
+    /// What the operator could do next; `None` in a lesson or an exercise,
+    /// which have their own instructions.
     fn next_step(&self) -> Option<Message> {
         let snapshot = self.snapshot.as_ref();
-        if snapshot.is_some_and(|it| it.lesson.is_some()) {
+        if snapshot.is_some_and(PanelSnapshot::is_at_practice_machine) {
             return None;
         }
         let is_position_unknown = snapshot.is_some_and(|it| it.position_unknown);

@@ -160,7 +160,7 @@ pub fn show(
             if imposed != ForcedState::default() {
                 request = show_imposed_sign(ui, language, imposed, &is_open).or(request.take());
             }
-            if snapshot.is_some_and(|picture| picture.lesson.is_some()) {
+            if snapshot.is_some_and(PanelSnapshot::is_at_practice_machine) {
                 request =
                     show_practice_sign(ui, language, is_open(ViewId::Lesson)).or(request.take());
             }
