@@ -32,5 +32,6 @@ mod xml;
 pub use agent::{Agent, AgentIdentity, SampleDocument, SchemaVersion};
 pub use assets::AgentAssets;
 pub use query::{AgentError, AgentRequest};
+pub use readers::program_name;
 pub use reading::MachineReading;
 pub use value::{AgentValue, MachineSource};

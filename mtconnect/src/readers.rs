@@ -194,7 +194,7 @@ pub(crate) fn execution(from: &MachineSource<'_>) -> AgentValue {
 }
 
 /// Name of a program in a document.
-pub(crate) fn program_name(cnc: &Cnc, id: ProgramId) -> String {
+pub fn program_name(cnc: &Cnc, id: ProgramId) -> String {
     let number = match id {
         ProgramId::Stored(number) => Some(number),
         ProgramId::External | ProgramId::Dnc => {

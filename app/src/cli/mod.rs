@@ -12,6 +12,7 @@ mod lesson;
 mod link;
 mod lsp;
 mod mill;
+mod mtconnect;
 mod packages;
 mod picture;
 mod pitch;
@@ -43,6 +44,7 @@ pub use link::{
 };
 pub use lsp::LspArgs;
 pub use mill::{GearArgs, HomingArgs, MILL_AXES, MillCommand, MillKeysArgs, PitchArgs};
+pub use mtconnect::MtconnectArgs;
 pub use packages::{CompletionsArgs, ManArgs};
 pub use picture::PictureArgs;
 pub use pitch::{PitchCommand, PitchFormat, PitchImportArgs, PitchShowArgs};
@@ -146,6 +148,8 @@ pub struct WindowArgs {
     /// Record the session into this file as well, for `replay`
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
+    #[command(flatten)]
+    pub mtconnect: MtconnectArgs,
 }
 
 /// The commands; only the options of the one that is called are built.
@@ -296,6 +300,8 @@ pub struct OperateArgs {
     /// Write what happened as a script with the time of every key
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
+    #[command(flatten)]
+    pub mtconnect: MtconnectArgs,
     #[command(flatten)]
     pub setup: SetupArgs,
 }

@@ -1,5 +1,6 @@
 //! The commands, one file each. Each returns its exit code.
 
+mod agent;
 mod check;
 mod dap;
 mod dialect;
