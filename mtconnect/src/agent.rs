@@ -12,7 +12,7 @@ use crate::documents::assets::write_assets;
 use crate::documents::error::write_error;
 use crate::documents::probe::write_probe;
 use crate::documents::streams::write_streams;
-use crate::model::{ASSET_CHANGED_ID, ASSET_REMOVED_ID, DeviceDescription};
+use crate::model::{ASSET_CHANGED_ID, ASSET_REMOVED_ID, Component, DeviceDescription};
 use crate::query::{AgentError, AssetQuery, CurrentQuery, ErrorCode, SampleQuery};
 use crate::reading::MachineReading;
 use crate::status;
@@ -85,6 +85,14 @@ pub struct AgentIdentity {
 }
 
 impl AgentIdentity {
+    /// Name and identifier of a device: of the lathe or of the agent.
+    pub(crate) fn name_and_uuid(&self, device: &Component) -> (&str, String) {
+        match device.name {
+            Some(name) => (name, format!("{}.{name}", self.uuid)),
+            None => (&self.name, self.uuid.clone()),
+        }
+    }
+
     /// The identity of the agent that listens at `address` since `started_ms`.
     pub fn new(
         description: DeviceDescription,

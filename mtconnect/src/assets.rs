@@ -172,7 +172,7 @@ pub(crate) fn write_asset(xml: &mut XmlWriter, asset: &StoredAsset, device: &str
             xml.attribute("name", &asset.id)
                 .attribute("mediaType", "text/plain")
                 .attribute("applicationCategory", "PART")
-                .attribute("applicationType", "PRODUCTION")
+                .attribute("applicationType", "PRODUCTION_PROGRAM")
                 .attribute("state", "PRODUCTION")
                 .attribute("size", text.len())
                 .attribute("versionId", format_args!("{:016x}", text_hash(text)));

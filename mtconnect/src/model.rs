@@ -17,7 +17,7 @@ pub struct Component {
     pub id: &'static str,
     /// Name in the device; `None` for groups.
     pub name: Option<&'static str>,
-    /// Identifier of the component that contains this one; `None` for the device.
+    /// Identifier of the component that contains this one; `None` for the lathe and the agent.
     pub parent: Option<&'static str>,
 }
 
@@ -35,8 +35,9 @@ const fn component(
     }
 }
 
-/// The components of every lathe, each after the one that contains it.
-pub const COMPONENTS: [Component; 8] = [
+/// The agent, and the components of every lathe, each after the one that contains it.
+pub static COMPONENTS: [Component; 9] = [
+    component("Agent", "agent", Some("agent"), None),
     component("Device", "lathe", None, None),
     component("Axes", "axes", Some("axes"), Some("lathe")),
     component("Linear", "x", Some("X"), Some("axes")),
@@ -193,7 +194,13 @@ const MODE_OVERRIDE_ELEMENT: &str = "ControllerModeOverride";
 
 /// The data items of every lathe; those of one component are neighbours. Observations name an
 /// item by its index.
-pub static DATA_ITEMS: [DataItem; 49] = [
+pub static DATA_ITEMS: [DataItem; 50] = [
+    event(
+        "agent",
+        "agent_avail",
+        ["AVAILABILITY", "Availability", ""],
+        readers::availability,
+    ),
     event(
         "lathe",
         "avail",
@@ -420,6 +427,15 @@ pub(crate) const ASSET_REMOVED_ID: &str = "asset_removed";
 /// Index of a data item in [`DATA_ITEMS`]; `None` for an unknown identifier.
 pub fn item_index(id: &str) -> Option<usize> {
     DATA_ITEMS.iter().position(|item| item.id == id)
+}
+
+/// The device that contains a component: the lathe or the agent.
+pub(crate) fn device_of(component: &'static Component) -> &'static Component {
+    let mut device = component;
+    while let Some(parent) = device.parent.and_then(component_index) {
+        device = &COMPONENTS[parent];
+    }
+    device
 }
 
 /// Index of a component in [`COMPONENTS`]; `None` for an unknown identifier.

@@ -280,7 +280,7 @@ mod tests {
     #[test]
     fn paths_of_clients_select_their_items() {
         assert_eq!(ids("//DataItem").len(), DATA_ITEMS.len());
-        assert_eq!(ids("//Device").len(), DATA_ITEMS.len());
+        assert_eq!(ids("//Device").len(), DATA_ITEMS.len() - 1);
         assert_eq!(
             ids("//Axes//DataItem[@type=\"POSITION\" and @coordinateSystem='WORK']"),
             ["x_work", "z_work"]
@@ -295,7 +295,7 @@ mod tests {
         );
         assert_eq!(
             ids("//DataItem[@type='EXECUTION' or @type='AVAILABILITY']|//*[@id='line']"),
-            ["avail", "execution", "line"]
+            ["agent_avail", "avail", "execution", "line"]
         );
         assert_eq!(ids("//m:Chuck"), ["chuck_state"]);
         assert!(ids("//Door").is_empty() && ids("/Axes").is_empty());

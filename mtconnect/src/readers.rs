@@ -107,7 +107,7 @@ pub(crate) const fn rotary_mode(_: &MachineSource<'_>) -> AgentValue {
 
 /// The power chuck of the simulated lathe. A board has no input for it.
 pub(crate) fn chuck_state(from: &MachineSource<'_>) -> AgentValue {
-    if from.cnc.has_board() {
+    if from.cnc.has_board() || !from.cnc.parameters().has_chuck() {
         return AgentValue::Unavailable;
     }
     let is_clamped = from.lathe.is_chuck_clamped();

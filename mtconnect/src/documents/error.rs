@@ -1,12 +1,12 @@
 //! The document that explains why a request is refused.
 
-use super::{DocumentContext, add_sizes};
+use super::{DocumentContext, ERROR_DOCUMENT, add_sizes};
 use crate::buffer::BUFFER_SIZE;
 use crate::query::AgentError;
 
 /// Writes the refusal of a request.
 pub(crate) fn write_error(context: DocumentContext<'_>, error: &AgentError) -> String {
-    let mut xml = context.begin("MTConnectError");
+    let mut xml = context.begin(ERROR_DOCUMENT);
     add_sizes(&mut xml, &[("bufferSize", &BUFFER_SIZE)]);
     xml.close();
     xml.open("Errors");

@@ -11,6 +11,9 @@ use crate::agent::AgentIdentity;
 use crate::time_stamp::TimeStamp;
 use crate::xml::XmlWriter;
 
+/// The document that does not describe a device.
+const ERROR_DOCUMENT: &str = "MTConnectError";
+
 /// What every document has in its header.
 #[derive(Clone, Copy)]
 pub(crate) struct DocumentContext<'a> {
@@ -38,8 +41,10 @@ impl DocumentContext<'_> {
             .attribute("creationTime", self.now)
             .attribute("sender", &self.identity.sender)
             .attribute("instanceId", self.identity.instance_id)
-            .attribute("version", format_args!("{version}.0.0"))
-            .attribute("deviceModelChangeTime", TimeStamp(self.identity.started_ms));
+            .attribute("version", format_args!("{version}.0.0"));
+        if document != ERROR_DOCUMENT {
+            xml.attribute("deviceModelChangeTime", TimeStamp(self.identity.started_ms));
+        }
         xml
     }
 }

@@ -19,7 +19,9 @@ pub(crate) fn write_probe(context: DocumentContext<'_>, asset_count: usize) -> S
     );
     xml.close();
     xml.open("Devices");
-    write_component(&mut xml, context, &COMPONENTS[0]);
+    for device in COMPONENTS.iter().filter(|it| it.parent.is_none()) {
+        write_component(&mut xml, context, device);
+    }
     xml.finish()
 }
 
@@ -27,11 +29,15 @@ fn write_component(xml: &mut XmlWriter, context: DocumentContext<'_>, component:
     let identity = context.identity;
     xml.open(component.element).attribute("id", component.id);
     if component.parent.is_none() {
-        xml.attribute("uuid", &identity.uuid)
-            .attribute("name", &identity.name);
-        write_description(xml, &identity.description);
+        let (name, uuid) = identity.name_and_uuid(component);
+        xml.attribute("uuid", uuid)
+            .attribute("name", name)
+            .attribute("mtconnectVersion", identity.schema);
     } else {
         xml.attribute_if("name", component.name);
+    }
+    if component.element == "Device" {
+        write_description(xml, &identity.description);
     }
     write_configuration(xml, component, &identity.description);
     let items = DATA_ITEMS

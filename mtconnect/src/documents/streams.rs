@@ -4,7 +4,7 @@ use super::{DocumentContext, add_sizes};
 use crate::buffer::{
     BUFFER_SIZE, ConditionState, Observation, ObservationBuffer, ObservationContent,
 };
-use crate::model::{COMPONENTS, Component, DATA_ITEMS, ItemCategory};
+use crate::model::{COMPONENTS, Component, DATA_ITEMS, ItemCategory, device_of};
 use crate::reading::FaultLevel;
 use crate::value::AgentValue;
 use crate::xml::XmlWriter;
@@ -29,10 +29,6 @@ pub(crate) fn write_streams(
     );
     xml.close();
     xml.open("Streams");
-    let identity = context.identity;
-    xml.open("DeviceStream")
-        .attribute("name", &identity.name)
-        .attribute("uuid", &identity.uuid);
     let mut by_component: Vec<Vec<&Observation>> = vec![Vec::new(); COMPONENTS.len()];
     for observation in observations {
         let id = DATA_ITEMS.get(observation.item).map(|item| item.component);
@@ -41,10 +37,17 @@ pub(crate) fn write_streams(
             list.push(observation);
         }
     }
-    for (component, observations) in COMPONENTS.iter().zip(by_component) {
-        if !observations.is_empty() {
-            write_component_stream(&mut xml, component, &identity.name, &observations);
+    for device in COMPONENTS.iter().filter(|it| it.parent.is_none()) {
+        let (name, uuid) = context.identity.name_and_uuid(device);
+        xml.open("DeviceStream")
+            .attribute("name", name)
+            .attribute("uuid", uuid);
+        for (component, observations) in COMPONENTS.iter().zip(&by_component) {
+            if device_of(component).id == device.id && !observations.is_empty() {
+                write_component_stream(&mut xml, component, name, observations);
+            }
         }
+        xml.close();
     }
     xml.finish()
 }
