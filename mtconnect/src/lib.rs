@@ -15,7 +15,8 @@
 //!
 //! The caller supplies the time and moves the documents.
 
-pub mod agent;
+mod agent;
+mod agent_identity;
 mod assets;
 mod buffer;
 mod documents;
@@ -23,13 +24,14 @@ pub mod model;
 mod path_filter;
 pub mod query;
 mod readers;
-pub mod reading;
-pub mod status;
+mod reading;
+mod status;
 mod time_stamp;
 mod value;
 mod xml;
 
-pub use agent::{Agent, AgentIdentity, SampleDocument, SchemaVersion};
+pub use agent::{Agent, SampleDocument};
+pub use agent_identity::{AgentIdentity, SchemaVersion};
 pub use assets::AgentAssets;
 pub use query::{AgentError, AgentRequest};
 pub use readers::program_name;

@@ -94,11 +94,12 @@ pub(crate) fn spindle_override(from: &MachineSource<'_>) -> AgentValue {
 }
 
 pub(crate) fn spindle_direction(from: &MachineSource<'_>) -> AgentValue {
-    AgentValue::Word(match from.cnc.spindle_m_code() {
-        3 => "CLOCKWISE",
-        4 => "COUNTER_CLOCKWISE",
-        _ => "NONE",
-    })
+    match from.cnc.spindle_m_code() {
+        3 => AgentValue::Word("CLOCKWISE"),
+        4 => AgentValue::Word("COUNTER_CLOCKWISE"),
+        // Most versions of the schemas have no word for a spindle that stands.
+        _ => AgentValue::Unavailable,
+    }
 }
 
 pub(crate) const fn rotary_mode(_: &MachineSource<'_>) -> AgentValue {
@@ -127,11 +128,11 @@ fn is_emergency_stopped(cnc: &Cnc) -> bool {
     alarms.any(|alarm| alarm.class() == AlarmClass::EmergencyStop)
 }
 
-/// The first active message of the ladder.
+/// Number and text of the first active message of the ladder.
 pub(crate) fn message(from: &MachineSource<'_>) -> AgentValue {
     let first = from.cnc.plc_messages().next();
-    first.map_or(AgentValue::Unavailable, |(number, text)| {
-        AgentValue::Message(number, text.into())
+    first.map_or(AgentValue::Unavailable, |(number, message)| {
+        text(format!("{number:04} {message}"))
     })
 }
 

@@ -33,8 +33,6 @@ pub enum AgentValue {
     Word(&'static str),
     /// A text of the machine.
     Text(Arc<str>),
-    /// The number and the text of a message.
-    Message(u16, Arc<str>),
     /// The element and the identifier of an asset.
     Asset(&'static str, Arc<str>),
 }
@@ -46,7 +44,7 @@ impl fmt::Display for AgentValue {
             Self::Number(number) => number.fmt(f),
             Self::Point([x, y, z]) => write!(f, "{x} {y} {z}"),
             Self::Word(word) => f.write_str(word),
-            Self::Text(text) | Self::Message(_, text) | Self::Asset(_, text) => f.write_str(text),
+            Self::Text(text) | Self::Asset(_, text) => f.write_str(text),
         }
     }
 }

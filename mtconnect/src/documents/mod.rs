@@ -7,7 +7,7 @@ pub(crate) mod streams;
 
 use core::fmt::Display;
 
-use crate::agent::AgentIdentity;
+use crate::agent_identity::AgentIdentity;
 use crate::time_stamp::TimeStamp;
 use crate::xml::XmlWriter;
 

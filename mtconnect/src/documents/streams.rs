@@ -1,6 +1,7 @@
 //! The document with observations.
 
 use super::{DocumentContext, add_sizes};
+use crate::agent_identity::{AgentIdentity, SchemaVersion};
 use crate::buffer::{
     BUFFER_SIZE, ConditionState, Observation, ObservationBuffer, ObservationContent,
 };
@@ -8,6 +9,9 @@ use crate::model::{COMPONENTS, Component, DATA_ITEMS, ItemCategory, device_of};
 use crate::reading::FaultLevel;
 use crate::value::AgentValue;
 use crate::xml::XmlWriter;
+
+/// From this version on an alarm has an identifier.
+const CONDITION_ID_VERSION: SchemaVersion = SchemaVersion { major: 2, minor: 3 };
 
 /// Writes observations, in the order of components. `next_sequence` is the number from which the
 /// client continues.
@@ -44,7 +48,7 @@ pub(crate) fn write_streams(
             .attribute("uuid", uuid);
         for (component, observations) in COMPONENTS.iter().zip(&by_component) {
             if device_of(component).id == device.id && !observations.is_empty() {
-                write_component_stream(&mut xml, component, name, observations);
+                write_component_stream(&mut xml, component, context.identity, observations);
             }
         }
         xml.close();
@@ -55,11 +59,11 @@ pub(crate) fn write_streams(
 fn write_component_stream(
     xml: &mut XmlWriter,
     component: &Component,
-    device: &str,
+    identity: &AgentIdentity,
     observations: &[&Observation],
 ) {
     let own_name = match component.parent {
-        None => Some(device),
+        None => Some(identity.name_and_uuid(component).0),
         Some(_) => component.name,
     };
     xml.open("ComponentStream")
@@ -76,7 +80,7 @@ fn write_component_stream(
         if listed.peek().is_some() {
             xml.open(element);
             for observation in listed {
-                write_observation(xml, observation);
+                write_observation(xml, observation, identity.schema);
             }
             xml.close();
         }
@@ -84,7 +88,7 @@ fn write_component_stream(
     xml.close();
 }
 
-fn write_observation(xml: &mut XmlWriter, observation: &Observation) {
+fn write_observation(xml: &mut XmlWriter, observation: &Observation, schema: SchemaVersion) {
     let item = &DATA_ITEMS[observation.item];
     let optional = |text: &'static str| (!text.is_empty()).then_some(text);
     let element = match &observation.content {
@@ -107,9 +111,6 @@ fn write_observation(xml: &mut XmlWriter, observation: &Observation) {
         ObservationContent::Value(value) => {
             xml.attribute_if("subType", optional(item.sub_type));
             match value {
-                AgentValue::Message(number, _) => {
-                    xml.attribute("nativeCode", number);
-                }
                 AgentValue::Asset(asset_type, _) => {
                     xml.attribute("assetType", asset_type);
                 }
@@ -124,7 +125,10 @@ fn write_observation(xml: &mut XmlWriter, observation: &Observation) {
             xml.attribute("type", item.item_type);
             match state {
                 ConditionState::Active { number, text, .. } => {
-                    xml.attribute("nativeCode", number).text(text);
+                    let has_id = schema >= CONDITION_ID_VERSION;
+                    xml.attribute("nativeCode", number)
+                        .attribute_if("conditionId", has_id.then_some(number))
+                        .text(text);
                 }
                 ConditionState::Normal(number) => {
                     xml.attribute_if("nativeCode", *number);
