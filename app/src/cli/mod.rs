@@ -22,6 +22,7 @@ mod replay;
 mod run;
 mod run_debug;
 mod run_restart;
+mod sheet;
 mod transfer;
 
 use std::path::PathBuf;
@@ -57,6 +58,7 @@ pub use replay::ReplayArgs;
 pub use run::RunArgs;
 pub use run_debug::RunDebugArgs;
 pub use run_restart::RunRestartArgs;
+pub use sheet::SheetArgs;
 pub use transfer::{
     ExistingFile, SerialArgs, TextEnd, TransferArgs, TransferBackupArgs, TransferCommand,
     TransferControlArgs, TransferDeleteArgs, TransferListArgs, TransferPortArgs,
@@ -177,6 +179,11 @@ pub enum CliCommand {
     /// Z to the right, X as a diameter upwards; a colour for each tool with its
     /// cutting time, rapids grey and dashed.
     Plot(DeferredArgs<PlotArgs>),
+    /// Write the setup sheet of a program: a page to print (HTML, A4)
+    ///
+    /// Part with dimensions, stock and clamping, tools with offsets, zero, times, warnings, the
+    /// program, and its hash as a QR code. A browser prints it, also as PDF.
+    Sheet(DeferredArgs<SheetArgs>),
     /// List what means something else when another control model reads a program
     ///
     /// Block by block: codes that the other model does not have, that mean something else
