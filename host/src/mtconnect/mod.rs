@@ -12,8 +12,10 @@ mod pacing;
 mod page;
 mod server;
 mod shared;
+#[cfg(test)]
+mod tests;
 
-pub use address::{DEFAULT_ADDRESS, parse_address, parse_schema};
+pub use address::{AgentOptionError, DEFAULT_ADDRESS, parse_address, parse_schema};
 pub use feed::AgentFeed;
 pub use gsk_mtconnect::SchemaVersion;
 pub use pacing::MachinePacer;
