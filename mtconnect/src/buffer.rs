@@ -57,7 +57,7 @@ impl Checkpoint {
         self.items.iter().flatten()
     }
 
-    fn of_item(&self, item: usize) -> &[Observation] {
+    fn item_observations(&self, item: usize) -> &[Observation] {
         self.items.get(item).map_or(&[], Vec::as_slice)
     }
 
@@ -201,7 +201,7 @@ impl ObservationBuffer {
     }
 
     fn record_value(&mut self, time: TimeStamp, item: usize, value: AgentValue) {
-        let last = self.latest.of_item(item).first();
+        let last = self.latest.item_observations(item).first();
         let content = ObservationContent::Value(value);
         if last.is_none_or(|last| last.content != content) {
             self.push(time, item, content);
@@ -210,7 +210,7 @@ impl ObservationBuffer {
 
     fn record_condition(&mut self, time: TimeStamp, item: usize, faults: &[ActiveFault]) {
         let faults = || faults.iter().filter(|fault| fault.item == item);
-        let active: Vec<ObservationContent> = (self.latest.of_item(item).iter())
+        let active: Vec<ObservationContent> = (self.latest.item_observations(item).iter())
             .map(|observation| observation.content.clone())
             .collect();
         for content in &active {
@@ -278,7 +278,7 @@ mod tests {
 
     fn conditions(state: &Checkpoint) -> Vec<ConditionState> {
         let item = item_index("motion").expect("a condition");
-        let observations = state.of_item(item).iter();
+        let observations = state.item_observations(item).iter();
         let states = observations.filter_map(|it| match &it.content {
             ObservationContent::Condition(state) => Some(state.clone()),
             ObservationContent::Value(_) => None,
@@ -324,7 +324,7 @@ mod tests {
         assert!(sequences.eq(first..buffer.next_sequence()));
         let oldest = buffer.state_at(first).expect("the oldest");
         assert_eq!(oldest.observations().count(), DATA_ITEMS.len());
-        let value = &oldest.of_item(line)[0].content;
+        let value = &oldest.item_observations(line)[0].content;
         let expected = buffer.entries[0].content.clone();
         assert_eq!(*value, expected);
         assert!(buffer.state_at(buffer.next_sequence()).is_none());
@@ -347,7 +347,7 @@ mod tests {
         assert_eq!(count_of(x), 10);
         // The axis stands: the reading after the interval records where.
         buffer.record(TimeStamp(3000), &reading);
-        let last = &buffer.latest().of_item(x)[0];
+        let last = &buffer.latest().item_observations(x)[0];
         assert_eq!(
             last.content,
             ObservationContent::Value(AgentValue::Number(50.0))

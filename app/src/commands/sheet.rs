@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use gsk_core::setup::Setup;
+use gsk_core::units::Diameter;
 use gsk_host::files::overwrite_guard::{CommandInputs, check_overwrites};
 use gsk_host::files::program_file;
 use gsk_host::job::{self, JobArgs};
@@ -10,7 +11,7 @@ use gsk_host::loading::{self, LoadError};
 use gsk_messages::{Language, say};
 use gsk_runner::curves::RapidRates;
 use gsk_runner::machining::Machining;
-use gsk_runner::picture::{self, DrawingOptions, PathDrawing, PictureFormat};
+use gsk_runner::picture::{self, DrawingOptions, PathDrawing, PictureFormat, PictureSize};
 use gsk_runner::report::{self, PartReport, ProgramReport};
 use gsk_runner::sheet::SetupSheet;
 use gsk_workpiece::job::DiameterPoint;
@@ -36,10 +37,10 @@ pub fn sheet(args: &SheetArgs, language: Option<Language>) -> Result<u8, Command
     let job_choice = job::choose(&job_args, Some(main), &setup)?;
     // The sheet names the zero of the job: no message.
     let _ = job_choice.set_work_zero(&mut setup);
-    let given_zero = args.look.work_zero.map(|(x, z)| DiameterPoint {
-        x: gsk_core::units::Diameter(x),
-        z,
-    });
+    let given_zero = args
+        .look
+        .work_zero
+        .map(|(x, z)| DiameterPoint { x: Diameter(x), z });
     let mut machining = job_choice.create_machining();
     let (mut report, path) = check_and_draw(args, &setup, &mut machining, language);
     let name = job_choice.file_name();
@@ -107,6 +108,7 @@ fn check_and_draw(
 ) -> (ProgramReport, PathDrawing) {
     let rates = RapidRates::from_memory(&setup.memory);
     let options = DrawingOptions {
+        size: PictureSize::WIDE,
         labels: true,
         tools: true,
         ..DrawingOptions::default()
@@ -132,10 +134,12 @@ fn check_and_draw(
 /// The finished part with its dimensions, without a path.
 fn part_drawing(machining: &Machining) -> PathDrawing {
     let options = DrawingOptions {
+        size: PictureSize::WIDE,
         dimensions: true,
         ..DrawingOptions::default()
     };
     let mut drawing = PathDrawing::new("", options);
+    drawing.fit_to_part(machining);
     drawing.add_scenery(machining);
     drawing
 }

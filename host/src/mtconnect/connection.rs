@@ -65,7 +65,7 @@ fn answer(
     let language = page_language(request);
     match request.path.as_str() {
         "/" if request.accepts_html => {
-            let html = page::html(language);
+            let html = page::render_page(language);
             return connection.write_response("200 OK", HTML, PAGE_POLICY, keeps_open, &html);
         }
         "/status.json" => {
@@ -153,10 +153,9 @@ fn stream_samples(
         connection.write_part(BOUNDARY, &document.text)?;
         let sent = Instant::now();
         let mut next = document.next_sequence;
+        let latest = sent + query.heartbeat.max(interval);
         document = loop {
-            let is_late = sent.elapsed() >= query.heartbeat;
-            let until = sent + if is_late { interval } else { query.heartbeat };
-            if !shared.wait_until(sent + interval, until, next) {
+            if !shared.wait_until(sent + interval, latest, next) {
                 return Err(io::ErrorKind::ConnectionAborted.into());
             }
             let sample = shared.lock().sample(query, Some(next), wall_clock_ms());
@@ -170,7 +169,7 @@ fn stream_samples(
                 }
             };
             next = sample.next_sequence;
-            if sample.has_observations || sent.elapsed() >= query.heartbeat {
+            if sample.has_observations || Instant::now() >= latest {
                 break sample;
             }
         };

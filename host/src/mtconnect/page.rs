@@ -5,8 +5,8 @@ use gsk_messages::{Language, Message, say};
 /// The page; `{{name}}` is replaced by a text.
 const TEMPLATE: &str = include_str!("../../../assets/mtconnect/page.html");
 
-/// The page in a language.
-pub(super) fn html(language: Language) -> String {
+/// Writes the page in a language.
+pub(super) fn render_page(language: Language) -> String {
     let code = match language {
         Language::Zh => "zh-CN",
         Language::En => "en",
@@ -52,7 +52,7 @@ mod tests {
     #[test]
     fn every_text_of_the_page_is_replaced() {
         for language in [Language::En, Language::Zh] {
-            let page = html(language);
+            let page = render_page(language);
             assert!(!page.contains("{{"), "{page}");
         }
         for (name, _) in texts() {

@@ -107,6 +107,8 @@ impl AgentServer {
 impl Drop for AgentServer {
     fn drop(&mut self) {
         self.shared.is_ended.store(true, Ordering::Relaxed);
+        // With the lock no stream is between its check and its wait.
+        drop(self.shared.lock());
         self.shared.recorded.notify_all();
         if let Some(task) = self.task.take() {
             task.finish();

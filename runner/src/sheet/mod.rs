@@ -14,7 +14,7 @@ use gsk_messages::{Language, Message, say};
 use gsk_workpiece::job::{DiameterPoint, Job};
 use gsk_workpiece::measure::Feature;
 use gsk_workpiece::stock::StockForm;
-use gsk_workpiece::tool::{Holder, Tool};
+use gsk_workpiece::tool::{Holder, Insert, Tool};
 
 use crate::report::{AlarmReport, ProgramReport, TimeReport, ToolTimeReport, feature_message};
 use crate::text_format::{format_time, short_description};
@@ -93,7 +93,7 @@ impl SetupSheet<'_> {
         page.message(&say::sheet_hash_hint());
         page.raw("</p></div>");
         let code = format!("gsk980td:{}:sha256:{}", self.file_name, self.hash);
-        page.raw(&qr_code::svg(&code).unwrap_or_default());
+        page.raw(&qr_code::render_code(&code).unwrap_or_default());
         page.raw("</header>");
     }
 
@@ -194,6 +194,7 @@ impl SetupSheet<'_> {
         let lines = 1..=self.program.line_count();
         let mut named = lines.map(|line| (line, self.program.line(line).trim()));
         if let Some((line, block)) = named.find(|(_, text)| text.contains("G50")) {
+            let (block, _) = split_comments(block);
             page.raw("<p>");
             page.message(&say::sheet_zero_by_block(line, block));
             page.raw("</p>");
@@ -249,7 +250,13 @@ impl SetupSheet<'_> {
                 )
             });
             let kind = page.text(&short_description(tool));
-            let nose = page.text(&say::sheet_nose(tool.nose(), tool.tip));
+            // The short text of a turning tool names its nose.
+            let nose = page.text(&match tool.insert {
+                Insert::Grooving { .. } | Insert::Threading { .. } => {
+                    say::sheet_nose(tool.nose(), tool.tip)
+                }
+                Insert::Turning { .. } | Insert::Drill { .. } => say::sheet_tip(tool.tip),
+            });
             let cells = [
                 format!("T{number:02}"),
                 format!("{kind}; {nose}"),
@@ -258,7 +265,7 @@ impl SetupSheet<'_> {
                 values,
                 format_time(seconds),
             ];
-            page.tool_row(&cells, &tool_picture::svg(tool));
+            page.tool_row(&cells, &tool_picture::render_tool(tool));
         }
         page.end_table();
     }

@@ -8,7 +8,7 @@ use qrcodegen::{QrCode, QrCodeEcc};
 const BORDER: i32 = 4;
 
 /// The QR code of a text; `None` for a text that is too long for one.
-pub(super) fn svg(text: &str) -> Option<String> {
+pub(super) fn render_code(text: &str) -> Option<String> {
     let code = QrCode::encode_text(text, QrCodeEcc::Medium).ok()?;
     let size = code.size();
     let whole = size + 2 * BORDER;

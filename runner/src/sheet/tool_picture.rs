@@ -9,7 +9,7 @@ use gsk_workpiece::tool::{BodyPart, Tool, ToolShape};
 const MAX_REACH_MM: f64 = 45.0;
 
 /// Draws a tool.
-pub(super) fn svg(tool: &Tool) -> String {
+pub(super) fn render_tool(tool: &Tool) -> String {
     let shape = ToolShape::from_tool(tool);
     let holder = shape
         .body
