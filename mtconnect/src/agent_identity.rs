@@ -3,7 +3,8 @@
 use core::fmt;
 
 use crate::assets::text_hash;
-use crate::model::{Component, DeviceDescription};
+use crate::device_description::DeviceDescription;
+use crate::model::Component;
 
 /// A version of the schemas.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -1,9 +1,5 @@
 //! The device model: components of a lathe, and their data items.
 
-use gsk_core::cnc::Cnc;
-use gsk_core::machine::{AxisConfig, LatheConfig};
-use gsk_core::units::Axis;
-
 use crate::readers;
 use crate::value::{AgentValue, MachineSource};
 use ItemCategory::{Event, Sample};
@@ -441,38 +437,6 @@ pub(crate) fn device_of(component: &'static Component) -> &'static Component {
 /// Index of a component in [`COMPONENTS`]; `None` for an unknown identifier.
 pub fn component_index(id: &str) -> Option<usize> {
     COMPONENTS.iter().position(|component| component.id == id)
-}
-
-/// What the machine file adds to the model of a device.
-#[derive(Clone, Debug, PartialEq)]
-pub struct DeviceDescription {
-    /// Name of the lathe in its machine file.
-    pub lathe_name: String,
-    /// Name of the control model.
-    pub control_model: String,
-    /// Greatest spindle speed of the current gear, r/min.
-    pub max_speed_rpm: f64,
-    /// Ends of the travel of X and Z in machine coordinates, mm (X as a diameter).
-    pub travel: [(f64, f64); 2],
-}
-
-impl DeviceDescription {
-    /// Describes a lathe by its machine file and the control that drives it.
-    pub fn new(config: &LatheConfig, cnc: &Cnc) -> Self {
-        let travel = |axis, slide: &AxisConfig| match slide.limits {
-            Some(limits) => (limits.minus, limits.plus),
-            None => {
-                let ends = slide.slide_ends(axis);
-                (ends.minus, ends.plus)
-            }
-        };
-        Self {
-            lathe_name: config.name.clone(),
-            control_model: cnc.model().record().name().to_owned(),
-            max_speed_rpm: cnc.spindle().top_speed(),
-            travel: [travel(Axis::X, &config.x), travel(Axis::Z, &config.z)],
-        }
-    }
 }
 
 #[cfg(test)]

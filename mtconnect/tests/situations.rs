@@ -12,11 +12,11 @@ use std::path::{Path, PathBuf};
 
 use gsk_core::machine::LatheFault;
 use gsk_core::setup::Setup;
-use gsk_mtconnect::model::{DATA_ITEMS, DeviceDescription};
+use gsk_mtconnect::model::DATA_ITEMS;
 use gsk_mtconnect::query::{AssetQuery, CurrentQuery, ErrorCode, SampleQuery};
 use gsk_mtconnect::{
-    Agent, AgentAssets, AgentError, AgentIdentity, AgentRequest, MachineReading, MachineSource,
-    SchemaVersion, program_name,
+    Agent, AgentAssets, AgentError, AgentIdentity, AgentRequest, DeviceDescription, MachineReading,
+    MachineSource, SchemaVersion, program_name,
 };
 use gsk_panel::emulator::{Emulator, WaitCondition, WaitOutcome};
 use gsk_panel::keys::Key;

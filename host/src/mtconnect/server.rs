@@ -10,9 +10,8 @@ use gsk_core::preview::WorkBudget;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_messages::{Message, say};
-use gsk_mtconnect::model::DeviceDescription;
 use gsk_mtconnect::query::ErrorCode;
-use gsk_mtconnect::{AgentError, AgentIdentity, SchemaVersion};
+use gsk_mtconnect::{AgentError, AgentIdentity, DeviceDescription, SchemaVersion};
 use gsk_runner::program_summary::summarize;
 use web_time::Duration;
 

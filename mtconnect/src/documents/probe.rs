@@ -3,7 +3,8 @@
 use super::{DocumentContext, add_sizes};
 use crate::assets::ASSET_BUFFER_SIZE;
 use crate::buffer::BUFFER_SIZE;
-use crate::model::{COMPONENTS, Component, DATA_ITEMS, DataItem, DeviceDescription};
+use crate::device_description::DeviceDescription;
+use crate::model::{COMPONENTS, Component, DATA_ITEMS, DataItem};
 use crate::xml::XmlWriter;
 
 /// Writes the device model; `asset_count` is the number of stored assets.
