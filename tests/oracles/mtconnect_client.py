@@ -9,7 +9,8 @@ PROGRAM is the built `gsk980td`. A run of a sample with `--mtconnect` is followe
 - a client that polls `/sample` with `count` and a path;
 meanwhile random and malformed requests, 500 connections at once and readers that do not read
 disturb the agent. The process must survive, answer afterwards, and not grow. The same run without
-disturbance gives the figures to compare: machine time per wall time, memory.
+disturbance gives the figures to compare: machine time per wall time, memory. Without the option
+`strace` must see no call of the network.
 """
 
 import argparse
@@ -241,12 +242,23 @@ def observe(program, seconds, requests):
         ERRORS.append("the machine was slowed down")
 
 
+def check_silence(program):
+    """Without `--mtconnect` nothing listens and nothing is sent."""
+    command = ["strace", "-f", "-e", "trace=network", program, "run", SAMPLE, "--spindle", "800"]
+    traced = subprocess.run(command, capture_output=True, text=True)
+    calls = [line for line in traced.stderr.splitlines() if re.search(r"\b(socket|bind|listen|connect)\(", line)]
+    print(f"without the option: {len(calls)} calls of the network")
+    if calls:
+        ERRORS.append("the network is used without the option")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("program")
     parser.add_argument("--seconds", type=int, default=60)
     parser.add_argument("--requests", type=int, default=10_000)
     options = parser.parse_args()
+    check_silence(options.program)
     print("undisturbed:")
     observe(options.program, options.seconds, 0)
     print("disturbed:")
