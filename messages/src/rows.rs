@@ -2573,6 +2573,7 @@ message_rows! {
     sheet_program SheetProgram();
     sheet_stock SheetStock();
     sheet_times SheetTimes();
+    sheet_tip SheetTip(tip);
     sheet_title SheetTitle();
     sheet_tool SheetTool();
     sheet_tool_kind SheetToolKind();
