@@ -88,13 +88,13 @@ impl HtmlWriter {
         if columns.is_empty() {
             return;
         }
-        self.raw("<tr>");
+        self.raw("<thead><tr>");
         for column in columns {
             self.raw("<th>");
             self.message(column);
             self.raw("</th>");
         }
-        self.raw("</tr>\n");
+        self.raw("</tr></thead>\n");
     }
 
     pub(super) fn row(&mut self, cells: &[&str]) {
