@@ -5,6 +5,7 @@
 mod check_and_plot;
 mod lessons;
 mod mill;
+mod sheet_and_agent;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;

@@ -18,6 +18,7 @@ pub mod program_summary;
 pub mod report;
 pub mod restart;
 pub mod script;
+pub mod sheet;
 pub mod solid;
 pub mod text_format;
 pub mod times;

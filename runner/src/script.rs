@@ -1,5 +1,6 @@
 //! Executes an operator script to its end.
 
+use gsk_core::simulation::Simulation;
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::pages::POWER_ON_TICKS;
@@ -66,6 +67,12 @@ pub enum ScriptEnd {
     Requested,
 }
 
+/// Observes control and lathe while a script runs.
+pub trait TickObserver {
+    /// Called after each tick.
+    fn follow_tick(&mut self, simulation: &Simulation);
+}
+
 /// A script run on an emulator, with its board, partner and recording.
 pub struct ScriptSession<'a, S> {
     emulator: &'a mut Emulator,
@@ -73,6 +80,7 @@ pub struct ScriptSession<'a, S> {
     /// The board that moves the slides; `None` if they are simulated.
     board: Option<&'a mut dyn PulseBoard>,
     record: Option<&'a mut ScriptRecord>,
+    observer: Option<&'a mut dyn TickObserver>,
     /// The partner that sends programs in DNC operation; `None` until a line of the script
     /// opens one.
     partner: Option<Box<dyn ProgramPartner>>,
@@ -86,6 +94,7 @@ impl<'a, S: ScriptHost> ScriptSession<'a, S> {
             host,
             board: None,
             record: None,
+            observer: None,
             partner: None,
         }
     }
@@ -102,10 +111,16 @@ impl<'a, S: ScriptHost> ScriptSession<'a, S> {
         Self { record, ..self }
     }
 
+    /// Observes each tick with `observer`.
+    #[must_use]
+    pub fn with_observer(self, observer: Option<&'a mut dyn TickObserver>) -> Self {
+        Self { observer, ..self }
+    }
+
     /// Runs the script to its end.
     pub fn run(mut self, script: Script) -> ScriptEnd {
         let mut runner = Runner::new(script);
-        let slice = if self.record.is_some() {
+        let slice = if self.record.is_some() || self.observer.is_some() {
             1
         } else {
             SLICE_TICKS
@@ -115,6 +130,11 @@ impl<'a, S: ScriptHost> ScriptSession<'a, S> {
             let Some(progress) = self.advance(&mut runner, slice) else {
                 return ScriptEnd::Requested;
             };
+            if let Some(observer) = &mut self.observer
+                && self.emulator.ticks() != tick
+            {
+                observer.follow_tick(self.emulator.simulation());
+            }
             if let (Some(record), Some(line)) = (&mut self.record, runner.line()) {
                 record.note_line(line.number, tick);
             }

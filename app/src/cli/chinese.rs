@@ -10,6 +10,7 @@ use std::ffi::OsString;
 
 use clap::builder::{PossibleValue, Str, StyledStr};
 use clap::{Arg, Command, CommandFactory, Error};
+use gsk_host::mtconnect::AgentOptionError;
 use gsk_host::setup_args::OptionValueError;
 use gsk_messages::{Language, Message};
 use gsk_runner::picture::InvalidPictureSize;
@@ -186,7 +187,8 @@ fn find_reason(error: &Error) -> Option<(String, Message)> {
     let word = || source.downcast_ref().map(OptionValueError::message);
     let name = || source.downcast_ref().map(FileNameError::message);
     let size = || source.downcast_ref().map(InvalidPictureSize::message);
-    let message = word().or_else(name).or_else(size)?;
+    let agent = || source.downcast_ref().map(AgentOptionError::message);
+    let message = word().or_else(name).or_else(size).or_else(agent)?;
     Some((source.to_string(), message))
 }
 

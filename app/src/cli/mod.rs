@@ -13,6 +13,7 @@ mod lesson;
 mod link;
 mod lsp;
 mod mill;
+mod mtconnect;
 mod packages;
 mod picture;
 mod pitch;
@@ -22,6 +23,7 @@ mod replay;
 mod run;
 mod run_debug;
 mod run_restart;
+mod sheet;
 mod transfer;
 
 use std::path::PathBuf;
@@ -48,6 +50,7 @@ pub use link::{
 };
 pub use lsp::LspArgs;
 pub use mill::{GearArgs, HomingArgs, MILL_AXES, MillCommand, MillKeysArgs, PitchArgs};
+pub use mtconnect::MtconnectArgs;
 pub use packages::{CompletionsArgs, ManArgs};
 pub use picture::PictureArgs;
 pub use pitch::{PitchCommand, PitchFormat, PitchImportArgs, PitchShowArgs};
@@ -60,6 +63,7 @@ pub use replay::ReplayArgs;
 pub use run::RunArgs;
 pub use run_debug::RunDebugArgs;
 pub use run_restart::RunRestartArgs;
+pub use sheet::SheetArgs;
 pub use transfer::{
     ExistingFile, SerialArgs, TextEnd, TransferArgs, TransferBackupArgs, TransferCommand,
     TransferControlArgs, TransferDeleteArgs, TransferListArgs, TransferPortArgs,
@@ -151,6 +155,8 @@ pub struct WindowArgs {
     /// Record the session into this file as well, for `replay`
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
+    #[command(flatten)]
+    pub mtconnect: MtconnectArgs,
 }
 
 /// The commands; only the options of the one that is called are built.
@@ -178,6 +184,11 @@ pub enum CliCommand {
     /// Z to the right, X as a diameter upwards; a colour for each tool with its
     /// cutting time, rapids grey and dashed.
     Plot(DeferredArgs<PlotArgs>),
+    /// Write the setup sheet of a program: a page to print (HTML, A4)
+    ///
+    /// Part with dimensions, stock and clamping, tools with offsets, zero, times, warnings, the
+    /// program, and its hash as a QR code. A browser prints it, also as PDF.
+    Sheet(DeferredArgs<SheetArgs>),
     /// List what means something else when another control model reads a program
     ///
     /// Block by block: codes that the other model does not have, that mean something else
@@ -308,6 +319,8 @@ pub struct OperateArgs {
     /// Write what happened as a script with the time of every key
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
+    #[command(flatten)]
+    pub mtconnect: MtconnectArgs,
     #[command(flatten)]
     pub setup: SetupArgs,
 }

@@ -6,7 +6,7 @@ use clap::Args;
 use gsk_host::job::PartArgs;
 use gsk_host::setup_args::{self, SetupArgs};
 
-use super::{PictureArgs, RunDebugArgs, RunRestartArgs};
+use super::{MtconnectArgs, PictureArgs, RunDebugArgs, RunRestartArgs};
 
 /// `run`.
 #[derive(Args, Debug)]
@@ -51,6 +51,8 @@ pub struct RunArgs {
     pub debug: RunDebugArgs,
     #[command(flatten)]
     pub restart: RunRestartArgs,
+    #[command(flatten)]
+    pub mtconnect: MtconnectArgs,
     /// Draw the executed toolpath (name ends in .png or .svg)
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,

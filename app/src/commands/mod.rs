@@ -1,5 +1,6 @@
 //! The commands, one file each. Each returns its exit code.
 
+mod agent;
 mod check;
 mod dap;
 mod dialect;
@@ -22,6 +23,7 @@ mod replay;
 mod results;
 mod run;
 mod screen;
+mod sheet;
 mod tables;
 mod transfer;
 pub mod window;
@@ -86,6 +88,7 @@ pub fn run_command_line(cli: CommandLine) -> ExitCode {
         Some(CliCommand::Run(args)) => run::run(&args, language),
         Some(CliCommand::Check(args)) => check::check(&args, language),
         Some(CliCommand::Plot(args)) => plot::plot(&args, language),
+        Some(CliCommand::Sheet(args)) => sheet::sheet(&args, language),
         Some(CliCommand::Dialect(args)) => dialect::dialect(&args, language),
         Some(CliCommand::Operate(args)) => operate::operate(&args, language),
         Some(CliCommand::Lesson(command)) => lesson::lesson(&command, language),

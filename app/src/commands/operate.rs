@@ -8,6 +8,7 @@ use gsk_core::simulation::Simulation;
 use gsk_host::files::data_dir::DataDir;
 use gsk_host::files::overwrite_guard::{CommandInputs, check_overwrites};
 use gsk_host::files::program_file;
+use gsk_host::job::{self, JobArgs};
 use gsk_host::kernel::headless_board::HeadlessBoard;
 use gsk_host::loading::LoadError;
 use gsk_host::message_format::join_lines;
@@ -21,9 +22,10 @@ use gsk_panel::script::{Script, ScriptAction};
 use gsk_runner::board::PulseBoard;
 use gsk_runner::partner::ProgramPartner;
 use gsk_runner::picture::PictureError;
-use gsk_runner::script::{ScriptEnd, ScriptHost, ScriptRecord, ScriptSession};
+use gsk_runner::script::{ScriptEnd, ScriptHost, ScriptRecord, ScriptSession, TickObserver};
 use gsk_runner::text_format::format_time;
 
+use super::agent::CommandAgent;
 use super::{CommandError, EXIT_ALARM, EXIT_OK, output};
 use crate::cli::OperateArgs;
 use crate::picture::check_png;
@@ -68,7 +70,17 @@ pub fn operate(args: &OperateArgs, language: Option<Language>) -> Result<u8, Com
         }
         None => None,
     };
+    let job = match &args.mtconnect.mtconnect {
+        Some(_) => job::choose(&JobArgs::default(), args.program.as_deref(), &setup).ok(),
+        None => None,
+    };
     let mut emulator = Emulator::new(setup);
+    let mut agent = CommandAgent::start(
+        &args.mtconnect,
+        emulator.simulation(),
+        job.map(|chosen| chosen.job),
+        link.is_some(),
+    )?;
     let mut record = args.record.is_some().then(|| ScriptRecord::new(&script));
     if let Some(restored) = &restored {
         restored.restore_panel(&mut emulator);
@@ -78,7 +90,13 @@ pub fn operate(args: &OperateArgs, language: Option<Language>) -> Result<u8, Com
         Some(link) => Some(HeadlessBoard::open(link, emulator.board_simulation())?),
         None => None,
     };
-    let code = play_script(script, path, &mut emulator, live, record.as_mut());
+    let code = play_script(
+        script,
+        path,
+        &mut emulator,
+        live,
+        (record.as_mut(), agent.as_mut()),
+    );
     // Each result is written independently: one failure does not affect the others.
     let mut errors = Vec::new();
     if let (Some(data), Some(restored)) = (data, restored) {
@@ -158,7 +176,7 @@ fn play_script(
     path: &Path,
     emulator: &mut Emulator,
     mut live: Option<HeadlessBoard>,
-    record: Option<&mut ScriptRecord>,
+    (record, agent): (Option<&mut ScriptRecord>, Option<&mut CommandAgent>),
 ) -> u8 {
     if let Some(live) = &mut live {
         let known = live.wait_until_ready(emulator, simulation, Emulator::tick);
@@ -179,6 +197,7 @@ fn play_script(
     let end = ScriptSession::new(emulator, &mut files)
         .with_board(board)
         .with_record(record)
+        .with_observer(agent.map(|agent| agent as &mut dyn TickObserver))
         .run(script);
     let code = match end {
         ScriptEnd::Finished => {

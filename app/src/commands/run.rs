@@ -32,12 +32,14 @@ use gsk_runner::machining::live_part::LivePart;
 use gsk_runner::partner::ProgramPartner;
 use gsk_runner::picture::{self, PathDrawing, PictureFormat};
 use gsk_runner::report::{PartReport, ProgramReport};
+use gsk_runner::script::TickObserver as _;
 use gsk_runner::text_format::format_time;
 use gsk_runner::{move_output, narration, report};
 use indicatif::ProgressBar;
 
 use debugging::{RunDebugger, uses_standard_output};
 
+use super::agent::CommandAgent;
 use super::{CommandError, EXIT_ALARM, EXIT_COLLISION, EXIT_OK, output};
 use crate::cli::RunArgs;
 use crate::picture::check_name;
@@ -109,6 +111,8 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
     if !wants_part(args, needs_part) {
         outputs.live_part = None;
     }
+    let agent_job = job_choice.as_ref().map(|chosen| chosen.job.clone());
+    outputs.agent = CommandAgent::start(&args.mtconnect, &simulation, agent_job, board.is_some())?;
     let partner = partner
         .as_mut()
         .map(|partner| partner as &mut dyn ProgramPartner);
@@ -121,6 +125,7 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
         &mut outputs,
         spoken,
     )?;
+    outputs.agent = None;
     report.part = job_choice
         .zip(outputs.live_part.as_ref())
         .map(|(chosen, live)| {
@@ -221,9 +226,11 @@ fn choose_job(
     if wants_part(args, needs_part) {
         return Ok(Some(job::choose(&args.part.job, main, setup)?));
     }
-    // Without a part the way of a restart is not checked for collisions.
-    let job = args.restart.restart.as_ref();
-    Ok(job.and_then(|_| job::choose(&args.part.job, main, setup).ok()))
+    // Without a part the way of a restart is not checked for collisions, and the MTConnect agent
+    // has no tools.
+    let uses_job = args.restart.restart.is_some() || args.mtconnect.mtconnect.is_some();
+    let job = uses_job.then(|| job::choose(&args.part.job, main, setup).ok());
+    Ok(job.flatten())
 }
 
 /// Whether a requested result needs the part. `needs_part`: a breakpoint does.
@@ -351,6 +358,15 @@ pub fn picture_title(path: &Path) -> String {
         .into_owned()
 }
 
+/// The block in execution.
+#[derive(Default)]
+struct BlockProgress {
+    /// Line of the block, from 1; 0 before the first one.
+    line: u32,
+    /// Number of the cycle pass that was explained last; `None` before the first one.
+    explained_pass: Option<u64>,
+}
+
 /// The result files and progress output of a running program.
 struct RunOutputs {
     moves: Option<Box<dyn Write>>,
@@ -360,9 +376,9 @@ struct RunOutputs {
     explain: bool,
     language: Language,
     progress_bar: ProgressBar,
-    current_line: u32,
-    /// Number of the cycle pass that was explained last; `None` before the first one.
-    explained_pass: Option<u64>,
+    block: BlockProgress,
+    /// The MTConnect agent; `None` while it is off.
+    agent: Option<CommandAgent>,
     /// The part that the program cuts; `None` if no result needs it.
     live_part: Option<LivePart>,
     stops_at_collision: bool,
@@ -400,8 +416,8 @@ impl RunOutputs {
             explain: args.explain,
             language,
             progress_bar: output::create_progress_bar(u64::from(lines)),
-            current_line: 0,
-            explained_pass: None,
+            block: BlockProgress::default(),
+            agent: None,
             live_part: None,
             stops_at_collision: args.debug.stop_on_collision,
             debugger,
@@ -460,7 +476,7 @@ impl ExecutionWatcher for RunOutputs {
             }
         }
         if time_ms.is_multiple_of(PROGRESS_INTERVAL_MS) && !self.progress_bar.is_hidden() {
-            self.progress_bar.set_position(u64::from(self.current_line));
+            self.progress_bar.set_position(u64::from(self.block.line));
             let time = format_time(time_ms as f64 / 1000.0);
             let message = say::report_progress_time(time);
             self.progress_bar.set_message(output::localize(&message));
@@ -470,6 +486,9 @@ impl ExecutionWatcher for RunOutputs {
             .as_mut()
             .map(|live| live.follow_tick(simulation));
         let has_collided = found.is_some_and(|found| !found.is_empty());
+        if let Some(agent) = &mut self.agent {
+            agent.follow_tick(simulation);
+        }
         let reached = self.debugger.follow_tick(time_ms, simulation, has_collided);
         let reached = reached.unwrap_or_else(|error| {
             self.first_error.get_or_insert(CommandError::output(error));
@@ -489,8 +508,8 @@ impl ExecutionWatcher for RunOutputs {
     }
 
     fn on_block(&mut self, line: u32, text: &str, modal: &ModalState) {
-        self.current_line = line;
-        self.explained_pass = None;
+        self.block.line = line;
+        self.block.explained_pass = None;
         if !self.explain {
             return;
         }
@@ -498,10 +517,10 @@ impl ExecutionWatcher for RunOutputs {
     }
 
     fn on_pass(&mut self, explanation: &Explanation) {
-        if !self.explain || self.explained_pass == Some(explanation.pass) {
+        if !self.explain || self.block.explained_pass == Some(explanation.pass) {
             return;
         }
-        self.explained_pass = Some(explanation.pass);
+        self.block.explained_pass = Some(explanation.pass);
         output::print(&narration::pass_text(explanation, self.language));
     }
 

@@ -1,5 +1,6 @@
 //! Opens the window: `gsk980td` without a command.
 
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 use gsk_core::model::ModelId;
@@ -10,6 +11,7 @@ use gsk_host::flight::{self, FlightRecorder, RecordingTarget};
 use gsk_host::kernel::{BoardConnection, Kernel, Notice};
 use gsk_host::loading::LoadError;
 use gsk_host::message_format::describe_io_error;
+use gsk_host::mtconnect::AgentServer;
 use gsk_host::ports::dnc::{self, DncSource};
 use gsk_host::serial::{SerialEnd, SerialLine};
 use gsk_host::setup_args::SetupArgs;
@@ -24,6 +26,7 @@ use gsk_window::startup_error;
 use tracing::level_filters::LevelFilter;
 use web_time::Instant;
 
+use super::agent::start_agent;
 use super::{CommandError, EXIT_OK, EXIT_USAGE};
 use crate::cli::{SerialArgs, TextEnd, WindowArgs, first_window_language, system_language};
 
@@ -92,6 +95,7 @@ pub fn open(
         args,
         language,
         path,
+        agent: RefCell::default(),
     };
     let start = WindowStart {
         program: starter.args.program.clone(),
@@ -125,6 +129,8 @@ struct WindowStarter {
     language: Option<Language>,
     /// The data directory of the default model.
     path: PathBuf,
+    /// The MTConnect agent of the current control; `None` while it is off.
+    agent: RefCell<Option<AgentServer>>,
 }
 
 impl WindowStarter {
@@ -213,6 +219,7 @@ impl WindowStarter {
             let recorder = FlightRecorder::start(target).map_err(CommandError::gone)?;
             kernel.add_flight_recorder(recorder);
         }
+        self.start_agent(&mut kernel)?;
         Ok(WindowStart {
             kernel,
             console,
@@ -226,6 +233,18 @@ impl WindowStarter {
             start_model: None,
             shows_first_start: false,
         })
+    }
+
+    /// Starts the MTConnect agent of a control if an option requests it; the agent of the control
+    /// before it ends. Returns an error if the agent cannot listen.
+    fn start_agent(&self, kernel: &mut Kernel) -> Result<(), CommandError> {
+        self.agent.take();
+        let simulation = kernel.emulator().simulation();
+        if let Some((server, feed)) = start_agent(&self.args.mtconnect, simulation)? {
+            kernel.connect_agent(feed);
+            self.agent.replace(Some(server));
+        }
+        Ok(())
     }
 
     /// Starts the control with another model and stores it as the model of the next start. Returns
@@ -330,6 +349,7 @@ mod tests {
             args: WindowArgs::default(),
             language: None,
             path: folder.to_owned(),
+            agent: RefCell::default(),
         };
         let data = DataDir::open(folder).expect("a data directory");
         let model = ModelId::Gsk980td;

@@ -325,6 +325,16 @@ impl Cnc {
         self.plc.signals.memory_protect
     }
 
+    /// SBK, G46.1: whether the program stops after each block.
+    pub const fn is_single_block_on(&self) -> bool {
+        self.plc.signals.single_block
+    }
+
+    /// DRN, G46.7: whether the program runs at the feeds of a dry run.
+    pub const fn is_dry_run_on(&self) -> bool {
+        self.plc.signals.dry_run
+    }
+
     /// Program memory with the stored programs and the external one.
     pub const fn programs(&self) -> &ProgramMemory {
         &self.memory.programs

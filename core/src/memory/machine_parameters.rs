@@ -101,7 +101,7 @@ impl ControlParameters {
     }
 
     /// 164.0 SLQP: whether the machine has a power chuck.
-    pub(crate) fn has_chuck(&self) -> bool {
+    pub fn has_chuck(&self) -> bool {
         self.bit(164, 0)
     }
 

@@ -16,7 +16,6 @@ mod linked;
 pub mod monitor;
 pub mod pace;
 pub mod part;
-mod preview_setup;
 pub mod probe;
 mod program_opening;
 mod program_start;
@@ -40,6 +39,7 @@ use gsk_panel::keys::Key;
 use gsk_panel::panel::{KeyEvent, SerialCable};
 use gsk_panel::refusal::KeyPress;
 use gsk_project::ProjectState;
+use gsk_runner::machining::Machining;
 use gsk_runner::partner::{PartnerWait, ProgramPartner as _};
 use web_time::Duration;
 
@@ -47,8 +47,10 @@ use crate::flight::FlightRecorder;
 use crate::input_watch::InputWatch;
 use crate::job::SelectedJob;
 use crate::kernel::pace::RunSpeed;
+use crate::mtconnect::AgentFeed;
 use crate::platform;
 use crate::ports::dnc::{DncPartner, DncSource};
+use crate::preview_setup::make_preview_setup;
 use crate::retained;
 use crate::serial::SerialLine;
 use alarm_history::AlarmHistory;
@@ -141,6 +143,8 @@ pub struct Kernel {
     timeline: Timeline,
     /// The recorders that follow the learner's own machine.
     recorders: Vec<FlightRecorder>,
+    /// Passes the state of the machine to the MTConnect agent; `None` while it is off.
+    agent_feed: Option<AgentFeed>,
     /// Number of commands received so far; an increase proves that the window is alive.
     command_count: u64,
     /// Holds the proof that held keys are still held.
@@ -194,6 +198,7 @@ impl Kernel {
             part: KernelPart::new(Arc::clone(&part)),
             timeline: Timeline::new(Arc::clone(&timeline)),
             recorders: Vec::new(),
+            agent_feed: None,
             command_count: 0,
             input_watch: InputWatch::default(),
             wheel_rests_until: Duration::ZERO,
@@ -225,6 +230,11 @@ impl Kernel {
     pub fn connect_serial_line(&mut self, line: SerialLine) {
         self.emulator.connect_cable(SerialCable::Line);
         self.serial = Some(line);
+    }
+
+    /// Passes the state of the machine to an MTConnect agent from now on.
+    pub fn connect_agent(&mut self, feed: AgentFeed) {
+        self.agent_feed = Some(feed);
     }
 
     pub const fn emulator(&self) -> &Emulator {
@@ -293,6 +303,10 @@ impl Kernel {
         }
         let verdict = self.key_refusals.check_due(self.tick, self.emulator.cnc());
         self.report_verdict(verdict);
+        if let Some(feed) = &mut self.agent_feed {
+            let job = self.part.state().machining().map(Machining::job);
+            feed.follow_tick(self.emulator.simulation(), job);
+        }
         if let Some(probing) = &mut self.active_probe {
             probing.take_sample(self.tick, &self.emulator);
         }
@@ -537,7 +551,7 @@ impl Kernel {
             }
             Command::SendSetup(to) => {
                 // The receiver may be gone.
-                let _ = to.try_send(Box::new(preview_setup::make_preview_setup(&self.emulator)));
+                let _ = to.try_send(Box::new(make_preview_setup(self.emulator.simulation())));
             }
             Command::SendState(to) => {
                 // The receiver may be gone.

@@ -3,6 +3,7 @@
 
 use gsk_core::command::{ExecutedMove, MoveKind};
 use gsk_core::units::{PerAxis, Point};
+use gsk_workpiece::grid::from_grid;
 
 use super::block_labels::BlockLabels;
 use super::extent::{PathExtent, PictureSize};
@@ -147,6 +148,16 @@ impl PathDrawing {
             .zip(self.last_cut_ends.iter().copied());
         let ends = ends.filter(|_| self.options.tools).collect();
         self.scenery = PathScenery::from_machining(machining, ends, self.options.dimensions);
+    }
+
+    /// Fits a drawing without a path to the part, from the spindle axis on.
+    pub fn fit_to_part(&mut self, machining: &Machining) {
+        let section = machining.scene().part().section();
+        for point in section.contours().iter().flatten() {
+            let point = from_grid(*point);
+            self.widen(PathLine::Cut(0), point);
+            self.widen(PathLine::Cut(0), Point::new(0.0, point.z));
+        }
     }
 
     /// The part and clamping drawn under the path.

@@ -47,6 +47,12 @@ impl PictureSize {
         height: 800,
     };
 
+    /// A wide picture that leaves space for text on a page.
+    pub const WIDE: Self = Self {
+        width: 1280,
+        height: 600,
+    };
+
     /// Width of the picture in pixels.
     pub const fn width(self) -> u32 {
         self.width

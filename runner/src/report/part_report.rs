@@ -193,7 +193,7 @@ impl CollisionReport {
         }
     }
 
-    pub(super) fn message(&self) -> Message {
+    pub(crate) fn message(&self) -> Message {
         let ((x, z), depth) = (self.tip, self.depth);
         match self.line {
             Some(line) => say::report_collision(line, self.tool, &self.text, x, z, depth),

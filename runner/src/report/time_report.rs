@@ -73,7 +73,7 @@ impl TimeReport {
     }
 
     /// Sum of the times of all kinds, s.
-    pub(super) fn total_s(&self) -> f64 {
+    pub(crate) fn total_s(&self) -> f64 {
         self.rapid + self.feed + self.thread + self.dwell + self.other
     }
 }

@@ -5,12 +5,11 @@ use std::sync::Arc;
 use gsk_core::battery::BatteryMemory;
 use gsk_core::cnc::Cnc;
 use gsk_core::setup::Setup;
-use gsk_panel::emulator::Emulator;
+use gsk_core::simulation::Simulation;
 
-/// Returns a setup for previews with the memory, ladder and lathe of `emulator` and the
+/// Returns a setup for previews with the memory, ladder and lathe of `simulation` and the
 /// current positions of slides and work zero. Large parts of it are shared, not copied.
-pub fn make_preview_setup(emulator: &Emulator) -> Setup {
-    let simulation = emulator.simulation();
+pub fn make_preview_setup(simulation: &Simulation) -> Setup {
     let cnc: &Cnc = &simulation.cnc;
     let machine = cnc.position_machine();
     Setup {

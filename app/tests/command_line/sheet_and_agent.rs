@@ -1,0 +1,72 @@
+//! `sheet`, and the options of the MTConnect agent.
+
+use std::path::Path;
+
+use super::{TempFile, run_gsk};
+
+#[test]
+fn a_sheet_is_written_beside_its_program() {
+    let program = TempFile::new(
+        "collar.CNC",
+        b"O0044;\nG50 X100 Z50;\nM03 S800;\nT0101;\nG00 X40 Z2;\nN60 G98 G01 Z-20 F100;\n\
+          G00 X100 Z50;\nM30;\n",
+    );
+    let offset = ["--offset", "01=1.5,-2.25,0.8,3"];
+    let (code, out, err) =
+        run_gsk(&[&["sheet", program.path(), "--lang", "en"], &offset[..]].concat());
+    assert_eq!(code, 0, "{err}");
+    let path = Path::new(program.path()).with_extension("sheet.html");
+    assert!(out.contains("collar.sheet.html"), "{out}");
+    let sheet = std::fs::read_to_string(path).unwrap();
+    for part in [
+        "Setup sheet collar.CNC",
+        ">O0044",
+        "X 1.500  Z -2.250  R 0.800  T 3",
+        ">⌀40<",
+        ">N60<",
+        "Line 2, G50 X100 Z50;",
+        // The hash of these bytes, as sha256sum prints it.
+        "3cb90b6d4b5240db6108d42088cb2a5285a3d40b50ccdd09e5a1b3ac87606789",
+        "Stock and tools are guessed",
+    ] {
+        assert!(sheet.contains(part), "{part}\n{sheet}");
+    }
+    let (code, zh, err) = run_gsk(&["sheet", program.path(), "-o", "-", "--lang", "zh"]);
+    assert_eq!(code, 0, "{err}");
+    assert!(
+        zh.contains("加工准备单 collar.CNC") && zh.contains("<html lang=\"zh-CN\">"),
+        "{zh}"
+    );
+}
+
+#[test]
+fn a_sheet_is_html_and_keeps_its_inputs() {
+    let program = TempFile::new("ring.html", b"O0045;\nM30;\n");
+    let (code, _, err) = run_gsk(&["sheet", program.path(), "-o", "ring.pdf"]);
+    assert_eq!(code, 2);
+    assert!(err.contains("ring.pdf") && err.contains(".html"), "{err}");
+    let (code, _, err) = run_gsk(&["sheet", program.path(), "-o", program.path()]);
+    assert_eq!(code, 2, "{err}");
+    assert_eq!(std::fs::read(program.path()).unwrap(), b"O0045;\nM30;\n");
+}
+
+#[test]
+fn an_agent_reports_its_address_and_wrong_ones_are_refused() {
+    let program = TempFile::new("short.CNC", b"O0046;\nM30;\n");
+    let run = ["run", program.path(), "--lang", "en"];
+    let with = |options: &[&str]| run_gsk(&[&run[..], options].concat());
+    let (code, _, err) = with(&["--mtconnect", "127.0.0.1:0", "--mtconnect-schema", "1.8"]);
+    assert_eq!(code, 0, "{err}");
+    assert!(err.contains("MTConnect agent: http://127.0.0.1:"), "{err}");
+    let (_, _, quiet) = with(&[]);
+    assert!(!quiet.contains("MTConnect"), "{quiet}");
+    let (code, _, err) = with(&["--mtconnect", "shaft.CNC"]);
+    assert_eq!(code, 2);
+    assert!(err.contains("'shaft.CNC' is not an address"), "{err}");
+    let (code, _, err) = with(&["--mtconnect", "--mtconnect-schema", "2.6"]);
+    assert_eq!(code, 2);
+    assert!(err.contains("2.6 is not one of 1.8, 2.0"), "{err}");
+    let (code, _, err) = with(&["--mtconnect", "192.0.2.1:5000"]);
+    assert_eq!(code, 2);
+    assert!(err.contains("cannot listen at 192.0.2.1:5000"), "{err}");
+}

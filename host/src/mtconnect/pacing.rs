@@ -1,0 +1,45 @@
+//! Slows a simulated machine down to the speed of a real lathe, so that clients on the network
+//! can follow it.
+
+use std::thread;
+
+use web_time::{Duration, Instant};
+
+/// Ticks of 1 ms between two waits.
+const WAIT_TICKS: u64 = 10;
+
+/// Compares ticks with the wall clock.
+#[derive(Clone, Copy, Debug)]
+pub struct MachinePacer {
+    start: Instant,
+    /// Ticks since the start.
+    ticks: u64,
+}
+
+impl Default for MachinePacer {
+    /// Starts now.
+    fn default() -> Self {
+        Self {
+            start: Instant::now(),
+            ticks: 0,
+        }
+    }
+}
+
+impl MachinePacer {
+    /// Counts a tick, and waits if the machine is ahead of the wall clock. A computer that is too
+    /// slow does not catch up.
+    pub fn wait_for_tick(&mut self) {
+        self.ticks += 1;
+        if !self.ticks.is_multiple_of(WAIT_TICKS) {
+            return;
+        }
+        let due = self.start + Duration::from_millis(self.ticks);
+        let now = Instant::now();
+        if now < due {
+            thread::sleep(due - now);
+        } else if now.duration_since(due) > Duration::from_secs(1) {
+            *self = Self::default();
+        }
+    }
+}

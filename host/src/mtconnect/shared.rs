@@ -1,0 +1,78 @@
+//! The agent, as its threads share it.
+
+use std::net::IpAddr;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+
+use gsk_mtconnect::{Agent, AgentIdentity};
+use web_time::Instant;
+
+/// The agent, as the threads share it. The thread that ticks does not use it.
+#[derive(Debug)]
+pub(super) struct SharedAgent {
+    agent: Mutex<Agent>,
+    /// Wakes streams when something was recorded.
+    pub(super) recorded: Condvar,
+    pub(super) is_ended: AtomicBool,
+    /// Number of connected clients.
+    pub(super) connections: AtomicUsize,
+    /// Number of the program whose time is computed.
+    pub(super) program_number: AtomicUsize,
+    /// Name of the lathe in addresses.
+    pub(super) device: String,
+    /// Whether the agent serves this computer only.
+    is_local: bool,
+}
+
+impl SharedAgent {
+    /// Creates the agent of a lathe. `is_local`: it serves this computer only.
+    pub(super) fn new(identity: AgentIdentity, is_local: bool) -> Self {
+        Self {
+            device: identity.name.clone(),
+            agent: Mutex::new(Agent::new(identity)),
+            recorded: Condvar::new(),
+            is_ended: AtomicBool::new(false),
+            connections: AtomicUsize::new(0),
+            program_number: AtomicUsize::new(0),
+            is_local,
+        }
+    }
+
+    pub(super) fn lock(&self) -> MutexGuard<'_, Agent> {
+        self.agent.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Waits until `earliest`, then until an observation from `sequence` on is recorded, at most
+    /// until `latest`. Returns false if the agent has ended.
+    pub(super) fn wait_until(&self, earliest: Instant, latest: Instant, sequence: u64) -> bool {
+        let mut agent = self.lock();
+        loop {
+            if self.is_ended.load(Ordering::Relaxed) {
+                return false;
+            }
+            let now = Instant::now();
+            let is_recorded = agent.next_sequence() > sequence;
+            if now >= latest || (is_recorded && now >= earliest) {
+                return true;
+            }
+            let due = if is_recorded { earliest } else { latest };
+            let waited = self.recorded.wait_timeout(agent, due - now);
+            agent = waited.unwrap_or_else(PoisonError::into_inner).0;
+        }
+    }
+
+    /// Whether a client may address the agent by this name. On this computer alone only local
+    /// names count, so that no page of another site reads the machine through a browser here.
+    pub(super) fn accepts_host(&self, host: Option<&str>) -> bool {
+        let Some(host) = host.filter(|_| self.is_local) else {
+            return true;
+        };
+        let name = match host.rsplit_once(':') {
+            Some((name, port)) if port.bytes().all(|byte| byte.is_ascii_digit()) => name,
+            _ => host,
+        };
+        let is_local = |address: IpAddr| address.is_loopback();
+        name.eq_ignore_ascii_case("localhost")
+            || (name.trim_matches(['[', ']']).parse()).is_ok_and(is_local)
+    }
+}
