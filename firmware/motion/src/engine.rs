@@ -1,0 +1,504 @@
+//! The engine: takes requests, makes what is due, and reports.
+
+mod commands;
+mod configuration;
+
+use heapless::{Deque, Vec};
+
+use crate::clock_steps::is_before;
+use crate::encoders::{AxisEncoder, EdgeCounter, SpindleEncoder};
+use crate::messages::{Command, FIRST_REASON_ID, RESPONSES, Reason, Response, parameter_count};
+use crate::outputs::OutputChannel;
+use crate::stepper::Stepper;
+use crate::stops::{Guard, PlannedStop, StopGroup, StopInput};
+
+/// Number of axes.
+pub const AXES: usize = 2;
+/// Greatest number of parameters of a command.
+const MAX_PARAMETERS: usize = 8;
+/// Greatest number of stop groups, of inputs, of outputs, of guards and of counters.
+const GROUPS: usize = 4;
+const INPUTS: usize = 16;
+const OUTPUTS: usize = 8;
+const GUARDS: usize = 8;
+const COUNTERS: usize = 2;
+/// Capacity of the queue of events.
+const EVENTS: usize = 32;
+/// Number of turns of the slow work: one kind of object at each call of [`Engine::poll`].
+const SLOW_TURNS: u32 = 8;
+
+/// A command with its parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Request {
+    /// The command; `Identify` stands for a fault of the block.
+    pub command: Command,
+    /// The parameters in the order of the command's format.
+    pub values: [u32; MAX_PARAMETERS],
+}
+
+impl Request {
+    /// Creates a request with all parameters 0.
+    pub const fn new(command: Command) -> Self {
+        Self {
+            command,
+            values: [0; MAX_PARAMETERS],
+        }
+    }
+
+    /// Creates the request to shut down because a block is invalid.
+    pub(crate) const fn fault(reason: Reason) -> Self {
+        let mut request = Self::new(Command::Identify);
+        request.values[0] = reason as u32;
+        request
+    }
+}
+
+/// A reply with its parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Event {
+    /// The reply.
+    pub response: Response,
+    values: [i64; 4],
+}
+
+impl Event {
+    /// Returns the parameters in the order of the reply's format.
+    pub fn values(&self) -> &[i64] {
+        let format = RESPONSES[self.response as usize].1;
+        &self.values[..parameter_count(format).min(self.values.len())]
+    }
+}
+
+/// The hardware of the board.
+pub trait StepPort {
+    /// Returns the clock, ticks.
+    fn clock(&mut self) -> u64;
+    /// Returns the levels of all pins, a bit for each.
+    fn pins(&mut self) -> u32;
+    /// Returns the count of an encoder: 0 of the spindle, 1 and 2 of the axes.
+    fn encoder(&mut self, index: usize) -> i32;
+    /// Whether the step output of an axis takes a step.
+    fn is_free(&mut self, axis: usize) -> bool;
+    /// Makes a step at the clock `at`, ticks, or as soon as possible after it.
+    fn make_step(&mut self, axis: usize, is_up: bool, at: u32);
+    /// Drops the steps of an axis that are not begun; returns their sum, positive minus negative.
+    fn cancel_steps(&mut self, axis: usize) -> i32;
+    /// Sets up the step output of an axis.
+    fn set_up_stepper(&mut self, axis: usize, pins: [u32; 2], is_inverted: bool, pulse_ticks: u32);
+    /// Sets up an input.
+    fn set_up_input(&mut self, pin: u32, pulls_up: bool);
+    /// Sets up a digital output (`cycle_ticks` 0) or a PWM output, and writes its value.
+    fn set_up_output(&mut self, pin: u32, cycle_ticks: u32, value: u32);
+    /// Sets up an encoder with its signals A at a pin and B at the next.
+    fn set_up_encoder(&mut self, index: usize, pin_a: u32);
+    /// Writes the value of a digital output or of a PWM output.
+    fn write_output(&mut self, pin: u32, is_pwm: bool, value: u32);
+    /// Restarts the board.
+    fn restart(&mut self);
+}
+
+/// Whether the board moves, is stopping, or is shut down.
+#[derive(Clone, Copy, Debug)]
+pub enum EngineState {
+    /// The board takes commands.
+    Running,
+    /// The lease has expired: the axes slow down on their path.
+    Stopping(PlannedStop),
+    /// The board is shut down for this reason.
+    ShutDown(Reason),
+}
+
+/// What the host has configured.
+#[derive(Debug)]
+struct Objects {
+    steppers: Vec<Stepper, AXES>,
+    groups: Vec<StopGroup, GROUPS>,
+    inputs: Vec<StopInput, INPUTS>,
+    outputs: Vec<OutputChannel, OUTPUTS>,
+    guards: Vec<Guard, GUARDS>,
+    counters: Vec<EdgeCounter, COUNTERS>,
+    spindle: Option<SpindleEncoder>,
+    axis_encoders: Vec<AxisEncoder, AXES>,
+    /// The object numbers that are used, a bit for each.
+    oids: u64,
+}
+
+impl Objects {
+    const fn new() -> Self {
+        Self {
+            steppers: Vec::new(),
+            groups: Vec::new(),
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            guards: Vec::new(),
+            counters: Vec::new(),
+            spindle: None,
+            axis_encoders: Vec::new(),
+            oids: 0,
+        }
+    }
+}
+
+/// The periodic report of the spindle encoder.
+#[derive(Clone, Copy, Debug, Default)]
+struct EncoderReport {
+    next: Option<u32>,
+    rest_ticks: u32,
+}
+
+/// The engine of a board.
+#[derive(Debug)]
+pub struct Engine {
+    state: EngineState,
+    oid_count: Option<u32>,
+    /// Hash of the final configuration; `None` before it is final.
+    crc: Option<u32>,
+    objects: Objects,
+    /// Clock at which the lease expires, ticks; `None` without a lease.
+    lease: Option<u32>,
+    encoder_report: EncoderReport,
+    slow_turn: u32,
+    events: Deque<Event, EVENTS>,
+}
+
+impl Default for Engine {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Engine {
+    /// Creates the engine of a board that has just started: it reports the start.
+    pub const fn new() -> Self {
+        Self {
+            state: EngineState::Running,
+            oid_count: None,
+            crc: None,
+            objects: Objects::new(),
+            lease: None,
+            encoder_report: EncoderReport {
+                next: None,
+                rest_ticks: 0,
+            },
+            slow_turn: 0,
+            events: Deque::new(),
+        }
+    }
+
+    /// Reports that the board has started.
+    pub fn report_start(&mut self) {
+        self.send(Response::Starting, [0; 4]);
+    }
+
+    /// Returns the state.
+    pub const fn state(&self) -> EngineState {
+        self.state
+    }
+
+    /// Removes and returns the oldest event.
+    pub fn next_event(&mut self) -> Option<Event> {
+        self.events.pop_front()
+    }
+
+    /// Whether the engine has room for the events of another request.
+    pub fn takes_request(&self) -> bool {
+        self.events.len() < EVENTS / 2
+    }
+
+    /// Returns the count of an axis, steps.
+    pub fn position(&self, axis: usize) -> i32 {
+        self.objects
+            .steppers
+            .get(axis)
+            .map_or(0, |stepper| stepper.position)
+    }
+
+    fn send(&mut self, response: Response, values: [i64; 4]) {
+        // A full queue: the host does not read, and repeats its queries.
+        let _ = self.events.push_back(Event { response, values });
+    }
+
+    /// Makes what is due.
+    pub fn poll(&mut self, port: &mut impl StepPort) {
+        if let EngineState::ShutDown(_) = self.state {
+            self.watch_encoders(port);
+            return;
+        }
+        let result = self
+            .follow_spindle(port)
+            .and_then(|()| self.make_steps(port))
+            .and_then(|()| self.watch_inputs(port))
+            .and_then(|()| self.work_slowly(port));
+        if let Err(reason) = result {
+            self.shut_down(reason, port);
+        }
+    }
+
+    /// Counts on while the board is shut down.
+    fn watch_encoders(&mut self, port: &mut impl StepPort) {
+        if let Some(spindle) = &mut self.objects.spindle {
+            let raw = port.encoder(0);
+            while let Ok(Some(_)) = spindle.next_count(raw) {}
+        }
+    }
+
+    fn follow_spindle(&mut self, port: &mut impl StepPort) -> Result<(), Reason> {
+        let Some(spindle) = &mut self.objects.spindle else {
+            return Ok(());
+        };
+        let raw = port.encoder(0);
+        let now = port.clock() as u32;
+        while let Some(is_up) = spindle.next_count(raw)? {
+            if let EngineState::Stopping(stop) = &mut self.state
+                && !stop.takes_count(now)
+            {
+                continue;
+            }
+            for stepper in &mut self.objects.steppers {
+                if stepper.turn(is_up, spindle.angle, now)? {
+                    let values = [stepper.oid.into(), 1, spindle.angle.count.into(), 0];
+                    let response = Response::AngleState;
+                    let _ = self.events.push_back(Event { response, values });
+                }
+            }
+        }
+        if let Some(pin) = spindle.index_pin {
+            spindle.take_index(port.pins() >> pin & 1 != 0)?;
+        }
+        Ok(())
+    }
+
+    fn make_steps(&mut self, port: &mut impl StepPort) -> Result<(), Reason> {
+        for axis in 0..self.objects.steppers.len() {
+            if !port.is_free(axis) {
+                continue;
+            }
+            let now = port.clock() as u32;
+            let (queue_clock, is_exact) = match self.state {
+                EngineState::Stopping(stop) => (stop.slowed_clock(now), false),
+                _ => (now, true),
+            };
+            let stepper = &mut self.objects.steppers[axis];
+            if let Some(step) = stepper.due_step(queue_clock, is_exact)? {
+                port.make_step(axis, step.is_up, now.wrapping_add(step.delay));
+                stepper.made_step(step.is_up);
+            } else if stepper.end_thread() {
+                let oid = stepper.oid.into();
+                let count = self
+                    .objects
+                    .spindle
+                    .map_or(0, |spindle| spindle.angle.count);
+                self.send(Response::AngleState, [oid, 0, count.into(), 0]);
+            }
+        }
+        Ok(())
+    }
+
+    fn watch_inputs(&mut self, port: &mut impl StepPort) -> Result<(), Reason> {
+        let pins = port.pins();
+        let now = port.clock() as u32;
+        if self.crc.is_some() {
+            for guard in &mut self.objects.guards {
+                if guard.check(pins >> guard.pin & 1 != 0, now) {
+                    return Err(Reason::GuardTripped);
+                }
+            }
+        }
+        let mut trigger = None;
+        for input in &mut self.objects.inputs {
+            if input.next.is_some() && input.sample(pins >> input.pin & 1 != 0, now) {
+                trigger = Some((input.trsync, input.reason));
+            }
+        }
+        if let Some((oid, reason)) = trigger {
+            self.trigger(oid, reason, port);
+        }
+        Ok(())
+    }
+
+    /// Does one part of the work that is not urgent to the microsecond.
+    fn work_slowly(&mut self, port: &mut impl StepPort) -> Result<(), Reason> {
+        self.slow_turn = (self.slow_turn + 1) % SLOW_TURNS;
+        let now = port.clock() as u32;
+        match self.slow_turn {
+            0 => self.watch_lease(now)?,
+            1 => self.watch_groups(now, port),
+            2 => self.watch_counters(now, port),
+            3 => self.report_encoder(now),
+            4 => return self.switch_outputs(now, port),
+            5 => return self.compare_encoder(0, port),
+            6 => return self.compare_encoder(1, port),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn watch_lease(&mut self, now: u32) -> Result<(), Reason> {
+        if let EngineState::Stopping(stop) = self.state {
+            let is_over = stop.is_over(now);
+            return if is_over {
+                Err(Reason::LeaseExpired)
+            } else {
+                Ok(())
+            };
+        }
+        if self.lease.is_some_and(|end| !is_before(now, end)) {
+            self.lease = None;
+            self.state = EngineState::Stopping(PlannedStop::new(now));
+            self.send(Response::LeaseExpired, [now.into(), 0, 0, 0]);
+        }
+        Ok(())
+    }
+
+    fn watch_groups(&mut self, now: u32, port: &mut impl StepPort) {
+        for index in 0..self.objects.groups.len() {
+            let group = &mut self.objects.groups[index];
+            let is_due = |clock: Option<u32>| clock.is_some_and(|clock| !is_before(now, clock));
+            if is_due(group.expires) {
+                let (oid, reason) = (group.oid, group.expire_reason);
+                self.trigger(oid, reason, port);
+            } else if is_due(group.report) {
+                group.report = Some(now.wrapping_add(group.report_ticks));
+                let oid = group.oid;
+                self.report_group(oid, now);
+            }
+        }
+    }
+
+    fn watch_counters(&mut self, now: u32, port: &mut impl StepPort) {
+        let pins = port.pins();
+        for index in 0..self.objects.counters.len() {
+            let counter = &mut self.objects.counters[index];
+            if counter.next.is_none_or(|next| is_before(now, next)) {
+                continue;
+            }
+            counter.next = Some(now.wrapping_add(counter.poll_ticks));
+            let is_high = pins >> counter.pin & 1 != 0;
+            if is_high != counter.is_high {
+                counter.is_high = is_high;
+                counter.count = counter.count.wrapping_add(1);
+                counter.count_clock = now;
+            }
+            if is_before(now, counter.report) {
+                continue;
+            }
+            counter.report = now.wrapping_add(counter.report_ticks);
+            let values = [
+                counter.oid.into(),
+                counter.report.into(),
+                counter.count.into(),
+                counter.count_clock.into(),
+            ];
+            self.send(Response::CounterState, values);
+        }
+    }
+
+    fn report_encoder(&mut self, now: u32) {
+        let report = &mut self.encoder_report;
+        let Some(spindle) = &self.objects.spindle else {
+            return;
+        };
+        if report.next.is_some_and(|next| !is_before(now, next)) {
+            report.next = (report.rest_ticks > 0).then(|| now.wrapping_add(report.rest_ticks));
+            let values = [
+                spindle.oid.into(),
+                now.into(),
+                spindle.angle.count.into(),
+                spindle.index_count.into(),
+            ];
+            self.send(Response::EncoderState, values);
+        }
+    }
+
+    fn switch_outputs(&mut self, now: u32, port: &mut impl StepPort) -> Result<(), Reason> {
+        for output in &mut self.objects.outputs {
+            if let Some(value) = output.due_value(now)? {
+                port.write_output(output.pin, output.cycle_ticks > 0, value);
+            }
+        }
+        Ok(())
+    }
+
+    fn compare_encoder(&mut self, index: usize, port: &mut impl StepPort) -> Result<(), Reason> {
+        let Some(encoder) = self.objects.axis_encoders.get(index) else {
+            return Ok(());
+        };
+        let position = self.position(encoder.axis);
+        let raw = port.encoder(1 + encoder.axis);
+        if encoder.has_following_error(position, raw) {
+            return Err(Reason::FollowingError);
+        }
+        Ok(())
+    }
+
+    fn stop_axis(&mut self, axis: usize, port: &mut impl StepPort) {
+        let undone = port.cancel_steps(axis);
+        if let Some(stepper) = self.objects.steppers.get_mut(axis) {
+            stepper.stop(undone);
+        }
+    }
+
+    /// Stops the axes of a stop group with a reason, unless the group has already triggered.
+    fn trigger(&mut self, oid: u32, reason: u32, port: &mut impl StepPort) {
+        let groups = &mut self.objects.groups;
+        let Some(group) = groups.iter_mut().find(|group| group.oid == oid) else {
+            return;
+        };
+        if !group.can_trigger {
+            return;
+        }
+        group.can_trigger = false;
+        group.reason = reason;
+        group.expires = None;
+        group.report = None;
+        for axis in 0..self.objects.steppers.len() {
+            if self.objects.steppers[axis].trsync == Some(oid) {
+                self.stop_axis(axis, port);
+            }
+        }
+        let now = port.clock() as u32;
+        self.report_group(oid, now);
+    }
+
+    fn report_group(&mut self, oid: u32, now: u32) {
+        let group = self.objects.groups.iter().find(|group| group.oid == oid);
+        if let Some(group) = group {
+            let values = [
+                oid.into(),
+                group.can_trigger.into(),
+                group.reason.into(),
+                now.into(),
+            ];
+            self.send(Response::TrsyncState, values);
+        }
+    }
+
+    /// Stops both axes at once and switches the outputs off.
+    fn shut_down(&mut self, reason: Reason, port: &mut impl StepPort) {
+        for axis in 0..self.objects.steppers.len() {
+            self.stop_axis(axis, port);
+        }
+        for output in &mut self.objects.outputs {
+            output.clear();
+            port.write_output(output.pin, output.cycle_ticks > 0, output.default);
+        }
+        for group in &mut self.objects.groups {
+            *group = StopGroup {
+                oid: group.oid,
+                ..StopGroup::default()
+            };
+        }
+        for input in &mut self.objects.inputs {
+            input.next = None;
+        }
+        self.lease = None;
+        self.encoder_report.next = None;
+        if let EngineState::ShutDown(_) = self.state {
+            return;
+        }
+        self.state = EngineState::ShutDown(reason);
+        let id = FIRST_REASON_ID + reason as u32;
+        let now = port.clock() as u32;
+        self.send(Response::Shutdown, [now.into(), id.into(), 0, 0]);
+    }
+}
