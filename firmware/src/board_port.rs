@@ -22,7 +22,7 @@ struct CycleClock {
 }
 
 impl CycleClock {
-    #[inline]
+    #[inline(always)]
     fn ticks(&mut self) -> u64 {
         let current = SYST::get_current();
         self.cycles += u64::from(self.last.wrapping_sub(current) & CYCLES);
@@ -66,31 +66,26 @@ impl BoardPort {
 }
 
 impl StepPort for BoardPort {
-    #[inline]
+    #[inline(always)]
     fn clock(&mut self) -> u64 {
         self.clock.ticks()
     }
 
-    #[inline]
+    #[inline(always)]
     fn pins(&mut self) -> u32 {
         pins::levels()
     }
 
-    #[inline]
+    #[inline(always)]
     fn encoder(&mut self, index: usize) -> i32 {
         self.counters.read(index)
     }
 
-    #[inline]
-    fn is_free(&mut self, axis: usize) -> bool {
-        self.steps.is_free(axis)
-    }
-
-    #[inline]
-    fn make_step(&mut self, axis: usize, is_up: bool, at: u32) {
+    #[inline(always)]
+    fn try_step(&mut self, axis: usize, is_up: bool, at: u32, waiting: u32) -> bool {
         let clock = &mut self.clock;
-        self.steps
-            .make_step(axis, is_up, at, || clock.ticks() as u32);
+        let read_clock = || clock.ticks() as u32;
+        self.steps.try_step(axis, is_up, at, waiting, read_clock)
     }
 
     fn cancel_steps(&mut self, axis: usize) -> i32 {

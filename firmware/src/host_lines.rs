@@ -123,10 +123,14 @@ async fn run_session(
     let mut session = Session::default();
     loop {
         crate::watchdog::note_line_call();
-        // A block has at most as many commands as the queue is long.
-        if requests.len() == 0
-            && let Some(byte) = receive(bytes)
-        {
+        for _ in 0..PACKET {
+            // A block has at most as many commands as the queue is long.
+            if requests.len() > 0 {
+                break;
+            }
+            let Some(byte) = receive(bytes) else {
+                break;
+            };
             let mut bytes = bytes.borrow_mut();
             let parsed = session.push(byte, |block| {
                 bytes.to_host.extend(block);

@@ -27,6 +27,8 @@ use watchdog::Watchdog;
 /// Capacity of the queues between the processors, and a place that remains free.
 const REQUESTS: usize = 64;
 const EVENTS: usize = 64;
+/// Number of polls of the engine between two requests.
+const POLLS: u32 = 4;
 /// Rate of the serial port, bits/s.
 const BAUD: u32 = 250_000;
 
@@ -57,15 +59,20 @@ fn run_engine(
     let mut watchdog = Watchdog::start();
     engine.report_start();
     loop {
-        engine.poll(&mut port);
+        for _ in 0..POLLS {
+            engine.poll(&mut port);
+        }
         if engine.takes_request()
             && let Some(request) = requests.dequeue()
         {
             engine.execute(&request, &mut port);
         }
-        if events.ready()
-            && let Some(event) = engine.next_event()
-        {
+        if let Some(event) = engine.next_event() {
+            // The other processor empties this queue as fast as the line takes bytes; the
+            // engine takes no request while its own queue is half full.
+            while !events.ready() {
+                engine.poll(&mut port);
+            }
             let _ = events.enqueue(event);
         }
         watchdog.feed();

@@ -29,8 +29,25 @@ struct StepOutput {
     pulse: u32,
     /// Clock from which on the output waits for a word, ticks.
     free_at: u32,
-    /// Directions of the last two words, the latest first.
-    directions: [bool; 2],
+    /// Directions of the last words, the latest in the lowest bit.
+    directions: u32,
+}
+
+impl StepOutput {
+    /// Returns the clock at which an output without words takes the next, ticks.
+    #[inline(always)]
+    fn next_start(&self, mut clock: impl FnMut() -> u32) -> u32 {
+        loop {
+            let now = clock();
+            if is_before(now.wrapping_add(2), self.free_at) {
+                return self.free_at;
+            }
+            // For two ticks it is unknown whether the output has begun to wait.
+            if !is_before(now, self.free_at.wrapping_add(2)) {
+                return now.wrapping_add(1);
+            }
+        }
+    }
 }
 
 /// The step outputs of both axes.
@@ -132,34 +149,35 @@ impl StepOutputs {
         block.ctrl().modify(|ctrl| ctrl.set_sm_enable(ctrl.sm_enable() | 1 << axis));
     }
 
+    #[inline(always)]
     fn level(axis: usize) -> u32 {
         (pac::PIO1.flevel().read().0 >> (8 * axis)) & 0x0F
     }
 
-    /// Whether the output has no word that waits: a step may be under way.
-    #[inline]
-    pub fn is_free(&self, axis: usize) -> bool {
-        Self::level(axis) == 0
-    }
-
-    /// Makes a step at the clock `at`, or as soon as possible after it. `clock` reads the clock.
-    #[inline]
-    pub fn make_step(&mut self, axis: usize, is_up: bool, at: u32, mut clock: impl FnMut() -> u32) {
-        let output = &mut self.outputs[axis];
-        // At the end of a step it is unknown for two ticks whether the output has begun to wait.
-        let mut now = clock();
-        while !is_before(now.wrapping_add(2), output.free_at)
-            && is_before(now, output.free_at.wrapping_add(2))
-        {
-            now = clock();
+    /// Makes a step at the clock `at`, or as soon as possible after it, if not more than
+    /// `waiting` words wait. `clock` reads the clock. Returns whether the step is taken.
+    #[inline(always)]
+    pub fn try_step(
+        &mut self,
+        axis: usize,
+        is_up: bool,
+        at: u32,
+        waiting: u32,
+        clock: impl FnMut() -> u32,
+    ) -> bool {
+        let level = Self::level(axis);
+        if level > waiting {
+            return false;
         }
-        let begins = if is_before(now, output.free_at) {
+        let output = &mut self.outputs[axis];
+        // A word that waits is taken at the end of those before it.
+        let begins = if level > 0 {
             output.free_at
         } else {
-            now.wrapping_add(1)
+            output.next_start(clock)
         };
         let mut soonest = begins.wrapping_add(START_TICKS);
-        if is_up != output.directions[0] {
+        if u32::from(is_up) != output.directions & 1 {
             // The direction is set up for the time of a pulse before the step.
             soonest = soonest.wrapping_add(output.pulse);
         }
@@ -168,8 +186,9 @@ impl StepOutputs {
         pac::PIO1
             .txf(axis)
             .write_value(delay << 1 | u32::from(is_up));
-        output.directions = [is_up, output.directions[0]];
+        output.directions = output.directions << 1 | u32::from(is_up);
         output.free_at = edge.wrapping_add(END_TICKS + 2 * output.pulse);
+        true
     }
 
     /// Drops the steps of an axis that are not begun; returns their sum, positive minus negative.
@@ -191,7 +210,8 @@ impl StepOutputs {
         let output = &mut self.outputs[axis];
         // A pulse under way ends in this time.
         output.free_at = now.wrapping_add(END_TICKS + 2 * output.pulse);
-        let directions = output.directions.iter().take(dropped as usize);
-        directions.map(|is_up| if *is_up { 1 } else { -1 }).sum()
+        (0..dropped)
+            .map(|back| if output.directions >> back & 1 != 0 { 1 } else { -1 })
+            .sum()
     }
 }

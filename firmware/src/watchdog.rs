@@ -6,7 +6,7 @@ use embassy_rp::pac;
 
 /// Time without a sign of life of the first processor after which the board restarts, calls of
 /// [`Watchdog::feed`].
-const MAX_SILENT_CALLS: u32 = 200_000;
+const MAX_SILENT_CALLS: u32 = 50_000;
 /// Time after which the watchdog restarts the board, µs. The RP2040 counts it down by two.
 const LOAD: u32 = 2 * 100_000;
 

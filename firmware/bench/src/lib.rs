@@ -150,6 +150,11 @@ impl Bench {
         self.emulator.clock.cycles
     }
 
+    /// x
+    pub fn pc(&self) -> (u32, u64) {
+        (self.emulator.cores[1].regs.pc(), 1)
+    }
+
     /// Returns the clock of the board, ticks.
     pub fn clock(&self) -> i64 {
         (self.cycle() / CYCLES_PER_TICK) as i64 + self.clock_offset

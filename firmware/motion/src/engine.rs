@@ -77,10 +77,9 @@ pub trait StepPort {
     fn pins(&mut self) -> u32;
     /// Returns the count of an encoder: 0 of the spindle, 1 and 2 of the axes.
     fn encoder(&mut self, index: usize) -> i32;
-    /// Whether the step output of an axis takes a step.
-    fn is_free(&mut self, axis: usize) -> bool;
-    /// Makes a step at the clock `at`, ticks, or as soon as possible after it.
-    fn make_step(&mut self, axis: usize, is_up: bool, at: u32);
+    /// Makes a step at the clock `at`, ticks, or as soon as possible after it. Returns whether the
+    /// step output takes it: not more than `waiting` steps wait in it, besides the one under way.
+    fn try_step(&mut self, axis: usize, is_up: bool, at: u32, waiting: u32) -> bool;
     /// Drops the steps of an axis that are not begun; returns their sum, positive minus negative.
     fn cancel_steps(&mut self, axis: usize) -> i32;
     /// Sets up the step output of an axis.
@@ -268,28 +267,26 @@ impl Engine {
         Ok(())
     }
 
+    #[inline(always)]
     fn make_steps(&mut self, port: &mut impl StepPort) -> Result<(), Reason> {
-        for axis in 0..self.objects.steppers.len() {
-            if !port.is_free(axis) {
+        let mut ended = None;
+        for (axis, stepper) in self.objects.steppers.iter_mut().enumerate() {
+            if stepper.is_idle() {
                 continue;
             }
             let now = port.clock() as u32;
-            let (queue_clock, is_exact) = match self.state {
-                EngineState::Stopping(stop) => (stop.slowed_clock(now), false),
-                _ => (now, true),
+            let queue_now = match self.state {
+                EngineState::Stopping(stop) => stop.slowed_clock(now),
+                _ => now,
             };
-            let stepper = &mut self.objects.steppers[axis];
-            if let Some(step) = stepper.due_step(queue_clock, is_exact)? {
-                port.make_step(axis, step.is_up, now.wrapping_add(step.delay));
-                stepper.made_step(step.is_up);
-            } else if stepper.end_thread() {
-                let oid = stepper.oid.into();
-                let count = self
-                    .objects
-                    .spindle
-                    .map_or(0, |spindle| spindle.angle.count);
-                self.send(Response::AngleState, [oid, 0, count.into(), 0]);
+            stepper.make_steps(axis, now, queue_now, port)?;
+            if stepper.end_thread() {
+                ended = Some(stepper.oid);
             }
+        }
+        if let Some(oid) = ended {
+            let count = self.objects.spindle.map_or(0, |spindle| spindle.angle.count);
+            self.send(Response::AngleState, [oid.into(), 0, count.into(), 0]);
         }
         Ok(())
     }

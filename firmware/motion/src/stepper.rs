@@ -4,12 +4,17 @@ use heapless::Deque;
 
 use crate::angle::{AngleFollower, QueuedAngle, Segment};
 use crate::clock_steps::{ClockRun, ClockStepper, is_before};
+use crate::engine::StepPort;
 use crate::messages::{QUEUE_SIZE, Reason};
 
 /// Time by which a step on the clock is given to the step output before it is due, ticks: 20 µs.
-const AHEAD_TICKS: u32 = 312;
+const AHEAD_TICKS: i32 = 312;
 /// Lateness of a step from which on the board shuts down, ticks: 1 ms.
-const MAX_PAST_TICKS: u32 = 15_625;
+const MAX_PAST_TICKS: i32 = 15_625;
+/// Greatest number of steps of an axis at a call.
+const STEPS_AT_ONCE: u32 = 5;
+/// Number of steps on the clock that may wait in the output, besides the one that it makes.
+const WAITING_STEPS: u32 = 3;
 
 /// An entry of the queue.
 #[derive(Clone, Copy, Debug)]
@@ -41,15 +46,6 @@ pub enum Activity {
         clock: u32,
         start: u32,
     },
-}
-
-/// A step for the output.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct DueStep {
-    /// Whether the step is positive.
-    pub is_up: bool,
-    /// Time until the step, ticks; 0 for a step that is due now.
-    pub delay: u32,
 }
 
 /// The angle of the spindle.
@@ -109,6 +105,7 @@ impl Stepper {
     }
 
     /// Whether the axis has nothing to do.
+    #[inline(always)]
     pub fn is_idle(&self) -> bool {
         matches!(self.activity, Activity::Idle) && self.queue.is_empty()
     }
@@ -223,60 +220,66 @@ impl Stepper {
         follower.turn(is_up, next).map(|()| false)
     }
 
-    /// Returns the next step if the output is to have it now. `now` is the clock on which the
-    /// queue runs, ticks; `is_exact` tells whether it runs as fast as the clock of the board.
+    /// Gives the output the steps that are due at the clock `now`, ticks. The queue runs on the
+    /// clock `queue_now`, which is slower in a planned stop.
     ///
     /// # Errors
-    /// The step is late.
-    pub fn due_step(&mut self, now: u32, is_exact: bool) -> Result<Option<DueStep>, Reason> {
-        if let Activity::Idle = self.activity {
-            if self.queue.is_empty() {
-                return Ok(None);
-            }
-            self.start_next();
-        }
-        match &self.activity {
-            Activity::Clock(run) => {
-                let delay = run.next.wrapping_sub(now);
-                let is_late = is_before(run.next, now);
-                if is_late && now.wrapping_sub(run.next) > MAX_PAST_TICKS {
-                    return Err(Reason::StepperPast);
-                }
-                let ahead = if is_exact { AHEAD_TICKS } else { 0 };
-                if !is_late && delay > ahead {
-                    return Ok(None);
-                }
-                Ok(Some(DueStep {
-                    is_up: run.is_up(),
-                    delay: if is_late { 0 } else { delay },
-                }))
-            }
-            Activity::Angle { follower, .. } => {
-                Ok(follower.due_step().map(|is_up| DueStep { is_up, delay: 0 }))
-            }
-            Activity::Idle => Ok(None),
-        }
-    }
-
-    /// Notes that the output has taken the step.
-    pub fn made_step(&mut self, is_up: bool) {
-        self.position = self.position.wrapping_add(if is_up { 1 } else { -1 });
-        match &mut self.activity {
-            Activity::Clock(run) => {
-                self.last = run.next;
-                if !run.made_step() {
-                    self.activity = Activity::Idle;
-                    if let Some(Entry::Clock(_)) = self.queue.front() {
+    /// A step is late.
+    #[inline(always)]
+    pub fn make_steps(
+        &mut self,
+        axis: usize,
+        now: u32,
+        queue_now: u32,
+        port: &mut impl StepPort,
+    ) -> Result<(), Reason> {
+        for _ in 0..STEPS_AT_ONCE {
+            match &mut self.activity {
+                Activity::Clock(run) => {
+                    let ahead = run.next.wrapping_sub(queue_now) as i32;
+                    // On the slowed clock the time of a step is not known before it is due.
+                    let most = if queue_now == now { AHEAD_TICKS } else { 0 };
+                    if ahead > most {
+                        return Ok(());
+                    }
+                    if ahead < -MAX_PAST_TICKS {
+                        return Err(Reason::StepperPast);
+                    }
+                    let is_up = run.is_up();
+                    let at = now.wrapping_add(ahead.max(0) as u32);
+                    if !port.try_step(axis, is_up, at, WAITING_STEPS) {
+                        return Ok(());
+                    }
+                    self.position = self.position.wrapping_add(if is_up { 1 } else { -1 });
+                    self.last = run.next;
+                    if !run.made_step() {
+                        self.activity = Activity::Idle;
                         self.start_next();
                     }
                 }
+                Activity::Angle { follower, .. } => {
+                    let Some(is_up) = follower.due_step() else {
+                        return Ok(());
+                    };
+                    if !port.try_step(axis, is_up, now, 0) {
+                        return Ok(());
+                    }
+                    self.position = self.position.wrapping_add(if is_up { 1 } else { -1 });
+                    follower.made_step(is_up);
+                }
+                Activity::Idle => {
+                    if self.queue.is_empty() {
+                        return Ok(());
+                    }
+                    self.start_next();
+                }
             }
-            Activity::Angle { follower, .. } => follower.made_step(is_up),
-            Activity::Idle => {}
         }
+        Ok(())
     }
 
     /// Ends a thread whose steps are all made; returns whether there was one.
+    #[inline(always)]
     pub fn end_thread(&mut self) -> bool {
         let is_ended =
             matches!(&self.activity, Activity::Angle { follower, .. } if follower.is_ended());

@@ -57,7 +57,7 @@ impl StopInput {
             return false;
         }
         self.matching += 1;
-        self.next = Some(now.wrapping_add(self.sample_ticks));
+        self.next = Some(next.wrapping_add(self.sample_ticks));
         if self.matching < self.sample_count {
             return false;
         }

@@ -91,17 +91,17 @@ impl StepPort for TestPort {
         self.counts[index]
     }
 
-    fn is_free(&mut self, axis: usize) -> bool {
-        self.pending[axis].is_none() && self.busy_until[axis] <= self.now
-    }
-
-    fn make_step(&mut self, axis: usize, is_up: bool, at: u32) {
+    fn try_step(&mut self, axis: usize, is_up: bool, at: u32, _: u32) -> bool {
+        if self.pending[axis].is_some() || self.busy_until[axis] > self.now {
+            return false;
+        }
         let delay = at.wrapping_sub(self.now as u32);
         if delay == 0 {
             self.record(axis, is_up, self.now);
         } else {
             self.pending[axis] = Some((is_up, self.now + u64::from(delay)));
         }
+        true
     }
 
     fn cancel_steps(&mut self, axis: usize) -> i32 {
