@@ -8,10 +8,9 @@ use embassy_rp::pio::program::pio_asm;
 
 use crate::pins::{self, PinFunction, Pull};
 
-/// The counters: the last count of each.
+/// The counters of the spindle and of the axes.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct QuadratureCounters {
-    counts: [i32; 3],
     is_set_up: [bool; 3],
 }
 
@@ -94,23 +93,22 @@ impl QuadratureCounters {
         }
         block.ctrl().modify(|ctrl| ctrl.set_sm_enable(ctrl.sm_enable() | 1 << index));
         self.is_set_up[index] = true;
-        self.counts[index] = 0;
     }
 
     /// Returns the count. The queue of the counter is full of old counts, for it writes faster
     /// than the processor reads: read them and one more.
     #[inline]
-    pub fn read(&mut self, index: usize) -> i32 {
+    pub fn read(&self, index: usize) -> i32 {
         if !self.is_set_up[index] {
             return 0;
         }
         let block = pac::PIO0;
         let level = (block.flevel().read().0 >> (8 * index + 4)) & 0x0F;
         for _ in 0..level {
-            self.counts[index] = block.rxf(index).read() as i32;
+            block.rxf(index).read();
         }
         while block.fstat().read().rxempty() & 1 << index != 0 {}
-        self.counts[index] = block.rxf(index).read() as i32;
-        self.counts[index]
+        // The program counts down if A comes before B.
+        (block.rxf(index).read() as i32).wrapping_neg()
     }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use gsk_motion::messages::{Command, REASONS, RESPONSES, Response};
 use gsk_motion::messages::{FIRST_REASON_ID, command_id, parameter_count, response_id};
-use gsk_motion::{BlockReader, Received, encode_block};
+use gsk_motion::{crc16, encode_block};
 use rp2040_emu::{Config, Emulator, EmulatorBuilder};
 
 /// Processor cycles per second.
@@ -83,7 +83,7 @@ pub struct Bench {
     pub direction_changes: Vec<(usize, u64)>,
     sequence: u8,
     to_board: std::collections::VecDeque<u8>,
-    reader: BlockReader,
+    received: Vec<u8>,
     /// Replies so far.
     pub replies: Vec<Reply>,
     /// Renews the lease at this cycle; `None` for a host that does not.
@@ -125,7 +125,7 @@ impl Bench {
             direction_changes: Vec::new(),
             sequence: 0,
             to_board: std::collections::VecDeque::new(),
-            reader: BlockReader::default(),
+            received: Vec::new(),
             replies: Vec::new(),
             renew_at: None,
             clock_offset: 0,
@@ -140,7 +140,7 @@ impl Bench {
         self.emulator.reset();
         self.emulator.direct_boot_from_flash(0x100);
         self.sequence = 0;
-        self.reader = BlockReader::default();
+        self.received.clear();
         self.to_board.clear();
         self.renew_at = None;
     }
@@ -160,9 +160,13 @@ impl Bench {
         (self.cycle() / CYCLES_PER_TICK) as i64 + self.clock_offset
     }
 
-    /// Sets the spindle.
-    pub fn set_spindle(&mut self, counts_per_turn: i64, spindle: impl FnMut(u64) -> i64 + 'static) {
-        self.counts_per_turn = counts_per_turn;
+    /// Sets the counts per turn of the spindle; call it before [`Bench::configure`].
+    pub fn set_counts_per_turn(&mut self, counts: i64) {
+        self.counts_per_turn = counts;
+    }
+
+    /// Sets the spindle: its count at a cycle.
+    pub fn set_spindle(&mut self, spindle: impl FnMut(u64) -> i64 + 'static) {
         self.spindle = Some(Box::new(spindle));
     }
 
@@ -257,12 +261,15 @@ impl Bench {
             self.to_board.pop_front();
         }
         for byte in self.emulator.drain_uart0_tx_log() {
-            // The blocks of the board have the number that it expects next.
-            let expected = self.reader.expected;
-            if let Some(Received::Content(content)) = self.reader.push(byte) {
-                self.take(&content);
+            self.received.push(byte);
+            let length = usize::from(self.received[0]);
+            if self.received.len() < length {
+                continue;
             }
-            self.reader.expected = expected;
+            let block = std::mem::take(&mut self.received);
+            let (body, tail) = block.split_at(length - 3);
+            assert_eq!(tail[..2], crc16(body).to_be_bytes(), "a damaged block");
+            self.take(&body[2..]);
         }
     }
 
@@ -297,7 +304,6 @@ impl Bench {
         }
         self.to_board.extend(encode_block(self.sequence, &content));
         self.sequence = (self.sequence + 1) & 0x0F;
-        self.reader.expected = self.sequence;
     }
 
     /// Runs until all that was sent has reached the board.
