@@ -72,7 +72,9 @@ impl QuadratureCounters {
             pins::connect(pin, PinFunction::Encoders, Pull::Up, false);
         }
         machine.clkdiv().write(|divider| divider.set_int(1));
-        machine.pinctrl().write(|pins| pins.set_in_base(pin_a as u8));
+        machine
+            .pinctrl()
+            .write(|pins| pins.set_in_base(pin_a as u8));
         machine.shiftctrl().write(|shift| {
             shift.set_in_shiftdir(false);
             shift.set_out_shiftdir(true);
@@ -91,7 +93,9 @@ impl QuadratureCounters {
         ] {
             machine.instr().write(|word| word.set_instr(code));
         }
-        block.ctrl().modify(|ctrl| ctrl.set_sm_enable(ctrl.sm_enable() | 1 << index));
+        block
+            .ctrl()
+            .modify(|ctrl| ctrl.set_sm_enable(ctrl.sm_enable() | 1 << index));
         self.is_set_up[index] = true;
     }
 

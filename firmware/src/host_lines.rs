@@ -76,7 +76,10 @@ pub async fn serve(
     .await;
 }
 
-async fn receive_usb(mut receiver: Receiver<'static, Driver<'static, USB>>, bytes: &RefCell<Bytes>) {
+async fn receive_usb(
+    mut receiver: Receiver<'static, Driver<'static, USB>>,
+    bytes: &RefCell<Bytes>,
+) {
     let mut packet = [0; PACKET];
     loop {
         receiver.wait_connection().await;

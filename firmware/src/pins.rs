@@ -90,7 +90,9 @@ impl PwmOutputs {
         let divider = (cycles >> 16) + 1;
         self.tops[slice] = (cycles / divider).saturating_sub(1) as u16;
         let channel = pac::PWM.ch(slice);
-        channel.div().write(|div| div.set_int(divider.min(255) as u8));
+        channel
+            .div()
+            .write(|div| div.set_int(divider.min(255) as u8));
         channel.top().write(|top| top.set_top(self.tops[slice]));
         self.write(pin, value);
         channel.csr().modify(|csr| csr.set_en(true));

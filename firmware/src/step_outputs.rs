@@ -102,13 +102,17 @@ impl StepOutputs {
     ) {
         let block = pac::PIO1;
         let machine = block.sm(axis);
-        block.ctrl().modify(|ctrl| ctrl.set_sm_enable(ctrl.sm_enable() & !(1 << axis)));
+        block
+            .ctrl()
+            .modify(|ctrl| ctrl.set_sm_enable(ctrl.sm_enable() & !(1 << axis)));
         machine.clkdiv().write(|divider| divider.set_int(DIVIDER));
         machine.execctrl().write(|exec| {
             exec.set_wrap_bottom(self.wraps[0]);
             exec.set_wrap_top(self.wraps[1]);
         });
-        machine.shiftctrl().write(|shift| shift.set_out_shiftdir(true));
+        machine
+            .shiftctrl()
+            .write(|shift| shift.set_out_shiftdir(true));
         block.ctrl().modify(|ctrl| {
             ctrl.set_sm_restart(1 << axis);
             ctrl.set_clkdiv_restart(1 << axis);
@@ -146,7 +150,9 @@ impl StepOutputs {
             free_at: now,
             ..StepOutput::default()
         };
-        block.ctrl().modify(|ctrl| ctrl.set_sm_enable(ctrl.sm_enable() | 1 << axis));
+        block
+            .ctrl()
+            .modify(|ctrl| ctrl.set_sm_enable(ctrl.sm_enable() | 1 << axis));
     }
 
     #[inline(always)]
@@ -195,23 +201,35 @@ impl StepOutputs {
     pub fn cancel(&mut self, axis: usize, now: u32) -> i32 {
         let block = pac::PIO1;
         let machine = block.sm(axis);
-        block.ctrl().modify(|ctrl| ctrl.set_sm_enable(ctrl.sm_enable() & !(1 << axis)));
+        block
+            .ctrl()
+            .modify(|ctrl| ctrl.set_sm_enable(ctrl.sm_enable() & !(1 << axis)));
         let address = machine.addr().read().addr();
         let is_before_step = (1..=RAISE).contains(&address);
         let dropped = Self::level(axis) + u32::from(is_before_step);
         // Toggling the join of the queues empties them.
         for _ in 0..2 {
-            machine.shiftctrl().modify(|shift| shift.set_fjoin_rx(!shift.fjoin_rx()));
+            machine
+                .shiftctrl()
+                .modify(|shift| shift.set_fjoin_rx(!shift.fjoin_rx()));
         }
         if is_before_step {
             machine.instr().write(|word| word.set_instr(self.take_word));
         }
-        block.ctrl().modify(|ctrl| ctrl.set_sm_enable(ctrl.sm_enable() | 1 << axis));
+        block
+            .ctrl()
+            .modify(|ctrl| ctrl.set_sm_enable(ctrl.sm_enable() | 1 << axis));
         let output = &mut self.outputs[axis];
         // A pulse under way ends in this time.
         output.free_at = now.wrapping_add(END_TICKS + 2 * output.pulse);
         (0..dropped)
-            .map(|back| if output.directions >> back & 1 != 0 { 1 } else { -1 })
+            .map(|back| {
+                if output.directions >> back & 1 != 0 {
+                    1
+                } else {
+                    -1
+                }
+            })
             .sum()
     }
 }

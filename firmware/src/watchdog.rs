@@ -32,7 +32,9 @@ impl Watchdog {
     /// Starts the watchdog.
     pub fn start() -> Self {
         select_resets();
-        pac::WATCHDOG.load().write_value(pac::watchdog::regs::Load(LOAD));
+        pac::WATCHDOG
+            .load()
+            .write_value(pac::watchdog::regs::Load(LOAD));
         pac::WATCHDOG.ctrl().write(|ctrl| ctrl.set_enable(true));
         Self {
             seen: 0,
@@ -51,14 +53,18 @@ impl Watchdog {
         };
         self.seen = calls;
         if self.silent_calls < MAX_SILENT_CALLS {
-            pac::WATCHDOG.load().write_value(pac::watchdog::regs::Load(LOAD));
+            pac::WATCHDOG
+                .load()
+                .write_value(pac::watchdog::regs::Load(LOAD));
         }
     }
 }
 
 /// All but the oscillators.
 fn select_resets() {
-    pac::PSM.wdsel().write_value(pac::psm::regs::Wdsel(0x0001_FFFC));
+    pac::PSM
+        .wdsel()
+        .write_value(pac::psm::regs::Wdsel(0x0001_FFFC));
 }
 
 /// Restarts the board.

@@ -12,7 +12,7 @@ use rp2040_emu::{Config, Emulator, EmulatorBuilder};
 pub const CYCLES_PER_S: f64 = 125e6;
 /// Processor cycles per tick of the board clock.
 pub const CYCLES_PER_TICK: u64 = 8;
-/// Cycles of the emulator between two looks at the pins.
+/// Cycles of the emulator between two readings of the pins.
 const QUANTUM: u32 = 8;
 /// Pins of the axes: step and direction.
 pub const STEP_PINS: [u32; 2] = [2, 4];

@@ -200,9 +200,4 @@ impl AngleFollower {
             self.denominator
         };
     }
-
-    /// Returns the lag of the axis, whole steps.
-    pub fn lag_steps(&self) -> i32 {
-        (self.due / self.denominator) as i32
-    }
 }

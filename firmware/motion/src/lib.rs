@@ -21,7 +21,6 @@ mod session;
 mod stepper;
 mod stops;
 
-pub use angle::{AngleFollower, Segment};
-pub use block::{BlockBytes, BlockReader, MAX_CONTENT, Received, crc16, encode_block};
+pub use block::{BlockBytes, crc16, encode_block};
 pub use engine::{Engine, EngineState, Event, Request, StepPort};
 pub use session::{DICTIONARY, Session};

@@ -3,7 +3,7 @@
 use super::{Engine, EngineState, Request, StepPort};
 use crate::angle::Segment;
 use crate::clock_steps::{ClockRun, is_before};
-use crate::messages::{COMMANDS, Command, FIRST_REASON_ID, QUEUE_SIZE, REASONS, Reason, Response};
+use crate::messages::{Command, FIRST_REASON_ID, QUEUE_SIZE, Reason, Response};
 use crate::stepper::{Entry, Stepper};
 use crate::stops::{StopGroup, StopInput};
 
@@ -311,9 +311,8 @@ impl Engine {
     }
 }
 
-/// Returns the reason with a number; a block that cannot be read is the rest.
+/// Returns the reason of a block that cannot be executed.
 fn fault_reason(number: u32) -> Reason {
-    debug_assert!((number as usize) < REASONS.len() && !COMMANDS.is_empty());
     if number == Reason::InvalidCommand as u32 {
         Reason::InvalidCommand
     } else {
