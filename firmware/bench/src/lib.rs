@@ -84,6 +84,8 @@ pub struct Bench {
     sequence: u8,
     to_board: std::collections::VecDeque<u8>,
     received: Vec<u8>,
+    /// Bytes of the board for another host; `None` if this is the host.
+    pub from_board: Option<Vec<u8>>,
     /// Replies so far.
     pub replies: Vec<Reply>,
     /// Renews the lease at this cycle; `None` for a host that does not.
@@ -126,6 +128,7 @@ impl Bench {
             sequence: 0,
             to_board: std::collections::VecDeque::new(),
             received: Vec::new(),
+            from_board: None,
             replies: Vec::new(),
             renew_at: None,
             clock_offset: 0,
@@ -148,11 +151,6 @@ impl Bench {
     /// Returns the processor cycle.
     pub fn cycle(&self) -> u64 {
         self.emulator.clock.cycles
-    }
-
-    /// x
-    pub fn pc(&self) -> (u32, u64) {
-        (self.emulator.cores[1].regs.pc(), 1)
     }
 
     /// Returns the clock of the board, ticks.
@@ -260,7 +258,12 @@ impl Bench {
             }
             self.to_board.pop_front();
         }
-        for byte in self.emulator.drain_uart0_tx_log() {
+        let bytes = self.emulator.drain_uart0_tx_log();
+        if let Some(from_board) = &mut self.from_board {
+            from_board.extend(bytes);
+            return;
+        }
+        for byte in bytes {
             self.received.push(byte);
             let length = usize::from(self.received[0]);
             if self.received.len() < length {
@@ -310,6 +313,11 @@ impl Bench {
     pub fn flush(&mut self) {
         self.run_until(50_000_000, |bench| bench.to_board.is_empty());
         self.run(40_000);
+    }
+
+    /// Sends the bytes of another host.
+    pub fn write(&mut self, bytes: &[u8]) {
+        self.to_board.extend(bytes);
     }
 
     /// Renews the lease for 100 ms, and does so every 40 ms from now on.
