@@ -50,6 +50,8 @@ pub struct StepEdge {
     pub cycle: u64,
     /// Count of the spindle.
     pub count: i64,
+    /// Cycles since the spindle reached this count.
+    pub after_count: u64,
 }
 
 /// A reply of the board.
@@ -73,6 +75,9 @@ pub struct Bench {
     /// Count of the spindle.
     pub count: i64,
     counts_per_turn: i64,
+    /// Length of the index signal, counts.
+    pub index_counts: i64,
+    counted_at: u64,
     levels: u32,
     last_pins: u32,
     /// Step edges so far.
@@ -120,6 +125,8 @@ impl Bench {
             spindle: None,
             count: 0,
             counts_per_turn: 4096,
+            index_counts: 1,
+            counted_at: 0,
             levels: 0,
             last_pins: 0,
             edges: Vec::new(),
@@ -181,7 +188,7 @@ impl Bench {
 
     fn set_levels(&mut self) {
         let phase = [0, 1, 3, 2][self.count.rem_euclid(4) as usize];
-        let index = u32::from(self.count.rem_euclid(self.counts_per_turn) < 4);
+        let index = u32::from(self.count.rem_euclid(self.counts_per_turn) < self.index_counts);
         let bus = &mut self.emulator.bus;
         bus.external_gpio_in_mask =
             1 << LIMIT_PIN | 1 << GUARD_PIN | 3 << ENCODER_PIN | 1 << INDEX_PIN;
@@ -216,6 +223,7 @@ impl Bench {
             let wanted = spindle(self.emulator.clock.cycles);
             if wanted != self.count {
                 self.count += (wanted - self.count).signum();
+                self.counted_at = self.emulator.clock.cycles;
                 self.set_levels();
             }
         }
@@ -244,6 +252,7 @@ impl Bench {
                 is_up: pins >> (step + 1) & 1 != 0,
                 cycle,
                 count: self.count,
+                after_count: cycle - self.counted_at,
             });
         }
     }

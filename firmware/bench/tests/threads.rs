@@ -101,7 +101,8 @@ fn cut(name: &str, rpm: f64) -> f64 {
     bench.configure();
     bench.begin();
     let sign = if is_reverse { -1 } else { 1 };
-    bench.set_spindle(varying_spindle(rpm, 0.3, sign));
+    // The first turn shows the index, the thread begins at the second, the tool enters.
+    bench.set_spindle(varying_spindle(rpm, 2.0, sign));
     send_thread(&mut bench, start, is_reverse, &paths);
     let total: usize = paths.iter().map(|path| path.steps).sum();
     bench.run_until(400_000_000, |bench| {
@@ -167,6 +168,72 @@ fn the_encoder_counts_at_3000_rpm() {
     assert!(count > 80_000);
     assert_eq!(bench.shutdown_text(), None);
     assert_eq!(i64::from(reply.values[2] as i32), count);
+}
+
+/// Starts a thread of one axis with a constant ratio, steps to counts.
+fn follow(bench: &mut Bench, axis: i64, steps: i64, counts: i64, length: i64) {
+    let clock = i64::from(bench.clock() as u32);
+    bench.send(Command::BeginAngle, &[axis, clock, 0, counts, 0, 0]);
+    bench.send(Command::QueueAngle, &[axis, length, steps, 0]);
+    bench.send(Command::EndAngle, &[axis]);
+}
+
+#[test]
+fn a_step_follows_its_count_within_a_few_microseconds() {
+    let mut bench = Bench::start();
+    bench.configure();
+    bench.begin();
+    follow(&mut bench, 0, 3, 8, 8192);
+    follow(&mut bench, 1, 3, 8, 8192);
+    bench.flush();
+    let from = bench.cycle();
+    // 1200 rpm: 81 920 counts and 30 720 steps per second.
+    bench.set_spindle(move |cycle| ((cycle - from) as f64 * 81_920.0 / CYCLES_PER_S) as i64);
+    bench.run(30_000_000);
+    assert_eq!(bench.shutdown_text(), None);
+    assert_eq!((bench.sum(0), bench.sum(1)), (3072, 3072));
+    // The angle of the index is known to two counts at this speed, and the same ever after.
+    let begun = bench.edges[0].count.div_euclid(4096) * 4096;
+    let latencies_from = |begun: i64| -> Vec<f64> {
+        let axes = (0..2).map(|axis| bench.edges.iter().filter(move |edge| edge.axis == axis));
+        let steps = axes.flat_map(|edges| (1..).zip(edges));
+        let latency = steps.map(|(step, edge)| {
+            // Step n is due at the first count k with 3 k >= 8 n.
+            let counts = edge.count - begun - (8 * step + 2) / 3;
+            edge.after_count as f64 / 125.0 + counts as f64 * 1e6 / 81_920.0
+        });
+        latency.collect()
+    };
+    let offset = (0..3).rfind(|offset| {
+        latencies_from(begun + offset)
+            .iter()
+            .all(|time| *time > 0.0)
+    });
+    let offset = offset.expect("no step before its count");
+    let latencies = latencies_from(begun + offset);
+    let mean = latencies.iter().sum::<f64>() / latencies.len() as f64;
+    let worst = latencies.iter().copied().fold(0.0, f64::max);
+    println!(
+        "from the count to the step: {mean:.2} µs, at most {worst:.2} µs; index {offset} counts"
+    );
+    assert!(worst < 25.0, "less than a step at 30 720 steps per second");
+}
+
+#[test]
+fn two_axes_follow_819_200_counts_per_second() {
+    let mut bench = Bench::start();
+    bench.set_counts_per_turn(16_384);
+    bench.index_counts = 64;
+    bench.configure();
+    bench.begin();
+    follow(&mut bench, 0, 1, 40, 40_000);
+    follow(&mut bench, 1, -1, 80, 40_000);
+    bench.flush();
+    let from = bench.cycle();
+    bench.set_spindle(move |cycle| ((cycle - from) as f64 * 819_200.0 / CYCLES_PER_S) as i64);
+    bench.run(15_000_000);
+    assert_eq!(bench.shutdown_text(), None);
+    assert_eq!((bench.sum(0), bench.sum(1)), (1000, -500));
 }
 
 #[test]

@@ -7,14 +7,14 @@ use crate::messages::Reason;
 
 /// Number of earlier segments that a spindle can turn back through.
 const KEPT_SEGMENTS: usize = 4;
-/// Greatest lag of an axis, steps; beyond it the axis cannot follow the spindle.
-const MAX_LAG_STEPS: i64 = 8;
+/// Binary logarithm of the greatest lag of an axis, steps; beyond it the axis cannot follow.
+const MAX_LAG_SHIFT: u32 = 3;
 
 /// A part of a thread with a ratio that is constant or grows by the same amount at each count.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Segment {
     /// Length, counts of the spindle encoder.
-    pub length: u32,
+    pub length: i32,
     /// Steps at the first count, in fractions of the denominator; negative for negative steps.
     pub numerator: i32,
     /// Amount by which the numerator grows at each count.
@@ -49,7 +49,7 @@ pub struct AngleFollower {
     is_reverse: bool,
     segment: Segment,
     /// Count within the segment; negative before the start of the thread.
-    count: i64,
+    count: i32,
     /// Steps of the next count, in fractions of the denominator.
     rate: i64,
     /// Steps that are due but not made, in fractions of the denominator.
@@ -86,23 +86,25 @@ impl AngleFollower {
         self.phase == Phase::Waiting
     }
 
-    /// Whether the last segment is complete and all its steps are made.
+    /// Whether the last segment is complete. Steps may be due.
+    #[inline(always)]
     pub fn is_ended(&self) -> bool {
-        self.phase == Phase::Ended && self.due_step().is_none()
+        self.phase == Phase::Ended
     }
 
-    /// Whether a count in this direction is one along the thread.
-    pub fn is_along(&self, is_up: bool) -> bool {
-        is_up != self.is_reverse
+    /// Returns the counts along the thread for counts of the encoder.
+    #[inline(always)]
+    pub fn along(&self, counts: i32) -> i32 {
+        if self.is_reverse { -counts } else { counts }
     }
 
     /// Starts the thread at the current count of the spindle.
-    pub fn start(&mut self, next: impl FnMut() -> QueuedAngle) -> Result<(), Reason> {
+    pub fn start(&mut self, mut next: impl FnMut() -> QueuedAngle) -> Result<(), Reason> {
         self.phase = Phase::Following;
-        self.load(next)
+        self.load(&mut next)
     }
 
-    fn load(&mut self, mut next: impl FnMut() -> QueuedAngle) -> Result<(), Reason> {
+    fn load(&mut self, next: &mut impl FnMut() -> QueuedAngle) -> Result<(), Reason> {
         loop {
             let segment = match self.undone.pop_back() {
                 Some(segment) => segment,
@@ -132,25 +134,41 @@ impl AngleFollower {
         }
     }
 
-    /// Takes one count of the spindle, `is_up` if it counted up. `next` removes the next segment
-    /// from the queue.
-    pub fn turn(&mut self, is_up: bool, next: impl FnMut() -> QueuedAngle) -> Result<(), Reason> {
+    /// Takes some counts of the spindle along the thread, negative if it turns back. `next`
+    /// removes the next segment from the queue.
+    #[inline]
+    pub fn turn(
+        &mut self,
+        along: i32,
+        mut next: impl FnMut() -> QueuedAngle,
+    ) -> Result<(), Reason> {
         if self.phase != Phase::Following {
             return Ok(());
         }
-        if self.is_along(is_up) {
-            if self.count >= 0 {
+        let mut rest = along;
+        while rest > 0 && self.phase == Phase::Following {
+            if self.count < 0 {
+                let before_start = rest.min(-self.count);
+                self.count += before_start;
+                rest -= before_start;
+                continue;
+            }
+            let counts = rest.min(self.segment.length - self.count);
+            for _ in 0..counts {
                 self.due += self.rate;
                 self.rate += i64::from(self.segment.add);
             }
-            self.count += 1;
-            if self.count == i64::from(self.segment.length) {
-                self.load(next)?;
+            self.count += counts;
+            rest -= counts;
+            if self.count == self.segment.length {
+                self.load(&mut next)?;
             }
-        } else {
+        }
+        for _ in 0..-along {
             self.turn_back()?;
         }
-        if self.due.abs() > MAX_LAG_STEPS * self.denominator {
+        let most = self.denominator << MAX_LAG_SHIFT;
+        if self.due > most || self.due < -most {
             return Err(Reason::CannotFollow);
         }
         Ok(())
@@ -165,8 +183,9 @@ impl AngleFollower {
                 .push_back(self.segment)
                 .map_err(|_| Reason::AngleReversed)?;
             self.segment = earlier;
-            self.count = i64::from(earlier.length);
-            self.rate = i64::from(earlier.numerator) + i64::from(earlier.add) * self.count;
+            self.count = earlier.length;
+            self.rate =
+                i64::from(earlier.numerator) + i64::from(earlier.add) * i64::from(self.count);
         }
         if self.count == 0 && self.has_dropped {
             return Err(Reason::AngleReversed);
@@ -182,14 +201,12 @@ impl AngleFollower {
     /// Returns the direction of a step that is due, `true` for positive; `None` if no step is
     /// due. A step back waits for one more count, so that a spindle that trembles does not make
     /// the axis tremble.
+    #[inline(always)]
     pub fn due_step(&self) -> Option<bool> {
-        if self.due >= self.denominator {
-            Some(true)
-        } else if self.due < -self.rate.abs().min(self.denominator) {
-            Some(false)
-        } else {
-            None
+        if self.due >= 0 {
+            return (self.due >= self.denominator).then_some(true);
         }
+        (self.due < -self.rate.abs().min(self.denominator)).then_some(false)
     }
 
     /// Notes that the step that was due is made.

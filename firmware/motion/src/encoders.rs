@@ -3,8 +3,9 @@
 use crate::messages::Reason;
 use crate::stepper::SpindleAngle;
 
-/// Greatest number of counts between two calls; a greater one means that counts are lost.
-const MAX_COUNTS: i32 = 64;
+/// Greatest number of counts between two calls, and least number of counts per turn. A greater
+/// number means that counts are lost.
+pub const MAX_COUNTS: i32 = 64;
 /// Greatest difference between two index pulses from whole turns, counts.
 const INDEX_TOLERANCE: u32 = 8;
 
@@ -20,7 +21,7 @@ pub struct SpindleEncoder {
     first_index: Option<i32>,
     /// Count at the last index pulse.
     pub index_count: i32,
-    /// The next count of the counter in hardware that was seen.
+    /// The last count of the counter in hardware.
     seen: i32,
 }
 
@@ -31,6 +32,7 @@ impl SpindleEncoder {
             oid,
             angle: SpindleAngle {
                 counts_per_turn,
+                is_referenced: index_pin.is_none(),
                 ..SpindleAngle::default()
             },
             index_pin,
@@ -40,30 +42,31 @@ impl SpindleEncoder {
         }
     }
 
-    /// Returns the direction of the next count, `true` for up; `None` if all counts are taken.
+    /// Returns the counts since the last call, and takes them.
     ///
     /// # Errors
     /// Counts are lost.
-    pub fn next_count(&mut self, raw: i32) -> Result<Option<bool>, Reason> {
-        let ahead = raw.wrapping_sub(self.seen);
-        if ahead == 0 {
-            return Ok(None);
+    #[inline(always)]
+    pub fn take_counts(&mut self, raw: i32) -> Result<i32, Reason> {
+        let counts = raw.wrapping_sub(self.seen);
+        if counts == 0 {
+            return Ok(0);
         }
-        if ahead.abs() > MAX_COUNTS {
+        if !(-MAX_COUNTS..=MAX_COUNTS).contains(&counts) {
             return Err(Reason::SpindleOverrun);
         }
-        let is_up = ahead > 0;
-        let step = if is_up { 1 } else { -1 };
-        self.seen = self.seen.wrapping_add(step);
+        self.seen = raw;
         let angle = &mut self.angle;
-        angle.count = angle.count.wrapping_add(step);
-        angle.turn_count = match (is_up, angle.turn_count) {
-            (true, count) if count + 1 == angle.counts_per_turn => 0,
-            (true, count) => count + 1,
-            (false, 0) => angle.counts_per_turn - 1,
-            (false, count) => count - 1,
-        };
-        Ok(Some(is_up))
+        angle.count = angle.count.wrapping_add(counts);
+        let turn = angle.counts_per_turn as i32;
+        let mut turn_count = angle.turn_count as i32 + counts;
+        if turn_count >= turn {
+            turn_count -= turn;
+        } else if turn_count < 0 {
+            turn_count += turn;
+        }
+        angle.turn_count = turn_count as u32;
+        Ok(counts)
     }
 
     /// Takes the level of the index pin. The first index pulse is the angle 0.
@@ -80,6 +83,7 @@ impl SpindleEncoder {
         let Some(_) = self.first_index else {
             self.first_index = Some(self.angle.count);
             self.angle.turn_count = 0;
+            self.angle.is_referenced = true;
             return Ok(());
         };
         let off = self.angle.turn_count;

@@ -10,7 +10,7 @@ use crate::encoders::{AxisEncoder, EdgeCounter, SpindleEncoder};
 use crate::messages::{Command, FIRST_REASON_ID, RESPONSES, Reason, Response, parameter_count};
 use crate::outputs::OutputChannel;
 use crate::stepper::Stepper;
-use crate::stops::{Guard, PlannedStop, StopGroup, StopInput};
+use crate::stops::{Guard, PlannedStop, StopGroup, StopInput, WatchedLevels};
 
 /// Number of axes.
 pub const AXES: usize = 2;
@@ -24,8 +24,8 @@ const GUARDS: usize = 8;
 const COUNTERS: usize = 2;
 /// Capacity of the queue of events.
 const EVENTS: usize = 32;
-/// Number of turns of the slow work: one kind of object at each call of [`Engine::poll`].
-const SLOW_TURNS: u32 = 8;
+/// Number of turns of the slow work: one kind of object at every second call of [`Engine::poll`].
+const SLOW_TURNS: u32 = 16;
 
 /// A command with its parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,6 +107,13 @@ pub enum EngineState {
     ShutDown(Reason),
 }
 
+/// The clock and the levels of the pins at a call of [`Engine::poll`].
+#[derive(Clone, Copy, Debug)]
+struct Moment {
+    clock: u32,
+    pins: u32,
+}
+
 /// What the host has configured.
 #[derive(Debug)]
 struct Objects {
@@ -115,6 +122,9 @@ struct Objects {
     inputs: Vec<StopInput, INPUTS>,
     outputs: Vec<OutputChannel, OUTPUTS>,
     guards: Vec<Guard, GUARDS>,
+    /// The levels at which a guard or a stop input begins to act.
+    guard_levels: WatchedLevels,
+    input_levels: WatchedLevels,
     counters: Vec<EdgeCounter, COUNTERS>,
     spindle: Option<SpindleEncoder>,
     axis_encoders: Vec<AxisEncoder, AXES>,
@@ -130,11 +140,21 @@ impl Objects {
             inputs: Vec::new(),
             outputs: Vec::new(),
             guards: Vec::new(),
+            guard_levels: WatchedLevels::new(),
+            input_levels: WatchedLevels::new(),
             counters: Vec::new(),
             spindle: None,
             axis_encoders: Vec::new(),
             oids: 0,
         }
+    }
+}
+
+impl Objects {
+    /// Collects the levels of the inputs that are watched, after a change.
+    fn collect_input_levels(&mut self) {
+        let watched = self.inputs.iter().filter(|input| input.next.is_some());
+        self.input_levels = watched.map(|input| (input.pin, input.is_high)).collect();
     }
 }
 
@@ -223,11 +243,15 @@ impl Engine {
             self.watch_encoders(port);
             return;
         }
+        let moment = Moment {
+            clock: port.clock() as u32,
+            pins: port.pins(),
+        };
         let result = self
-            .follow_spindle(port)
-            .and_then(|()| self.make_steps(port))
-            .and_then(|()| self.watch_inputs(port))
-            .and_then(|()| self.work_slowly(port));
+            .follow_spindle(moment, port)
+            .and_then(|()| self.make_steps(moment, port))
+            .and_then(|()| self.watch_inputs(moment, port))
+            .and_then(|()| self.work_slowly(moment, port));
         if let Err(reason) = result {
             self.shut_down(reason, port);
         }
@@ -236,25 +260,26 @@ impl Engine {
     /// Counts on while the board is shut down.
     fn watch_encoders(&mut self, port: &mut impl StepPort) {
         if let Some(spindle) = &mut self.objects.spindle {
-            let raw = port.encoder(0);
-            while let Ok(Some(_)) = spindle.next_count(raw) {}
+            // A shut-down board does not move: lost counts do not matter.
+            let _ = spindle.take_counts(port.encoder(0));
         }
     }
 
-    fn follow_spindle(&mut self, port: &mut impl StepPort) -> Result<(), Reason> {
+    #[inline(always)]
+    fn follow_spindle(&mut self, moment: Moment, port: &mut impl StepPort) -> Result<(), Reason> {
         let Some(spindle) = &mut self.objects.spindle else {
             return Ok(());
         };
-        let raw = port.encoder(0);
-        let now = port.clock() as u32;
-        while let Some(is_up) = spindle.next_count(raw)? {
-            if let EngineState::Stopping(stop) = &mut self.state
-                && !stop.takes_count(now)
-            {
-                continue;
+        let from = spindle.angle;
+        let mut counts = spindle.take_counts(port.encoder(0))?;
+        if counts != 0 {
+            let now = moment.clock;
+            if let EngineState::Stopping(stop) = &mut self.state {
+                let taken = (0..counts.abs()).filter(|_| stop.takes_count(now)).count();
+                counts = counts.signum() * taken as i32;
             }
             for stepper in &mut self.objects.steppers {
-                if stepper.turn(is_up, spindle.angle, now)? {
+                if stepper.turn(counts, from, now)? {
                     let values = [stepper.oid.into(), 1, spindle.angle.count.into(), 0];
                     let response = Response::AngleState;
                     let _ = self.events.push_back(Event { response, values });
@@ -262,34 +287,28 @@ impl Engine {
             }
         }
         if let Some(pin) = spindle.index_pin {
-            spindle.take_index(port.pins() >> pin & 1 != 0)?;
+            spindle.take_index(moment.pins >> pin & 1 != 0)?;
         }
         Ok(())
     }
 
     #[inline(always)]
-    fn make_steps(&mut self, port: &mut impl StepPort) -> Result<(), Reason> {
-        let mut ended = None;
-        for (axis, stepper) in self.objects.steppers.iter_mut().enumerate() {
-            if stepper.is_idle() {
-                continue;
-            }
-            let now = port.clock() as u32;
-            let queue_now = match self.state {
-                EngineState::Stopping(stop) => stop.slowed_clock(now),
-                _ => now,
-            };
-            stepper.make_steps(axis, now, queue_now, port)?;
-            if stepper.end_thread() {
-                ended = Some(stepper.oid);
-            }
+    fn make_steps(&mut self, moment: Moment, port: &mut impl StepPort) -> Result<(), Reason> {
+        let now = moment.clock;
+        let mut queue_now = now;
+        if let EngineState::Stopping(stop) = self.state {
+            queue_now = stop.slowed_clock(now);
         }
-        if let Some(oid) = ended {
-            let count = self
-                .objects
-                .spindle
-                .map_or(0, |spindle| spindle.angle.count);
-            self.send(Response::AngleState, [oid.into(), 0, count.into(), 0]);
+        for (axis, stepper) in self.objects.steppers.iter_mut().enumerate() {
+            if !stepper.is_idle() && stepper.make_steps(axis, now, queue_now, port)? {
+                let count = self
+                    .objects
+                    .spindle
+                    .map_or(0, |spindle| spindle.angle.count);
+                let values = [stepper.oid.into(), 0, count.into(), 0];
+                let response = Response::AngleState;
+                let _ = self.events.push_back(Event { response, values });
+            }
         }
         Ok(())
     }
@@ -354,6 +373,7 @@ impl Engine {
         for input in &mut self.objects.inputs {
             input.next = None;
         }
+        self.objects.collect_input_levels();
         self.lease = None;
         self.encoder_report.next = None;
         if let EngineState::ShutDown(_) = self.state {

@@ -57,6 +57,8 @@ pub struct SpindleAngle {
     pub turn_count: u32,
     /// Counts per turn; 0 without an encoder.
     pub counts_per_turn: u32,
+    /// Whether the angle is known: an encoder with an index has passed it.
+    pub is_referenced: bool,
 }
 
 /// An axis.
@@ -190,12 +192,13 @@ impl Stepper {
         }
     }
 
-    /// Takes one count of the spindle at the clock `now`; `spindle` is the angle after it.
+    /// Takes some counts of the spindle at the clock `now`; `from` is the angle before them.
     /// Returns whether a thread has started.
     ///
     /// # Errors
     /// The axis cannot follow.
-    pub fn turn(&mut self, is_up: bool, spindle: SpindleAngle, now: u32) -> Result<bool, Reason> {
+    #[inline]
+    pub fn turn(&mut self, counts: i32, from: SpindleAngle, now: u32) -> Result<bool, Reason> {
         let Activity::Angle {
             follower,
             clock,
@@ -205,23 +208,34 @@ impl Stepper {
             return Ok(false);
         };
         let queue = &mut self.queue;
-        let next = || match queue.pop_front() {
+        let mut next = || match queue.pop_front() {
             Some(Entry::Angle(segment)) => QueuedAngle::Segment(segment),
             Some(_) => QueuedAngle::End,
             None => QueuedAngle::Empty,
         };
-        if follower.is_waiting() {
-            let has_passed = follower.is_along(is_up) && spindle.turn_count == *start;
-            if has_passed && !is_before(now, *clock) {
-                return follower.start(next).map(|()| true);
-            }
+        let along = follower.along(counts);
+        if !follower.is_waiting() {
+            return follower.turn(along, next).map(|()| false);
+        }
+        if !from.is_referenced || is_before(now, *clock) {
             return Ok(false);
         }
-        follower.turn(is_up, next).map(|()| false)
+        let ahead = follower.along(*start as i32 - from.turn_count as i32);
+        let distance = if ahead <= 0 {
+            ahead + from.counts_per_turn as i32
+        } else {
+            ahead
+        };
+        if distance > along {
+            return Ok(false);
+        }
+        follower.start(&mut next)?;
+        follower.turn(along - distance, next)?;
+        Ok(true)
     }
 
     /// Gives the output the steps that are due at the clock `now`, ticks. The queue runs on the
-    /// clock `queue_now`, which is slower in a planned stop.
+    /// clock `queue_now`, which is slower in a planned stop. Returns whether a thread has ended.
     ///
     /// # Errors
     /// A step is late.
@@ -232,7 +246,7 @@ impl Stepper {
         now: u32,
         queue_now: u32,
         port: &mut impl StepPort,
-    ) -> Result<(), Reason> {
+    ) -> Result<bool, Reason> {
         for _ in 0..STEPS_AT_ONCE {
             match &mut self.activity {
                 Activity::Clock(run) => {
@@ -240,7 +254,7 @@ impl Stepper {
                     // On the slowed clock the time of a step is not known before it is due.
                     let most = if queue_now == now { AHEAD_TICKS } else { 0 };
                     if ahead > most {
-                        return Ok(());
+                        return Ok(false);
                     }
                     if ahead < -MAX_PAST_TICKS {
                         return Err(Reason::StepperPast);
@@ -248,7 +262,7 @@ impl Stepper {
                     let is_up = run.is_up();
                     let at = now.wrapping_add(ahead.max(0) as u32);
                     if !port.try_step(axis, is_up, at, WAITING_STEPS) {
-                        return Ok(());
+                        return Ok(false);
                     }
                     self.position = self.position.wrapping_add(if is_up { 1 } else { -1 });
                     self.last = run.next;
@@ -259,34 +273,27 @@ impl Stepper {
                 }
                 Activity::Angle { follower, .. } => {
                     let Some(is_up) = follower.due_step() else {
-                        return Ok(());
+                        let is_ended = follower.is_ended();
+                        if is_ended {
+                            self.activity = Activity::Idle;
+                        }
+                        return Ok(is_ended);
                     };
                     if !port.try_step(axis, is_up, now, 0) {
-                        return Ok(());
+                        return Ok(false);
                     }
                     self.position = self.position.wrapping_add(if is_up { 1 } else { -1 });
                     follower.made_step(is_up);
                 }
                 Activity::Idle => {
                     if self.queue.is_empty() {
-                        return Ok(());
+                        return Ok(false);
                     }
                     self.start_next();
                 }
             }
         }
-        Ok(())
-    }
-
-    /// Ends a thread whose steps are all made; returns whether there was one.
-    #[inline(always)]
-    pub fn end_thread(&mut self) -> bool {
-        let is_ended =
-            matches!(&self.activity, Activity::Angle { follower, .. } if follower.is_ended());
-        if is_ended {
-            self.activity = Activity::Idle;
-        }
-        is_ended
+        Ok(false)
     }
 
     /// Stops the axis and clears its queue. `undone` is the sum of the steps that the output has

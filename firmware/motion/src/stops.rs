@@ -56,13 +56,55 @@ impl StopInput {
             self.next = Some(now);
             return false;
         }
+        // The first sample may be long due: the input is sampled when its level changes.
+        let from = if self.matching == 0 { now } else { next };
         self.matching += 1;
-        self.next = Some(next.wrapping_add(self.sample_ticks));
+        self.next = Some(from.wrapping_add(self.sample_ticks));
         if self.matching < self.sample_count {
             return false;
         }
         self.next = None;
         true
+    }
+}
+
+/// Levels of pins that make inputs act. As long as no pin has its level, the inputs need not be
+/// looked up.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct WatchedLevels {
+    pins: u32,
+    high: u32,
+    was_active: bool,
+}
+
+impl WatchedLevels {
+    /// Creates the levels of no pin.
+    pub const fn new() -> Self {
+        Self {
+            pins: 0,
+            high: 0,
+            was_active: false,
+        }
+    }
+
+    /// Whether a pin has its level now, or had it at the last call.
+    #[inline(always)]
+    pub fn needs_check(&mut self, levels: u32) -> bool {
+        let is_active = self.pins & (levels ^ !self.high) != 0;
+        let needs_check = is_active || self.was_active;
+        self.was_active = is_active;
+        needs_check
+    }
+}
+
+impl FromIterator<(u32, bool)> for WatchedLevels {
+    fn from_iter<T: IntoIterator<Item = (u32, bool)>>(pins: T) -> Self {
+        let mut levels = Self::new();
+        for (pin, is_high) in pins {
+            levels.pins |= 1 << pin;
+            levels.high |= u32::from(is_high) << pin;
+        }
+        levels
     }
 }
 

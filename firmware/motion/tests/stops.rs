@@ -250,7 +250,7 @@ fn threading_board(length: i64) -> TestBoard {
     board.send(Command::BeginAngle, &[Z.into(), now, 0, 2, 1, 0]);
     board.send(Command::QueueAngle, &[Z.into(), length, 1, 0]);
     board.send(Command::EndAngle, &[Z.into()]);
-    turn(&mut board, 4096 + 1000);
+    turn(&mut board, 8192 + 1000);
     assert_eq!(board.engine.position(0), 500);
     board
 }
@@ -305,7 +305,7 @@ fn a_guard_in_a_thread_stops_and_the_count_is_true() {
 fn the_lease_expires_in_a_thread_and_the_axis_slows_down() {
     let mut board = threading_board(100_000);
     board.renewed = None;
-    while board.shutdown_text().is_none() && board.port.counts[0] < 80_000 {
+    while board.shutdown_text().is_none() && board.port.counts[0] < 90_000 {
         turn(&mut board, 1);
     }
     assert_eq!(board.shutdown_text(), Some("Lease expired"));
@@ -323,7 +323,9 @@ fn an_index_at_another_count_is_an_alarm() {
         turn(board, 4);
         board.port.levels &= !(1 << INDEX_PIN);
     };
-    let mut board = threading_board(8192);
+    let mut board = threading_board(100_000);
+    board.port.index_turn = 0;
+    turn(&mut board, 3096);
     pulse(&mut board);
     turn(&mut board, 4092);
     pulse(&mut board);
@@ -345,7 +347,7 @@ fn an_axis_that_cannot_follow_and_a_queue_that_runs_empty_are_alarms() {
     let now = board.port.now as i64;
     board.send(Command::BeginAngle, &[Z.into(), now, 0, 1, 0, 0]);
     board.send(Command::QueueAngle, &[Z.into(), 4096, 5, 0]);
-    turn(&mut board, 4200);
+    turn(&mut board, 8300);
     assert_eq!(
         board.shutdown_text(),
         Some("Axis cannot follow the spindle")
@@ -357,7 +359,7 @@ fn an_axis_that_cannot_follow_and_a_queue_that_runs_empty_are_alarms() {
     board.begin();
     board.send(Command::BeginAngle, &[Z.into(), 0, 0, 2, 0, 0]);
     board.send(Command::QueueAngle, &[Z.into(), 100, 1, 0]);
-    turn(&mut board, 4300);
+    turn(&mut board, 8400);
     assert_eq!(board.shutdown_text(), Some("Angle queue empty"));
 }
 

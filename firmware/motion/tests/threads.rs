@@ -109,7 +109,7 @@ fn cut(thread: &Thread) -> (Vec<Vec<Vec<i32>>>, f64) {
     let mut worst: f64 = 0.0;
     for pass in 0..thread.passes {
         // Each pass begins at another time and another phase of the spindle's ripple.
-        let wait = 1_000_000 + u64::from(pass) * 777_777;
+        let wait = 3_000_000 + u64::from(pass) * 777_777;
         let mut advance = |board: &mut TestBoard, ticks| {
             board.run_with(ticks, |_| {
                 Some(sign * spindle.advance(support::POLL_TICKS as f64 / CLOCK_HZ))

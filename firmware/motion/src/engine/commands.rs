@@ -213,8 +213,9 @@ impl Engine {
                 phase: values[4],
                 is_reverse: values[5] != 0,
             },
+            Command::QueueAngle if values[1] > i32::MAX as u32 => return Err(Reason::InvalidCount),
             Command::QueueAngle => Entry::Angle(Segment {
-                length: values[1],
+                length: values[1] as i32,
                 numerator: values[2] as i32,
                 add: values[3] as i32,
             }),
@@ -274,6 +275,7 @@ impl Engine {
         }
         if values[3] == 0 {
             self.input(values[0])?.next = None;
+            self.objects.collect_input_levels();
             return Ok(());
         }
         self.group(values[6])?;
@@ -289,6 +291,7 @@ impl Engine {
             ..StopInput::default()
         };
         input.watch(values[1]);
+        self.objects.collect_input_levels();
         Ok(())
     }
 

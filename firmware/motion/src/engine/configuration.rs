@@ -1,7 +1,7 @@
 //! Takes the configuration of the host: which object is at which pin.
 
 use super::{Engine, Objects, Request, StepPort};
-use crate::encoders::{AxisEncoder, EdgeCounter, SpindleEncoder};
+use crate::encoders::{AxisEncoder, EdgeCounter, MAX_COUNTS, SpindleEncoder};
 use crate::messages::{Command, PINS, Reason};
 use crate::outputs::OutputChannel;
 use crate::stepper::Stepper;
@@ -100,6 +100,9 @@ impl Engine {
                 port.set_up_input(pin, values[2] != 0);
                 let guard = Guard::new(pin, values[3] != 0, values[4]);
                 add(&mut self.objects.guards, guard)?;
+                let guards = self.objects.guards.iter();
+                self.objects.guard_levels =
+                    guards.map(|guard| (guard.pin, guard.is_high)).collect();
             }
             Command::ConfigDigitalOut => {
                 self.add_output(oid, pin, 0, [values[2], values[3], values[4]], port)?;
@@ -150,7 +153,10 @@ impl Engine {
         let pin_a = check_pin(values[1], Reason::NoInputPin)?;
         check_pin(pin_a + 1, Reason::NoInputPin)?;
         if request.command == Command::ConfigSpindle {
-            if self.objects.spindle.is_some() || values[3] == 0 {
+            if self.objects.spindle.is_some()
+                || values[3] <= MAX_COUNTS as u32
+                || values[3] > 1 << 24
+            {
                 return Err(Reason::AssignOid);
             }
             let mut index_pin = None;

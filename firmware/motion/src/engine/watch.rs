@@ -1,38 +1,68 @@
 //! Watches inputs, lease, stop groups, counters and encoders, and switches the outputs.
 
-use super::{Engine, EngineState, SLOW_TURNS, StepPort};
+use super::{Engine, EngineState, Moment, SLOW_TURNS, StepPort};
 use crate::clock_steps::is_before;
 use crate::messages::{Reason, Response};
 use crate::stops::PlannedStop;
 
 impl Engine {
-    pub(super) fn watch_inputs(&mut self, port: &mut impl StepPort) -> Result<(), Reason> {
-        let pins = port.pins();
-        let now = port.clock() as u32;
-        if self.crc.is_some() {
-            for guard in &mut self.objects.guards {
-                if guard.check(pins >> guard.pin & 1 != 0, now) {
-                    return Err(Reason::GuardTripped);
-                }
-            }
+    #[inline(always)]
+    pub(super) fn watch_inputs(
+        &mut self,
+        moment: Moment,
+        port: &mut impl StepPort,
+    ) -> Result<(), Reason> {
+        if self.objects.guard_levels.needs_check(moment.pins) {
+            self.check_guards(moment)?;
         }
-        let mut trigger = None;
-        for input in &mut self.objects.inputs {
-            if input.next.is_some() && input.sample(pins >> input.pin & 1 != 0, now) {
-                trigger = Some((input.trsync, input.reason));
-            }
-        }
-        if let Some((oid, reason)) = trigger {
-            self.trigger(oid, reason, port);
+        if self.objects.input_levels.needs_check(moment.pins) {
+            self.sample_inputs(moment, port);
         }
         Ok(())
     }
 
+    fn check_guards(&mut self, moment: Moment) -> Result<(), Reason> {
+        if self.crc.is_none() {
+            return Ok(());
+        }
+        for guard in &mut self.objects.guards {
+            if guard.check(moment.pins >> guard.pin & 1 != 0, moment.clock) {
+                return Err(Reason::GuardTripped);
+            }
+        }
+        Ok(())
+    }
+
+    fn sample_inputs(&mut self, moment: Moment, port: &mut impl StepPort) {
+        let mut trigger = None;
+        for input in &mut self.objects.inputs {
+            let is_high = moment.pins >> input.pin & 1 != 0;
+            if input.next.is_some() && input.sample(is_high, moment.clock) {
+                trigger = Some((input.trsync, input.reason));
+            }
+        }
+        if let Some((oid, reason)) = trigger {
+            self.objects.collect_input_levels();
+            self.trigger(oid, reason, port);
+        }
+    }
+
     /// Does one part of the work that is not urgent to the microsecond.
-    pub(super) fn work_slowly(&mut self, port: &mut impl StepPort) -> Result<(), Reason> {
+    #[inline(always)]
+    pub(super) fn work_slowly(
+        &mut self,
+        moment: Moment,
+        port: &mut impl StepPort,
+    ) -> Result<(), Reason> {
         self.slow_turn = (self.slow_turn + 1) % SLOW_TURNS;
-        let now = port.clock() as u32;
-        match self.slow_turn {
+        if self.slow_turn & 1 == 0 {
+            return Ok(());
+        }
+        self.work_in_turn(moment.clock, port)
+    }
+
+    fn work_in_turn(&mut self, now: u32, port: &mut impl StepPort) -> Result<(), Reason> {
+        match self.slow_turn >> 1 {
             0 => self.watch_lease(now)?,
             1 => self.watch_groups(now, port),
             2 => self.watch_counters(now, port),

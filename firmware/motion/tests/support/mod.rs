@@ -41,6 +41,8 @@ pub struct TestPort {
     pub now: u64,
     pub levels: u32,
     pub counts: [i32; 3],
+    /// Counts per turn of an index signal one count long; 0 without one.
+    pub index_turn: i32,
     busy_until: [u64; 2],
     pending: [Option<(bool, u64)>; 2],
     pub steps: Vec<RecordedStep>,
@@ -84,7 +86,9 @@ impl StepPort for TestPort {
     }
 
     fn pins(&mut self) -> u32 {
-        self.levels
+        let turn = self.index_turn;
+        let is_index = turn > 0 && self.counts[0].rem_euclid(turn) == 0;
+        self.levels | u32::from(is_index) << INDEX_PIN
     }
 
     fn encoder(&mut self, index: usize) -> i32 {
@@ -192,6 +196,7 @@ impl TestBoard {
 
     /// Configures two axes, a stop group, a limit switch, a guard, an output and the spindle.
     pub fn configure(&mut self, counts_per_turn: u32) {
+        self.port.index_turn = counts_per_turn as i32;
         self.send(Command::AllocateOids, &[7]);
         self.send(Command::ConfigStepper, &[Z.into(), 2, 3, 0, 31]);
         self.send(Command::ConfigStepper, &[X.into(), 4, 5, 0, 31]);
