@@ -176,7 +176,7 @@ fn cycles_to_limit_stop(sample_ticks: i64) -> u64 {
 #[test]
 fn a_limit_stops_within_50_us_and_the_count_is_true() {
     // The step-queue link takes four samples 15 µs apart: 45 µs besides the board's own time.
-    for (sample_ticks, most) in [(125, STOP_CYCLES), (234, 65 * 125)] {
+    for (sample_ticks, most) in [(125, STOP_CYCLES), (234, 80 * 125)] {
         let cycles = cycles_to_limit_stop(sample_ticks);
         let interval = sample_ticks as f64 / 15.625;
         println!(
