@@ -8,8 +8,8 @@ use std::path::Path;
 mod messages;
 
 use messages::{
-    CLOCK_HZ, COMMANDS, FIRST_REASON_ID, PINS, PWM_MAX, REASONS, RECEIVE_WINDOW, RESPONSES,
-    SERIAL_PINS, command_id, response_id,
+    CLOCK_HZ, COMMANDS, FIRST_REASON_ID, PINS, PROCESSOR, PWM_MAX, REASONS, RECEIVE_WINDOW,
+    RESPONSES, SERIAL_PINS, command_id, response_id,
 };
 
 fn join(items: impl Iterator<Item = String>) -> String {
@@ -33,7 +33,7 @@ fn main() {
         text,
         "{{\"app\":\"gsk980td-firmware\",\"commands\":{{{}}},\"responses\":{{{}}},\
          \"enumerations\":{{\"pin\":{{\"gpio0\":[0,{PINS}]}},\"static_string_id\":{{{}}}}},\
-         \"config\":{{\"CLOCK_FREQ\":{CLOCK_HZ},\"MCU\":\"rp2040\",\"PWM_MAX\":{PWM_MAX},\
+         \"config\":{{\"CLOCK_FREQ\":{CLOCK_HZ},\"MCU\":\"{PROCESSOR}\",\"PWM_MAX\":{PWM_MAX},\
          \"RECEIVE_WINDOW\":{RECEIVE_WINDOW},\"RESERVE_PINS_serial\":\"{SERIAL_PINS}\"}},\
          \"version\":\"gsk980td-firmware-{version}\"}}",
         join(commands),

@@ -208,7 +208,7 @@ impl Bench {
         while self.cycle() < end {
             self.step();
             looks += 1;
-            if looks % 64 == 0 {
+            if looks.is_multiple_of(64) {
                 self.exchange();
                 if condition(self) {
                     return true;

@@ -152,6 +152,8 @@ pub const fn parameter_count(format: &str) -> usize {
     count
 }
 
+/// Name of the processor. The host knows the step rate of this firmware by it.
+pub const PROCESSOR: &str = "gsk980td-rp2040";
 /// Rate of the board clock, ticks per second: an eighth of the processor's 125 MHz.
 pub const CLOCK_HZ: u32 = 15_625_000;
 /// Size of the queue of steps, entries of both axes.
