@@ -135,12 +135,13 @@ async fn run_session(
                 break;
             };
             let mut bytes = bytes.borrow_mut();
-            let parsed = session.push(byte, |block| {
-                bytes.to_host.extend(block);
-            });
-            for request in parsed {
-                let _ = requests.enqueue(request);
-            }
+            session.push(
+                byte,
+                |block| bytes.to_host.extend(block),
+                |request| {
+                    let _ = requests.enqueue(request);
+                },
+            );
         }
         let mut out = bytes.borrow_mut();
         while out.to_host.len() + PACKET < SENDS

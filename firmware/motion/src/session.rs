@@ -1,7 +1,5 @@
 //! The protocol between bytes and the engine: blocks, acknowledgements, dictionary.
 
-use heapless::Vec;
-
 use crate::block::{self, BlockBytes, BlockReader, Content, MAX_CONTENT, Received};
 use crate::engine::{Event, Request};
 use crate::messages::{
@@ -11,12 +9,6 @@ use crate::messages::{
 /// The dictionary, compressed with zlib.
 pub const DICTIONARY: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/dictionary.bin"));
 
-/// Greatest number of commands in a block.
-const MAX_REQUESTS: usize = MAX_CONTENT;
-
-/// The requests in a block.
-pub type Requests = Vec<Request, MAX_REQUESTS>;
-
 /// The protocol's state: what is received incompletely, and the sequence number.
 #[derive(Clone, Debug, Default)]
 pub struct Session {
@@ -24,19 +16,20 @@ pub struct Session {
 }
 
 impl Session {
-    /// Takes a byte. Calls `reply` with each block that answers it, and returns the requests for
-    /// the engine.
-    pub fn push(&mut self, byte: u8, mut reply: impl FnMut(BlockBytes)) -> Requests {
-        let mut requests = Requests::new();
+    /// Takes a byte. Calls `execute` with each request for the engine, and `reply` with each
+    /// block that answers the byte.
+    pub fn push(
+        &mut self,
+        byte: u8,
+        mut reply: impl FnMut(BlockBytes),
+        mut execute: impl FnMut(Request),
+    ) {
         match self.reader.push(byte) {
-            None => return requests,
+            None => return,
             Some(Received::Rejected) => {}
-            Some(Received::Content(content)) => {
-                self.split(&content, &mut requests, &mut reply);
-            }
+            Some(Received::Content(content)) => self.split(&content, &mut reply, &mut execute),
         }
         reply(block::encode_block(self.reader.expected, &[]));
-        requests
     }
 
     /// Encodes an event of the engine as a block.
@@ -52,21 +45,21 @@ impl Session {
     fn split(
         &self,
         mut content: &[u8],
-        requests: &mut Requests,
         reply: &mut impl FnMut(BlockBytes),
+        execute: &mut impl FnMut(Request),
     ) {
         while !content.is_empty() {
             let id = block::decode_vlq(&mut content);
             let index = id.and_then(|id| id.checked_sub(command_id(Command::Identify) as u32));
             let known = index.and_then(|index| COMMANDS.get(index as usize));
             let Some((command, format)) = known else {
-                let _ = requests.push(Request::fault(Reason::InvalidCommand));
+                execute(Request::fault(Reason::InvalidCommand));
                 return;
             };
             let mut request = Request::new(*command);
             for value in request.values.iter_mut().take(parameter_count(format)) {
                 let Some(argument) = block::decode_vlq(&mut content) else {
-                    let _ = requests.push(Request::fault(Reason::ParserError));
+                    execute(Request::fault(Reason::ParserError));
                     return;
                 };
                 *value = argument;
@@ -74,7 +67,7 @@ impl Session {
             if *command == Command::Identify {
                 reply(self.identify(request.values[0], request.values[1]));
             } else {
-                let _ = requests.push(request);
+                execute(request);
             }
         }
     }

@@ -184,10 +184,9 @@ impl Wire {
         }
         for byte in self.host.send(now) {
             let host = &mut self.host;
-            let requests = self.session.push(byte, |block| host.take(&block));
-            for request in requests {
-                self.board.engine.execute(&request, &mut self.board.port);
-            }
+            let TestBoard { engine, port, .. } = &mut self.board;
+            let execute = |request| engine.execute(&request, port);
+            self.session.push(byte, |block| host.take(&block), execute);
         }
         self.board.engine.poll(&mut self.board.port);
         while let Some(event) = self.board.engine.next_event() {

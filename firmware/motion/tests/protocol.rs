@@ -19,9 +19,10 @@ impl ByteBoard {
     fn send(&mut self, bytes: &[u8]) -> Vec<BlockBytes> {
         let mut blocks = Vec::new();
         for byte in bytes {
-            for request in self.session.push(*byte, |block| blocks.push(block)) {
-                self.engine.execute(&request, &mut self.port);
-            }
+            let (engine, port) = (&mut self.engine, &mut self.port);
+            let execute = |request| engine.execute(&request, port);
+            self.session
+                .push(*byte, |block| blocks.push(block), execute);
         }
         while let Some(event) = self.engine.next_event() {
             blocks.push(self.session.encode(&event));
