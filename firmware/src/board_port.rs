@@ -2,7 +2,6 @@
 
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
-use embassy_rp::pac;
 use gsk_motion::StepPort;
 
 use crate::encoders::QuadratureCounters;
@@ -42,17 +41,12 @@ pub struct BoardPort {
 
 impl BoardPort {
     /// Starts the clock and loads the programs of the PIO blocks. The processor that calls the
-    /// engine must call this.
+    /// engine must call this. `embassy_rp::init` has ended the reset of all blocks.
     pub fn start(systick: &mut SYST) -> Self {
         systick.set_clock_source(SystClkSource::Core);
         systick.set_reload(CYCLES);
         systick.clear_current();
         systick.enable_counter();
-        pac::RESETS.reset().modify(|reset| {
-            reset.set_pio0(false);
-            reset.set_pio1(false);
-            reset.set_pwm(false);
-        });
         Self {
             clock: CycleClock {
                 last: SYST::get_current(),

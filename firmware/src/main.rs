@@ -37,7 +37,8 @@ bind_interrupts!(struct Interrupts {
 });
 
 static ENGINE: ConstStaticCell<Engine> = ConstStaticCell::new(Engine::new());
-static STACK: ConstStaticCell<Stack<8192>> = ConstStaticCell::new(Stack::new());
+/// Large enough for a whole engine, in case the compiler builds one there before it stores it.
+static STACK: ConstStaticCell<Stack<49_152>> = ConstStaticCell::new(Stack::new());
 static REQUEST_QUEUE: StaticCell<Queue<Request, REQUESTS>> = StaticCell::new();
 static EVENT_QUEUE: StaticCell<Queue<Event, EVENTS>> = StaticCell::new();
 
