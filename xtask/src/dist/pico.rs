@@ -92,7 +92,9 @@ fn build(root: &Path, built: &Path) -> Result<(), TaskError> {
 fn firmware_version(root: &Path) -> Result<String, TaskError> {
     let path = root.join("firmware/Cargo.toml");
     let text = with_path(&path, fs::read_to_string(&path))?;
-    let line = text.lines().find_map(|line| line.strip_prefix("version = "));
+    let line = text
+        .lines()
+        .find_map(|line| line.strip_prefix("version = "));
     let version = line.map(|version| version.trim_matches('"').to_owned());
     version.ok_or_else(|| TaskError::Program {
         path,
@@ -106,12 +108,16 @@ fn read_image(program: &[u8]) -> Result<Vec<u8>, String> {
     let endian = Endianness::Little;
     let mut image = Vec::new();
     for header in file.elf_program_headers() {
-        let data = header.data(endian, program).map_err(|()| "a truncated segment")?;
+        let data = header
+            .data(endian, program)
+            .map_err(|()| "a truncated segment")?;
         if header.p_type(endian) != elf::PT_LOAD || data.is_empty() {
             continue;
         }
         let address = header.p_paddr(endian);
-        let from = address.checked_sub(FLASH).filter(|from| *from < FLASH_BYTES);
+        let from = address
+            .checked_sub(FLASH)
+            .filter(|from| *from < FLASH_BYTES);
         let from = from.ok_or_else(|| format!("a segment at {address:#X}"))? as usize;
         let end = from + data.len();
         if end > image.len() {
