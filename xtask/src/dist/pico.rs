@@ -51,6 +51,12 @@ pub fn make(root: &Path) -> Result<(), TaskError> {
     let name = format!("gsk980td-pico-{version}.uf2");
     let path = folder.join(&name);
     with_path(&path, fs::write(&path, pack_uf2(&image)))?;
+    // The licences of what the firmware contains.
+    let notices = folder.join(format!("gsk980td-pico-{version}-THIRD-PARTY.md"));
+    with_path(
+        &notices,
+        fs::copy(root.join("firmware/THIRD-PARTY.md"), &notices),
+    )?;
     let checksum = write_checksums(&folder, &format!("{name}.sha256"), &[name])?;
     println!("{}: {} bytes of flash", path.display(), image.len());
     print!("{checksum}");
