@@ -31,10 +31,11 @@ struct LinkBench {
 }
 
 impl LinkBench {
-    fn open() -> Self {
+    fn open(wired: &str) -> Self {
         let mut bench = Bench::start();
         bench.from_board = Some(Vec::new());
-        let config: LinkConfig = ron::from_str(WIRED).unwrap();
+        let config: LinkConfig = ron::from_str(wired).unwrap();
+        config.check().unwrap();
         let rates = AxisRates::new(8000.0, 100.0, 8000.0);
         let drives = Drives {
             pulse_weight: PerAxis::new(0.0025, 0.005),
@@ -98,7 +99,7 @@ impl LinkBench {
 
 #[test]
 fn the_step_queue_link_opens_and_moves_and_stops_at_a_limit() {
-    let mut host = LinkBench::open();
+    let mut host = LinkBench::open(WIRED);
     let is_open = host.reaches_state(LinkState::Locked, 4000);
     assert!(is_open, "{:?} {:?}", host.link.state(), host.events);
     println!(
@@ -154,4 +155,14 @@ fn the_step_queue_link_opens_and_moves_and_stops_at_a_limit() {
         _ => None,
     });
     assert_eq!(position.map(i64::abs), Some(host.bench.sum(1).abs()));
+}
+
+#[test]
+fn the_machine_file_for_the_pico_opens_the_board() {
+    let machine = include_str!("../../../assets/machines/pico-lathe.ron");
+    let from = machine.find("Some(").unwrap() + "Some(".len();
+    let to = machine.rfind("),\n)").unwrap();
+    let mut host = LinkBench::open(&machine[from..to]);
+    let is_open = host.reaches_state(LinkState::Locked, 4000);
+    assert!(is_open, "{:?} {:?}", host.link.state(), host.events);
 }
