@@ -6,6 +6,7 @@ files in their sources. Run it in the repository after each change of Cargo.lock
 downloads the sources of packages for other platforms once:
 
     tools/notices.py
+    tools/notices.py --firmware     # firmware/THIRD-PARTY.md, for the pulse board
 
 `cargo test -p gsk980td --test program notices` fails if it must be run again.
 """
@@ -24,6 +25,10 @@ PLATFORMS = [
     "x86_64-pc-windows-msvc",
     "wasm32-unknown-unknown",
 ]
+FOLDER, PACKAGE, FONT_SECTIONS = ROOT, "gsk980td", True
+if sys.argv[1:] == ["--firmware"]:
+    FOLDER, PACKAGE, FONT_SECTIONS = ROOT / "firmware", "gsk980td-firmware", False
+    PLATFORMS = ["thumbv6m-none-eabi"]
 # Order of preference among alternative licences.
 CHOICE = ["MIT", "Apache-2.0", "BSD-3-Clause", "BSD-2-Clause", "Zlib", "ISC", "0BSD"]
 LICENCE_FILE = re.compile(
@@ -67,9 +72,9 @@ def comparable(text):
 
 def linked(platform):
     """Returns the packages of a platform: (name, version) to (expression, repository)."""
-    command = ["cargo", "tree", "--locked", "-p", "gsk980td", "-e", "normal,no-proc-macro"]
+    command = ["cargo", "tree", "--locked", "-p", PACKAGE, "-e", "normal,no-proc-macro"]
     command += ["--prefix", "none", "--target", platform, "--format", "{p}\t{l}\t{r}"]
-    said = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True)
+    said = subprocess.run(command, cwd=FOLDER, check=True, capture_output=True, text=True)
     packages = {}
     for line in said.stdout.splitlines():
         package, expression, repository = line.removesuffix(" (*)").split("\t")
@@ -81,7 +86,7 @@ def linked(platform):
 
 def locked():
     """Returns the packages of Cargo.lock that come from a registry."""
-    lock = tomllib.loads((ROOT / "Cargo.lock").read_text())
+    lock = tomllib.loads((FOLDER / "Cargo.lock").read_text())
     return {(p["name"], p["version"]) for p in lock["package"] if "source" in p}
 
 
@@ -180,6 +185,9 @@ def main():
     for (name, version), (expression, repository) in sorted(packages.items()):
         folder = source(name, version)
         texts = licence_files(folder)
+        # Made from the SDK of the Pico, without its licence text.
+        if name in {"rp-pac", "rp2040-boot2"}:
+            texts["pico-sdk"] = (ROOT / "firmware/PICO-SDK-LICENSE.txt").read_text()
         chosen = taken(expression)
         rows.append((name, version, expression, " and ".join(chosen), repository))
         for licence in chosen:
@@ -208,7 +216,7 @@ def main():
     out = [
         "# Third-party notices",
         "",
-        "The binary `gsk980td` contains the packages below, on one platform or another, each "
+        f"The binary `{PACKAGE}` contains the packages below, on one platform or another, each "
         "under the licence that is taken of those it is offered under. The source of each is at "
         "`https://crates.io/crates/NAME/VERSION`, unchanged. Written by `tools/notices.py`.",
         "",
@@ -219,13 +227,14 @@ def main():
         "|---|---|---|---|---|",
     ]
     out += [f"| {' | '.join(row)} |" for row in rows]
-    out += ["", "## Glyphs of GNU Unifont", ""]
-    out += ["The crate `unifont` contains glyphs of GNU Unifont 15.1.05, under this licence:", ""]
-    out += quoted((ROOT / "assets/fonts/OFL.txt").read_text())
-    out += ["", "## Characters of Noto Sans", ""]
-    out += quoted((ROOT / "assets/fonts/NOTO.txt").read_text())
-    out += ["", "## Phosphor Icons", ""]
-    out += quoted((ROOT / "assets/fonts/PHOSPHOR.txt").read_text())
+    if FONT_SECTIONS:
+        out += ["", "## Glyphs of GNU Unifont", ""]
+        out += ["The crate `unifont` contains glyphs of GNU Unifont 15.1.05, under this licence:", ""]
+        out += quoted((ROOT / "assets/fonts/OFL.txt").read_text())
+        out += ["", "## Characters of Noto Sans", ""]
+        out += quoted((ROOT / "assets/fonts/NOTO.txt").read_text())
+        out += ["", "## Phosphor Icons", ""]
+        out += quoted((ROOT / "assets/fonts/PHOSPHOR.txt").read_text())
     for licence, text in [("MIT", mit), ("Apache-2.0", apache)]:
         out += ["", f"## {NAMES[licence]}", ""]
         for name, version, own in holders[licence]:
@@ -240,7 +249,7 @@ def main():
     out += ["These packages stand in Cargo.lock for other platforms, for the build and for tests."]
     out += [""]
     out += [f"- {name} {version}" for name, version in sorted(lock - packages.keys())]
-    (ROOT / "THIRD-PARTY.md").write_text("\n".join(out) + "\n")
+    (FOLDER / "THIRD-PARTY.md").write_text("\n".join(out) + "\n")
 
 
 def quoted(text):

@@ -5,9 +5,10 @@ use gsk_core::machine::{LatheConfig, MachineInputs, MachineOutputs, SimulatedLat
 use gsk_core::memory::ControlParameters;
 use gsk_core::units::{PerAxis, Point, Pulses};
 
-const EXAMPLES: [&str; 6] = [
+const EXAMPLES: [&str; 7] = [
     EXAMPLE,
     BADLY_SET,
+    include_str!("../../assets/machines/pico-lathe.ron"),
     include_str!("../../assets/machines/servo-slant-bed.ron"),
     include_str!("../../assets/machines/stepper-drives.ron"),
     include_str!("../../assets/machines/virtual-line.ron"),

@@ -55,6 +55,8 @@ enum DistTask {
     Notes,
     /// The program for Windows on x86-64, built on Debian: an .exe, a .zip with its checksum
     Windows,
+    /// The firmware for a pulse board with a Raspberry Pi Pico, built on Debian: a .uf2 with its checksum
+    Pico,
     /// The page for browsers, built on Debian: a folder and a .zip with its checksum
     Web,
 }
@@ -82,6 +84,7 @@ fn main() -> ExitCode {
             DistTask::Linux => dist::linux::make(&root()),
             DistTask::Notes => dist::notes::make(&root()),
             DistTask::Windows => dist::windows::make(&root()),
+            DistTask::Pico => dist::pico::make(&root()),
             DistTask::Web => dist::web::make(&root()),
         },
         Task::Docs { open } => build_docs(open),

@@ -7,6 +7,7 @@ mod debian;
 pub mod linux;
 mod needs;
 pub mod notes;
+pub mod pico;
 pub mod web;
 pub mod windows;
 
@@ -74,11 +75,12 @@ type Make = fn(&Path) -> Result<(), TaskError>;
 
 /// All kinds of release files by name. The release notes come first, because they fail
 /// fastest.
-const ALL: [(&str, Make); 4] = [
+const ALL: [(&str, Make); 5] = [
     ("notes", notes::make),
     ("linux", linux::make),
     ("windows", windows::make),
     ("web", web::make),
+    ("pico", pico::make),
 ];
 
 /// Builds everything whose tools are installed, prints what is skipped, and writes the

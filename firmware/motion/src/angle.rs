@@ -1,0 +1,220 @@
+//! Steps on the angle of the spindle: rational ratios, added up exactly at each count of the
+//! encoder.
+
+use heapless::Deque;
+
+use crate::messages::Reason;
+
+/// Number of earlier segments that a spindle can turn back through.
+const KEPT_SEGMENTS: usize = 4;
+/// Binary logarithm of the greatest lag of an axis, steps; beyond it the axis cannot follow.
+const MAX_LAG_SHIFT: u32 = 3;
+
+/// A part of a thread with a ratio that is constant or grows by the same amount at each count.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Segment {
+    /// Length, counts of the spindle encoder.
+    pub length: i32,
+    /// Steps at the first count, in fractions of the denominator; negative for negative steps.
+    pub numerator: i32,
+    /// Amount by which the numerator grows at each count.
+    pub add: i32,
+}
+
+/// Whether a follower is waiting for its start, following, or has reached the end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    Waiting,
+    Following,
+    Ended,
+}
+
+/// What a follower does with the next segment of the queue.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum QueuedAngle {
+    /// Follow this segment.
+    Segment(Segment),
+    /// The thread ends here.
+    End,
+    /// The host has queued nothing.
+    Empty,
+}
+
+/// An axis that follows the spindle.
+#[derive(Clone, Debug)]
+pub struct AngleFollower {
+    denominator: i64,
+    phase: Phase,
+    /// Whether the thread is followed while the spindle counts down.
+    is_reverse: bool,
+    segment: Segment,
+    /// Count within the segment; negative before the start of the thread.
+    count: i32,
+    /// Steps of the next count, in fractions of the denominator.
+    rate: i64,
+    /// Steps that are due but not made, in fractions of the denominator.
+    due: i64,
+    done: Deque<Segment, KEPT_SEGMENTS>,
+    /// Segments that were begun before the spindle turned back.
+    undone: Deque<Segment, KEPT_SEGMENTS>,
+    is_first: bool,
+    /// Whether a segment before those in `done` was dropped.
+    has_dropped: bool,
+}
+
+impl AngleFollower {
+    /// Creates a follower that waits for its start. `phase` is the part of a step that is due at
+    /// the start, in fractions of `denominator`: half of it rounds to the nearest step.
+    pub fn new(denominator: u32, phase: u32, is_reverse: bool) -> Self {
+        Self {
+            denominator: i64::from(denominator.max(1)),
+            phase: Phase::Waiting,
+            is_reverse,
+            segment: Segment::default(),
+            count: 0,
+            rate: 0,
+            due: i64::from(phase),
+            done: Deque::new(),
+            undone: Deque::new(),
+            is_first: true,
+            has_dropped: false,
+        }
+    }
+
+    /// Whether the spindle has not passed the start of the thread.
+    pub fn is_waiting(&self) -> bool {
+        self.phase == Phase::Waiting
+    }
+
+    /// Whether the last segment is complete. Steps may be due.
+    #[inline(always)]
+    pub fn is_ended(&self) -> bool {
+        self.phase == Phase::Ended
+    }
+
+    /// Returns the counts along the thread for counts of the encoder.
+    #[inline(always)]
+    pub fn along(&self, counts: i32) -> i32 {
+        if self.is_reverse { -counts } else { counts }
+    }
+
+    /// Starts the thread at the current count of the spindle.
+    pub fn start(&mut self, mut next: impl FnMut() -> QueuedAngle) -> Result<(), Reason> {
+        self.phase = Phase::Following;
+        self.load(&mut next)
+    }
+
+    fn load(&mut self, next: &mut impl FnMut() -> QueuedAngle) -> Result<(), Reason> {
+        loop {
+            let segment = match self.undone.pop_back() {
+                Some(segment) => segment,
+                None => match next() {
+                    QueuedAngle::Segment(segment) => segment,
+                    QueuedAngle::Empty => return Err(Reason::AngleUnderrun),
+                    QueuedAngle::End => {
+                        self.phase = Phase::Ended;
+                        return Ok(());
+                    }
+                },
+            };
+            if !self.is_first {
+                if self.done.is_full() {
+                    self.done.pop_front();
+                    self.has_dropped = true;
+                }
+                let _ = self.done.push_back(self.segment);
+            }
+            self.is_first = false;
+            self.segment = segment;
+            self.count = 0;
+            self.rate = i64::from(segment.numerator);
+            if segment.length > 0 {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Takes some counts of the spindle along the thread, negative if it turns back. `next`
+    /// removes the next segment from the queue.
+    #[inline]
+    pub fn turn(
+        &mut self,
+        along: i32,
+        mut next: impl FnMut() -> QueuedAngle,
+    ) -> Result<(), Reason> {
+        if self.phase != Phase::Following {
+            return Ok(());
+        }
+        let mut rest = along;
+        while rest > 0 && self.phase == Phase::Following {
+            if self.count < 0 {
+                let before_start = rest.min(-self.count);
+                self.count += before_start;
+                rest -= before_start;
+                continue;
+            }
+            let counts = rest.min(self.segment.length - self.count);
+            for _ in 0..counts {
+                self.due += self.rate;
+                self.rate += i64::from(self.segment.add);
+            }
+            self.count += counts;
+            rest -= counts;
+            if self.count == self.segment.length {
+                self.load(&mut next)?;
+            }
+        }
+        for _ in 0..-along {
+            self.turn_back()?;
+        }
+        let most = self.denominator << MAX_LAG_SHIFT;
+        if self.due > most || self.due < -most {
+            return Err(Reason::CannotFollow);
+        }
+        Ok(())
+    }
+
+    fn turn_back(&mut self) -> Result<(), Reason> {
+        while self.count == 0 {
+            let Some(earlier) = self.done.pop_back() else {
+                break;
+            };
+            self.undone
+                .push_back(self.segment)
+                .map_err(|_| Reason::AngleReversed)?;
+            self.segment = earlier;
+            self.count = earlier.length;
+            self.rate =
+                i64::from(earlier.numerator) + i64::from(earlier.add) * i64::from(self.count);
+        }
+        if self.count == 0 && self.has_dropped {
+            return Err(Reason::AngleReversed);
+        }
+        self.count -= 1;
+        if self.count >= 0 {
+            self.rate -= i64::from(self.segment.add);
+            self.due -= self.rate;
+        }
+        Ok(())
+    }
+
+    /// Returns the direction of a step that is due, `true` for positive; `None` if no step is
+    /// due. A step back waits for one more count, so that a spindle that trembles does not make
+    /// the axis tremble.
+    #[inline(always)]
+    pub fn due_step(&self) -> Option<bool> {
+        if self.due >= 0 {
+            return (self.due >= self.denominator).then_some(true);
+        }
+        (self.due < -self.rate.abs().min(self.denominator)).then_some(false)
+    }
+
+    /// Notes that the step that was due is made.
+    pub fn made_step(&mut self, is_up: bool) {
+        self.due += if is_up {
+            -self.denominator
+        } else {
+            self.denominator
+        };
+    }
+}
