@@ -19,7 +19,7 @@ const DEFAULT_ATTEMPTS: u32 = 3;
 /// Why the file of a task cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
-pub struct TaskError {
+pub struct ExerciseTaskError {
     /// Name of the file.
     pub file: String,
     /// Line of the error, from 1.
@@ -30,7 +30,7 @@ pub struct TaskError {
     pub rule: Message,
 }
 
-impl TaskError {
+impl ExerciseTaskError {
     /// Returns the message: file, line and rule.
     pub fn message(&self) -> Message {
         match &self.field {
@@ -73,9 +73,9 @@ impl ExerciseTask {
     ///
     /// # Errors
     /// The line, and the rule that it breaks.
-    pub fn read(id: &str, file: &str, text: &str) -> Result<Self, TaskError> {
+    pub fn read(id: &str, file: &str, text: &str) -> Result<Self, ExerciseTaskError> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let error = |line, field: Option<&str>, rule| TaskError {
+        let error = |line, field: Option<&str>, rule| ExerciseTaskError {
             file: file.to_owned(),
             line,
             field: field.map(str::to_owned),

@@ -30,11 +30,13 @@ use gsk_project::ProjectState;
 use gsk_runner::machining::live_part::LivePart;
 use gsk_runner::program_summary::ProgramSummary;
 
-use super::exercise::{ExerciseAction, ExerciseState, HandedInSolution};
-use super::lesson::{LessonAction, LessonState};
+use super::exercise::ExerciseAction;
+use super::exercise_run::{ExerciseState, HandedInSolution};
+use super::lesson::LessonAction;
 use super::link_view::LinkView;
 use super::monitor::MachineView;
 use super::part::PartView;
+use super::practice_session::LessonState;
 use super::probe::Probe;
 use super::program_start::StartDistance;
 use super::program_wait::ProgramWait;

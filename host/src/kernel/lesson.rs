@@ -6,15 +6,12 @@ use std::sync::Arc;
 use gsk_core::operation::RunState;
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
-use gsk_runner::lesson::{Lesson, Practice, PracticeView, find_demonstration};
+use gsk_runner::lesson::{Lesson, Practice, find_demonstration};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::stock::Stock;
 
-use super::alarm_history::AlarmHistory;
-use super::exercise::ExerciseRun;
 use super::key_refusals::KeyRefusals;
-use super::part::KernelPart;
-use super::program_opening::LastOpened;
+use super::practice_session::{OwnState, PracticeSession, PracticeWork};
 use super::program_start::StartWatch;
 use super::{Kernel, Notice};
 use crate::job::SelectedJob;
@@ -36,103 +33,11 @@ pub enum LessonAction {
     Leave,
 }
 
-/// The state of the current lesson, for the window.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct LessonState {
-    pub name: String,
-    /// The current step of the lesson, and what the window displays with it.
-    pub view: PracticeView,
-}
-
-/// What the learner does at the practice machine.
-#[derive(Debug)]
-pub(super) enum PracticeWork {
-    /// He follows the steps of a lesson, or watches a demonstration.
-    Lesson(Box<Practice>),
-    /// He solves a task.
-    Exercise(ExerciseRun),
-}
-
-/// A practice machine in use, and the learner's own state that it replaces.
-#[derive(Debug)]
-pub(super) struct PracticeSession {
-    work: PracticeWork,
-    own: Box<Emulator>,
-    own_part: KernelPart,
-    own_opened: Option<LastOpened>,
-    own_raised: AlarmHistory,
-}
-
-impl PracticeSession {
-    /// Runs one tick of the practice on `emulator`, the practice machine.
-    pub(super) fn tick(&mut self, emulator: &mut Emulator) {
-        match &mut self.work {
-            PracticeWork::Lesson(practice) => practice.tick(emulator),
-            PracticeWork::Exercise(_) => emulator.tick(),
-        }
-    }
-
-    /// Returns the state of the lesson for the window; `None` in an exercise.
-    pub(super) fn state(&self) -> Option<LessonState> {
-        match &self.work {
-            PracticeWork::Lesson(practice) => Some(LessonState {
-                name: practice.lesson().name.clone(),
-                view: practice.view(),
-            }),
-            PracticeWork::Exercise(_) => None,
-        }
-    }
-
-    /// Returns the exercise; `None` in a lesson.
-    pub(super) const fn exercise(&self) -> Option<&ExerciseRun> {
-        match &self.work {
-            PracticeWork::Lesson(_) => None,
-            PracticeWork::Exercise(run) => Some(run),
-        }
-    }
-
-    /// Returns the exercise; `None` in a lesson.
-    pub(super) const fn exercise_mut(&mut self) -> Option<&mut ExerciseRun> {
-        match &mut self.work {
-            PracticeWork::Lesson(_) => None,
-            PracticeWork::Exercise(run) => Some(run),
-        }
-    }
-
-    fn practice_mut(&mut self) -> Option<&mut Practice> {
-        match &mut self.work {
-            PracticeWork::Lesson(practice) => Some(practice),
-            PracticeWork::Exercise(_) => None,
-        }
-    }
-
-    /// Returns the learner's own machine, which the practice machine replaces.
-    pub(super) fn own(&mut self) -> &mut Emulator {
-        &mut self.own
-    }
-
-    /// Returns the learner's own machine, for reading.
-    pub(super) fn own_machine(&self) -> &Emulator {
-        &self.own
-    }
-
-    /// Returns the learner's own machine and its part.
-    pub(super) fn own_and_part(&mut self) -> (&mut Emulator, &mut KernelPart) {
-        (&mut self.own, &mut self.own_part)
-    }
-
-    /// Returns the learner's own part. A job that is set during the lesson goes to it, and
-    /// applies after the lesson.
-    pub(super) const fn own_part(&mut self) -> &mut KernelPart {
-        &mut self.own_part
-    }
-}
-
 impl Kernel {
     /// Returns the machine whose memory is saved: the learner's own, also during a lesson.
     pub(super) fn own_machine(&self) -> &Emulator {
         match &self.lesson {
-            Some(lesson) => &lesson.own,
+            Some(lesson) => lesson.own_machine(),
             None => &self.emulator,
         }
     }
@@ -228,13 +133,13 @@ impl Kernel {
         self.leave_lesson();
         self.release_keys();
         let beside = self.part.empty_for_same_window();
-        self.lesson = Some(PracticeSession {
-            work,
-            own: Box::new(core::mem::replace(&mut self.emulator, machine)),
-            own_part: core::mem::replace(&mut self.part, beside),
-            own_opened: self.last_opened.take(),
-            own_raised: core::mem::take(&mut self.alarm_history),
-        });
+        let own = OwnState {
+            emulator: Box::new(core::mem::replace(&mut self.emulator, machine)),
+            part: core::mem::replace(&mut self.part, beside),
+            opened: self.last_opened.take(),
+            raised: core::mem::take(&mut self.alarm_history),
+        };
+        self.lesson = Some(PracticeSession::new(work, own));
         self.key_refusals = KeyRefusals::default();
         self.start_watch = StartWatch::default();
     }
@@ -244,10 +149,11 @@ impl Kernel {
     pub(super) fn leave_lesson(&mut self) {
         self.release_keys();
         if let Some(lesson) = self.lesson.take() {
-            self.emulator = *lesson.own;
-            self.part = lesson.own_part.with_switches_of(&self.part);
-            self.last_opened = lesson.own_opened;
-            self.alarm_history = lesson.own_raised;
+            let own = lesson.into_own();
+            self.emulator = *own.emulator;
+            self.part = own.part.with_switches_of(&self.part);
+            self.last_opened = own.opened;
+            self.alarm_history = own.raised;
             self.key_refusals = KeyRefusals::default();
             self.start_watch = StartWatch::default();
         }

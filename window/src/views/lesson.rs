@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use egui::{CentralPanel, Color32, Panel, RichText, ScrollArea, Sense, Stroke, Ui, vec2};
+use egui::{CentralPanel, Panel, RichText, ScrollArea, Ui};
 use gsk_help::{Subject, article, topic};
 use gsk_host::kernel::part::PartView;
 use gsk_host::kernel::{Command, Console, LessonAction, LessonState, PanelSnapshot};
@@ -20,13 +20,12 @@ use crate::settings::WindowSettings;
 use crate::theme;
 use crate::widgets::card::{self, Card, CardPicture};
 use crate::widgets::icons::Icon;
+use crate::widgets::mark;
 
 /// Seconds without progress after which the hint appears.
 const HINT_DELAY_S: f64 = 40.0;
 /// Estimated time that a beginner needs for a step, s.
 const STEP_TIME_S: usize = 40;
-/// Diameter of the mark of a step, points.
-const MARK_DIAMETER: f32 = 12.0;
 
 pub struct LessonView {
     console: Console,
@@ -249,7 +248,7 @@ impl LessonView {
                     core::cmp::Ordering::Equal => theme::LESSON_STEP,
                     core::cmp::Ordering::Greater => theme::LESSON_OPEN,
                 };
-                draw_mark(ui, colour, step < view.step);
+                mark::draw(ui, colour, step < view.step);
             }
         });
         ui.add_space(6.0);
@@ -419,21 +418,6 @@ fn format_key_legend(key: Key) -> String {
     let lines: Vec<&str> = lines.collect();
     let needs_blank = lines.iter().any(|line| line.len() == 1);
     format!("[{}]", lines.join(if needs_blank { " " } else { "" }))
-}
-
-/// Draws the mark of a step or lesson. `done` adds a tick to it.
-pub(super) fn draw_mark(ui: &mut Ui, colour: Color32, done: bool) {
-    let (rect, _) =
-        ui.allocate_exact_size(vec2(MARK_DIAMETER + 2.0, MARK_DIAMETER + 4.0), Sense::HOVER);
-    let (centre, radius) = (rect.center(), MARK_DIAMETER / 2.0);
-    let painter = ui.painter();
-    painter.circle_stroke(centre, radius, Stroke::new(1.5, colour));
-    if done {
-        let stroke = Stroke::new(2.0, colour);
-        let corner = centre + vec2(-0.1, 0.5) * radius;
-        painter.line_segment([centre + vec2(-0.55, 0.0) * radius, corner], stroke);
-        painter.line_segment([corner, centre + vec2(0.6, -0.5) * radius], stroke);
-    }
 }
 
 /// Formats the remark about the state of the machine; `None` if there is none.

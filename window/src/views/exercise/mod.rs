@@ -22,6 +22,7 @@ use solution_report::SolutionReport;
 use crate::theme;
 use crate::widgets::card::{self, Card, CardPicture};
 use crate::widgets::icons::Icon;
+use crate::widgets::mark;
 
 /// The exercises in the lesson view.
 pub struct ExercisePane {
@@ -252,7 +253,7 @@ fn show_demand(
         false => theme::TEXT,
     };
     ui.horizontal_wrapped(|ui| {
-        super::lesson::draw_mark(
+        mark::draw(
             ui,
             if is_met {
                 theme::SUCCESS

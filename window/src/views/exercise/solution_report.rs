@@ -17,6 +17,7 @@ use gsk_messages::{Language, Message, say};
 
 use crate::theme;
 use crate::widgets::files::{FileChoice, choose_file, run_in_thread};
+use crate::widgets::mark;
 
 /// Extension of a result.
 const ENDING: &str = "gskresult";
@@ -200,7 +201,7 @@ fn show_marks(ui: &mut Ui, language: Language, marked: &MarkedSolution) {
             false => (&criterion.no, theme::ERROR_TEXT),
         };
         ui.horizontal_wrapped(|ui| {
-            super::super::lesson::draw_mark(ui, colour, verdict.is_met);
+            mark::draw(ui, colour, verdict.is_met);
             ui.label(RichText::new(sentence.in_language(language)).color(colour));
             let points = say::exercise_points(verdict.points, verdict.max_points).text(language);
             ui.label(RichText::new(points).color(theme::NOTE_TEXT));
