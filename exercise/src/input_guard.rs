@@ -1,17 +1,9 @@
 //! Decides which recorded inputs an operator can make.
 
 use gsk_core::cnc::ControlRequest;
-use gsk_core::machine::LatheFault;
-use gsk_history::machine_part::PartInput;
+use gsk_history::machine_part::{CRASH_FAULTS, PartInput};
 use gsk_history::moment::HistoryInput;
 use gsk_panel::emulator::EmulatorInput;
-
-/// The faults by which a collision stops the lathe.
-const CRASH_FAULTS: [LatheFault; 3] = [
-    LatheFault::DriveX,
-    LatheFault::DriveZ,
-    LatheFault::SpindleBlocked,
-];
 
 /// Returns whether a learner can make the input at the machine: keys, handwheel, power, new
 /// stock, the repair of a fault. `after_collision`: a collision has set its faults in this tick.

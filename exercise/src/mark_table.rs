@@ -215,25 +215,26 @@ impl MarkTable<'_> {
                 "{sentence} ({}/{}) {}",
                 verdict.points,
                 verdict.max_points,
-                self.evidence(&verdict.evidence)
+                describe_evidence(&verdict.evidence, self.language)
             );
             let line = html_text(line.trim_end());
             out.push_str(&format!("<li class=\"{class}\">{line}</li>\n"));
         }
         out.push_str("</ul>\n");
     }
+}
 
-    /// Returns the evidence of a criterion as text: time, block, value and what was found.
-    pub fn evidence(&self, evidence: &MarkEvidence) -> String {
-        let mut parts = Vec::new();
-        parts.extend(evidence.tick.map(|tick| format!("{:.1} s", seconds(tick))));
-        parts.extend(evidence.block.clone());
-        parts.extend(evidence.measured.map(|value| format!("{value:.3}")));
-        parts.extend(evidence.found.as_ref().map(|found| self.say(found)));
-        match parts.is_empty() {
-            true => String::new(),
-            false => format!("[{}]", parts.join(", ")),
-        }
+/// Returns what decided a criterion in brackets, as `[12.3 s, O0001:12, 39.700]`; an empty text if
+/// nothing did.
+pub fn describe_evidence(evidence: &MarkEvidence, language: Language) -> String {
+    let mut parts = Vec::new();
+    parts.extend(evidence.tick.map(|tick| format!("{:.1} s", seconds(tick))));
+    parts.extend(evidence.block.clone());
+    parts.extend(evidence.measured.map(|value| format!("{value:.3}")));
+    parts.extend(evidence.found.as_ref().map(|found| found.text(language)));
+    match parts.is_empty() {
+        true => String::new(),
+        false => format!("[{}]", parts.join(", ")),
     }
 }
 

@@ -14,6 +14,8 @@ use serde::{Deserialize, Serialize};
 use crate::report::ExerciseReport;
 use crate::seal::{KeyNumber, SealKey, SealPublicKey};
 
+/// Extension of the file of a result.
+pub const RESULT_EXTENSION: &str = "gskresult";
 /// First bytes of a result.
 const MAGIC: &[u8] = b"GSK980TD exercise result 1\n";
 /// First bytes of the seal.

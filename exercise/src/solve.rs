@@ -23,20 +23,13 @@ impl SolutionScript {
         let script = Script::parse(text)
             .map_err(|errors| say::several(errors.iter().map(ScriptError::message)))?;
         let is_by_operator = |action: &ScriptAction| {
-            matches!(
-                action,
-                ScriptAction::Press(_)
-                    | ScriptAction::Hold(..)
-                    | ScriptAction::Down(_)
-                    | ScriptAction::Up(_)
-                    | ScriptAction::Type(_)
-                    | ScriptAction::Turn(..)
-                    | ScriptAction::Power(_)
-                    | ScriptAction::Fault(_, false)
-                    | ScriptAction::Wait(_)
-                    | ScriptAction::WaitFor(..)
-                    | ScriptAction::Expect(_)
-            )
+            action.is_by_hand()
+                || matches!(
+                    action,
+                    ScriptAction::Power(_)
+                        | ScriptAction::Fault(_, false)
+                        | ScriptAction::Expect(_)
+                )
         };
         let mut lines = script.lines.iter();
         if let Some(line) = lines.find(|line| !is_by_operator(&line.action)) {

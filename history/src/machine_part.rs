@@ -31,6 +31,13 @@ pub enum PartInput {
     CrashStops(bool),
 }
 
+/// The faults by which a collision stops the lathe: [`MachinePart::crash_faults`] names two of them.
+pub const CRASH_FAULTS: [LatheFault; 3] = [
+    LatheFault::DriveX,
+    LatheFault::DriveZ,
+    LatheFault::SpindleBlocked,
+];
+
 /// The part that the slides cut, its job and the switches that belong to it.
 #[derive(Clone, Debug)]
 pub struct MachinePart {

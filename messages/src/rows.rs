@@ -547,6 +547,7 @@ message_rows! {
     exercise_progress ExerciseProgress(done, count);
     exercise_reads_screen ExerciseReadsScreen(condition);
     exercise_reference_fails ExerciseReferenceFails(criteria);
+    exercise_repair_at_bench ExerciseRepairAtBench();
     exercise_repaired ExerciseRepaired(fault: message);
     exercise_replay_differs ExerciseReplayDiffers(seconds: "{:.3}");
     exercise_result_damaged ExerciseResultDamaged(field);

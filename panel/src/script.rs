@@ -125,6 +125,23 @@ pub enum ScriptAction {
     },
 }
 
+impl ScriptAction {
+    /// Whether a hand at the panel does it: keys, handwheel, and waits between them.
+    pub const fn is_by_hand(&self) -> bool {
+        matches!(
+            self,
+            Self::Press(_)
+                | Self::Hold(..)
+                | Self::Down(_)
+                | Self::Up(_)
+                | Self::Type(_)
+                | Self::Turn(..)
+                | Self::Wait(_)
+                | Self::WaitFor(..)
+        )
+    }
+}
+
 /// The reason why a line of a script is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]

@@ -57,6 +57,11 @@ impl Kernel {
                 self.notify(Notice::Message(repaired));
                 true
             }
+            // It would repair a hidden fault of the same kind: a click on the bench is a guess.
+            Command::FreeLathe if self.hides_faults() => {
+                self.notify(Notice::Message(say::exercise_repair_at_bench()));
+                true
+            }
             Command::Key { .. }
             | Command::Tap(_)
             | Command::Type(_)

@@ -9,7 +9,7 @@ use gsk_core::command::SourcePosition;
 use gsk_core::machine::LatheFault;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
-use gsk_history::machine_part::{MachinePart, NamedJob, PartInput};
+use gsk_history::machine_part::{CRASH_FAULTS, MachinePart, NamedJob, PartInput};
 use gsk_panel::emulator::Emulator;
 use gsk_runner::machining::CollisionFinding;
 use gsk_runner::machining::live_part::{ThreadZone, running_block};
@@ -52,13 +52,6 @@ pub struct PartView {
     /// The block under execution; `None` if no program runs.
     pub block: Option<SourcePosition>,
 }
-
-/// The faults that a collision sets.
-const CRASH_FAULTS: [LatheFault; 3] = [
-    LatheFault::DriveX,
-    LatheFault::DriveZ,
-    LatheFault::SpindleBlocked,
-];
 
 /// Clears the faults that a collision has set. Faults of another kind remain.
 pub(super) fn end_crash_faults(emulator: &mut Emulator) {

@@ -260,18 +260,7 @@ fn parse_solution(lines: &[String], location: &LessonLocation<'_>) -> Result<Scr
     }
     let mut pressed = Vec::new();
     for line in script.lines {
-        let by_hand = matches!(
-            line.action,
-            ScriptAction::Press(_)
-                | ScriptAction::Hold(..)
-                | ScriptAction::Down(_)
-                | ScriptAction::Up(_)
-                | ScriptAction::Type(_)
-                | ScriptAction::Turn(..)
-                | ScriptAction::Wait(_)
-                | ScriptAction::WaitFor(..)
-        );
-        if !by_hand || line.at.is_some() {
+        if !line.action.is_by_hand() || line.at.is_some() {
             let rule = say::lesson_not_by_hand(&line.text);
             return Err(location.rule_error(say::in_line(line.number, rule)));
         }

@@ -192,9 +192,8 @@ impl SetupSheet<'_> {
         }
         page.raw("</p>");
         let lines = 1..=self.program.line_count();
-        let mut named = lines.map(|line| (line, self.program.line(line).trim()));
-        if let Some((line, block)) = named.find(|(_, text)| text.contains("G50")) {
-            let (block, _) = split_comments(block);
+        let mut codes = lines.map(|line| (line, split_comments(self.program.line(line).trim()).0));
+        if let Some((line, block)) = codes.find(|(_, code)| sets_coordinates(code)) {
             page.raw("<p>");
             page.message(&say::sheet_zero_by_block(line, block));
             page.raw("</p>");
@@ -317,6 +316,13 @@ fn offset_number(time: &ToolTimeReport) -> Option<u8> {
     time.tool.get(time.tool.len() / 2..)?.parse().ok()
 }
 
+/// Whether a block sets coordinates: G50 with an axis. With S it limits the spindle.
+fn sets_coordinates(code: &str) -> bool {
+    let after = code.split("G50").nth(1);
+    let is_whole = after.is_some_and(|rest| !rest.starts_with(|c: char| c.is_ascii_digit()));
+    is_whole && code.contains(['X', 'Z', 'U', 'W'])
+}
+
 /// Splits a line into its words and its comments in brackets.
 fn split_comments(line: &str) -> (Cow<'_, str>, Cow<'_, str>) {
     match line.split_once('(') {
@@ -401,6 +407,19 @@ mod tests {
                 "{text}"
             );
         }
+    }
+
+    #[test]
+    fn a_speed_limit_sets_no_coordinates() {
+        let blocks = [
+            "G50 X100 Z100;",
+            "N5G50Z20",
+            "G50 S1500;",
+            "G500 X1",
+            "G00 X50",
+        ];
+        let found = blocks.map(sets_coordinates);
+        assert_eq!(found, [true, true, false, false, false]);
     }
 
     #[test]

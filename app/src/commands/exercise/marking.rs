@@ -8,6 +8,7 @@ use std::time::Instant;
 
 use gsk_exercise::mark::{ResultMark, flag_repetitions, mark_result};
 use gsk_exercise::mark_table::{MarkFormat, MarkTable};
+use gsk_exercise::result_file::RESULT_EXTENSION;
 use gsk_exercise::task::ExerciseTask;
 use gsk_host::files::{exercises, program_file};
 use gsk_host::output::WriteError;
@@ -16,9 +17,6 @@ use gsk_messages::{Language, say};
 
 use super::super::{CommandError, EXIT_ALARM, EXIT_OK, output};
 use crate::cli::{ExerciseMarkArgs, MarkTableFormat};
-
-/// Extension of a result.
-const ENDING: &str = "gskresult";
 
 /// Marks the results in a folder and writes the table. Returns exit code 1 if a result is not what
 /// it claims.
@@ -66,7 +64,7 @@ fn result_paths(folder: &Path) -> Result<Vec<PathBuf>, CommandError> {
     let mut paths = platform::list(folder).map_err(named)?;
     paths.retain(|path| {
         path.extension()
-            .is_some_and(|it| it.eq_ignore_ascii_case(ENDING))
+            .is_some_and(|it| it.eq_ignore_ascii_case(RESULT_EXTENSION))
     });
     paths.sort();
     match paths.is_empty() {

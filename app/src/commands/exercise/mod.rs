@@ -6,7 +6,7 @@ use std::path::Path;
 
 use gsk_exercise::check::check_task;
 use gsk_exercise::judge::judge;
-use gsk_exercise::mark_table::MarkTable;
+use gsk_exercise::mark_table::describe_evidence;
 use gsk_exercise::report::{CriterionVerdict, ExerciseReport};
 use gsk_exercise::result_file::{ResultAuthor, write_result};
 use gsk_exercise::solve::{SolutionScript, record_solution};
@@ -118,11 +118,6 @@ fn print_verdicts(
     language: Language,
     is_shown: impl Fn(&CriterionVerdict) -> bool,
 ) {
-    let table = MarkTable {
-        marks: &[],
-        tasks: core::slice::from_ref(task),
-        language,
-    };
     let verdicts = task.criteria.iter().zip(&report.verdicts);
     for (criterion, verdict) in verdicts.filter(|(_, verdict)| is_shown(verdict)) {
         let sentence = match verdict.is_met {
@@ -134,7 +129,7 @@ fn print_verdicts(
             verdict.points,
             verdict.max_points,
             sentence.in_language(language),
-            table.evidence(&verdict.evidence)
+            describe_evidence(&verdict.evidence, language)
         ));
     }
 }

@@ -82,7 +82,11 @@ impl ExercisePane {
     /// begun with it.
     pub fn take_snapshot(&mut self, snapshot: &PanelSnapshot) -> bool {
         let is_begin = match (&self.state, &snapshot.exercise) {
-            (Some(before), Some(now)) => before.id != now.id || now.elapsed_s < before.elapsed_s,
+            (Some(before), Some(now)) => {
+                before.id != now.id
+                    || now.elapsed_s < before.elapsed_s
+                    || before.is_handed_in && !now.is_handed_in
+            }
             (None, Some(_)) => true,
             (_, None) => false,
         };

@@ -6,9 +6,9 @@ use std::sync::Arc;
 use crossbeam::channel::{Receiver, Sender, unbounded};
 use egui::{Context, RichText, TextEdit, Ui};
 use gsk_exercise::judge::judge;
-use gsk_exercise::mark_table::MarkTable;
+use gsk_exercise::mark_table::describe_evidence;
 use gsk_exercise::report::ExerciseReport;
-use gsk_exercise::result_file::{ResultAuthor, write_result};
+use gsk_exercise::result_file::{RESULT_EXTENSION, ResultAuthor, write_result};
 use gsk_exercise::task::ExerciseTask;
 use gsk_host::files::{atomic, exercise_key};
 use gsk_host::kernel::{Console, HandedInSolution};
@@ -19,8 +19,6 @@ use crate::theme;
 use crate::widgets::files::{FileChoice, choose_file, run_in_thread};
 use crate::widgets::mark;
 
-/// Extension of a result.
-const ENDING: &str = "gskresult";
 /// Width of the field for the name of the learner, points.
 const NAME_WIDTH: f32 = 180.0;
 
@@ -117,35 +115,25 @@ impl SolutionReport {
 
     /// Draws the report.
     pub fn show(&mut self, ui: &mut Ui, language: Language) {
-        let marked = match &self.content {
-            ReportContent::Nothing => return,
+        match &self.content {
+            ReportContent::Nothing => {}
             ReportContent::Marking => {
                 ui.horizontal(|ui| {
                     ui.spinner();
                     ui.label(say::exercise_marking().text(language));
                 });
-                return;
             }
             ReportContent::Failed(why) => {
                 ui.label(RichText::new(why.text(language)).color(theme::ERROR_TEXT));
-                return;
             }
-            ReportContent::Marked(marked) => marked.clone(),
-        };
-        show_marks(ui, language, &marked);
-        ui.add_space(8.0);
-        ui.horizontal_wrapped(|ui| {
-            let name = ui.label(say::exercise_learner().text(language));
-            let field = TextEdit::singleline(&mut self.learner).desired_width(NAME_WIDTH);
-            ui.add(field).labelled_by(name.id);
-            let save = egui::Button::new(say::exercise_save().text(language));
-            let has_name = !self.learner.trim().is_empty();
-            let save = ui.add_enabled(has_name, save);
-            let hint = say::exercise_save_hint().text(language);
-            if save.on_hover_text(hint).clicked() {
-                self.save(&marked, language, ui.ctx());
+            ReportContent::Marked(marked) => {
+                show_marks(ui, language, marked);
+                ui.add_space(8.0);
+                if show_save(ui, language, &mut self.learner) {
+                    self.save(marked, language, ui.ctx());
+                }
             }
-        });
+        }
     }
 
     /// Seals the result and writes it where the learner chooses.
@@ -157,10 +145,24 @@ impl SolutionReport {
             context,
             language,
             &self.console.notice_sender,
-            FileChoice::Save(name, ENDING),
+            FileChoice::Save(name, RESULT_EXTENSION),
             move |path| Some(write_sealed(&marked, learner, data.as_deref(), &path)),
         );
     }
+}
+
+/// Draws the name of the learner and the button that saves; returns whether it was clicked.
+fn show_save(ui: &mut Ui, language: Language, learner: &mut String) -> bool {
+    let row = ui.horizontal_wrapped(|ui| {
+        let name = ui.label(say::exercise_learner().text(language));
+        let field = TextEdit::singleline(learner).desired_width(NAME_WIDTH);
+        ui.add(field).labelled_by(name.id);
+        let save = egui::Button::new(say::exercise_save().text(language));
+        let save = ui.add_enabled(!learner.trim().is_empty(), save);
+        let hint = say::exercise_save_hint().text(language);
+        save.on_hover_text(hint).clicked()
+    });
+    row.inner
 }
 
 /// Replays and marks a solution.
@@ -190,11 +192,6 @@ fn show_marks(ui: &mut Ui, language: Language, marked: &MarkedSolution) {
         let cost = say::exercise_hints_cost(marked.hint_cost).text(language);
         ui.label(RichText::new(cost).color(theme::NOTE_TEXT));
     }
-    let table = MarkTable {
-        marks: &[],
-        tasks: core::slice::from_ref(task),
-        language,
-    };
     for (criterion, verdict) in task.criteria.iter().zip(&marked.report.verdicts) {
         let (sentence, colour) = match verdict.is_met {
             true => (&criterion.yes, theme::SUCCESS),
@@ -205,7 +202,7 @@ fn show_marks(ui: &mut Ui, language: Language, marked: &MarkedSolution) {
             ui.label(RichText::new(sentence.in_language(language)).color(colour));
             let points = say::exercise_points(verdict.points, verdict.max_points).text(language);
             ui.label(RichText::new(points).color(theme::NOTE_TEXT));
-            let evidence = table.evidence(&verdict.evidence);
+            let evidence = describe_evidence(&verdict.evidence, language);
             ui.label(RichText::new(evidence).color(theme::NOTE_TEXT));
         });
     }
@@ -219,7 +216,7 @@ fn result_name(task: &str, learner: &str) -> String {
         .map(|c| if c == ' ' { '-' } else { c })
         .filter(is_plain)
         .collect();
-    format!("{task}-{learner}.{ENDING}")
+    format!("{task}-{learner}.{RESULT_EXTENSION}")
 }
 
 /// Seals a result with the key of the data folder and writes it. Returns the message for the
