@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 
 use gsk_messages::{Message, say};
 
+use crate::drawing::check_outline;
 use crate::judge::judge;
 use crate::report::ExerciseReport;
 use crate::solve::{SolutionScript, record_solution};
@@ -57,7 +58,10 @@ pub fn judge_script(task: &ExerciseTask, text: &str) -> Result<ExerciseReport, M
 
 /// Plays the solutions of a task.
 pub fn check_task(task: &ExerciseTask, solutions: &[SolutionFile]) -> TaskCheck {
-    let mut check = TaskCheck::default();
+    let mut check = TaskCheck {
+        faults: check_outline(task),
+        ..TaskCheck::default()
+    };
     if !solutions.iter().any(SolutionFile::is_reference) {
         check.faults.push(say::exercise_no_reference());
     }

@@ -15,6 +15,7 @@
 pub mod check;
 pub mod criterion;
 mod criterion_file;
+pub mod drawing;
 mod input_guard;
 pub mod judge;
 pub mod library;

@@ -4,6 +4,7 @@ use gsk_messages::{Language, Message, say};
 use gsk_runner::lesson::LessonText;
 use serde_json::{Value, json};
 
+use crate::drawing::escape_markup;
 use crate::mark::ResultMark;
 use crate::report::{CriterionVerdict, MarkEvidence};
 use crate::task::ExerciseTask;
@@ -183,7 +184,7 @@ impl MarkTable<'_> {
             }
         );
         for heading in self.headings() {
-            out.push_str(&format!("<th>{}</th>", html_text(&heading)));
+            out.push_str(&format!("<th>{}</th>", escape_markup(&heading)));
         }
         out.push_str("</tr>\n");
         for mark in self.marks {
@@ -193,7 +194,7 @@ impl MarkTable<'_> {
             };
             out.push_str(&format!("<tr{class}>"));
             for cell in self.cells(mark) {
-                out.push_str(&format!("<td>{}</td>", html_text(&cell)));
+                out.push_str(&format!("<td>{}</td>", escape_markup(&cell)));
             }
             out.push_str("</tr>\n");
         }
@@ -207,7 +208,7 @@ impl MarkTable<'_> {
 
     fn write_criteria(&self, mark: &ResultMark, out: &mut String) {
         let head = format!("{} · {} · {}", mark.learner, mark.task, mark.file);
-        out.push_str(&format!("<h2>{}</h2>\n<ul>\n", html_text(&head)));
+        out.push_str(&format!("<h2>{}</h2>\n<ul>\n", escape_markup(&head)));
         for verdict in mark.report.iter().flat_map(|report| &report.verdicts) {
             let class = if verdict.is_met { "met" } else { "unmet" };
             let sentence = self.sentence(mark, verdict).unwrap_or(&verdict.id);
@@ -217,7 +218,7 @@ impl MarkTable<'_> {
                 verdict.max_points,
                 describe_evidence(&verdict.evidence, self.language)
             );
-            let line = html_text(line.trim_end());
+            let line = escape_markup(line.trim_end());
             out.push_str(&format!("<li class=\"{class}\">{line}</li>\n"));
         }
         out.push_str("</ul>\n");
@@ -260,9 +261,4 @@ fn csv_cell(text: &str) -> String {
         true => format!("\"{}\"", text.replace('"', "\"\"")),
         false => text,
     }
-}
-
-fn html_text(text: &str) -> String {
-    let text = text.replace('&', "&amp;").replace('<', "&lt;");
-    text.replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -4,6 +4,7 @@ use gsk_history::moment::{HistoryInput, MachineMoment, RecordedInput};
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::{EmulatorInput, StampedInput};
 use gsk_panel::script::{Runner, Script, ScriptAction, ScriptError, ScriptProgress};
+use gsk_workpiece::region::Region;
 
 use crate::solution_recorder::SolutionRecorder;
 use crate::task::ExerciseTask;
@@ -50,6 +51,28 @@ pub fn record_solution(
     solution: &SolutionScript,
     program_version: &str,
 ) -> Result<Vec<u8>, Message> {
+    Ok(play_solution(task, solution, program_version)?.0)
+}
+
+/// Plays a script on the machine of a task and returns the half section of the part that it
+/// makes; `None` if the task has no part.
+///
+/// # Errors
+/// The start state cannot be created, or a line of the script fails.
+pub fn make_part(
+    task: &ExerciseTask,
+    solution: &SolutionScript,
+) -> Result<Option<Region>, Message> {
+    let (_, end) = play_solution(task, solution, "")?;
+    let machining = end.part.machining();
+    Ok(machining.map(|machining| machining.scene().part().section().clone()))
+}
+
+fn play_solution(
+    task: &ExerciseTask,
+    solution: &SolutionScript,
+    program_version: &str,
+) -> Result<(Vec<u8>, MachineMoment), Message> {
     let mut moment = task.create_start()?;
     let mut recorder = SolutionRecorder::begin(&moment, program_version)?;
     moment.emulator.record_inputs();
@@ -76,7 +99,7 @@ pub fn record_solution(
         recorder.add_inputs(machine_inputs(&mut moment))?;
         recorder.follow_tick(&moment.emulator)?;
     }
-    recorder.finish(&moment.emulator)
+    Ok((recorder.finish(&moment.emulator)?, moment))
 }
 
 fn machine_inputs(moment: &mut MachineMoment) -> Vec<RecordedInput> {

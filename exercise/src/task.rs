@@ -11,6 +11,7 @@ use gsk_runner::lesson::{LessonStart, LessonText};
 use gsk_workpiece::job::Job;
 
 use crate::criterion::ExerciseCriterion;
+use crate::drawing::PartOutline;
 
 /// A task that was read without errors.
 #[derive(Clone, Debug)]
@@ -35,6 +36,8 @@ pub struct ExerciseTask {
     pub hash: TaskHash,
     pub(crate) start: LessonStart,
     pub(crate) job: Option<Job>,
+    /// The finished part, for the drawing.
+    pub(crate) outline: Option<PartOutline>,
 }
 
 /// A hint and the points that it costs.

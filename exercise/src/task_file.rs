@@ -7,6 +7,7 @@ use gsk_workpiece::job::Job;
 use serde::Deserialize;
 
 use crate::criterion_file::{CriterionFile, check_text, read_criterion, read_fault, read_time_ms};
+use crate::drawing::{OutlineFile, PartOutline};
 use crate::task::{ExerciseHint, ExerciseTask, TaskHash};
 
 /// Greatest number of criteria of a task.
@@ -50,6 +51,8 @@ struct TaskFile {
     begins: LessonStartFile,
     #[serde(default)]
     job: Option<Job>,
+    #[serde(default)]
+    outline: Option<OutlineFile>,
     #[serde(default)]
     faults: Vec<String>,
     #[serde(default)]
@@ -97,6 +100,8 @@ impl ExerciseTask {
         if let Some(job) = &raw.job {
             job.check().map_err(|rule| in_field("job", rule))?;
         }
+        let outline = raw.outline.as_ref().map(PartOutline::read).transpose();
+        let outline = outline.map_err(|rule| in_field("outline", rule))?;
         let faults = raw.faults.iter().map(|name| read_fault(name));
         let faults = faults
             .collect::<Result<_, _>>()
@@ -143,6 +148,7 @@ impl ExerciseTask {
             hash: TaskHash::from_text(text),
             start,
             job: raw.job,
+            outline,
         })
     }
 }

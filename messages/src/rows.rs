@@ -502,6 +502,9 @@ message_rows! {
     exercise_column_time ExerciseColumnTime();
     exercise_criterion_count ExerciseCriterionCount(count, most);
     exercise_demands ExerciseDemands();
+    exercise_drawing ExerciseDrawing();
+    exercise_drawing_hint ExerciseDrawingHint();
+    exercise_drawing_none ExerciseDrawingNone(task);
     exercise_empty_range ExerciseEmptyRange(from, to);
     exercise_fails_otherwise ExerciseFailsOtherwise(stated, found);
     exercise_file_rule ExerciseFileRule(file, line, field, rule: message);
@@ -542,6 +545,15 @@ message_rows! {
     exercise_not_result ExerciseNotResult();
     exercise_nothing_done ExerciseNothingDone();
     exercise_order_of_one ExerciseOrderOfOne();
+    exercise_outline_arc ExerciseOutlineArc(radius, least: "{:.3}");
+    exercise_outline_forward ExerciseOutlineForward(x, z);
+    exercise_outline_front ExerciseOutlineFront();
+    exercise_outline_no_part ExerciseOutlineNoPart();
+    exercise_outline_pitch ExerciseOutlinePitch(pitch);
+    exercise_outline_point ExerciseOutlinePoint(x, z);
+    exercise_outline_short ExerciseOutlineShort();
+    exercise_outline_size ExerciseOutlineSize(drawn: "{:.3}", criterion, size);
+    exercise_outline_without ExerciseOutlineWithout(criterion);
     exercise_points ExercisePoints(points, most);
     exercise_points_for_nothing ExercisePointsForNothing(points);
     exercise_progress ExerciseProgress(done, count);
@@ -551,9 +563,12 @@ message_rows! {
     exercise_repaired ExerciseRepaired(fault: message);
     exercise_replay_differs ExerciseReplayDiffers(seconds: "{:.3}");
     exercise_result_damaged ExerciseResultDamaged(field);
+    exercise_review_first ExerciseReviewFirst();
     exercise_save ExerciseSave();
     exercise_save_hint ExerciseSaveHint();
     exercise_saved ExerciseSaved(file);
+    exercise_show_moment ExerciseShowMoment();
+    exercise_show_moment_hint ExerciseShowMomentHint();
     exercise_size_missing ExerciseSizeMissing(least: "{:.3}", most: "{:.3}");
     exercise_size_now ExerciseSizeNow(least: "{:.3}", most: "{:.3}", measured: "{:.3}");
     exercise_solved ExerciseSolved(file, points, most);

@@ -399,6 +399,7 @@ impl Window {
         if self.settings.learner != exercises.learner() {
             exercises.learner().clone_into(&mut self.settings.learner);
         }
+        self.settings.timeline |= exercises.take_timeline_request();
         let transfer = self.views.transfer().settings();
         if self.settings.transfer != *transfer {
             self.settings.transfer.clone_from(transfer);

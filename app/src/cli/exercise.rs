@@ -18,6 +18,10 @@ pub enum ExerciseCommand {
     /// Every result is replayed from the start of its exercise, on all processors. Exit code 1:
     /// a result is not what it claims.
     Mark(ExerciseMarkArgs),
+    /// Draw the part of an exercise with the dimensions that are marked, as SVG
+    Drawing(ExerciseDrawingArgs),
+    /// Play the reference solution of an exercise and print the outline of its part, for task.ron
+    Outline(ExerciseOutlineArgs),
 }
 
 /// `exercise list`.
@@ -74,6 +78,28 @@ pub struct ExerciseMarkArgs {
     /// Data folder with a teacher's exercises in its folder `exercises`
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
+}
+
+/// `exercise drawing`.
+#[derive(Args, Debug)]
+pub struct ExerciseDrawingArgs {
+    /// Name of the exercise, as `exercise list` prints it, or its folder
+    #[arg(value_name = "NAME|DIR")]
+    pub task: PathBuf,
+    /// File of the drawing (.svg)
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Data folder with a teacher's exercises in its folder `exercises`
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
+}
+
+/// `exercise outline`.
+#[derive(Args, Debug)]
+pub struct ExerciseOutlineArgs {
+    /// Folder of the exercise, with task.ron and reference.txt
+    #[arg(value_name = "DIR")]
+    pub task: PathBuf,
 }
 
 /// Format of the table of `exercise mark`.

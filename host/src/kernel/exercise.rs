@@ -20,6 +20,18 @@ pub enum ExerciseAction {
     Begin(Arc<ExerciseTask>),
     /// End the recording and hand it in.
     HandIn,
+    /// Show the machine at this time of the solution that was handed in, ms.
+    ShowMoment(u64),
+}
+
+impl ExerciseAction {
+    /// Returns whether the action changes the machine.
+    pub(super) const fn changes_machine(&self) -> bool {
+        match self {
+            Self::Begin(_) | Self::HandIn => true,
+            Self::ShowMoment(_) => false,
+        }
+    }
 }
 
 impl Kernel {
@@ -27,6 +39,12 @@ impl Kernel {
         match action {
             ExerciseAction::Begin(task) => self.begin_exercise(task),
             ExerciseAction::HandIn => self.hand_in_exercise(),
+            ExerciseAction::ShowMoment(elapsed_ms) => {
+                let run = self.lesson.as_ref().and_then(PracticeSession::exercise);
+                if let Some(start) = run.map(ExerciseRun::start_tick) {
+                    self.look_at(start + elapsed_ms);
+                }
+            }
         }
     }
 
@@ -34,10 +52,12 @@ impl Kernel {
         if let Some(why) = self.practice_refusal() {
             return self.notify(Notice::Message(why));
         }
-        match ExerciseRun::begin(task) {
+        match ExerciseRun::begin(task, self.tick) {
             Ok((run, MachineMoment { emulator, part })) => {
                 self.start_session(PracticeWork::Exercise(run), emulator);
                 self.part.replace_state(part);
+                self.timeline
+                    .follow(&self.emulator, self.part.state(), &[], false);
             }
             Err(why) => self.notify(Notice::Message(why)),
         }
@@ -91,22 +111,24 @@ impl Kernel {
         run.is_some_and(ExerciseRun::hides_faults)
     }
 
-    /// Records what the learner has done up to this tick, and hands in when the time is over.
+    /// Hands in when the time is over.
     pub(super) fn follow_exercise(&mut self) {
-        self.record_exercise();
         let run = self.lesson.as_ref().and_then(PracticeSession::exercise);
         if run.is_some_and(|run| run.is_time_over(&self.emulator)) {
             self.hand_in_exercise();
         }
     }
 
-    fn record_exercise(&mut self) {
+    /// Records what the learner has done at the machine of an exercise up to this tick.
+    pub(super) fn record_exercise(&mut self) {
         let run = self.lesson.as_mut();
         let Some(run) = run.and_then(PracticeSession::exercise_mut) else {
             return;
         };
         let inputs = self.emulator.take_inputs();
         let inputs = join_inputs(self.emulator.ticks(), inputs, self.part.take_inputs());
+        self.timeline
+            .follow(&self.emulator, self.part.state(), &inputs, false);
         if let Err(why) = run.record(&self.emulator, inputs) {
             self.notify(Notice::Message(why));
         }
@@ -262,6 +284,63 @@ mod tests {
         assert!(!is_faulty(&started));
         let report = started.hand_in();
         assert_eq!(report.unmet(), ["works"]);
+    }
+
+    #[test]
+    fn after_handing_in_the_machine_is_shown_at_any_moment_of_the_solution() {
+        let mut started = start("04-spindle");
+        let own = started.kernel.own_machine().clone();
+        started.tap(&MDI_PAGE);
+        started.enter(&["S600", "M3"]);
+        started.kernel.run(4000);
+        let turning = started.kernel.emulator.clone();
+        let elapsed = turning.ticks() - started.task.create_start().expect("a start").ticks();
+        started.enter(&["M5"]);
+        started.kernel.run(5000);
+        let show = || Command::Exercise(ExerciseAction::ShowMoment(elapsed));
+        let _ = started.notices();
+        started.send(show(), 10);
+        let refused = Notice::Message(say::exercise_review_first());
+        assert_eq!(started.notices(), [refused]);
+        let report = started.hand_in();
+        assert_eq!(report.unmet(), Vec::<&str>::new());
+        let present = started.kernel.emulator.clone();
+        started.send(show(), 10);
+        let past = started.kernel.timeline.past_machine().expect("the past");
+        assert!(*past == turning, "the machine at that moment");
+        // A second moment, and nothing that changes the machine meanwhile.
+        started.send(Command::Exercise(ExerciseAction::ShowMoment(0)), 10);
+        started.send(Command::Tap(Key::Auto), 10);
+        let tick = started.kernel.snapshot().past.expect("the past").tick;
+        assert_eq!(turning.ticks() - tick, elapsed);
+        assert!(started.kernel.emulator == present);
+        started.send(Command::Lesson(LessonAction::Leave), 0);
+        assert_eq!(started.kernel.snapshot().past, None);
+        assert!(
+            *started.kernel.own_machine() == own,
+            "the own machine waited"
+        );
+    }
+
+    #[test]
+    fn a_learner_tries_again_from_a_moment_of_his_solution() {
+        use crate::kernel::timeline::TimelineCommand;
+        let mut started = start("04-spindle");
+        started.tap(&MDI_PAGE);
+        started.enter(&["S600", "M3"]);
+        started.kernel.run(4000);
+        started.hand_in();
+        let begun_at = |started: &Started| {
+            let state = started.kernel.snapshot().exercise.expect("an exercise");
+            assert!(state.is_handed_in, "nothing counts any more");
+            state.begun_at
+        };
+        let before = begun_at(&started);
+        started.send(Command::Exercise(ExerciseAction::ShowMoment(500)), 10);
+        started.send(Command::Timeline(TimelineCommand::ContinueFromHere), 100);
+        assert_eq!(started.kernel.snapshot().past, None);
+        started.tap(&[Key::Auto]);
+        assert_eq!(begun_at(&started), before, "the same attempt");
     }
 
     #[test]

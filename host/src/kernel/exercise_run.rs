@@ -13,6 +13,8 @@ use gsk_panel::emulator::Emulator;
 pub struct ExerciseState {
     /// Name of the task.
     pub id: String,
+    /// Tick of the kernel at which it began: another one means another attempt.
+    pub begun_at: u64,
     /// Machine time since the beginning, whole seconds.
     pub elapsed_s: u64,
     /// Whether the learner has handed in, or the time is over. The machine continues to run, but
@@ -42,11 +44,15 @@ pub(super) struct ExerciseRun {
     /// `None` after the solution was handed in.
     recorder: Option<SolutionRecorder>,
     start_tick: u64,
+    begun_at: u64,
 }
 
 impl ExerciseRun {
-    /// Starts a task; returns it with its machine and part.
-    pub(super) fn begin(task: Arc<ExerciseTask>) -> Result<(Self, MachineMoment), Message> {
+    /// Starts a task at a tick of the kernel; returns it with its machine and part.
+    pub(super) fn begin(
+        task: Arc<ExerciseTask>,
+        begun_at: u64,
+    ) -> Result<(Self, MachineMoment), Message> {
         let mut start = task.create_start()?;
         let recorder = SolutionRecorder::begin(&start, env!("CARGO_PKG_VERSION"))?;
         start.emulator.record_inputs();
@@ -54,6 +60,7 @@ impl ExerciseRun {
             task,
             recorder: Some(recorder),
             start_tick: start.ticks(),
+            begun_at,
         };
         Ok((run, start))
     }
@@ -62,9 +69,20 @@ impl ExerciseRun {
     pub(super) fn state(&self, emulator: &Emulator) -> ExerciseState {
         ExerciseState {
             id: self.task.id.clone(),
+            begun_at: self.begun_at,
             elapsed_s: emulator.ticks().saturating_sub(self.start_tick) / 1000,
-            is_handed_in: self.recorder.is_none(),
+            is_handed_in: self.is_handed_in(),
         }
+    }
+
+    /// Whether nothing counts any more.
+    pub(super) const fn is_handed_in(&self) -> bool {
+        self.recorder.is_none()
+    }
+
+    /// The tick of the machine at which the exercise began.
+    pub(super) const fn start_tick(&self) -> u64 {
+        self.start_tick
     }
 
     /// Whether the learner has to find a fault.

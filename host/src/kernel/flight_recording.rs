@@ -15,13 +15,17 @@ impl Kernel {
     /// Passes the inputs since the last call to the time line and to the recorders. A pulse board
     /// interrupts them: its exchange is not recorded.
     pub(super) fn follow_with_recorders(&mut self) {
-        let (own, part) = match &mut self.lesson {
-            Some(lesson) => lesson.own_and_part(),
-            None => (&mut self.emulator, &mut self.part),
+        self.record_exercise();
+        let (own, part, timeline) = match &mut self.lesson {
+            Some(lesson) => {
+                let own = lesson.own_state();
+                let timeline = own.timeline.as_mut().unwrap_or(&mut self.timeline);
+                (&mut *own.emulator, &mut own.part, timeline)
+            }
+            None => (&mut self.emulator, &mut self.part, &mut self.timeline),
         };
         let inputs = join_inputs(own.ticks(), own.take_inputs(), part.take_inputs());
-        self.timeline
-            .follow(own, part.state(), &inputs, self.has_real_slides);
+        timeline.follow(own, part.state(), &inputs, self.has_real_slides);
         for recorder in &mut self.recorders {
             if self.has_real_slides {
                 recorder.interrupt();

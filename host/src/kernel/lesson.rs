@@ -133,7 +133,15 @@ impl Kernel {
         self.leave_lesson();
         self.release_keys();
         let beside = self.part.empty_for_same_window();
+        let timeline = match work {
+            PracticeWork::Exercise(_) => {
+                let empty = self.timeline.empty_for_same_window();
+                Some(core::mem::replace(&mut self.timeline, empty))
+            }
+            PracticeWork::Lesson(_) => None,
+        };
         let own = OwnState {
+            timeline,
             emulator: Box::new(core::mem::replace(&mut self.emulator, machine)),
             part: core::mem::replace(&mut self.part, beside),
             opened: self.last_opened.take(),
@@ -154,6 +162,9 @@ impl Kernel {
             self.part = own.part.with_switches_of(&self.part);
             self.last_opened = own.opened;
             self.alarm_history = own.raised;
+            if let Some(timeline) = own.timeline {
+                self.timeline = timeline.with_switch_of(&self.timeline);
+            }
             self.key_refusals = KeyRefusals::default();
             self.start_watch = StartWatch::default();
         }

@@ -331,7 +331,7 @@ impl Kernel {
                 false => say::window_collision(what, x, z),
             };
             self.notify(Notice::Collided(message));
-            if self.lesson.is_none() {
+            if self.has_timeline() {
                 let tick = self.emulator.ticks();
                 self.timeline.marks().add(tick, TimelineMarkKind::Collision);
             }
@@ -345,7 +345,7 @@ impl Kernel {
         if is_raised && self.has_real_slides {
             self.return_to_present();
         }
-        if self.lesson.is_some() {
+        if !self.has_timeline() {
             return;
         }
         let tick = self.emulator.ticks();

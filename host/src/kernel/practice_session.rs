@@ -7,6 +7,7 @@ use super::alarm_history::AlarmHistory;
 use super::exercise_run::ExerciseRun;
 use super::part::KernelPart;
 use super::program_opening::LastOpened;
+use super::timeline::Timeline;
 
 /// The state of the current lesson, for the window.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -32,6 +33,8 @@ pub(super) struct OwnState {
     pub(super) part: KernelPart,
     pub(super) opened: Option<LastOpened>,
     pub(super) raised: AlarmHistory,
+    /// His time line, while an exercise has one of its own.
+    pub(super) timeline: Option<Timeline>,
 }
 
 /// A practice machine in use, and the learner's own state that it replaces.
@@ -104,9 +107,9 @@ impl PracticeSession {
         &self.own.emulator
     }
 
-    /// Returns the learner's own machine and its part.
-    pub(super) fn own_and_part(&mut self) -> (&mut Emulator, &mut KernelPart) {
-        (&mut self.own.emulator, &mut self.own.part)
+    /// Returns the learner's own machine and what belongs to it.
+    pub(super) const fn own_state(&mut self) -> &mut OwnState {
+        &mut self.own
     }
 
     /// Returns the learner's own part. A job that is set during the lesson goes to it, and

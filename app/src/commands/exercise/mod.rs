@@ -1,5 +1,6 @@
 //! `exercise`: lists, checks, solves and marks exercises without a window.
 
+mod drawing;
 mod marking;
 
 use std::path::Path;
@@ -30,6 +31,8 @@ pub fn exercise(command: &ExerciseCommand, language: Option<Language>) -> Result
         ExerciseCommand::Check(args) => check(&args.task, language.unwrap_or(Language::En)),
         ExerciseCommand::Solve(args) => solve(args, language),
         ExerciseCommand::Mark(args) => marking::mark(args, language),
+        ExerciseCommand::Drawing(args) => drawing::draw(args, language.unwrap_or(Language::En)),
+        ExerciseCommand::Outline(args) => drawing::print_outline(&args.task),
     }
 }
 

@@ -17,7 +17,7 @@ use crossbeam::queue::ArrayQueue;
 use gsk_history::history::{DEFAULT_BUDGET_BYTES, History};
 use gsk_history::machine_part::MachinePart;
 use gsk_history::moment::{MachineMoment, RecordedInput};
-use gsk_messages::say;
+use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
 
@@ -126,6 +126,23 @@ impl Timeline {
             is_published: false,
             last_view: None,
             views,
+        }
+    }
+
+    /// Creates an empty time line that is published as this one is.
+    pub(super) fn empty_for_same_window(&self) -> Self {
+        Self {
+            is_published: self.is_published,
+            ..Self::new(Arc::clone(&self.views))
+        }
+    }
+
+    /// Takes over from another time line whether the window shows it.
+    pub(super) fn with_switch_of(self, other: &Self) -> Self {
+        Self {
+            is_published: other.is_published,
+            last_view: None,
+            ..self
         }
     }
 
@@ -267,10 +284,25 @@ impl Kernel {
         }
     }
 
+    /// Whether the time line follows the machine: not in a lesson.
+    pub(super) fn has_timeline(&self) -> bool {
+        self.lesson.is_none() || self.is_in_exercise()
+    }
+
+    /// Why the past of the machine cannot be shown; `None` if it can. The past of an exercise is
+    /// shown after the solution was handed in.
+    fn look_refusal(&self) -> Option<Message> {
+        let session = self.lesson.as_ref()?;
+        match session.exercise() {
+            None => Some(say::timeline_not_in_lesson()),
+            Some(run) => (!run.is_handed_in()).then(say::exercise_review_first),
+        }
+    }
+
     /// Shows the machine at a tick of the session.
-    fn look_at(&mut self, tick: u64) {
-        if self.lesson.is_some() {
-            return self.notify(Notice::Message(say::timeline_not_in_lesson()));
+    pub(super) fn look_at(&mut self, tick: u64) {
+        if let Some(why) = self.look_refusal() {
+            return self.notify(Notice::Message(why));
         }
         if self.has_real_slides && self.emulator.cnc().is_moving() {
             return self.notify(Notice::Message(say::timeline_not_while_moving()));
@@ -310,6 +342,10 @@ impl Kernel {
     /// is notified. With a board a key that stops it shows the present and acts.
     pub(super) fn is_refused_in_past(&mut self, command: &Command) -> bool {
         if !self.timeline.shows_past() || !changes_machine(command) {
+            return false;
+        }
+        if self.is_in_exercise() && matches!(command, Command::Lesson(_) | Command::Exercise(_)) {
+            self.return_to_present();
             return false;
         }
         if let Command::Key { key, down: true } | Command::Tap(key) = command
@@ -363,8 +399,8 @@ impl Kernel {
 
     /// Returns to the end of the abandoned future.
     fn return_to_branch(&mut self) {
-        if self.lesson.is_some() {
-            return self.notify(Notice::Message(say::timeline_not_in_lesson()));
+        if let Some(why) = self.look_refusal() {
+            return self.notify(Notice::Message(why));
         }
         if self.has_real_slides || self.timeline.has_linked_states {
             return self.notify(Notice::Message(say::timeline_not_with_board()));
@@ -405,7 +441,8 @@ impl Kernel {
         self.emulator = moment.emulator;
         self.emulator.record_inputs();
         self.part.replace_state(moment.part);
-        for recorder in &mut self.recorders {
+        let is_own = self.lesson.is_none();
+        for recorder in self.recorders.iter_mut().filter(|_| is_own) {
             recorder.begin_section();
         }
         self.follow_with_recorders();
@@ -415,10 +452,10 @@ impl Kernel {
         self.emulator.take_sent();
         self.emulator.take_port_files();
         self.emulator.take_aborted();
-        if let Some(partner) = &mut self.partner {
+        if let Some(partner) = self.partner.as_mut().filter(|_| is_own) {
             partner.break_off(&mut self.emulator);
         }
-        if let Some(serial) = &mut self.serial {
+        if let Some(serial) = self.serial.as_mut().filter(|_| is_own) {
             serial.break_off(&mut self.emulator);
         }
         self.key_refusals = KeyRefusals::default();
@@ -433,6 +470,7 @@ impl Kernel {
 pub(super) const fn changes_machine(command: &Command) -> bool {
     match command {
         Command::Key { down, .. } => *down,
+        Command::Exercise(action) => action.changes_machine(),
         Command::Tap(_)
         | Command::Type(_)
         | Command::Turn(_)
@@ -449,7 +487,6 @@ pub(super) const fn changes_machine(command: &Command) -> bool {
         | Command::ClearFaults
         | Command::FreeLathe
         | Command::Lesson(_)
-        | Command::Exercise(_)
         | Command::Store(..)
         | Command::FreshStock
         | Command::CrashStops(_) => true,

@@ -1,6 +1,7 @@
 //! Exercises in the lesson view: their list, the task that is being solved, and its report.
 
 mod solution_report;
+mod task_drawing;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -36,6 +37,8 @@ pub struct ExercisePane {
     /// Numbers of the hints that the learner has read, from 1.
     read_hints: BTreeSet<u32>,
     report: SolutionReport,
+    /// Whether a moment of the solution is shown, for which the time line opens.
+    wants_timeline: bool,
     /// The learner's best points by the name of the exercise.
     best: BTreeMap<String, u32>,
 }
@@ -52,6 +55,7 @@ impl ExercisePane {
             state: None,
             measured: None,
             read_hints: BTreeSet::new(),
+            wants_timeline: false,
             best,
         }
     }
@@ -73,6 +77,11 @@ impl ExercisePane {
         self.report.learner()
     }
 
+    /// Whether the time line is to open, since the last call.
+    pub fn take_timeline_request(&mut self) -> bool {
+        core::mem::take(&mut self.wants_timeline)
+    }
+
     /// Whether an exercise is under way.
     pub const fn is_open(&self) -> bool {
         self.state.is_some()
@@ -82,11 +91,7 @@ impl ExercisePane {
     /// begun with it.
     pub fn take_snapshot(&mut self, snapshot: &PanelSnapshot) -> bool {
         let is_begin = match (&self.state, &snapshot.exercise) {
-            (Some(before), Some(now)) => {
-                before.id != now.id
-                    || now.elapsed_s < before.elapsed_s
-                    || before.is_handed_in && !now.is_handed_in
-            }
+            (Some(before), Some(now)) => before.begun_at != now.begun_at || before.id != now.id,
             (None, Some(_)) => true,
             (_, None) => false,
         };
@@ -169,7 +174,7 @@ impl ExercisePane {
         ui.label(text.size(theme::READING_SIZE).color(theme::BRIGHT_TEXT));
         ui.add_space(6.0);
         if state.is_handed_in {
-            self.report.show(ui, language);
+            self.wants_timeline |= self.report.show(ui, language);
             return;
         }
         let left_s = (task.time_limit_ms / 1000).saturating_sub(state.elapsed_s);
@@ -180,6 +185,7 @@ impl ExercisePane {
         ui.add_space(6.0);
         ui.strong(say::exercise_demands().text(language));
         let sizes = self.measure(&task, part);
+        task_drawing::show(ui, language, &task, &sizes);
         for (index, criterion) in task.criteria.iter().enumerate() {
             let size = sizes.iter().find(|size| size.criterion == index);
             show_demand(ui, language, criterion, size);

@@ -11,7 +11,7 @@ use gsk_exercise::report::ExerciseReport;
 use gsk_exercise::result_file::{RESULT_EXTENSION, ResultAuthor, write_result};
 use gsk_exercise::task::ExerciseTask;
 use gsk_host::files::{atomic, exercise_key};
-use gsk_host::kernel::{Console, HandedInSolution};
+use gsk_host::kernel::{Command, Console, ExerciseAction, HandedInSolution};
 use gsk_host::output::WriteError;
 use gsk_messages::{Language, Message, say};
 
@@ -113,8 +113,9 @@ impl SolutionReport {
         }
     }
 
-    /// Draws the report.
-    pub fn show(&mut self, ui: &mut Ui, language: Language) {
+    /// Draws the report; returns whether a moment of the solution was chosen, which is then shown.
+    pub fn show(&mut self, ui: &mut Ui, language: Language) -> bool {
+        let mut chosen = None;
         match &self.content {
             ReportContent::Nothing => {}
             ReportContent::Marking => {
@@ -127,13 +128,18 @@ impl SolutionReport {
                 ui.label(RichText::new(why.text(language)).color(theme::ERROR_TEXT));
             }
             ReportContent::Marked(marked) => {
-                show_marks(ui, language, marked);
+                chosen = show_marks(ui, language, marked);
                 ui.add_space(8.0);
                 if show_save(ui, language, &mut self.learner) {
                     self.save(marked, language, ui.ctx());
                 }
             }
         }
+        if let Some(elapsed_ms) = chosen {
+            let action = ExerciseAction::ShowMoment(elapsed_ms);
+            self.console.send(Command::Exercise(action));
+        }
+        chosen.is_some()
     }
 
     /// Seals the result and writes it where the learner chooses.
@@ -178,7 +184,9 @@ fn mark_solution(solution: HandedInSolution, hints: Vec<u32>) -> Result<MarkedSo
     })
 }
 
-fn show_marks(ui: &mut Ui, language: Language, marked: &MarkedSolution) {
+/// Draws the marks; returns the time of the solution whose moment was chosen, ms.
+fn show_marks(ui: &mut Ui, language: Language, marked: &MarkedSolution) -> Option<u64> {
+    let mut chosen = None;
     let task: &ExerciseTask = &marked.solution.task;
     let points = say::exercise_points(marked.points(), marked.report.max_points).text(language);
     let is_full = marked.points() == marked.report.max_points;
@@ -204,8 +212,16 @@ fn show_marks(ui: &mut Ui, language: Language, marked: &MarkedSolution) {
             ui.label(RichText::new(points).color(theme::NOTE_TEXT));
             let evidence = describe_evidence(&verdict.evidence, language);
             ui.label(RichText::new(evidence).color(theme::NOTE_TEXT));
+            if let Some(tick) = verdict.evidence.tick {
+                let show = ui.small_button(say::exercise_show_moment().text(language));
+                let hint = say::exercise_show_moment_hint().text(language);
+                if show.on_hover_text(hint).clicked() {
+                    chosen = Some(tick);
+                }
+            }
         });
     }
+    chosen
 }
 
 /// The proposed name of a result: task and learner, without what a file name cannot have.

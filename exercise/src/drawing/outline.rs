@@ -1,0 +1,271 @@
+//! The outline of the finished part, from which its drawing is made.
+//!
+//! ```text
+//!   Line(50, -40)
+//!        |____  Line(40, -40)        pieces run from the front (z = 0) to the back;
+//!             |                      x is a diameter, z is negative
+//!             |____ Line(40, 0)
+//!   -.-.-.-.-.-.-.-| Line(0, 0)
+//! ```
+
+use gsk_core::units::{Diameter, Point};
+use gsk_messages::{Message, say};
+use gsk_workpiece::measure::{Feature, SectionSide, measure_features};
+use gsk_workpiece::region::Region;
+use serde::Deserialize;
+
+use crate::criterion::PartSurface;
+
+/// Greatest coordinate of an outline, mm.
+const MAX_SIZE: f64 = 10_000.0;
+/// Number of lines by which an arc is drawn.
+const ARC_STEPS: u32 = 16;
+/// What an arc may be too short for its chord, mm: figures on a drawing are rounded.
+const ARC_TOLERANCE: f64 = 0.01;
+
+/// The outline as written in a task: the end of each piece, the first one being the start.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct OutlineFile {
+    outside: Vec<OutlineEnd>,
+    #[serde(default)]
+    bore: Vec<OutlineEnd>,
+}
+
+/// The end of a piece: diameter and z, then the radius of an arc or the pitch of a thread.
+#[derive(Clone, Copy, Debug, Deserialize)]
+enum OutlineEnd {
+    Line(f64, f64),
+    Arc(f64, f64, f64),
+    Thread(f64, f64, f64),
+}
+
+impl OutlineEnd {
+    const fn point(self) -> Point {
+        let (Self::Line(x, z) | Self::Arc(x, z, _) | Self::Thread(x, z, _)) = self;
+        Point::from_diameter(Diameter(x), z)
+    }
+}
+
+/// The form of a piece of an outline.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PieceForm {
+    /// A straight line.
+    Line,
+    /// An arc with this radius, mm; negative if it is concave.
+    Arc(f64),
+    /// A thread with this pitch, mm.
+    Thread(f64),
+}
+
+/// A piece of an outline, from the front to the back. X is a radius; z is 0 at the front.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutlinePiece {
+    /// The end at the front.
+    pub from: Point,
+    /// The end at the back.
+    pub to: Point,
+    /// What is between both.
+    pub form: PieceForm,
+}
+
+impl OutlinePiece {
+    /// Returns whether the piece is a face.
+    pub fn is_face(&self) -> bool {
+        self.from.z == self.to.z
+    }
+
+    /// Returns whether the piece is parallel to the axis.
+    pub fn is_cylinder(&self) -> bool {
+        self.from.x == self.to.x && !matches!(self.form, PieceForm::Arc(_))
+    }
+
+    /// Returns the points of the piece after its first one.
+    fn points(&self, surface: PartSurface) -> Vec<Point> {
+        let PieceForm::Arc(radius) = self.form else {
+            return vec![self.to];
+        };
+        let chord = self.to - self.from;
+        let half = chord.length() / 2.0;
+        let Some(along) = chord.unit() else {
+            return vec![self.to];
+        };
+        let distance = (radius * radius - half * half).max(0.0).sqrt();
+        // Left of the way to the back lies the axis: the material outside, the air in a bore.
+        let is_left = (radius > 0.0) == (surface == PartSurface::Outside);
+        let to_centre = along.left() * if is_left { 1.0 } else { -1.0 };
+        let centre = (self.from + self.to) * 0.5 + to_centre * distance;
+        let (start, end) = (self.from - centre, self.to - centre);
+        let angle = start.cross(end).atan2(start.dot(end));
+        let turned = (1..ARC_STEPS).map(|step| {
+            let turn = angle * f64::from(step) / f64::from(ARC_STEPS);
+            let (sin, cos) = turn.sin_cos();
+            centre + start * cos + start.left() * sin
+        });
+        turned.chain([self.to]).collect()
+    }
+}
+
+/// The outline of the finished part as far as it is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartOutline {
+    outside: Vec<OutlinePiece>,
+    bore: Vec<OutlinePiece>,
+}
+
+impl PartOutline {
+    /// Checks an outline of a file.
+    ///
+    /// # Errors
+    /// The rule that is broken.
+    pub(crate) fn read(raw: &OutlineFile) -> Result<Self, Message> {
+        if raw.outside.len() < 2 {
+            return Err(say::exercise_outline_short());
+        }
+        Ok(Self {
+            outside: read_pieces(&raw.outside)?,
+            bore: read_pieces(&raw.bore)?,
+        })
+    }
+
+    /// Returns the pieces of a surface from the front to the back.
+    pub fn pieces(&self, surface: PartSurface) -> &[OutlinePiece] {
+        match surface {
+            PartSurface::Outside => &self.outside,
+            PartSurface::Bore => &self.bore,
+        }
+    }
+
+    /// Returns the points of a surface from the front to the back; X is a radius.
+    pub fn points(&self, surface: PartSurface) -> Vec<Point> {
+        let pieces = self.pieces(surface);
+        let first = pieces.first().map(|piece| piece.from);
+        let rest = pieces.iter().flat_map(|piece| piece.points(surface));
+        first.into_iter().chain(rest).collect()
+    }
+
+    /// Returns the length and the greatest radius of what is drawn, mm.
+    pub fn extent(&self) -> (f64, f64) {
+        let length = self.outside.last().map_or(0.0, |piece| -piece.to.z);
+        let points = self.points(PartSurface::Outside);
+        let radius = points.iter().map(|point| point.x).fold(0.0, f64::max);
+        (length, radius)
+    }
+}
+
+fn read_pieces(ends: &[OutlineEnd]) -> Result<Vec<OutlinePiece>, Message> {
+    for end in ends {
+        let point = end.point();
+        let is_inside = (0.0..=MAX_SIZE).contains(&point.x) && (-MAX_SIZE..=0.0).contains(&point.z);
+        if !is_inside {
+            return Err(say::exercise_outline_point(point.diameter().0, point.z));
+        }
+    }
+    let mut pieces = Vec::new();
+    for pair in ends.windows(2) {
+        let [from, to] = [pair[0].point(), pair[1].point()];
+        if to.z > from.z {
+            return Err(say::exercise_outline_forward(to.diameter().0, to.z));
+        }
+        let form = match pair[1] {
+            OutlineEnd::Line(..) => PieceForm::Line,
+            OutlineEnd::Arc(_, _, radius) => {
+                let least = (to - from).length() / 2.0;
+                if !(least - ARC_TOLERANCE..=MAX_SIZE).contains(&radius.abs()) {
+                    return Err(say::exercise_outline_arc(radius, least));
+                }
+                PieceForm::Arc(radius)
+            }
+            OutlineEnd::Thread(_, _, pitch) => {
+                if !(0.01..=100.0).contains(&pitch) {
+                    return Err(say::exercise_outline_pitch(pitch));
+                }
+                PieceForm::Thread(pitch)
+            }
+        };
+        pieces.push(OutlinePiece { from, to, form });
+    }
+    if ends.first().is_some_and(|end| end.point().z != 0.0) {
+        return Err(say::exercise_outline_front());
+    }
+    Ok(pieces)
+}
+
+/// Writes the outline of a finished part as the field `outline` of a task, for its author. The
+/// uncut end of the part is left out.
+pub fn write_outline(section: &Region) -> String {
+    let outside = measure_features(section, SectionSide::Outside);
+    let bore = measure_features(section, SectionSide::Inside);
+    let front = outside.first().map_or(0.0, |first| front_z(first));
+    let mut text = format!("    outline: (\n        outside: [{}],\n", {
+        write_features(&outside, front)
+    });
+    if !bore.is_empty() {
+        text += &format!("        bore: [{}],\n", write_features(&bore, front));
+    }
+    text + "    ),\n"
+}
+
+fn front_z(feature: &Feature) -> f64 {
+    match *feature {
+        Feature::Face { z, .. } => z,
+        Feature::Cylinder { z, .. }
+        | Feature::Cone { z, .. }
+        | Feature::Arc { z, .. }
+        | Feature::Thread { z, .. } => z.0,
+    }
+}
+
+fn write_features(features: &[Feature], front: f64) -> String {
+    // The last cylinder is the uncut rest, and the face behind it the end of the stock.
+    let last = features
+        .iter()
+        .rposition(|it| matches!(it, Feature::Cylinder { .. }));
+    let end = |form: &str, x: Diameter, z: f64, value: Option<f64>| {
+        let figure = |value: f64| {
+            let rounded = (value * 1000.0).round() / 1000.0;
+            // No negative zero.
+            format!("{}", rounded + 0.0)
+        };
+        let value = value.map_or_else(String::new, |value| format!(", {}", figure(value)));
+        format!("{form}({}, {}{value})", figure(x.0), figure(z - front))
+    };
+    let mut ends = Vec::new();
+    for feature in &features[..last.unwrap_or(features.len())] {
+        let (start, stop) = match *feature {
+            Feature::Cylinder { diameter, z } => (
+                end("Line", diameter, z.0, None),
+                end("Line", diameter, z.1, None),
+            ),
+            Feature::Face { diameters, z } => (
+                end("Line", diameters.0, z, None),
+                end("Line", diameters.1, z, None),
+            ),
+            Feature::Cone { diameters, z, .. } => (
+                end("Line", diameters.0, z.0, None),
+                end("Line", diameters.1, z.1, None),
+            ),
+            Feature::Arc {
+                radius,
+                diameters,
+                z,
+            } => (
+                end("Line", diameters.0, z.0, None),
+                end("Arc", diameters.1, z.1, Some(radius)),
+            ),
+            Feature::Thread {
+                pitch,
+                diameters,
+                z,
+            } => (
+                end("Line", diameters.0, z.0, None),
+                end("Thread", diameters.0, z.1, Some(pitch)),
+            ),
+        };
+        if ends.is_empty() {
+            ends.push(start);
+        }
+        ends.push(stop);
+    }
+    ends.join(", ")
+}

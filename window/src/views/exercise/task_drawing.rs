@@ -1,0 +1,86 @@
+//! Paints the drawing of a task, each dimension in the colour of its state on the part.
+
+use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
+use gsk_exercise::drawing::{DrawingPen, PaperPoint, draw_task};
+use gsk_exercise::part_size::MeasuredSize;
+use gsk_exercise::task::ExerciseTask;
+use gsk_messages::{Language, say};
+
+use crate::theme;
+
+/// Height of the texts, points.
+const TEXT_HEIGHT: f64 = 12.0;
+/// Greatest width of the drawing, points.
+const MAX_WIDTH: f32 = 560.0;
+/// Lengths of the dashes and gaps of the axis, points.
+const DASHES: [f32; 2] = [10.0, 3.0];
+const GAPS: [f32; 2] = [3.0, 3.0];
+
+/// Draws the part with its dimensions; does nothing if the task has no drawing. `sizes`: the
+/// dimensions as they are on the part.
+pub fn show(ui: &mut Ui, language: Language, task: &ExerciseTask, sizes: &[MeasuredSize]) {
+    let width = ui.available_width().min(MAX_WIDTH);
+    let Some(drawing) = draw_task(task, f64::from(width), TEXT_HEIGHT) else {
+        return;
+    };
+    ui.strong(say::exercise_drawing().text(language));
+    let (rect, response) =
+        ui.allocate_exact_size(vec2(width, drawing.height as f32), Sense::hover());
+    response.on_hover_text(say::exercise_drawing_hint().text(language));
+    let painter = ui.painter_at(rect);
+    let at = |point: &PaperPoint| to_screen(rect, point);
+    let color_of = |criterion: usize| dimension_color(sizes, criterion);
+    for line in &drawing.lines {
+        let points: Vec<Pos2> = line.points.iter().map(at).collect();
+        let stroke = match line.pen {
+            DrawingPen::Edge => Stroke::new(1.8, theme::BRIGHT_TEXT),
+            DrawingPen::Thin | DrawingPen::Axis => Stroke::new(1.0, theme::NOTE_TEXT),
+            DrawingPen::Hatch => Stroke::new(0.6, theme::NOTE_TEXT),
+            DrawingPen::Dimension(criterion) => Stroke::new(1.0, color_of(criterion)),
+        };
+        match line.pen {
+            DrawingPen::Axis => {
+                painter.extend(Shape::dashed_line_with_offset(
+                    &points, stroke, &DASHES, &GAPS, 0.0,
+                ));
+            }
+            _ => {
+                painter.line(points, stroke);
+            }
+        }
+    }
+    for arrow in &drawing.arrows {
+        let corners = arrow.corners.iter().map(at).collect();
+        let color = color_of(arrow.criterion);
+        painter.add(Shape::convex_polygon(corners, color, Stroke::NONE));
+    }
+    let font = FontId::proportional(TEXT_HEIGHT as f32);
+    for label in &drawing.labels {
+        let color = color_of(label.criterion);
+        let galley = painter.layout_no_wrap(label.text.clone(), font.clone(), color);
+        let corner = Align2::CENTER_CENTER
+            .anchor_size(at(&label.middle), galley.size())
+            .min;
+        let mut text = egui::epaint::TextShape::new(corner, galley, color);
+        if label.is_upright {
+            text = text.with_angle_and_anchor(-core::f32::consts::FRAC_PI_2, Align2::CENTER_CENTER);
+        }
+        painter.add(text);
+    }
+    ui.add_space(6.0);
+}
+
+fn to_screen(rect: Rect, point: &PaperPoint) -> Pos2 {
+    pos2(
+        rect.left() + point.right as f32,
+        rect.top() + point.down as f32,
+    )
+}
+
+fn dimension_color(sizes: &[MeasuredSize], criterion: usize) -> Color32 {
+    let size = sizes.iter().find(|size| size.criterion == criterion);
+    match size.is_some_and(MeasuredSize::is_met) {
+        true => theme::SUCCESS,
+        false => theme::TEXT,
+    }
+}
