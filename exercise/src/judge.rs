@@ -4,15 +4,14 @@
 use gsk_core::machine::LatheFault;
 use gsk_history::moment::{MachineMoment, RecordedInput};
 use gsk_history::recording::RecordingError;
-use gsk_history::replay::{ReplayObserver, replay_observed};
 use gsk_messages::{Message, say};
 use gsk_runner::machining::CollisionFinding;
 
 use crate::criterion::{CriterionRule, ExerciseCriterion, MachineCondition};
-use crate::input_guard::is_by_operator;
 use crate::part_size::measure_dimension;
 use crate::procedure::{ProcedureLog, alarm_message};
 use crate::report::{CriterionVerdict, ExerciseReport, MarkEvidence};
+use crate::solution_replay::{SolutionFollower, replay_solution};
 use crate::task::ExerciseTask;
 
 /// Interval between two checks of the conditions, ticks.
@@ -56,79 +55,13 @@ impl JudgeError {
 /// The recording is damaged or was not made by an operator on the machine of the task.
 pub fn judge(task: &ExerciseTask, recording: &[u8]) -> Result<ExerciseReport, JudgeError> {
     let start = task.create_start().map_err(JudgeError::Start)?;
-    let mut observer = RecordingObserver {
-        judge: SolutionJudge::new(task, &start),
-        start,
-        has_begun: false,
-        collided: None,
-        flaw: None,
-        end: None,
-    };
-    let replayed = replay_observed(recording, &mut observer).map_err(JudgeError::Recording)?;
-    if let Some(flaw) = observer.flaw {
-        return Err(flaw);
-    }
-    if let Some(error) = replayed.error {
-        return Err(JudgeError::Recording(error));
-    }
-    if let Some(difference) = replayed.difference {
-        return Err(JudgeError::Differs(difference.tick));
-    }
+    let judge = SolutionJudge::new(task, &start);
+    let replayed = replay_solution(start, judge, recording)?;
     // A solution that exceeds the time limit is not replayed to its end.
-    let is_over_limit = observer.judge.is_over();
-    let is_whole = replayed.is_complete && replayed.equal_hashes > 0;
-    match observer.end {
-        Some(end) if is_whole || is_over_limit => Ok(observer.judge.finish(&end)),
+    let is_over_limit = replayed.judge.is_over();
+    match replayed.end {
+        Some(end) if replayed.is_whole || is_over_limit => Ok(replayed.judge.finish(&end)),
         _ => Err(JudgeError::Incomplete),
-    }
-}
-
-/// Passes a replay on to the judge, and refuses what is no work of an operator.
-struct RecordingObserver<'a> {
-    judge: SolutionJudge<'a>,
-    start: MachineMoment,
-    has_begun: bool,
-    /// The tick of the last collision.
-    collided: Option<u64>,
-    flaw: Option<JudgeError>,
-    /// The machine after the last tick or input.
-    end: Option<MachineMoment>,
-}
-
-impl ReplayObserver for RecordingObserver<'_> {
-    fn begin(&mut self, moment: &MachineMoment) -> bool {
-        let part = |moment: &MachineMoment| moment.part.inputs_for_uncut();
-        let is_start = !self.has_begun
-            && moment.emulator == self.start.emulator
-            && part(moment) == part(&self.start);
-        self.has_begun = true;
-        if !is_start {
-            self.flaw = Some(JudgeError::ForeignState);
-        }
-        is_start
-    }
-
-    fn before_input(&mut self, moment: &MachineMoment, recorded: &RecordedInput) -> bool {
-        let after_collision = self.collided == Some(moment.ticks());
-        if !is_by_operator(&recorded.input, after_collision) {
-            let tick = moment.ticks().saturating_sub(self.start.ticks());
-            self.flaw = Some(JudgeError::ForeignInput(tick));
-            return false;
-        }
-        self.judge.before_input(moment, recorded);
-        true
-    }
-
-    fn after_tick(&mut self, moment: &MachineMoment, collision: Option<&CollisionFinding>) -> bool {
-        if collision.is_some() {
-            self.collided = Some(moment.ticks());
-        }
-        self.judge.after_tick(moment, collision);
-        !self.judge.is_over()
-    }
-
-    fn end(&mut self, moment: MachineMoment) {
-        self.end = Some(moment);
     }
 }
 
@@ -171,7 +104,7 @@ impl<'a> SolutionJudge<'a> {
     }
 
     /// Notes an input before it acts.
-    pub fn before_input(&mut self, moment: &MachineMoment, recorded: &RecordedInput) {
+    fn note_input(&mut self, moment: &MachineMoment, recorded: &RecordedInput) {
         let repairs = self.log.repairs.len();
         self.log.before_input(moment, &recorded.input);
         if self.log.repairs.len() > repairs {
@@ -180,7 +113,7 @@ impl<'a> SolutionJudge<'a> {
     }
 
     /// Follows a tick.
-    pub fn after_tick(&mut self, moment: &MachineMoment, collision: Option<&CollisionFinding>) {
+    fn follow_tick(&mut self, moment: &MachineMoment, collision: Option<&CollisionFinding>) {
         self.log.after_tick(moment, collision);
         let duration = moment.ticks().saturating_sub(self.start_tick);
         if duration.is_multiple_of(CHECK_INTERVAL_TICKS) {
@@ -416,4 +349,15 @@ fn first_unmet(conditions: &[MachineCondition], moment: &MachineMoment) -> Optio
         let unmet = condition.expectation.check(&moment.emulator).err()?;
         Some(say::subject_reason(&condition.text, unmet.message()))
     })
+}
+
+impl SolutionFollower for SolutionJudge<'_> {
+    fn before_input(&mut self, moment: &MachineMoment, recorded: &RecordedInput) {
+        self.note_input(moment, recorded);
+    }
+
+    fn after_tick(&mut self, moment: &MachineMoment, collision: Option<&CollisionFinding>) -> bool {
+        self.follow_tick(moment, collision);
+        !self.is_over()
+    }
 }

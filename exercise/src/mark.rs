@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use gsk_messages::{Message, say};
 
+use crate::exam::ExamNote;
 use crate::judge::judge;
 use crate::report::ExerciseReport;
 use crate::result_file::{ExerciseResult, read_result};
@@ -23,6 +24,8 @@ pub struct ResultMark {
     pub claimed_points: u32,
     /// Points that the hints cost.
     pub hint_cost: u32,
+    /// What happened during the exam; `None` if it was none.
+    pub exam: Option<ExamNote>,
     /// The report of the replay; `None` if the recording was refused.
     pub report: Option<ExerciseReport>,
     /// Number of the key that sealed the result; `None` if it is no result.
@@ -56,6 +59,7 @@ impl ResultMark {
             task: String::new(),
             claimed_points: 0,
             hint_cost: 0,
+            exam: None,
             report: None,
             key: None,
             recording_hash: None,
@@ -84,6 +88,7 @@ fn mark_read(file: &str, result: ExerciseResult, tasks: &[ExerciseTask]) -> Resu
         learner: head.learner,
         task: head.report.task.clone(),
         claimed_points: head.report.points,
+        exam: head.exam,
         key: Some(key),
         recording_hash: Some(TaskHash::from_bytes(&recording)),
         flags: Vec::new(),

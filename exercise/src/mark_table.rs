@@ -80,11 +80,12 @@ impl MarkTable<'_> {
     }
 
     fn state(&self, mark: &ResultMark) -> String {
-        if mark.flags.is_empty() {
-            return self.say(&say::exercise_state_valid());
+        let mut states: Vec<String> = mark.flags.iter().map(|flag| self.say(flag)).collect();
+        if states.is_empty() {
+            states.push(self.say(&say::exercise_state_valid()));
         }
-        let flags = mark.flags.iter().map(|flag| self.say(flag));
-        flags.collect::<Vec<_>>().join("; ")
+        states.extend(mark.exam.map(|exam| self.say(&exam.message())));
+        states.join("; ")
     }
 
     fn text(&self) -> String {

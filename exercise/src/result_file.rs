@@ -11,6 +11,7 @@ use miniz_oxide::deflate::compress_to_vec;
 use miniz_oxide::inflate::decompress_to_vec_with_limit;
 use serde::{Deserialize, Serialize};
 
+use crate::exam::ExamNote;
 use crate::report::ExerciseReport;
 use crate::seal::{KeyNumber, SealKey, SealPublicKey};
 
@@ -39,6 +40,9 @@ pub struct ResultHead {
     pub hints: Vec<u32>,
     /// The report of the program that made the result.
     pub report: ExerciseReport,
+    /// What happened during the exam; `None` if it was none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub exam: Option<ExamNote>,
     /// The public key of the seal, a line of base64.
     key: String,
     /// Length of the packed recording, bytes.
@@ -67,6 +71,8 @@ pub struct ResultAuthor {
     pub learner: String,
     /// Numbers of the hints that the learner read.
     pub hints: Vec<u32>,
+    /// What happened during the exam; `None` if it was none.
+    pub exam: Option<ExamNote>,
 }
 
 /// Writes a result.
@@ -86,6 +92,7 @@ pub fn write_result(
         learner: author.learner,
         hints: author.hints,
         report,
+        exam: author.exam,
         key: key.public_key().to_line(),
         recording_bytes: packed.len(),
     };

@@ -2,9 +2,15 @@
 
 use gsk_history::machine_part::PartInput;
 use gsk_history::moment::{MachineMoment, RecordedInput, state_hash};
-use gsk_history::recording::{FORMAT, RecordingEncoder, RecordingEvent};
+use gsk_history::recording::{
+    FORMAT, RecordingEncoder, RecordingError, RecordingEvent, RecordingReader,
+};
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
+
+use crate::judge::JudgeError;
+use crate::solution_replay::replay_solution;
+use crate::task::ExerciseTask;
 
 /// Interval between two hashes in a recording, ticks.
 const HASH_INTERVAL_TICKS: u64 = 10_000;
@@ -78,6 +84,48 @@ impl SolutionRecorder {
             }),
             None => Ok(()),
         }
+    }
+
+    /// Continues a recording that was broken off, and returns the recorder with the machine
+    /// where the recording ends.
+    ///
+    /// # Errors
+    /// The recording is damaged before its last frame, or no operator made it on the machine of
+    /// the task.
+    pub fn resume(
+        task: &ExerciseTask,
+        recording: &[u8],
+    ) -> Result<(Self, MachineMoment), JudgeError> {
+        let mut bytes = Vec::new();
+        let encoder = RecordingEncoder::new(&mut bytes);
+        let mut recorder = Self { encoder, bytes };
+        let mut reader = RecordingReader::new(recording).map_err(JudgeError::Recording)?;
+        loop {
+            match reader.next_event() {
+                // A solution that was handed in, but whose result was not written.
+                Ok(Some(RecordingEvent::End(_))) | Ok(None) => break,
+                // The last frame, which a power failure cuts off.
+                Err(RecordingError::Incomplete(_)) => break,
+                Ok(Some(event)) => recorder.add(&event).map_err(JudgeError::Start)?,
+                Err(error) => return Err(JudgeError::Recording(error)),
+            }
+        }
+        let start = task.create_start().map_err(JudgeError::Start)?;
+        let end = replay_solution(start, (), &recorder.bytes)?.end;
+        Ok((recorder, end.ok_or(JudgeError::Incomplete)?))
+    }
+
+    /// The recording so far.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// Notes that the machine has reached this tick, so that a continuation begins there.
+    ///
+    /// # Errors
+    /// The tick cannot be written.
+    pub fn mark_tick(&mut self, emulator: &Emulator) -> Result<(), Message> {
+        self.add(&RecordingEvent::Reached(emulator.ticks()))
     }
 
     /// Ends the recording in a state and returns it.

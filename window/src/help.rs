@@ -71,6 +71,12 @@ impl HelpWindow {
         }
     }
 
+    /// Closes the window.
+    pub const fn close(&mut self) {
+        self.is_open = false;
+        self.explains_presses = false;
+    }
+
     /// Whether a press on the panel shows the topic of the key instead of pressing it.
     pub const fn is_explaining(&self) -> bool {
         self.is_open && self.explains_presses

@@ -295,6 +295,7 @@ impl Window {
             // The learner sees what his keys do to the part.
             self.settings.layouts.dock_beside(ViewId::Machine);
         }
+        self.restrict_to_exam();
         self.views.follow(ui.ctx(), &self.settings.layouts);
         self.take_dropped_files(ui);
         zoom::apply(ui.ctx(), &self.settings);

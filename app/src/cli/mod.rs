@@ -37,8 +37,8 @@ use tracing::level_filters::LevelFilter;
 pub use dap::DapArgs;
 pub use dialect::{DialectArgs, ProgramOrigin};
 pub use exercise::{
-    ExerciseCheckArgs, ExerciseCommand, ExerciseListArgs, ExerciseMarkArgs, ExerciseSolveArgs,
-    MarkTableFormat,
+    ExerciseCheckArgs, ExerciseCommand, ExerciseDrawingArgs, ExerciseListArgs, ExerciseMarkArgs,
+    ExerciseSolveArgs, MarkTableFormat,
 };
 pub use help::HelpArgs;
 pub use ladder::{LadderArgs, LadderCommand, LadderRunArgs};

@@ -52,6 +52,7 @@ fn seal(report: ExerciseReport, recording: &[u8], seed: u8) -> Vec<u8> {
         program: "test".to_owned(),
         learner: "Anna".to_owned(),
         hints: Vec::new(),
+        exam: None,
     };
     let key = SealKey::from_random(&[seed; 32], [seed; 8]);
     write_result(author, report, recording, &key).expect("a result")

@@ -3,6 +3,7 @@
 pub mod atomic;
 pub mod data_dir;
 pub mod decode;
+pub mod exams;
 pub mod exercise_key;
 pub mod exercises;
 pub mod folders;

@@ -5,6 +5,7 @@
 //! handed over, so that a killed program loses at most the last second.
 
 mod disk;
+pub mod solution_log;
 mod unfinished;
 
 use std::io;

@@ -1,12 +1,18 @@
 //! An exercise under way: its task and the recording of the solution.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use gsk_exercise::solution_recorder::SolutionRecorder;
 use gsk_exercise::task::ExerciseTask;
 use gsk_history::moment::{MachineMoment, RecordedInput};
-use gsk_messages::Message;
+use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
+
+use crate::flight::solution_log::SolutionLog;
+
+/// Machine time between two parcels of an exam's recording for the disk, ticks.
+const LOG_INTERVAL_TICKS: u64 = 1000;
 
 /// The state of the current exercise, for the window.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -20,6 +26,23 @@ pub struct ExerciseState {
     /// Whether the learner has handed in, or the time is over. The machine continues to run, but
     /// nothing counts any more.
     pub is_handed_in: bool,
+    /// Whether it is part of an exam.
+    pub is_exam: bool,
+    /// Whether the instructor has paused the exam: the machine stands still.
+    pub is_paused: bool,
+}
+
+/// An exercise of an exam that begins or continues.
+#[derive(Clone, Debug)]
+pub struct ExamTask {
+    /// The task.
+    pub task: Arc<ExerciseTask>,
+    /// The file with its recording.
+    pub recording_file: PathBuf,
+    /// The recording as far as it has come; `None` at its beginning.
+    pub recorded: Option<Arc<[u8]>>,
+    /// Whether the exam is paused.
+    pub is_paused: bool,
 }
 
 /// What a learner hands in.
@@ -45,6 +68,16 @@ pub(super) struct ExerciseRun {
     recorder: Option<SolutionRecorder>,
     start_tick: u64,
     begun_at: u64,
+    /// The exam, if it is part of one.
+    exam: Option<ExamRun>,
+}
+
+/// What an exam adds to an exercise.
+#[derive(Debug)]
+struct ExamRun {
+    /// `None` after the solution was handed in.
+    log: Option<SolutionLog>,
+    is_paused: bool,
 }
 
 impl ExerciseRun {
@@ -61,8 +94,33 @@ impl ExerciseRun {
             recorder: Some(recorder),
             start_tick: start.ticks(),
             begun_at,
+            exam: None,
         };
         Ok((run, start))
+    }
+
+    /// Starts or continues an exercise of an exam; returns it with its machine and part.
+    pub(super) fn begin_in_exam(
+        exam: ExamTask,
+        begun_at: u64,
+    ) -> Result<(Self, MachineMoment), Message> {
+        let (mut run, mut moment) = Self::begin(Arc::clone(&exam.task), begun_at)?;
+        if let Some(recorded) = &exam.recorded {
+            let resumed = SolutionRecorder::resume(&exam.task, recorded);
+            let (recorder, end) = resumed.map_err(|error| error.message())?;
+            run.recorder = Some(recorder);
+            moment = end;
+            moment.emulator.record_inputs();
+        }
+        let recording = run
+            .recorder
+            .as_ref()
+            .map_or(&[][..], SolutionRecorder::bytes);
+        run.exam = Some(ExamRun {
+            log: Some(SolutionLog::start(exam.recording_file, recording)?),
+            is_paused: exam.is_paused,
+        });
+        Ok((run, moment))
     }
 
     /// Returns the state for the window.
@@ -72,6 +130,25 @@ impl ExerciseRun {
             begun_at: self.begun_at,
             elapsed_s: emulator.ticks().saturating_sub(self.start_tick) / 1000,
             is_handed_in: self.is_handed_in(),
+            is_exam: self.is_exam(),
+            is_paused: self.is_paused(),
+        }
+    }
+
+    /// Whether the exercise is part of an exam.
+    pub(super) const fn is_exam(&self) -> bool {
+        self.exam.is_some()
+    }
+
+    /// Whether the instructor has paused the exam.
+    pub(super) fn is_paused(&self) -> bool {
+        self.exam.as_ref().is_some_and(|exam| exam.is_paused)
+    }
+
+    /// Pauses or continues an exam.
+    pub(super) const fn set_paused(&mut self, is_paused: bool) {
+        if let Some(exam) = &mut self.exam {
+            exam.is_paused = is_paused;
         }
     }
 
@@ -106,7 +183,15 @@ impl ExerciseRun {
             return Ok(());
         };
         recorder.add_inputs(inputs)?;
-        recorder.follow_tick(emulator)
+        recorder.follow_tick(emulator)?;
+        let log = self.exam.as_mut().and_then(|exam| exam.log.as_mut());
+        if let Some(log) = log.filter(|_| emulator.ticks().is_multiple_of(LOG_INTERVAL_TICKS)) {
+            recorder.mark_tick(emulator)?;
+            if let Some(failure) = log.write(recorder.bytes()) {
+                return Err(say::exam_log_failed(failure));
+            }
+        }
+        Ok(())
     }
 
     /// Ends the recording; `None` if it has ended before.
@@ -115,6 +200,12 @@ impl ExerciseRun {
         emulator: &Emulator,
     ) -> Option<Result<HandedInSolution, Message>> {
         let recording = self.recorder.take()?.finish(emulator);
+        let log = self.exam.as_mut().and_then(|exam| exam.log.take());
+        if let (Some(log), Ok(recording)) = (log, &recording)
+            && let Some(failure) = log.finish(recording)
+        {
+            return Some(Err(say::exam_log_failed(failure)));
+        }
         let task = Arc::clone(&self.task);
         Some(recording.map(|recording| HandedInSolution { task, recording }))
     }

@@ -64,7 +64,7 @@ pub use drive::BoardConnection;
 use drive::Drive;
 use edges::{KeyEdge, KeyEdgeQueue};
 pub use exercise::ExerciseAction;
-pub use exercise_run::{ExerciseState, HandedInSolution};
+pub use exercise_run::{ExamTask, ExerciseState, HandedInSolution};
 use key_refusals::{KeyRefusals, RefusalReport};
 pub use lesson::LessonAction;
 use link_view::LinkView;
@@ -261,6 +261,9 @@ impl Kernel {
         if self.timeline.shows_past() && !self.has_real_slides {
             // The machine stands still while its past is shown.
             return self.advance_past();
+        }
+        if self.is_exam_paused() {
+            return;
         }
         for _ in 0..ticks {
             self.tick();

@@ -81,6 +81,8 @@ impl Window {
                     let exercises = self.views.lessons().exercises();
                     exercises.take_solution(*solution, context);
                 }
+                // Why a key does nothing is what an examinee has to know.
+                Notice::KeyRefusal(Some(_)) if self.is_in_exam() => {}
                 Notice::KeyRefusal(Some(reason)) => {
                     self.message = Some(StatusMessage::KeyRefused(reason));
                 }

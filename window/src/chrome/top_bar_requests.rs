@@ -6,6 +6,7 @@ use gsk_host::kernel::{Command, LessonAction};
 use gsk_host::platform;
 use gsk_messages::say;
 
+use super::exam_limits::is_allowed_in_exam;
 use super::top_bar;
 use crate::samples::SampleRequest;
 use crate::view::ViewId;
@@ -34,6 +35,9 @@ impl Window {
 
     /// Carries out a request of the top bar.
     pub(crate) fn handle_request(&mut self, request: top_bar::TopBarRequest, ui: &Ui) {
+        if self.is_in_exam() && !is_allowed_in_exam(&request) {
+            return self.show_message(say::exam_no_help());
+        }
         match request {
             top_bar::TopBarRequest::ChooseProgram => {
                 self.opener.choose(self.settings.language, ui.ctx());

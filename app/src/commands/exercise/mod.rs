@@ -105,6 +105,7 @@ fn solve(args: &ExerciseSolveArgs, language: Option<Language>) -> Result<u8, Com
             None => script_name.to_string_lossy().into_owned(),
         },
         hints: args.hint.clone(),
+        exam: None,
     };
     let bytes = write_result(author, report.clone(), &recording, &key)?;
     target.write(&bytes)?;

@@ -295,6 +295,7 @@ impl Kernel {
         let session = self.lesson.as_ref()?;
         match session.exercise() {
             None => Some(say::timeline_not_in_lesson()),
+            Some(run) if run.is_exam() => Some(say::exam_no_help()),
             Some(run) => (!run.is_handed_in()).then(say::exercise_review_first),
         }
     }

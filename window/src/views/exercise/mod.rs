@@ -1,5 +1,6 @@
 //! Exercises in the lesson view: their list, the task that is being solved, and its report.
 
+mod exam_pane;
 mod solution_report;
 mod task_drawing;
 
@@ -8,6 +9,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use egui::{Context, RichText, Ui};
+use exam_pane::ExamPane;
 use gsk_exercise::criterion::ExerciseCriterion;
 use gsk_exercise::part_size::{MeasuredSize, measure_sizes};
 use gsk_exercise::task::ExerciseTask;
@@ -16,6 +18,7 @@ use gsk_host::kernel::part::PartView;
 use gsk_host::kernel::{
     Command, Console, ExerciseAction, ExerciseState, HandedInSolution, LessonAction, PanelSnapshot,
 };
+use gsk_host::platform;
 use gsk_messages::{Language, Message, say};
 use gsk_workpiece::region::Region;
 use solution_report::SolutionReport;
@@ -37,6 +40,7 @@ pub struct ExercisePane {
     /// Numbers of the hints that the learner has read, from 1.
     read_hints: BTreeSet<u32>,
     report: SolutionReport,
+    exam: ExamPane,
     /// Whether a moment of the solution is shown, for which the time line opens.
     wants_timeline: bool,
     /// The learner's best points by the name of the exercise.
@@ -49,6 +53,7 @@ impl ExercisePane {
     pub fn new(console: Console, best: BTreeMap<String, u32>, learner: String) -> Self {
         Self {
             report: SolutionReport::new(console.clone(), learner),
+            exam: ExamPane::new(console.clone()),
             console,
             tasks: Vec::new(),
             load_errors: Vec::new(),
@@ -64,7 +69,8 @@ impl ExercisePane {
     pub fn set_exercises(&mut self, found: AvailableExercises, data: PathBuf) {
         self.tasks = found.tasks.into_iter().map(Arc::new).collect();
         self.load_errors = found.errors;
-        self.report.set_data(data);
+        self.report.set_data(data.clone());
+        self.exam.set_data(data, &self.tasks);
     }
 
     /// The learner's best points by the name of the exercise.
@@ -82,9 +88,14 @@ impl ExercisePane {
         core::mem::take(&mut self.wants_timeline)
     }
 
-    /// Whether an exercise is under way.
-    pub const fn is_open(&self) -> bool {
-        self.state.is_some()
+    /// Whether an exercise or an exam is under way.
+    pub fn is_open(&self) -> bool {
+        self.state.is_some() || self.is_in_exam()
+    }
+
+    /// Whether an exam has begun and is not over: the window gives no help.
+    pub fn is_in_exam(&self) -> bool {
+        self.exam.is_running()
     }
 
     /// Takes the state of the current exercise from a snapshot. Returns whether an exercise has
@@ -106,12 +117,16 @@ impl ExercisePane {
 
     /// Marks a solution in a thread.
     pub fn take_solution(&mut self, solution: HandedInSolution, context: &Context) {
+        if self.state.as_ref().is_some_and(|state| state.is_exam) {
+            return self.exam.take_solution(solution, context);
+        }
         let hints = self.read_hints.iter().copied().collect();
         self.report.mark(solution, hints, context);
     }
 
     /// Takes the marks that have arrived.
     pub fn receive_marks(&mut self) {
+        self.exam.receive();
         if let Some((task, points)) = self.report.receive() {
             let best = self.best.entry(task).or_default();
             *best = points.max(*best);
@@ -124,7 +139,7 @@ impl ExercisePane {
     }
 
     /// Draws the cards of the exercises.
-    pub fn show_list(&self, ui: &mut Ui, language: Language) {
+    pub fn show_list(&mut self, ui: &mut Ui, language: Language) {
         ui.add_space(8.0);
         let heading = say::exercise_heading().text(language);
         card::show_heading(ui, Icon::MEASURE, &heading);
@@ -150,6 +165,9 @@ impl ExercisePane {
                 self.send(ExerciseAction::Begin(Arc::clone(task)));
             }
         }
+        if platform::has_folders() {
+            self.exam.show_form(ui, language, &self.tasks);
+        }
         for error in &self.load_errors {
             ui.add_space(4.0);
             ui.label(RichText::new(error.text(language)).color(theme::ERROR_TEXT));
@@ -162,6 +180,10 @@ impl ExercisePane {
 
     /// Draws the current task with what is marked, or its report.
     pub fn show_task(&mut self, ui: &mut Ui, language: Language, part: Option<&Arc<PartView>>) {
+        let is_exam = self.is_exam_shown();
+        if is_exam {
+            self.exam.show_head(ui, language);
+        }
         let (Some(task), Some(state)) = (self.current_task(), self.state.clone()) else {
             return;
         };
@@ -173,6 +195,9 @@ impl ExercisePane {
         let text = RichText::new(task.text.in_language(language));
         ui.label(text.size(theme::READING_SIZE).color(theme::BRIGHT_TEXT));
         ui.add_space(6.0);
+        if state.is_handed_in && is_exam {
+            return;
+        }
         if state.is_handed_in {
             self.wants_timeline |= self.report.show(ui, language);
             return;
@@ -184,7 +209,11 @@ impl ExercisePane {
             .on_hover_text(say::exercise_time_left_hint().text(language));
         ui.add_space(6.0);
         ui.strong(say::exercise_demands().text(language));
-        let sizes = self.measure(&task, part);
+        // In an exam the learner measures the part himself.
+        let sizes = match is_exam {
+            true => Vec::new(),
+            false => self.measure(&task, part),
+        };
         task_drawing::show(ui, language, &task, &sizes);
         for (index, criterion) in task.criteria.iter().enumerate() {
             let size = sizes.iter().find(|size| size.criterion == index);
@@ -198,6 +227,11 @@ impl ExercisePane {
                 ui.label(words.color(theme::LESSON_HINT_TEXT));
             }
         }
+    }
+
+    /// Whether the view shows an exam, also its end.
+    fn is_exam_shown(&self) -> bool {
+        self.is_in_exam() || self.state.as_ref().is_some_and(|state| state.is_exam)
     }
 
     /// Measures the part if it has changed.
@@ -218,6 +252,10 @@ impl ExercisePane {
 
     /// Draws the buttons under the task.
     pub fn show_buttons(&mut self, ui: &mut Ui, language: Language) {
+        if self.is_exam_shown() {
+            let state = self.state.as_ref();
+            return self.exam.show_buttons(ui, language, state, &self.tasks);
+        }
         let (Some(task), Some(state)) = (self.current_task(), self.state.clone()) else {
             return;
         };

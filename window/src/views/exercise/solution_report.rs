@@ -252,6 +252,7 @@ fn write_sealed(
             program: env!("CARGO_PKG_VERSION").to_owned(),
             learner,
             hints: marked.hints.clone(),
+            exam: None,
         };
         let report = marked.report.clone();
         let bytes = write_result(author, report, &marked.solution.recording, &key)?;

@@ -1,0 +1,118 @@
+//! Replays a solution from the start state of its task, and refuses what is no work of an operator.
+
+use gsk_history::moment::{MachineMoment, RecordedInput};
+use gsk_history::replay::{ReplayObserver, replay_observed};
+use gsk_runner::machining::CollisionFinding;
+
+use crate::input_guard::is_by_operator;
+use crate::judge::JudgeError;
+
+/// Follows the replay of a solution.
+pub trait SolutionFollower {
+    /// Notes an input before it acts.
+    fn before_input(&mut self, moment: &MachineMoment, recorded: &RecordedInput);
+
+    /// Follows a tick, with the first collision in it; returns whether the replay continues.
+    fn after_tick(&mut self, moment: &MachineMoment, collision: Option<&CollisionFinding>) -> bool;
+}
+
+/// Follows a replay of which only the end matters.
+impl SolutionFollower for () {
+    fn before_input(&mut self, _: &MachineMoment, _: &RecordedInput) {}
+
+    fn after_tick(&mut self, _: &MachineMoment, _: Option<&CollisionFinding>) -> bool {
+        true
+    }
+}
+
+/// A solution that was replayed.
+pub struct ReplayedSolution<J> {
+    /// What has followed it.
+    pub judge: J,
+    /// The machine where the replay has ended; `None` if the recording has no state.
+    pub end: Option<MachineMoment>,
+    /// Whether the recording was ended, and has hashes that were equal.
+    pub is_whole: bool,
+}
+
+/// Replays a recording that begins in the state `start`.
+///
+/// # Errors
+/// The recording is damaged or was not made by an operator in that state.
+pub fn replay_solution<J: SolutionFollower>(
+    start: MachineMoment,
+    judge: J,
+    recording: &[u8],
+) -> Result<ReplayedSolution<J>, JudgeError> {
+    let mut observer = RecordingObserver {
+        judge,
+        start,
+        has_begun: false,
+        collided: None,
+        flaw: None,
+        end: None,
+    };
+    let replayed = replay_observed(recording, &mut observer).map_err(JudgeError::Recording)?;
+    if let Some(flaw) = observer.flaw {
+        return Err(flaw);
+    }
+    if let Some(error) = replayed.error {
+        return Err(JudgeError::Recording(error));
+    }
+    if let Some(difference) = replayed.difference {
+        return Err(JudgeError::Differs(difference.tick));
+    }
+    Ok(ReplayedSolution {
+        judge: observer.judge,
+        end: observer.end,
+        is_whole: replayed.is_complete && replayed.equal_hashes > 0,
+    })
+}
+
+/// Passes a replay on, and refuses what is no work of an operator.
+struct RecordingObserver<J> {
+    judge: J,
+    start: MachineMoment,
+    has_begun: bool,
+    /// The tick of the last collision.
+    collided: Option<u64>,
+    flaw: Option<JudgeError>,
+    /// The machine after the last tick or input.
+    end: Option<MachineMoment>,
+}
+
+impl<J: SolutionFollower> ReplayObserver for RecordingObserver<J> {
+    fn begin(&mut self, moment: &MachineMoment) -> bool {
+        let part = |moment: &MachineMoment| moment.part.inputs_for_uncut();
+        let is_start = !self.has_begun
+            && moment.emulator == self.start.emulator
+            && part(moment) == part(&self.start);
+        self.has_begun = true;
+        if !is_start {
+            self.flaw = Some(JudgeError::ForeignState);
+        }
+        is_start
+    }
+
+    fn before_input(&mut self, moment: &MachineMoment, recorded: &RecordedInput) -> bool {
+        let after_collision = self.collided == Some(moment.ticks());
+        if !is_by_operator(&recorded.input, after_collision) {
+            let tick = moment.ticks().saturating_sub(self.start.ticks());
+            self.flaw = Some(JudgeError::ForeignInput(tick));
+            return false;
+        }
+        self.judge.before_input(moment, recorded);
+        true
+    }
+
+    fn after_tick(&mut self, moment: &MachineMoment, collision: Option<&CollisionFinding>) -> bool {
+        if collision.is_some() {
+            self.collided = Some(moment.ticks());
+        }
+        self.judge.after_tick(moment, collision)
+    }
+
+    fn end(&mut self, moment: MachineMoment) {
+        self.end = Some(moment);
+    }
+}

@@ -1,0 +1,52 @@
+//! What the window leaves out during an exam: only the control itself helps, as at the machine.
+
+use super::top_bar::TopBarRequest;
+use crate::Window;
+use crate::view::{VIEWS, ViewId};
+
+/// The views that stay during an exam: the task, what is to be seen of the machine, and the bench
+/// where faults are repaired.
+const EXAM_VIEWS: [ViewId; 3] = [ViewId::Lesson, ViewId::Machine, ViewId::Bench];
+
+impl Window {
+    /// Whether an exam has begun and is not over.
+    pub(crate) fn is_in_exam(&mut self) -> bool {
+        self.views.lessons().exercises().is_in_exam()
+    }
+
+    /// Closes during an exam, in every frame, whatever is not part of it.
+    pub(crate) fn restrict_to_exam(&mut self) {
+        if !self.is_in_exam() {
+            return;
+        }
+        let layouts = &mut self.settings.layouts;
+        for view in VIEWS.iter().map(|row| row.view) {
+            if layouts.is_open(view) && !EXAM_VIEWS.contains(&view) {
+                layouts.toggle(view);
+            }
+        }
+        if !layouts.is_open(ViewId::Lesson) {
+            layouts.dock(ViewId::Lesson);
+        }
+        self.help.close();
+        self.first_start = None;
+        self.is_key_map_open = false;
+        self.settings.timeline = false;
+    }
+}
+
+/// Returns whether a learner may use an entry of the top bar during an exam: what he sees of the
+/// machine, and how the window looks.
+pub fn is_allowed_in_exam(request: &TopBarRequest) -> bool {
+    match request {
+        TopBarRequest::ToggleView(view) => EXAM_VIEWS.contains(view),
+        TopBarRequest::Layout(_)
+        | TopBarRequest::Speed(_)
+        | TopBarRequest::ToggleLight
+        | TopBarRequest::Sound(_)
+        | TopBarRequest::ToggleFingers
+        | TopBarRequest::Zoom(_)
+        | TopBarRequest::SwitchLanguage => true,
+        _ => false,
+    }
+}

@@ -1,0 +1,362 @@
+//! The exam in the exercise view: its form, the row of the instructor, and the way from one
+//! exercise to the next.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use crossbeam::channel::{Receiver, Sender, unbounded};
+use egui::{Context, RichText, TextEdit, Ui};
+use gsk_exercise::exam::Exam;
+use gsk_exercise::judge::judge;
+use gsk_exercise::task::ExerciseTask;
+use gsk_host::files::exams::{self, ExamFolder};
+use gsk_host::kernel::{
+    Command, Console, ExamTask, ExerciseAction, ExerciseState, HandedInSolution,
+};
+use gsk_messages::{Language, Message, say};
+
+use crate::theme;
+use crate::widgets::files::run_in_thread;
+
+/// Width of the fields for name and PIN, points.
+const FIELD_WIDTH: f32 = 140.0;
+/// Time in which a second click hands in, s.
+const SURE_TIME: f64 = 4.0;
+
+/// What the instructor fills in before an exam.
+#[derive(Default)]
+struct ExamForm {
+    learner: String,
+    pin: String,
+    tasks: BTreeSet<String>,
+}
+
+/// The exam in the exercise view.
+pub struct ExamPane {
+    console: Console,
+    data: Option<PathBuf>,
+    form: ExamForm,
+    /// The exam that has begun; `None` outside exams.
+    current: Option<ExamFolder>,
+    pin_entry: String,
+    message: Option<Message>,
+    /// Whether the solution that was handed in is still being sealed.
+    is_sealing: bool,
+    /// Until when a second click hands in, s of the window's clock.
+    sure_until: f64,
+    sender: Sender<Result<ExamFolder, Message>>,
+    receiver: Receiver<Result<ExamFolder, Message>>,
+}
+
+impl ExamPane {
+    pub fn new(console: Console) -> Self {
+        let (sender, receiver) = unbounded();
+        Self {
+            console,
+            data: None,
+            form: ExamForm::default(),
+            current: None,
+            pin_entry: String::new(),
+            message: None,
+            is_sealing: false,
+            sure_until: 0.0,
+            sender,
+            receiver,
+        }
+    }
+
+    /// Whether an exam has begun and is not over.
+    pub fn is_running(&self) -> bool {
+        self.current.as_ref().is_some_and(|it| !it.exam.is_over)
+    }
+
+    /// Sets the data folder, and continues the exam in it that has not ended.
+    pub fn set_data(&mut self, data: PathBuf, tasks: &[Arc<ExerciseTask>]) {
+        match ExamFolder::find_unfinished(&data) {
+            Ok(Some(mut folder)) => {
+                folder.exam.note.interruptions += 1;
+                self.form.learner.clone_from(&folder.exam.learner);
+                self.message = Some(say::exam_continued());
+                self.save(folder);
+                self.begin_current(tasks);
+            }
+            Ok(None) => {}
+            Err(why) => self.message = Some(why),
+        }
+        self.data = Some(data);
+    }
+
+    /// Keeps the state of the exam, in the window and on the disk.
+    fn save(&mut self, folder: ExamFolder) {
+        if let Err(why) = folder.save() {
+            self.message = Some(say::exam_log_failed(why));
+        }
+        self.current = Some(folder);
+    }
+
+    fn send(&self, action: ExerciseAction) {
+        self.console.send(Command::Exercise(action));
+    }
+
+    /// Begins the current exercise, or continues it.
+    fn begin_current(&mut self, tasks: &[Arc<ExerciseTask>]) {
+        let Some(folder) = &self.current else { return };
+        let Some(name) = folder.exam.current() else {
+            return;
+        };
+        let Some(task) = tasks.iter().find(|task| task.id == name) else {
+            self.message = Some(say::exam_task_missing(name));
+            return;
+        };
+        match folder.read_recording() {
+            Ok(recorded) => self.send(ExerciseAction::BeginExam(Box::new(ExamTask {
+                task: Arc::clone(task),
+                recording_file: folder.recording_path(),
+                recorded: recorded.map(Arc::from),
+                is_paused: folder.exam.is_paused,
+            }))),
+            Err(why) => self.message = Some(why),
+        }
+    }
+
+    /// Seals the result of a solution that was handed in, in a thread.
+    pub fn take_solution(&mut self, solution: HandedInSolution, context: &Context) {
+        let Some(mut folder) = self.current.clone() else {
+            return;
+        };
+        self.is_sealing = true;
+        let to = self.sender.clone();
+        run_in_thread(context, &self.console.notice_sender, move || {
+            let seal = || {
+                let recording = &solution.recording;
+                let report = judge(&solution.task, recording).map_err(|error| error.message())?;
+                folder.finish_task(report, recording, env!("CARGO_PKG_VERSION"))?;
+                Ok(folder)
+            };
+            // The send fails when the window is gone: the next start continues the exam.
+            let _ = to.send(seal());
+            None
+        });
+    }
+
+    /// Takes a result that has been sealed.
+    pub fn receive(&mut self) {
+        let Some(sealed) = self.receiver.try_iter().last() else {
+            return;
+        };
+        self.is_sealing = false;
+        match sealed {
+            Ok(folder) => {
+                self.message = Some(match folder.exam.is_over {
+                    true => say::exam_over(folder.path.display()),
+                    false => say::exam_handed_in(),
+                });
+                self.current = Some(folder);
+            }
+            Err(why) => self.message = Some(why),
+        }
+    }
+
+    /// Draws the form of an exam under the list of exercises.
+    pub fn show_form(&mut self, ui: &mut Ui, language: Language, tasks: &[Arc<ExerciseTask>]) {
+        ui.add_space(8.0);
+        let heading = say::exam_heading().text(language);
+        egui::CollapsingHeader::new(heading)
+            .id_salt("exam")
+            .show(ui, |ui| {
+                ui.label(say::exam_intro().text(language));
+                ui.horizontal_wrapped(|ui| {
+                    let name = ui.label(say::exercise_learner().text(language));
+                    let field = TextEdit::singleline(&mut self.form.learner);
+                    ui.add(field.desired_width(FIELD_WIDTH))
+                        .labelled_by(name.id);
+                    show_pin_field(ui, language, &mut self.form.pin);
+                });
+                for task in tasks {
+                    let mut is_chosen = self.form.tasks.contains(&task.id);
+                    let title = task.title.in_language(language);
+                    if ui.checkbox(&mut is_chosen, title).changed() {
+                        match is_chosen {
+                            true => self.form.tasks.insert(task.id.clone()),
+                            false => self.form.tasks.remove(&task.id),
+                        };
+                    }
+                }
+                let is_filled = !self.form.learner.trim().is_empty()
+                    && !self.form.tasks.is_empty()
+                    && !self.form.pin.is_empty();
+                let begin = egui::Button::new(say::exam_begin().text(language));
+                let begin = ui.add_enabled(is_filled, begin);
+                let hint = say::exam_begin_hint().text(language);
+                if begin
+                    .on_hover_text(&hint)
+                    .on_disabled_hover_text(&hint)
+                    .clicked()
+                {
+                    self.begin(tasks);
+                }
+            });
+        self.show_message(ui, language);
+    }
+
+    /// Begins the exam of the form.
+    fn begin(&mut self, tasks: &[Arc<ExerciseTask>]) {
+        let Some(data) = &self.data else { return };
+        let chosen = tasks.iter().filter(|it| self.form.tasks.contains(&it.id));
+        let chosen = chosen.map(|task| task.id.clone()).collect();
+        let learner = self.form.learner.trim().to_owned();
+        let created = exams::store_pin(&self.form.pin)
+            .and_then(|pin| ExamFolder::create(data, Exam::new(learner, chosen, pin)));
+        match created {
+            Ok(folder) => {
+                self.message = None;
+                self.form = ExamForm::default();
+                self.current = Some(folder);
+                self.begin_current(tasks);
+            }
+            Err(why) => self.message = Some(why),
+        }
+    }
+
+    /// Draws which exercise it is, and the row of the instructor.
+    pub fn show_head(&mut self, ui: &mut Ui, language: Language) {
+        let Some(folder) = &self.current else { return };
+        let exam = &folder.exam;
+        let is_paused = exam.is_paused;
+        let (number, count) = ((exam.done + 1).min(exam.tasks.len()), exam.tasks.len());
+        let position = say::exam_position(&exam.learner, number, count);
+        ui.label(RichText::new(position.text(language)).color(theme::LESSON_HINT_TEXT));
+        self.show_message(ui, language);
+        if !self.is_running() {
+            return;
+        }
+        ui.horizontal_wrapped(|ui| {
+            ui.label(RichText::new(say::exam_instructor().text(language)).color(theme::NOTE_TEXT));
+            show_pin_field(ui, language, &mut self.pin_entry);
+            let pause = match is_paused {
+                true => say::exam_continue(),
+                false => say::exam_pause(),
+            };
+            if ui.button(pause.text(language)).clicked() && self.is_pin_right() {
+                self.pause(!is_paused);
+            }
+            let end = ui.button(say::exam_end().text(language));
+            let hint = say::exam_end_hint().text(language);
+            if end.on_hover_text(hint).clicked() && self.is_pin_right() {
+                self.end();
+            }
+        });
+        if is_paused {
+            let words = say::exam_paused().text(language);
+            ui.label(RichText::new(words).size(theme::LESSON_END_SIZE).strong());
+        }
+        ui.separator();
+    }
+
+    fn show_message(&self, ui: &mut Ui, language: Language) {
+        if let Some(message) = &self.message {
+            let words = RichText::new(message.text(language));
+            ui.label(words.color(theme::LESSON_HINT_TEXT));
+        }
+    }
+
+    /// Compares the PIN that was entered; a wrong one is noted.
+    fn is_pin_right(&mut self) -> bool {
+        let pin = core::mem::take(&mut self.pin_entry);
+        let Some(mut folder) = self.current.clone() else {
+            return false;
+        };
+        self.message = None;
+        let is_right = folder.exam.accepts(&pin);
+        if !is_right {
+            self.message = Some(say::exam_wrong_pin());
+            self.save(folder);
+        }
+        is_right
+    }
+
+    fn pause(&mut self, is_paused: bool) {
+        if let Some(mut folder) = self.current.clone() {
+            folder.exam.set_paused(is_paused);
+            self.save(folder);
+            self.send(ExerciseAction::PauseExam(is_paused));
+        }
+    }
+
+    fn end(&mut self) {
+        if let Some(mut folder) = self.current.clone() {
+            folder.exam.is_over = true;
+            self.message = Some(say::exam_over(folder.path.display()));
+            self.save(folder);
+            self.send(ExerciseAction::LeaveExam);
+        }
+    }
+
+    /// Draws the buttons under the task.
+    pub fn show_buttons(
+        &mut self,
+        ui: &mut Ui,
+        language: Language,
+        state: Option<&ExerciseState>,
+        tasks: &[Arc<ExerciseTask>],
+    ) {
+        if self.is_sealing {
+            ui.horizontal(|ui| {
+                ui.spinner();
+                ui.label(say::exercise_marking().text(language));
+            });
+            return;
+        }
+        if !self.is_running() {
+            if ui.button(say::exam_leave().text(language)).clicked() {
+                self.current = None;
+                self.message = None;
+                self.send(ExerciseAction::LeaveExam);
+            }
+            return;
+        }
+        match state.filter(|state| state.is_exam && !state.is_handed_in) {
+            Some(_) => self.show_hand_in(ui, language),
+            None => {
+                let next = match state {
+                    Some(_) => say::exam_next(),
+                    None => say::exam_continue(),
+                };
+                if ui.button(next.text(language)).clicked() {
+                    self.message = None;
+                    self.begin_current(tasks);
+                }
+            }
+        }
+    }
+
+    /// Draws the button that hands in: with the second click.
+    fn show_hand_in(&mut self, ui: &mut Ui, language: Language) {
+        let now = ui.input(|input| input.time);
+        let is_sure = now < self.sure_until;
+        let words = match is_sure {
+            true => say::exam_hand_in_sure(),
+            false => say::exercise_hand_in(),
+        };
+        let button = ui.button(words.text(language));
+        let hint = say::exercise_hand_in_hint().text(language);
+        if button.on_hover_text(hint).clicked() {
+            if is_sure {
+                self.sure_until = 0.0;
+                self.send(ExerciseAction::HandIn);
+            } else {
+                self.sure_until = now + SURE_TIME;
+            }
+        }
+    }
+}
+
+fn show_pin_field(ui: &mut Ui, language: Language, pin: &mut String) {
+    let label = ui.label(say::exam_pin().text(language));
+    let field = TextEdit::singleline(pin).password(true).char_limit(12);
+    let field = ui.add(field.desired_width(FIELD_WIDTH / 2.0));
+    field
+        .labelled_by(label.id)
+        .on_hover_text(say::exam_pin_hint().text(language));
+}
