@@ -32,3 +32,4 @@ mod solution_replay;
 pub mod solve;
 pub mod task;
 mod task_file;
+mod xapi;

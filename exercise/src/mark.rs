@@ -51,6 +51,11 @@ impl ResultMark {
         self.report.as_ref().map_or(0, |report| report.max_points)
     }
 
+    /// Returns the hash of the recording; `None` if the file is no result.
+    pub(crate) const fn recording_hash(&self) -> Option<TaskHash> {
+        self.recording_hash
+    }
+
     /// Creates the mark of a file that cannot be marked.
     pub fn refused(file: &str, flag: Message) -> Self {
         Self {

@@ -1,13 +1,14 @@
 //! Writes marks as text, CSV, JSON and HTML.
 
 use gsk_messages::{Language, Message, say};
-use gsk_runner::lesson::LessonText;
 use serde_json::{Value, json};
 
+use crate::criterion::ExerciseCriterion;
 use crate::drawing::escape_markup;
 use crate::mark::ResultMark;
 use crate::report::{CriterionVerdict, MarkEvidence};
 use crate::task::ExerciseTask;
+use crate::xapi::statements;
 
 /// A format of the table of marks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -21,6 +22,8 @@ pub enum MarkFormat {
     Json,
     /// A page with every criterion.
     Html,
+    /// Statements for a learning record store.
+    Xapi,
 }
 
 /// The marks with what is needed to describe them.
@@ -44,6 +47,9 @@ impl MarkTable<'_> {
             MarkFormat::Csv => self.csv(),
             MarkFormat::Json => format!("{:#}\n", self.json()),
             MarkFormat::Html => self.html(),
+            MarkFormat::Xapi => {
+                format!("{:#}\n", statements(self.marks, self.tasks, self.language))
+            }
         }
     }
 
@@ -150,6 +156,7 @@ impl MarkTable<'_> {
                 "hint_cost": mark.hint_cost,
                 "duration_s": mark.report.as_ref().map(|report| seconds(report.duration_ms)),
                 "key": mark.key.map(|key| key.to_string()),
+                "exam": mark.exam,
                 "valid": mark.flags.is_empty(),
                 "flags": flags,
                 "criteria": criteria,
@@ -159,15 +166,11 @@ impl MarkTable<'_> {
     }
 
     /// The sentence of the task about a criterion.
-    fn sentence(&self, mark: &ResultMark, verdict: &CriterionVerdict) -> Option<&str> {
+    fn sentence(&self, mark: &ResultMark, verdict: &CriterionVerdict) -> Option<String> {
         let task = self.tasks.iter().find(|task| task.id == mark.task)?;
         let mut criteria = task.criteria.iter();
         let criterion = criteria.find(|criterion| criterion.id == verdict.id)?;
-        let text: &LessonText = match verdict.is_met {
-            true => &criterion.yes,
-            false => &criterion.no,
-        };
-        Some(text.in_language(self.language))
+        Some(verdict_sentence(criterion, verdict, self.language))
     }
 
     fn html(&self) -> String {
@@ -212,7 +215,8 @@ impl MarkTable<'_> {
         out.push_str(&format!("<h2>{}</h2>\n<ul>\n", escape_markup(&head)));
         for verdict in mark.report.iter().flat_map(|report| &report.verdicts) {
             let class = if verdict.is_met { "met" } else { "unmet" };
-            let sentence = self.sentence(mark, verdict).unwrap_or(&verdict.id);
+            let sentence = self.sentence(mark, verdict);
+            let sentence = sentence.unwrap_or_else(|| verdict.id.clone());
             let line = format!(
                 "{sentence} ({}/{}) {}",
                 verdict.points,
@@ -224,6 +228,23 @@ impl MarkTable<'_> {
         }
         out.push_str("</ul>\n");
     }
+}
+
+/// Returns the sentence of the task about a criterion. Nothing is said of what a learner who did
+/// nothing has avoided: there was no collision either.
+pub fn verdict_sentence(
+    criterion: &ExerciseCriterion,
+    verdict: &CriterionVerdict,
+    language: Language,
+) -> String {
+    let text = match verdict.is_met {
+        true => &criterion.yes,
+        false if verdict.evidence.found == Some(say::exercise_nothing_done()) => {
+            return say::exercise_not_counted(criterion.yes.in_language(language)).text(language);
+        }
+        false => &criterion.no,
+    };
+    text.in_language(language).to_owned()
 }
 
 /// Returns what decided a criterion in brackets, as `[12.3 s, O0001:12, 39.700]`; an empty text if

@@ -567,6 +567,7 @@ message_rows! {
     exercise_no_results ExerciseNoResults(folder);
     exercise_no_stated_failure ExerciseNoStatedFailure();
     exercise_not_by_operator ExerciseNotByOperator(line);
+    exercise_not_counted ExerciseNotCounted(sentence);
     exercise_not_result ExerciseNotResult();
     exercise_nothing_done ExerciseNothingDone();
     exercise_order_of_one ExerciseOrderOfOne();

@@ -114,4 +114,6 @@ pub enum MarkTableFormat {
     Json,
     /// A page with all criteria and their evidence
     Html,
+    /// Statements for a learning record store (xAPI)
+    Xapi,
 }

@@ -25,6 +25,8 @@ const GAP: f64 = 1.6;
 const EDGE: f64 = 0.8;
 /// Length of an arrowhead, heights of text.
 const ARROW: f64 = 0.75;
+/// Distance between a line and the middle of its text, heights of text.
+const TEXT_DISTANCE: f64 = 0.72;
 /// Width of a character, heights of text.
 const CHARACTER: f64 = 0.56;
 /// Part of the outline's length that is drawn of the uncut rest.
@@ -204,7 +206,7 @@ impl Sheet {
         self.draw_edges(outline, is_bored);
         self.draw_threads(outline);
         self.draw_break(&outside);
-        let over = self.text(0.7);
+        let over = self.text(0.4);
         let left = self.above(Point::new(0.0, -self.length)).right - over;
         let axis = |right| PaperPoint {
             right,
@@ -349,7 +351,7 @@ impl Sheet {
         };
         self.drawing.labels.push(DrawingLabel {
             criterion: dimension.criterion,
-            middle: at(right - self.text(0.62), self.origin.down - aside),
+            middle: at(right - self.text(TEXT_DISTANCE), self.origin.down - aside),
             is_upright: true,
             text: dimension.text.clone(),
         });
@@ -416,7 +418,7 @@ impl Sheet {
         };
         self.drawing.labels.push(DrawingLabel {
             criterion: dimension.criterion,
-            middle: at(middle, down - self.text(0.62)),
+            middle: at(middle, down - self.text(TEXT_DISTANCE)),
             is_upright: false,
             text: dimension.text.clone(),
         });
@@ -447,7 +449,7 @@ impl Sheet {
             criterion: dimension.criterion,
             middle: PaperPoint {
                 right: middle,
-                down: down - self.text(0.62),
+                down: down - self.text(TEXT_DISTANCE),
             },
             is_upright: false,
             text: dimension.text.clone(),

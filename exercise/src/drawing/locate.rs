@@ -73,32 +73,32 @@ pub fn locate(
             let piece = at(surface, z).filter(|piece| piece.form == PieceForm::Line)?;
             let along = piece.to - piece.from;
             let angle = along.x.abs().atan2(along.z.abs()).to_degrees();
-            Some((DimensionPlace::At(middle(piece)), Some(angle)))
+            Some((DimensionPlace::At(piece.middle(surface)), Some(angle)))
         }
         PartDimension::Radius { z, surface } => {
             let piece = at(surface, z)?;
             match piece.form {
-                PieceForm::Arc(radius) => Some((DimensionPlace::At(middle(piece)), Some(radius))),
+                PieceForm::Arc(radius) => {
+                    Some((DimensionPlace::At(piece.middle(surface)), Some(radius)))
+                }
                 _ => None,
             }
         }
         PartDimension::Pitch { z, surface } => {
             let piece = at(surface, z)?;
             match piece.form {
-                PieceForm::Thread(pitch) => Some((DimensionPlace::At(middle(piece)), Some(pitch))),
+                PieceForm::Thread(pitch) => {
+                    Some((DimensionPlace::At(piece.middle(surface)), Some(pitch)))
+                }
                 _ => None,
             }
         }
         PartDimension::ThreadDepth { z, surface } => {
             let piece = at(surface, z)?;
             let is_thread = matches!(piece.form, PieceForm::Thread(_));
-            is_thread.then(|| (DimensionPlace::At(middle(piece)), None))
+            is_thread.then(|| (DimensionPlace::At(piece.middle(surface)), None))
         }
     }
-}
-
-fn middle(piece: &OutlinePiece) -> Point {
-    (piece.from + piece.to) * 0.5
 }
 
 /// Returns a message for each dimension of the task that its outline does not have, or has with

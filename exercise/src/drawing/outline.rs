@@ -80,6 +80,16 @@ impl OutlinePiece {
         self.from.x == self.to.x && !matches!(self.form, PieceForm::Arc(_))
     }
 
+    /// Returns the point halfway along the piece.
+    pub fn middle(&self, surface: PartSurface) -> Point {
+        let points = self.points(surface);
+        match self.form {
+            PieceForm::Arc(_) => points.get((points.len() / 2).saturating_sub(1)).copied(),
+            PieceForm::Line | PieceForm::Thread(_) => None,
+        }
+        .unwrap_or((self.from + self.to) * 0.5)
+    }
+
     /// Returns the points of the piece after its first one.
     fn points(&self, surface: PartSurface) -> Vec<Point> {
         let PieceForm::Arc(radius) = self.form else {

@@ -232,6 +232,12 @@ fn copies_and_too_many_attempts_are_flagged() {
             .write(MarkFormat::Html)
             .contains("<tr class=\"flagged\">")
     );
+    let statements = table.write(MarkFormat::Xapi);
+    assert!(statements.contains("\"homePage\": \"https://gsk980td.invalid\""));
+    assert_eq!(
+        statements.matches("\"scaled\": 1.0").count(),
+        statements.matches("\"id\": \"urn:").count()
+    );
     let json = table.write(MarkFormat::Json);
     assert!(
         json.contains("\"sentence\": \"The spindle was stopped after it had run.\""),

@@ -42,6 +42,7 @@ pub fn mark(args: &ExerciseMarkArgs, language: Option<Language>) -> Result<u8, C
         MarkTableFormat::Csv => MarkFormat::Csv,
         MarkTableFormat::Json => MarkFormat::Json,
         MarkTableFormat::Html => MarkFormat::Html,
+        MarkTableFormat::Xapi => MarkFormat::Xapi,
     });
     match &args.output {
         None => output::print(&text),

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use gsk_exercise::check::check_task;
 use gsk_exercise::judge::judge;
-use gsk_exercise::mark_table::describe_evidence;
+use gsk_exercise::mark_table::{describe_evidence, verdict_sentence};
 use gsk_exercise::report::{CriterionVerdict, ExerciseReport};
 use gsk_exercise::result_file::{ResultAuthor, write_result};
 use gsk_exercise::solve::{SolutionScript, record_solution};
@@ -124,15 +124,11 @@ fn print_verdicts(
 ) {
     let verdicts = task.criteria.iter().zip(&report.verdicts);
     for (criterion, verdict) in verdicts.filter(|(_, verdict)| is_shown(verdict)) {
-        let sentence = match verdict.is_met {
-            true => &criterion.yes,
-            false => &criterion.no,
-        };
         output::print(&format!(
             "{:>3}/{:<3} {} {}\n",
             verdict.points,
             verdict.max_points,
-            sentence.in_language(language),
+            verdict_sentence(criterion, verdict, language),
             describe_evidence(&verdict.evidence, language)
         ));
     }

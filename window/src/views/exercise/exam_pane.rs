@@ -12,7 +12,7 @@ use gsk_exercise::judge::judge;
 use gsk_exercise::task::ExerciseTask;
 use gsk_host::files::exams::{self, ExamFolder};
 use gsk_host::kernel::{
-    Command, Console, ExamTask, ExerciseAction, ExerciseState, HandedInSolution,
+    Command, Console, ExamTask, ExerciseAction, ExerciseState, HandedInSolution, Notice,
 };
 use gsk_messages::{Language, Message, say};
 
@@ -287,9 +287,12 @@ impl ExamPane {
     fn end(&mut self) {
         if let Some(mut folder) = self.current.clone() {
             folder.exam.is_over = true;
-            self.message = Some(say::exam_over(folder.path.display()));
+            let over = say::exam_over(folder.path.display());
             self.save(folder);
+            self.current = None;
             self.send(ExerciseAction::LeaveExam);
+            // The window is gone if nobody reads it.
+            let _ = self.console.notice_sender.try_send(Notice::Message(over));
         }
     }
 

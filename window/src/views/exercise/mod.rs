@@ -208,13 +208,13 @@ impl ExercisePane {
         ui.label(RichText::new(words).color(theme::LESSON_STEP))
             .on_hover_text(say::exercise_time_left_hint().text(language));
         ui.add_space(6.0);
-        ui.strong(say::exercise_demands().text(language));
         // In an exam the learner measures the part himself.
         let sizes = match is_exam {
             true => Vec::new(),
             false => self.measure(&task, part),
         };
         task_drawing::show(ui, language, &task, &sizes);
+        ui.strong(say::exercise_demands().text(language));
         for (index, criterion) in task.criteria.iter().enumerate() {
             let size = sizes.iter().find(|size| size.criterion == index);
             show_demand(ui, language, criterion, size);

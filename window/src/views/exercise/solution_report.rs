@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crossbeam::channel::{Receiver, Sender, unbounded};
 use egui::{Context, RichText, TextEdit, Ui};
 use gsk_exercise::judge::judge;
-use gsk_exercise::mark_table::describe_evidence;
+use gsk_exercise::mark_table::{describe_evidence, verdict_sentence};
 use gsk_exercise::report::ExerciseReport;
 use gsk_exercise::result_file::{RESULT_EXTENSION, ResultAuthor, write_result};
 use gsk_exercise::task::ExerciseTask;
@@ -201,13 +201,14 @@ fn show_marks(ui: &mut Ui, language: Language, marked: &MarkedSolution) -> Optio
         ui.label(RichText::new(cost).color(theme::NOTE_TEXT));
     }
     for (criterion, verdict) in task.criteria.iter().zip(&marked.report.verdicts) {
-        let (sentence, colour) = match verdict.is_met {
-            true => (&criterion.yes, theme::SUCCESS),
-            false => (&criterion.no, theme::ERROR_TEXT),
+        let sentence = verdict_sentence(criterion, verdict, language);
+        let colour = match verdict.is_met {
+            true => theme::SUCCESS,
+            false => theme::ERROR_TEXT,
         };
         ui.horizontal_wrapped(|ui| {
             mark::draw(ui, colour, verdict.is_met);
-            ui.label(RichText::new(sentence.in_language(language)).color(colour));
+            ui.label(RichText::new(sentence).color(colour));
             let points = say::exercise_points(verdict.points, verdict.max_points).text(language);
             ui.label(RichText::new(points).color(theme::NOTE_TEXT));
             let evidence = describe_evidence(&verdict.evidence, language);

@@ -11,7 +11,7 @@ use crate::theme;
 /// Height of the texts, points.
 const TEXT_HEIGHT: f64 = 12.0;
 /// Greatest width of the drawing, points.
-const MAX_WIDTH: f32 = 560.0;
+const MAX_WIDTH: f32 = 440.0;
 /// Lengths of the dashes and gaps of the axis, points.
 const DASHES: [f32; 2] = [10.0, 3.0];
 const GAPS: [f32; 2] = [3.0, 3.0];
