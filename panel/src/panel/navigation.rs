@@ -43,7 +43,8 @@ impl Panel {
     }
 
     /// Handles a page key. POS, PRG, OFT and ALM open the last page of their group. SET, PAR
-    /// and DGN open their first display, and step through the displays when pressed again.
+    /// and DGN open their first display, and step through the displays when pressed again. A
+    /// main function opens its first page and its first bar of soft keys.
     pub(super) fn page_key(&mut self, key: Key, cnc: &Cnc) {
         let Some(group) = page_group(key) else {
             return;
@@ -59,6 +60,10 @@ impl Panel {
             (PageKey::Alm, None) => self.last_shown[3],
             // Points are taught by hand; other modes show the graphic first.
             (PageKey::Teach, None) if !pages::teaches(cnc) => face.first_of(group, 1),
+            (PageKey::Program | PageKey::Operate | PageKey::Parameter, _) => {
+                self.view.soft_bar = 0;
+                face.first_of(group, 0)
+            }
             (_, None) => face.first_of(group, 0),
             (_, Some(shown)) => face.first_of(group, shown.display + 1),
         };
