@@ -2577,8 +2577,12 @@ message_rows! {
     sample_faulty_no_feed SampleFaultyNoFeed();
     sample_faulty_no_subprogram SampleFaultyNoSubprogram();
     sample_grooved_pin SampleGroovedPin();
+    sample_grooves SampleGrooves();
     sample_manual_example SampleManualExample();
+    sample_outputs SampleOutputs();
+    sample_stepped_pin SampleSteppedPin();
     sample_stepped_shaft SampleSteppedShaft();
+    sample_turned_pin SampleTurnedPin();
     scale_missing ScaleMissing();
     scale_out_of_range ScaleOutOfRange(factor);
     scope_acceleration ScopeAcceleration();

@@ -11,7 +11,7 @@ use crate::screen::Screen;
 const FIRST_ROW: usize = 2;
 const ROWS: usize = 9;
 /// Column before which the number of characters ends.
-const SIZE_END: usize = 38;
+const SIZE_END: usize = 37;
 
 /// Draws the list of files, and what the keys do with the one at the cursor.
 pub fn draw(screen: &mut Screen, view: &PageView) {
