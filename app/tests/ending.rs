@@ -40,6 +40,7 @@ fn a_termination_signal_stops_the_board() {
         wake: Box::new(|| {}),
         keeper: None,
         partner_folder: None,
+        udisk_folder: None,
         termination: ending.clone(),
     };
     let mut thread = start(kernel, &console, host).unwrap();

@@ -45,6 +45,7 @@ fn hold_key(keep_alive: impl Fn(&Console)) -> (gsk_host::kernel::KernelThread, C
         wake: Box::new(|| {}),
         keeper: None,
         partner_folder: None,
+        udisk_folder: None,
         termination: TerminationFlag::install_signal_handlers().unwrap(),
     };
     let thread = start(kernel, &console, host).unwrap();

@@ -265,6 +265,7 @@ fn the_out_key_sends_to_a_pc_and_the_lcd_shows_the_line_state() {
         wake: Box::new(|| {}),
         keeper: None,
         partner_folder: None,
+        udisk_folder: None,
         termination: TerminationFlag::default(),
     };
     let mut thread = start(kernel, &console, host).expect("a thread");

@@ -39,6 +39,7 @@ fn notice_after_output(partner: &Path) -> Option<Notice> {
         wake: Box::new(|| {}),
         keeper: None,
         partner_folder: Some(partner.to_owned()),
+        udisk_folder: None,
         termination: TerminationFlag::default(),
     };
     let mut thread = start(kernel, &console, host).expect("a thread");

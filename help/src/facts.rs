@@ -3,8 +3,8 @@
 use gsk_core::memory::{self, EffectiveTime, ElectronicDisk, ParameterRow};
 use gsk_core::{alarm, alarm::AlarmRow};
 use gsk_messages::{Language, say};
-use gsk_panel::keys::{Bit, KEYS, KeyRole, KeyRow, STRIP, StripLamp};
-use gsk_panel::pages::PAGES;
+use gsk_panel::face::find_page;
+use gsk_panel::keys::{Bit, Key, KeyRole, KeyRow, STRIP, StripLamp};
 use gsk_panel::signals::{self, Signal};
 
 use crate::subject::Subject;
@@ -23,10 +23,7 @@ pub fn subject_name(subject: Subject<'_>, language: Language) -> String {
         }
         Subject::Key(id) => key(id).map(|row| text(row.name_zh, row.name_en)),
         Subject::Lamp(id) => lamp(id).map(|row| text(row.name_zh, row.name_en)),
-        Subject::Page(id) => {
-            let page = PAGES.iter().find(|row| row.name == id);
-            page.map(|row| row.page.title().text(language))
-        }
+        Subject::Page(id) => find_page(id).map(|row| row.page.title().text(language)),
         Subject::Signal(address) => {
             signals::find(address).map(|row| text(row.text_zh, row.text_en))
         }
@@ -68,7 +65,7 @@ fn parameter(number: u16, bit: Option<u8>) -> Option<&'static ParameterRow> {
 }
 
 fn key(id: &str) -> Option<&'static KeyRow> {
-    KEYS.iter().find(|row| row.id == id)
+    Key::from_id(id).map(Key::row)
 }
 
 fn lamp(id: &str) -> Option<&'static StripLamp> {

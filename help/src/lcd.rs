@@ -8,6 +8,7 @@ use gsk_panel::lcd::COLUMNS;
 use gsk_panel::pages::PageId;
 use gsk_panel::screen::Screen;
 
+use crate::models::topic_of;
 use crate::subject::Subject;
 use crate::table::{Topic, topic};
 
@@ -34,7 +35,7 @@ pub fn topic_at(
     pointed
         .or_else(|| program::word_topic(model, page, screen, row, column))
         .or_else(|| field::field_topic(page, screen, row, column))
-        .or_else(|| topic(Subject::Page(page.name())))
+        .or_else(|| topic_of(model, Subject::Page(page.name())))
 }
 
 /// A word on the LCD with its first column, from 0.

@@ -5,6 +5,8 @@ use std::sync::LazyLock;
 
 use gsk_core::model::{ModelId, ModelRecord};
 use gsk_messages::{Language, Message, say};
+use gsk_panel::face::face_of;
+use gsk_panel::keys::Key;
 
 use crate::subject::Subject;
 use crate::table::{Topic, parse_topics, topics};
@@ -52,10 +54,17 @@ fn collect_topics(model: ModelId) -> Vec<Topic> {
     let record = model.record();
     let table = OWN_TEXTS.iter().find(|(of, _)| *of == model);
     let table = table.map_or("", |(_, table)| *table);
-    let own = parse_topics(table, |written| Some(Subject::parse_program_word(written)));
+    let own = parse_topics(table, |written| {
+        let of_panel = written.starts_with("key ") || written.starts_with("page ");
+        match of_panel {
+            true => Subject::parse_panel(written),
+            false => Some(Subject::parse_program_word(written)),
+        }
+    });
     let mut all: Vec<Topic> = own.map(|topic| topic.for_model(model)).collect();
     all.extend(codes(record).map(|topic| topic.for_model(model)));
     all.extend(parameters(record).map(|topic| topic.for_model(model)));
+    all.extend(panel_topics(model).map(|topic| topic.for_model(model)));
     all.extend(
         topics()
             .iter()
@@ -69,8 +78,16 @@ fn collect_topics(model: ModelId) -> Vec<Topic> {
 }
 
 /// Returns whether a topic of the GSK980TD is valid for the model: its code has the same
-/// meaning.
+/// meaning, its key or page is on the model's panel.
 fn is_valid_for(topic: &Topic, record: &ModelRecord) -> bool {
+    let face = face_of(record.id());
+    match topic.subject {
+        Subject::Key(id) => return Key::from_id(id).is_none_or(|key| face.key(key).is_some()),
+        Subject::Page(name) | Subject::Field(name, _) if name != "*" && name != "power-on" => {
+            return face.page_named(name).is_some();
+        }
+        _ => {}
+    }
     let Subject::Code(name) = topic.subject else {
         return true;
     };
@@ -110,6 +127,17 @@ fn codes(record: &'static ModelRecord) -> impl Iterator<Item = Topic> {
         let message = say::help_code_of_model(&code, meaning, record.name());
         Topic::with_text(Subject::Code(code.leak()), in_both_languages(&message))
     })
+}
+
+/// Returns topics without text for the keys and pages that only this model has.
+fn panel_topics(model: ModelId) -> impl Iterator<Item = Topic> {
+    let (face, main) = (face_of(model), face_of(ModelId::default()));
+    let keys = face.keys().filter(|row| main.key(row.key).is_none());
+    let keys = keys.map(|row| Subject::Key(row.id));
+    let pages = face.pages.iter();
+    let pages = pages.filter(|row| main.page(row.page).is_none());
+    let pages = pages.map(|row| Subject::Page(row.name));
+    keys.chain(pages).map(Topic::bare)
 }
 
 /// Returns topics for the parameters that only this model has.

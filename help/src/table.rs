@@ -97,6 +97,11 @@ impl Topic {
         }
     }
 
+    /// Creates a topic without text about `subject`.
+    pub(crate) const fn bare(subject: Subject<'static>) -> Self {
+        Self::new(subject, HelpColumns::from_rule(["", ""]))
+    }
+
     /// Creates a topic about `subject` with a rule in Chinese and English.
     pub(crate) const fn with_text(subject: Subject<'static>, rule: [&'static str; 2]) -> Self {
         Self::new(subject, HelpColumns::from_rule(rule))

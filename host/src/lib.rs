@@ -33,4 +33,5 @@ pub mod setup_args;
 pub mod sound;
 pub mod termination;
 pub mod transfer;
+pub mod udisk;
 pub mod work_limit;

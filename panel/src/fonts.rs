@@ -64,8 +64,11 @@ mod tests {
     use std::fs;
     use std::path::Path;
 
+    use gsk_core::model::ModelId;
+
     use super::*;
-    use crate::keys::{KEYS, STRIP};
+    use crate::face::face_of;
+    use crate::keys::STRIP;
 
     /// Characters without an outline font: other scripts in tests, and marks that no window
     /// draws.
@@ -85,7 +88,7 @@ mod tests {
                 texts += &fs::read_to_string(&path).unwrap_or_default();
             }
         }
-        for row in &KEYS {
+        for row in ModelId::ALL.into_iter().flat_map(|it| face_of(it).keys()) {
             texts += &row.legend.concat();
             texts.push_str(row.name_zh);
         }

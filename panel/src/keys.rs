@@ -1,11 +1,12 @@
-//! Defines the keys of the panel. Parsing, painting, lamps, accessibility and the printed list
-//! use this one table (manual III-1.2, PLC-I 3.1.2).
+//! Defines the keys of the panels. Parsing, painting, lamps, accessibility and the printed list
+//! use this one table (manual III-1.2, PLC-I 3.1.2). [`crate::face`] lists which of them a
+//! control model has, and what is printed on them there.
 
 mod table;
 
 use serde::{Deserialize, Serialize};
 
-pub use table::KEYS;
+pub use table::{KEYS, MODEL_KEYS};
 
 /// A key or button of the panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -198,6 +199,28 @@ pub enum Key {
     EmergencyStop,
     /// 超程解除: bridges the limit switches while held.
     OvertravelRelease,
+    /// 卡盘 (NC-B08): clamps or releases the chuck.
+    Chuck,
+    /// 尾座 (NC-B08): moves the tailstock out or in.
+    Tailstock,
+    /// 示教 (NC-B08): opens the pages of teaching and graphic.
+    Teach,
+    /// PRGRM 程序 (Huaxing): opens the main function of programs.
+    MainProgram,
+    /// OPERT 加工 (Huaxing): opens the main function of machining.
+    MainOperate,
+    /// PARAM 参数 (Huaxing): opens the main function of parameters.
+    MainParameter,
+    /// F1 (Huaxing): does what the first label of the soft key bar names.
+    Soft1,
+    /// F2 (Huaxing): does what the second label of the soft key bar names.
+    Soft2,
+    /// F3 (Huaxing): does what the third label of the soft key bar names.
+    Soft3,
+    /// F4 (Huaxing): does what the fourth label of the soft key bar names.
+    Soft4,
+    /// F5 (Huaxing): does what the fifth label of the soft key bar names.
+    Soft5,
 }
 
 /// The address of a bit in the X or Y memory of the PLC.
@@ -236,6 +259,8 @@ pub enum KeyRole {
     Edit,
     /// Opens a group of pages on the LCD.
     Page,
+    /// Does what a label of the soft key bar names, by its position from 0.
+    Soft(u8),
     /// Latches and opens the emergency stop contact, until the key is pressed again.
     EmergencyStop,
     /// Bridges the limit switches while held.
@@ -267,8 +292,13 @@ pub struct KeyRow {
 impl Key {
     /// Returns the row of the key table that describes this key.
     pub const fn row(self) -> &'static KeyRow {
-        // The table has the order of the enum. A test checks it.
-        &KEYS[self as usize]
+        // Both tables have the order of the enum. A test checks it.
+        let index = self as usize;
+        if index < KEYS.len() {
+            &KEYS[index]
+        } else {
+            &MODEL_KEYS[index - KEYS.len()]
+        }
     }
 
     /// Returns the key's name in operator scripts, for example `RESET`.
@@ -296,7 +326,7 @@ impl Key {
     /// Returns the key with this name in operator scripts, ignoring case; `None` if no key has
     /// it. A compound key is also found by its legend (`D/U`).
     pub fn from_id(id: &str) -> Option<Self> {
-        let found = KEYS.iter().find(|row| {
+        let found = all_rows().find(|row| {
             let printed = row.id.len() == 1 && row.legend.len() == 2;
             row.id.eq_ignore_ascii_case(id)
                 || printed && row.legend.join("/").eq_ignore_ascii_case(id)
@@ -307,16 +337,20 @@ impl Key {
     /// Returns the panel key that a key of the PC keyboard presses, by its name as in
     /// [`KeyRow::pc`]; `None` if it presses none.
     pub fn from_pc_key(name: &str) -> Option<Self> {
-        KEYS.iter().find(|row| row.pc == name).map(|row| row.key)
+        all_rows().find(|row| row.pc == name).map(|row| row.key)
     }
+}
+
+/// Returns the rows of all keys: those of the GSK980TD, and those of other models only.
+pub fn all_rows() -> impl Iterator<Item = &'static KeyRow> {
+    KEYS.iter().chain(&MODEL_KEYS)
 }
 
 /// Returns at most five script names of keys that resemble `word`, the nearest first, for
 /// error messages.
 pub(crate) fn near_ids(word: &str) -> Vec<&'static str> {
     let word = word.to_ascii_uppercase();
-    let mut near: Vec<(usize, &'static str)> = KEYS
-        .iter()
+    let mut near: Vec<(usize, &'static str)> = all_rows()
         .map(|row| {
             let named = row.name_en.to_ascii_uppercase().replace(' ', "");
             let distance = if named.contains(&word) && word.len() > 2 {

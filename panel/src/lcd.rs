@@ -8,3 +8,25 @@ pub const ROWS: usize = 15;
 pub const WIDTH: usize = 320;
 /// Height of the LCD, dots.
 pub const HEIGHT: usize = 240;
+
+/// The two colours of an LCD at full brightness: red, green, blue.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LcdColours {
+    /// Colour of the lit background.
+    pub background: [u8; 3],
+    /// Colour of text and lines.
+    pub text: [u8; 3],
+}
+
+impl LcdColours {
+    /// Pale text on blue, as on the GSK980TD.
+    pub const BLUE: Self = Self {
+        background: [8, 44, 212],
+        text: [244, 248, 255],
+    };
+    /// Dark text on green (NC-B08).
+    pub const GREEN: Self = Self {
+        background: [172, 214, 88],
+        text: [18, 40, 16],
+    };
+}

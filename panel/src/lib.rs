@@ -5,6 +5,7 @@
 pub mod alarm_log;
 pub mod bitmap;
 pub mod emulator;
+pub mod face;
 pub mod faceplate;
 pub mod fonts;
 pub mod glyphs;

@@ -7,8 +7,10 @@ mod navigation;
 mod program_text;
 mod refusal;
 mod search;
+mod soft_keys;
 mod teach;
 mod transfer;
+mod udisk;
 mod values;
 
 pub(crate) use entry::is_typable;
@@ -24,7 +26,8 @@ pub use transfer::{
     number_of_name, read_data,
 };
 
-use crate::keys::{KEYS, Key, KeyRole};
+use crate::face::face_of;
+use crate::keys::{Key, KeyRole, all_rows};
 use crate::pages::{self, GraphicSettings, POWER_ON_TICKS, PageId, PageKey, PageView};
 use crate::screen::Screen;
 
@@ -233,9 +236,9 @@ impl Panel {
 
     /// Shows a page immediately without keys, for pictures of single pages. Ends the
     /// self-test.
-    pub fn show(&mut self, page: PageId) {
+    pub fn show(&mut self, page: PageId, cnc: &Cnc) {
         self.picture_until = None;
-        self.go_to(page);
+        self.go_to(page, cnc);
     }
 
     /// Returns the picture of the LCD; empty while the power is off.
@@ -301,6 +304,9 @@ impl Panel {
         if self.is_held(key) || !(self.powered || key == Key::OvertravelRelease) {
             return;
         }
+        if face_of(cnc.model().id()).key(key).is_none() {
+            return;
+        }
         let in_key_matrix = |key: &&Key| **key != Key::OvertravelRelease;
         let most = cnc.parameters().simultaneous_key_limit();
         if in_key_matrix(&&key) && self.held.iter().filter(in_key_matrix).count() >= most {
@@ -339,8 +345,12 @@ impl Panel {
         if self.is_teaching(cnc) && self.teaching_key(key, cnc, requests) {
             return;
         }
+        if self.page == PageId::Udisk && self.udisk_key(key, cnc, requests) {
+            return;
+        }
         match (key.row().role, key) {
             (KeyRole::Page, _) => self.page_key(key, cnc),
+            (KeyRole::Soft(position), _) => self.soft_key(position, cnc, requests),
             (KeyRole::Character(first, second), _) => {
                 self.character_key(key, first, second, compound, cnc, requests);
             }
@@ -451,7 +461,7 @@ impl Panel {
         self.view.editor.editing = None;
         self.view.editor.alter = false;
         if mode.edits() && matches!(self.page, PageId::Mdi | PageId::Dir) {
-            self.go_to(PageId::Prg);
+            self.go_to(PageId::Prg, cnc);
         }
     }
 
@@ -464,7 +474,7 @@ impl Panel {
             self.alarms = active.iter().map(|alarm| alarm.number).collect();
         }
         if new {
-            self.go_to(PageId::Alm);
+            self.go_to(PageId::Alm, cnc);
         }
         if !cnc.is_in_alarm() {
             self.messages.clear();
@@ -478,7 +488,7 @@ impl Panel {
             .iter()
             .any(|number| !self.messages.contains(number))
         {
-            self.go_to(PageId::Msg);
+            self.go_to(PageId::Msg, cnc);
         }
         self.messages = messages;
     }
@@ -494,13 +504,17 @@ const fn page_group(key: Key) -> Option<PageKey> {
         Key::Setting => PageKey::Set,
         Key::Parameter => PageKey::Par,
         Key::Diagnosis => PageKey::Dgn,
+        Key::Teach => PageKey::Teach,
+        Key::MainProgram => PageKey::Program,
+        Key::MainOperate => PageKey::Operate,
+        Key::MainParameter => PageKey::Parameter,
         _ => return None,
     })
 }
 
 /// Returns the X contact of each machine key, and whether the key closes it.
 pub(crate) fn contacts(panel: &Panel) -> impl Iterator<Item = (crate::keys::Bit, bool)> {
-    KEYS.iter().filter_map(|row| {
+    all_rows().filter_map(|row| {
         let contact = row.key.contact()?;
         Some((contact, panel.is_held(row.key)))
     })

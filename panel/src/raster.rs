@@ -4,6 +4,7 @@ use tiny_skia::{FilterQuality, Pixmap, PixmapMut, PixmapPaint, Transform};
 
 use crate::bitmap::Bitmap;
 use crate::glyphs::{self, GLYPH_HEIGHT};
+use crate::lcd::LcdColours;
 use crate::screen::{BigText, COLUMNS, Cell, CellStyle, HEIGHT, ROWS, Screen, WIDTH};
 
 /// Number of bytes of a 320x240 RGBA picture.
@@ -21,24 +22,24 @@ const BAR: core::ops::Range<usize> = 14..16;
 /// The two colours of the LCD at a brightness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Palette {
-    /// Colour of the background, lit blue.
+    /// Colour of the lit background.
     pub background: Rgb,
     /// Colour of text and lines.
     pub text: Rgb,
 }
 
-/// Returns the LCD's colours for a brightness of 0 (darkest, still readable) to 15.
-pub fn palette(brightness: u8) -> Palette {
+/// Returns an LCD's colours for a brightness of 0 (darkest, still readable) to 15.
+pub fn palette(colours: LcdColours, brightness: u8) -> Palette {
     let level = u32::from(brightness.min(15));
-    // Dim the blue background more than the text.
+    // Dim the background more than the text.
     let background = 40 + 4 * level;
     let text = 70 + 2 * level;
     let dim = |colour: Rgb, percent: u32| {
         colour.map(|part| u8::try_from(u32::from(part) * percent / 100).unwrap_or(u8::MAX))
     };
     Palette {
-        background: dim([8, 44, 212], background),
-        text: dim([244, 248, 255], text),
+        background: dim(colours.background, background),
+        text: dim(colours.text, text),
     }
 }
 
@@ -109,7 +110,8 @@ fn double(bits: u16) -> u32 {
 /// Returns the LCD's 320x240 picture as RGBA bytes, top row first. `brightness` is 0 to 15.
 pub fn rgba(screen: &Screen, brightness: u8) -> Vec<u8> {
     let mut pixels = vec![0; RGBA_BYTES];
-    paint_rgba(&bitmap(screen), palette(brightness), 1, &mut pixels);
+    let palette = palette(screen.colours(), brightness);
+    paint_rgba(&bitmap(screen), palette, 1, &mut pixels);
     pixels
 }
 
@@ -121,7 +123,7 @@ pub fn render(screen: &Screen, scale: u32, brightness: u8) -> Option<Pixmap> {
     let mut pixmap = Pixmap::new(WIDTH as u32 * scale, HEIGHT as u32 * scale)?;
     paint_rgba(
         &bitmap(screen),
-        palette(brightness),
+        palette(screen.colours(), brightness),
         scale as usize,
         pixmap.data_mut(),
     );
@@ -221,12 +223,25 @@ mod tests {
     #[test]
     fn every_brightness_step_is_brighter_and_the_darkest_stays_readable() {
         let sum = |colour: Rgb| colour.iter().map(|part| u32::from(*part)).sum::<u32>();
+        let blue = |level| palette(LcdColours::BLUE, level);
         for level in 1..16 {
-            assert!(sum(palette(level).background) > sum(palette(level - 1).background));
-            assert!(sum(palette(level).text) > sum(palette(level - 1).text));
+            assert!(sum(blue(level).background) > sum(blue(level - 1).background));
+            assert!(sum(blue(level).text) > sum(blue(level - 1).text));
         }
-        let dark = palette(0);
+        let dark = blue(0);
         assert!(sum(dark.text) > sum(dark.background) + 300);
-        assert_eq!(palette(200), palette(15));
+        assert_eq!(blue(200), blue(15));
+    }
+    #[test]
+    fn a_green_lcd_has_dark_text_at_every_brightness() {
+        let sum = |colour: Rgb| colour.iter().map(|part| u32::from(*part)).sum::<u32>();
+        for level in 0..16 {
+            let green = palette(LcdColours::GREEN, level);
+            assert!(sum(green.background) > sum(green.text) + 100, "{level}");
+            assert!(
+                green.background[1] > green.background[0]
+                    && green.background[1] > green.background[2]
+            );
+        }
     }
 }

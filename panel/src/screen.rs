@@ -7,6 +7,7 @@ use gsk_messages::{Language, Message};
 use crate::bitmap::Bitmap;
 use crate::glyphs;
 
+use crate::lcd::LcdColours;
 pub use crate::lcd::{COLUMNS, HEIGHT, ROWS, WIDTH};
 
 /// Stored in the right half of a full-width character.
@@ -62,6 +63,7 @@ pub struct Screen {
     big: Vec<BigText>,
     graphic: Option<Bitmap>,
     language: Language,
+    colours: LcdColours,
 }
 
 impl Default for Screen {
@@ -78,14 +80,22 @@ impl Screen {
             big: Vec::new(),
             graphic: None,
             language: Language::Zh,
+            colours: LcdColours::BLUE,
         }
     }
 
-    /// Creates an empty screen for texts in a language (184.0 CH_EN = 1: English).
-    pub(crate) const fn in_language(language: Language) -> Self {
+    /// Creates an empty screen for texts in a language (184.0 CH_EN = 1: English), on an LCD
+    /// with these colours.
+    pub(crate) const fn in_language(language: Language, colours: LcdColours) -> Self {
         let mut screen = Self::new();
         screen.language = language;
+        screen.colours = colours;
         screen
+    }
+
+    /// Returns the colours of the LCD at full brightness.
+    pub const fn colours(&self) -> LcdColours {
+        self.colours
     }
 
     /// Returns the language in which messages are written to the screen.

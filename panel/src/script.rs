@@ -22,7 +22,7 @@ use crate::emulator::WaitCondition;
 use crate::keys::Key;
 
 /// The names of the actions with their forms, for help and error messages.
-pub const FORMS: [(&str, &str); 20] = [
+pub const FORMS: [(&str, &str); 21] = [
     ("press", "press KEY"),
     ("hold", "hold KEY 2s"),
     ("down", "down KEY"),
@@ -30,6 +30,7 @@ pub const FORMS: [(&str, &str); 20] = [
     ("type", "type O0001"),
     ("load", "load FILE"),
     ("receive", "receive FILE"),
+    ("udisk", "udisk FILE | udisk off"),
     ("dnc", "dnc FILE | dnc off"),
     ("power", "power off | power on"),
     ("fault", "fault NAME on | off"),
@@ -91,6 +92,9 @@ pub enum ScriptAction {
     Load(String),
     /// Receives the file with this path through the serial port.
     Receive(String),
+    /// Adds the file with this path to the plugged U disk, and plugs one if there is none. `None`
+    /// pulls the U disk out.
+    Udisk(Option<String>),
     /// Connects a partner that sends the file with this path whenever DNC mode requests a
     /// program. `None` disconnects the partner.
     Dnc(Option<String>),

@@ -3,7 +3,7 @@
 use gsk_core::simulation::Simulation;
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
-use gsk_panel::pages::POWER_ON_TICKS;
+use gsk_panel::pages::{POWER_ON_TICKS, UdiskFile};
 use gsk_panel::panel::SerialFile;
 use gsk_panel::script::{
     Effect, Failure, Runner, Script, ScriptAction, ScriptLine, ScriptProgress,
@@ -194,6 +194,11 @@ impl<'a, S: ScriptHost> ScriptSession<'a, S> {
                 if let Err(refused) = self.emulator.receive(file) {
                     self.host.show_refusal(&refused.message());
                 }
+            }
+            Effect::Udisk(name) => {
+                let SerialFile { name, text } =
+                    self.host.read_program(&name).map_err(Into::into)?;
+                self.emulator.add_udisk_file(UdiskFile { name, text });
             }
             Effect::Dnc(None) => self.partner = None,
             Effect::Dnc(Some(name)) => {

@@ -46,7 +46,7 @@ pub(crate) fn encode(screen: &Screen, brightness: u8) -> Result<Vec<u8>, String>
     let mut encoder = Encoder::new(&mut file, width, height);
     encoder.set_color(ColorType::Indexed);
     encoder.set_depth(BitDepth::One);
-    encoder.set_palette(palette_bytes(raster::palette(brightness)));
+    encoder.set_palette(palette_bytes(raster::palette(screen.colours(), brightness)));
     encoder.set_compression(Compression::High);
     let mut writer = encoder.write_header().map_err(|error| error.to_string())?;
     writer
@@ -60,7 +60,8 @@ pub(crate) fn encode(screen: &Screen, brightness: u8) -> Result<Vec<u8>, String>
 /// dots and colours.
 pub(crate) fn is_same_picture(file: &[u8], screen: &Screen, brightness: u8) -> bool {
     decode(file).is_some_and(|(palette, stored)| {
-        palette == palette_bytes(raster::palette(brightness)) && stored == pack_pixels(screen)
+        palette == palette_bytes(raster::palette(screen.colours(), brightness))
+            && stored == pack_pixels(screen)
     })
 }
 

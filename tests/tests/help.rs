@@ -253,10 +253,10 @@ fn teach_in_of_the_nc_b08_and_macro_b_are_explained() {
     let mut emulator = Emulator::new(setup);
     emulator.run_until(&WaitCondition::SelfTestOver, 10_000);
     emulator.press(gsk_panel::keys::Key::Jog);
-    emulator.show_page(PageId::Graph);
+    emulator.show_page(PageId::Teach);
     for screen in [emulator.screen(), emulator.translated_screen()] {
         for row in [1, 2, 11, 12] {
-            let found = topic_at(ModelId::default(), PageId::Graph, &screen, row, 14);
+            let found = topic_at(ModelId::Ncb08, PageId::Teach, &screen, row, 14);
             let found = found.map(|it| it.subject);
             assert_eq!(found, Some(Subject::Notion("teaching")), "{row}");
         }

@@ -1,9 +1,21 @@
 //! Checks that every page of the page table has its case: the keys that open it, and the LCD
 //! as text and as a picture.
 
+use gsk_core::model::ModelId;
+use gsk_help::{Subject, topic_of};
 use gsk_messages::Language;
-use gsk_panel::pages::{PAGES, PageId};
-use gsk_tests::case_dir;
+use gsk_panel::face::{Face, face_of};
+use gsk_panel::keys::KeyRow;
+use gsk_panel::pages::{PAGES, PageId, PageRow};
+use gsk_tests::{case_dir, repository};
+
+/// The lathes with a face of their own, and the folders of their cases.
+const MODELS: [(ModelId, [&str; 3]); 2] = [
+    (ModelId::Ncb08, ["ncb08", "ncb08-keys", "ncb08-pages"]),
+    (ModelId::Hx31, ["hx31", "hx31-keys", "hx31-pages"]),
+];
+/// Number of scripts about the panel of a model.
+const PANEL_SCRIPTS: usize = 40;
 
 #[test]
 fn every_page_has_its_case() {
@@ -26,5 +38,96 @@ fn every_page_has_its_case() {
             script.contains("press") || name == "power-on",
             "page-{name}: keys"
         );
+    }
+}
+
+/// The pages of a face that the GSK980TD does not have.
+fn own_pages(face: &Face) -> impl Iterator<Item = &'static PageRow> {
+    let main = face_of(ModelId::Gsk980td);
+    face.pages
+        .iter()
+        .filter(|row| main.page(row.page).is_none())
+}
+
+/// The keys of a face that the GSK980TD does not have.
+fn own_keys(face: &'static Face) -> impl Iterator<Item = &'static KeyRow> {
+    let main = face_of(ModelId::Gsk980td);
+    face.keys().filter(|row| main.key(row.key).is_none())
+}
+
+#[test]
+fn every_key_and_page_of_a_model_has_its_script() {
+    for (model, folders) in MODELS {
+        let scripts: Vec<String> = folders
+            .iter()
+            .flat_map(|folder| {
+                let folder = repository().join("tests/cases/models").join(folder);
+                std::fs::read_dir(folder).unwrap()
+            })
+            .filter_map(|case| {
+                std::fs::read_to_string(case.unwrap().path().join("operate.txt")).ok()
+            })
+            .collect();
+        assert!(scripts.len() > PANEL_SCRIPTS, "{model:?}");
+        let lines: Vec<&str> = scripts.iter().flat_map(|script| script.lines()).collect();
+        let face = face_of(model);
+        for row in face.pages {
+            let wanted = format!("expect page {}", row.name);
+            let by_display = face.pages.iter().any(|other| {
+                let same = other.key == row.key && other.display == row.display;
+                same && lines.contains(&&*format!("expect page {}", other.name))
+            });
+            let own = own_pages(face).any(|own| own.page == row.page);
+            assert!(by_display, "{model:?}: {wanted}");
+            assert!(!own || lines.contains(&&*wanted), "{model:?}: {wanted}");
+        }
+        for row in own_keys(face) {
+            let pressed = format!("press {}", row.id);
+            assert!(
+                lines.iter().any(|line| line.starts_with(&pressed)),
+                "{model:?}: {pressed}"
+            );
+        }
+    }
+}
+
+#[test]
+fn every_key_and_page_of_a_model_has_help() {
+    for (model, _) in MODELS {
+        let face = face_of(model);
+        let keys = own_keys(face).map(|row| Subject::Key(row.id));
+        for subject in keys.chain(own_pages(face).map(|row| Subject::Page(row.name))) {
+            let topic = topic_of(model, subject).expect("a topic");
+            for language in [Language::En, Language::Zh] {
+                assert!(!topic.rule(language).is_empty(), "{model:?}: {subject:?}");
+            }
+        }
+        assert!(
+            topic_of(model, Subject::Key("YM")).is_none(),
+            "{model:?} has no Y axis"
+        );
+    }
+    let main = topic_of(ModelId::Gsk980td, Subject::Key("CHUCK"));
+    assert!(main.is_none(), "the GSK980TD has no such key");
+}
+
+#[test]
+fn cases_named_in_the_tables_of_models_exist() {
+    for name in ["docs/models.md", "docs/models.zh-CN.md"] {
+        let text = std::fs::read_to_string(repository().join(name)).unwrap();
+        let quoted = text.split('`').skip(1).step_by(2);
+        let cases = quoted.filter(|word| {
+            let folder = word.split_once('/').map(|(folder, _)| folder);
+            MODELS
+                .iter()
+                .any(|(_, folders)| folder.is_some_and(|it| folders.contains(&it)))
+        });
+        let mut count = 0;
+        for case in cases {
+            let folder = repository().join("tests/cases/models").join(case);
+            assert!(folder.join("case.ron").is_file(), "{name}: {case}");
+            count += 1;
+        }
+        assert!(count > 80, "{name}: {count}");
     }
 }

@@ -1,5 +1,6 @@
 //! Checks that the sample programs do what their comments describe, on both paths.
 
+use gsk_core::model::{ControlModel, ModelId};
 use gsk_core::setup::Setup;
 use gsk_tests::execute::{PathResult, run_check, run_kernel};
 use gsk_tests::{repository, setup};
@@ -127,6 +128,27 @@ fn faulty_samples_raise_the_alarm_they_name() {
             assert_eq!(seen.result["end"], "alarm", "{name}");
             assert_eq!(seen.result["alarm"]["number"], number, "{name}");
             assert_eq!(seen.result["alarm"]["line"], line, "{name}");
+        }
+    }
+}
+
+#[test]
+fn samples_of_other_models_end_at_their_start_point() {
+    for (model, name, start) in [
+        (ModelId::Ncb08, "ncb08/01-stepped-pin.CNC", 100.0),
+        (ModelId::Ncb08, "ncb08/02-outputs.CNC", 80.0),
+        (ModelId::Hx31, "hx31/01-turned-pin.CNC", 100.0),
+        (ModelId::Hx31, "hx31/02-grooves.CNC", 100.0),
+    ] {
+        let mut setup = start_setup(&[name]);
+        setup.memory.model = ControlModel::new(model);
+        for seen in [run_check(&setup), run_kernel(&setup)] {
+            assert_eq!(seen.result["end"], "M02", "{name}: {}", seen.result);
+            assert_eq!(
+                seen.result["final"]["abs"],
+                serde_json::json!([start, start]),
+                "{name}"
+            );
         }
     }
 }

@@ -14,7 +14,7 @@ use gsk_host::platform::DisplayServer;
 use gsk_host::project::{self, ImportRequest, ImportRights};
 use gsk_host::retained::{Keeper, Restored};
 use gsk_host::termination::TerminationFlag;
-use gsk_host::{output, platform, transfer};
+use gsk_host::{output, platform, transfer, udisk};
 use gsk_messages::{Message, say};
 use web_time::{Duration, Instant};
 
@@ -167,6 +167,7 @@ impl App {
             )?,
             keeper: Some(keeper),
             partner_folder: Some(platform::sent_folder(data.path(), transfer::FOLDER)),
+            udisk_folder: Some(data.path().join(udisk::FOLDER)),
             termination: ending.clone(),
         };
         // The board stops at once when the display is lost, whatever the window library does.

@@ -340,7 +340,10 @@ impl Window {
             self.handle_request(requests, ui);
         }
         if self.is_key_map_open {
-            self.is_key_map_open = key_map::show(ui.ctx(), language, &self.placed_areas);
+            self.is_key_map_open = {
+                let model = self.panel_model();
+                key_map::show(ui.ctx(), language, model, &self.placed_areas)
+            };
         }
         let picture = self.snapshot.as_ref();
         match self

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use gsk_core::model::ModelId;
 use gsk_core::program::{self, Program};
 
 use gsk_host::job::{self, SelectedJob};
@@ -15,6 +16,8 @@ use crate::widgets::icons::Icon;
 pub struct ProgramSample {
     /// Name of the program's file.
     pub name: &'static str,
+    /// The control model that the program is for.
+    model: ModelId,
     /// Describes what the sample demonstrates.
     description: fn() -> Message,
     text: &'static str,
@@ -46,9 +49,16 @@ macro_rules! sample {
     (@job $job:literal) => {
         Some(text!($job))
     };
-    ($name:literal, $shows:ident $(, job $job:literal)? $(, calls $called:literal)*) => {
+    (@model) => {
+        ModelId::Gsk980td
+    };
+    (@model $model:ident) => {
+        ModelId::$model
+    };
+    ($name:literal, $shows:ident $(, for $model:ident)? $(, job $job:literal)? $(, calls $called:literal)*) => {
         ProgramSample {
             name: $name,
+            model: sample!(@model $($model)?),
             description: say::$shows,
             text: text!($name),
             job: sample!(@job $($job)?),
@@ -57,8 +67,8 @@ macro_rules! sample {
     };
 }
 
-/// The samples in the order of the menu.
-pub static SAMPLES: [ProgramSample; 7] = [
+/// The samples of all models in the order of the menu.
+static SAMPLES: [ProgramSample; 11] = [
     sample!(
         "01-stepped-shaft.CNC",
         sample_stepped_shaft,
@@ -81,6 +91,30 @@ pub static SAMPLES: [ProgramSample; 7] = [
     sample!(
         "faulty/03-missing-subprogram.CNC",
         sample_faulty_no_subprogram
+    ),
+    sample!(
+        "ncb08/01-stepped-pin.CNC",
+        sample_stepped_pin,
+        for Ncb08,
+        job "ncb08/01-stepped-pin.job.ron"
+    ),
+    sample!(
+        "ncb08/02-outputs.CNC",
+        sample_outputs,
+        for Ncb08,
+        job "ncb08/02-outputs.job.ron"
+    ),
+    sample!(
+        "hx31/01-turned-pin.CNC",
+        sample_turned_pin,
+        for Hx31,
+        job "hx31/01-turned-pin.job.ron"
+    ),
+    sample!(
+        "hx31/02-grooves.CNC",
+        sample_grooves,
+        for Hx31,
+        job "hx31/02-grooves.job.ron"
     ),
 ];
 
@@ -147,11 +181,14 @@ static OUTLINES: [(&str, SampleOutline); 4] = [
     ),
 ];
 
-/// The samples that run to their end without an alarm.
+/// The samples of a control model, in the order of the menu.
+pub fn samples_of(model: ModelId) -> impl Iterator<Item = &'static ProgramSample> {
+    SAMPLES.iter().filter(move |sample| sample.model == model)
+}
+
+/// The samples of the GSK980TD that run to their end without an alarm.
 pub fn good_samples() -> impl Iterator<Item = &'static ProgramSample> {
-    SAMPLES
-        .iter()
-        .filter(|sample| !sample.name.starts_with("faulty/"))
+    samples_of(ModelId::Gsk980td).filter(|sample| !sample.name.starts_with("faulty/"))
 }
 
 impl ProgramSample {
@@ -205,7 +242,7 @@ mod tests {
     fn every_sample_of_the_folder_is_in_the_menu_with_a_unique_number() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/programs");
         let mut files = BTreeSet::new();
-        for place in ["", "faulty/"] {
+        for place in ["", "faulty/", "ncb08/", "hx31/"] {
             for entry in std::fs::read_dir(folder.join(place)).unwrap() {
                 let name = entry.unwrap().file_name().into_string().unwrap();
                 if name.ends_with(".CNC") && !name.starts_with('O') {
@@ -218,7 +255,13 @@ mod tests {
         let numbers = SAMPLES.iter().map(|it| it.to_opened().program.number());
         let numbers: BTreeSet<_> = numbers.map(Option::unwrap).collect();
         assert_eq!(numbers.len(), SAMPLES.len());
-        for sample in good_samples() {
+        for model in [ModelId::Ncb08, ModelId::Hx31] {
+            assert_eq!(samples_of(model).count(), 2, "{model:?}");
+        }
+        let of_models = [ModelId::Ncb08, ModelId::Hx31]
+            .into_iter()
+            .flat_map(samples_of);
+        for sample in good_samples().chain(of_models) {
             let chosen = job_of(&sample.to_opened().program).unwrap();
             assert!(!chosen.job.tools.is_empty(), "{}", sample.name);
         }

@@ -221,12 +221,12 @@ pub enum CliCommand {
     /// Print or draw one LCD page as it looks after power-on
     Screen(DeferredArgs<ScreenArgs>),
     /// Print the keys of the panel: script name, label, PC key, address
-    Keys(DeferredArgs<TableArgs>),
+    Keys(DeferredArgs<ModelTableArgs>),
     /// Print the parameter table
     ///
     /// With `--model` that of another control model: the whole table of the GSK980MDi mill,
     /// with a column that says what acts in `check` and `plot`.
-    Parameters(DeferredArgs<ParametersArgs>),
+    Parameters(DeferredArgs<ModelTableArgs>),
     /// Print the alarm table: number, text, meaning, cause, cure
     Alarms(DeferredArgs<TableArgs>),
     /// Print the PLC signal table
@@ -337,6 +337,9 @@ pub struct ScreenArgs {
     /// Draw the page into a PNG instead of printing it
     #[arg(short, long, value_name = "FILE.png")]
     pub output: Option<PathBuf>,
+    /// The control model
+    #[arg(long, value_name = "MODEL", value_parser = setup_args::lathe_model_parser(), default_value = "gsk980td")]
+    pub model: ModelId,
 }
 
 /// Options of the commands that print a table.
@@ -350,9 +353,9 @@ pub struct TableArgs {
     pub json: bool,
 }
 
-/// `parameters`.
+/// `parameters` and `keys`.
 #[derive(Args, Debug)]
-pub struct ParametersArgs {
+pub struct ModelTableArgs {
     #[command(flatten)]
     pub table: TableArgs,
     /// The control model

@@ -14,7 +14,7 @@ use gsk_host::loading::LoadError;
 use gsk_host::message_format::join_lines;
 use gsk_host::ports::dnc::{self, DncSource};
 use gsk_host::termination::TERMINATED_EXIT_CODE;
-use gsk_host::{loading, retained, transfer};
+use gsk_host::{loading, retained, transfer, udisk};
 use gsk_messages::{Language, Message, say};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::{SerialCable, SerialFile};
@@ -85,6 +85,10 @@ pub fn operate(args: &OperateArgs, language: Option<Language>) -> Result<u8, Com
     if let Some(restored) = &restored {
         restored.restore_panel(&mut emulator);
         emulator.connect_cable(SerialCable::Simulated);
+        if let Some(data) = &data {
+            let folder = data.path().join(udisk::FOLDER);
+            emulator.plug_udisk(udisk::read_folder(&folder));
+        }
     }
     let live = match link {
         Some(link) => Some(HeadlessBoard::open(link, emulator.board_simulation())?),
@@ -101,6 +105,10 @@ pub fn operate(args: &OperateArgs, language: Option<Language>) -> Result<u8, Com
     let mut errors = Vec::new();
     if let (Some(data), Some(restored)) = (data, restored) {
         emulator.store_edited();
+        let stored = emulator.take_udisk_files();
+        let folder = data.path().join(udisk::FOLDER);
+        let written = transfer::write_files(&folder, &udisk::to_serial_files(stored));
+        errors.extend(written.map_err(Into::into).err());
         let sent = emulator.take_sent();
         let folder = data.path().join(transfer::FOLDER);
         errors.extend(
@@ -133,6 +141,7 @@ fn check_script_outputs(
         match &line.action {
             ScriptAction::Load(name)
             | ScriptAction::Receive(name)
+            | ScriptAction::Udisk(Some(name))
             | ScriptAction::Dnc(Some(name)) => {
                 loaded.push(resolve_path(folder, name));
             }

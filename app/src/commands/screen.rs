@@ -1,9 +1,10 @@
 //! `screen`: prints or draws one page of the LCD.
 
+use gsk_core::model::ControlModel;
 use gsk_core::setup::Setup;
 use gsk_messages::{Language, say};
 use gsk_panel::emulator::{Emulator, WaitCondition};
-use gsk_panel::pages::PAGES;
+use gsk_panel::face::face_of;
 use gsk_runner::picture;
 
 use super::{CommandError, EXIT_OK, output};
@@ -14,9 +15,10 @@ use crate::picture::check_png;
 const MAX_SELF_TEST_MS: u64 = 10_000;
 
 pub fn screen(args: &ScreenArgs) -> Result<u8, CommandError> {
+    let face = face_of(args.model);
     if args.list {
         let mut out = String::new();
-        for row in &PAGES {
+        for row in face.pages {
             let title = row.page.title().text(Language::Zh);
             out.push_str(&format!("{:<12} {title}\n", row.name));
         }
@@ -27,11 +29,13 @@ pub fn screen(args: &ScreenArgs) -> Result<u8, CommandError> {
         check_png(path)?;
     }
     let name = args.page.as_deref().unwrap_or_default();
-    let Some(row) = PAGES.iter().find(|row| row.name.eq_ignore_ascii_case(name)) else {
-        let names: Vec<&str> = PAGES.iter().map(|row| row.name).collect();
+    let Some(row) = face.page_named(name) else {
+        let names: Vec<&str> = face.pages.iter().map(|row| row.name).collect();
         return Err(say::command_no_page(name, names.join(" ")).into());
     };
-    let mut emulator = Emulator::new(Setup::default());
+    let mut setup = Setup::default();
+    setup.memory.model = ControlModel::new(args.model);
+    let mut emulator = Emulator::new(setup);
     emulator.run_until(&WaitCondition::SelfTestOver, MAX_SELF_TEST_MS);
     emulator.show_page(row.page);
     let screen = emulator.screen();

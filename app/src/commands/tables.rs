@@ -5,14 +5,15 @@ use gsk_core::model::ModelId;
 use gsk_core::{alarm, memory};
 use gsk_messages::{Language, Message, say};
 use gsk_milling::mill_parameter_rows;
-use gsk_panel::keys::{Bit, KEYS, KeyRole, STRIP};
+use gsk_panel::face::face_of;
+use gsk_panel::keys::{Bit, KeyRole, STRIP};
 use gsk_panel::signals;
 use gsk_runner::report::class_name;
 use gsk_window::pc_name;
 use serde_json::{Value, json};
 
 use super::{CommandError, EXIT_OK, output};
-use crate::cli::{ParametersArgs, TableArgs};
+use crate::cli::{ModelTableArgs, TableArgs};
 
 /// A table to print: heading and rows as text, and the rows as JSON.
 struct PrintedTable {
@@ -92,8 +93,8 @@ fn format_bit(area: char, bit: Bit) -> String {
     format!("{area}{}.{}", bit.byte, bit.bit)
 }
 
-/// Prints the keys of the panel and the lamps of the status strip.
-pub fn keys(args: &TableArgs, language: Option<Language>) -> Result<u8, CommandError> {
+/// Prints the keys of a model's panel and the lamps of the status strip.
+pub fn keys(args: &ModelTableArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let mut table = PrintedTable::new(&match language {
         Some(Language::Zh) => [
             "名称",
@@ -108,7 +109,7 @@ pub fn keys(args: &TableArgs, language: Option<Language>) -> Result<u8, CommandE
             "ID", "LABEL", "PC KEY", "CONTACT", "LAMP", "中文", "ENGLISH",
         ],
     });
-    for row in &KEYS {
+    for row in face_of(args.model).keys() {
         let contact = match row.role {
             KeyRole::Machine(contact) => format_bit('X', contact),
             _ => String::new(),
@@ -141,11 +142,11 @@ pub fn keys(args: &TableArgs, language: Option<Language>) -> Result<u8, CommandE
         let cells = [row.id, row.label, "", "", &lamp, row.name_zh, row.name_en];
         table.push(cells.map(str::to_owned).to_vec(), json);
     }
-    table.print(args)
+    table.print(&args.table)
 }
 
 /// Prints the parameters of a model.
-pub fn parameters(args: &ParametersArgs, language: Option<Language>) -> Result<u8, CommandError> {
+pub fn parameters(args: &ModelTableArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let table = match args.model {
         ModelId::Gsk980td => lathe_parameters(language),
         model if model.is_mill() => mill_parameters(language),

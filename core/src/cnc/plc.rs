@@ -26,6 +26,11 @@ const fn limit_at(side: AxisEnd) -> TrippedLimit {
 
 /// First F byte of the outputs that a program switches directly: F54 to F56.
 const PROGRAM_OUTPUTS: u16 = 54;
+/// X byte of the keys that only the panel of another model has.
+const MODEL_KEYS: u16 = 27;
+/// First bit of the stored input levels that belongs to those keys; edges act on inputs up to
+/// number 23.
+const FIRST_KEY_LEVEL: u8 = 24;
 
 impl Cnc {
     /// Switches outputs for a program. `on` and `off` are masks with Y0 in bit 0; after
@@ -63,8 +68,18 @@ impl Cnc {
         self.input_level(input) == high
     }
 
+    /// The F byte and bit of the output with the number `output`, from 0, of the control model.
+    pub const fn output_signal(output: u8) -> (u16, u8) {
+        (PROGRAM_OUTPUTS + output as u16 / 8, output % 8)
+    }
+
+    /// Whether the output with the number `output`, from 0, of the control model is on.
+    pub fn model_output(&self, output: u8) -> bool {
+        output < 24 && self.program_outputs() >> output & 1 == 1
+    }
+
     /// Whether the input with the number `input`, from 0, of the control model is on.
-    fn input_level(&self, input: u8) -> bool {
+    pub fn input_level(&self, input: u8) -> bool {
         let contact = self.memory.model.record().first_input + input;
         let byte = self.plc.engine.memory().x(u16::from(contact / 8));
         byte >> (contact % 8) & 1 == 1
@@ -162,14 +177,16 @@ impl Cnc {
         }
     }
 
-    /// Handles inputs that have a function in manual operation: their rising edges switch outputs,
-    /// or start an M function.
+    /// Handles inputs and keys of the model that have a function in manual operation: their
+    /// rising edges switch outputs, or start an M function.
     fn handle_input_edges(&mut self) {
         let record = self.memory.model.record();
         if record.edges.is_empty() {
             return;
         }
-        let levels = record.edges.keys().fold(0_u32, |levels, input| {
+        let keys = self.plc.engine.memory().x(MODEL_KEYS);
+        let keys = u32::from(keys) << FIRST_KEY_LEVEL;
+        let levels = record.edges.keys().fold(keys, |levels, input| {
             levels | u32::from(self.input_level(*input)) << input
         });
         let risen = levels & !core::mem::replace(&mut self.plc.input_levels, levels);
@@ -177,8 +194,11 @@ impl Cnc {
         if !is_manual || self.is_alarm_active() {
             return;
         }
-        for (input, edge) in &record.edges {
-            if risen >> input & 1 == 0 {
+        let by_key = record.key_edges.iter();
+        let by_key = by_key.map(|(key, edge)| (FIRST_KEY_LEVEL + key, edge));
+        let by_input = record.edges.iter().map(|(input, edge)| (*input, edge));
+        for (level, edge) in by_input.chain(by_key) {
+            if risen >> level & 1 == 0 {
                 continue;
             }
             match *edge {

@@ -124,6 +124,16 @@ pub enum ControlRequest {
         /// New state of the bit.
         on: bool,
     },
+    /// Sets a parameter that only the selected control model has.
+    SetModelParameter {
+        /// Parameter number.
+        number: u16,
+        /// New value of the parameter.
+        value: i32,
+    },
+    /// Sets the absolute coordinate of the tool on an axis, mm (X as a radius), by its zero
+    /// offset.
+    SetCoordinate(Axis, f64),
     /// Sets a row of the setting page to on or off.
     SetSetting(SettingRow, bool),
     /// Switches 参数开关, which permits changes of parameters while on.
@@ -259,6 +269,10 @@ impl Cnc {
             ControlRequest::SetParameterBit { number, bit, on } => {
                 self.change_parameters(|parameters| parameters.set_bit(number, bit, on))?;
             }
+            ControlRequest::SetModelParameter { number, value } => {
+                self.set_model_parameter(number, value)?;
+            }
+            ControlRequest::SetCoordinate(axis, value) => self.set_coordinate(axis, value),
             ControlRequest::SetSetting(setting, on) => self.set_setting(setting, on),
             ControlRequest::SetParameterSwitch(on) => self.set_parameter_switch(on),
             ControlRequest::SetProgramSwitch(on) => self.set_program_switch(on),
@@ -304,7 +318,7 @@ impl Cnc {
         }
     }
 
-    /// Presses or releases a key of the machine panel; `contact` is its contact in X20–X26.
+    /// Presses or releases a key of the machine panel; `contact` is its contact in X20–X27.
     pub fn set_panel_key(&mut self, contact: BitAddress, down: bool) {
         let byte = usize::from(contact.byte);
         if contact.area != Area::X || byte >= X_BYTES {

@@ -49,6 +49,10 @@ pub struct ModelRecord {
     /// What a rising edge of an input does in manual modes, by the number of the input.
     #[serde(default)]
     pub(crate) edges: BTreeMap<u8, EdgeAction>,
+    /// What a press of a key that only this model has does in manual modes, by the bit of the
+    /// key's contact in X27.
+    #[serde(default)]
+    pub(crate) key_edges: BTreeMap<u8, EdgeAction>,
     /// Inputs, by number, that also act as a contact of the machine.
     #[serde(default)]
     pub(crate) wires: BTreeMap<u8, WiredContact>,
@@ -250,9 +254,20 @@ impl ModelRecord {
         &RECORDS[id as usize]
     }
 
+    /// The model that this record describes.
+    pub const fn id(&self) -> ModelId {
+        self.id
+    }
+
     /// The name of the model for the operator.
     pub const fn name(&self) -> &'static str {
         self.id.name()
+    }
+
+    /// The X byte and bit of the model's input `number`, from 0.
+    pub const fn input_contact(&self, number: u8) -> (u16, u8) {
+        let contact = self.first_input as u16 + number as u16;
+        (contact / 8, (contact % 8) as u8)
     }
 
     /// The meaning of the G code `number`; `None` if the model has no such code.

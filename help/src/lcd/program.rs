@@ -1,5 +1,5 @@
 //! Finds the topics of program words on the LCD: codes, addresses and macro B statements. Also
-//! handles the teach-in display of the graphic page.
+//! handles the page of taught blocks.
 
 use gsk_core::model::ModelId;
 use gsk_panel::lcd::COLUMNS;
@@ -17,8 +17,6 @@ const INSIDE: core::ops::RangeInclusive<usize> = 1..=12;
 const BELOW_POSITION: usize = 5;
 /// Words that begin a macro B statement.
 const STATEMENTS: [&str; 6] = ["IF", "WHILE", "GOTO", "THEN", "END", "DO"];
-/// Titles of the graphic page during teach-in.
-const TEACHING: [&str; 2] = ["示教", "TEACH"];
 
 /// Returns the topic about the program word at a row and column of the LCD, from 0. Returns
 /// `None` where the page shows no program.
@@ -33,9 +31,7 @@ pub fn word_topic(
         return None;
     }
     let only_codes = match page {
-        PageId::Graph if TEACHING.iter().any(|it| screen.row(1).contains(it)) => {
-            return topic(Subject::Notion("teaching"));
-        }
+        PageId::Teach => return topic(Subject::Notion("teaching")),
         PageId::Prg => false,
         PageId::PosPrg if row >= BELOW_POSITION => false,
         PageId::Mdi | PageId::PosRel | PageId::PosAbs => true,

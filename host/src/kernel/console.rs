@@ -23,7 +23,7 @@ use gsk_link::LinkState;
 use gsk_messages::Message;
 use gsk_panel::alarm_log::AlarmRecord;
 use gsk_panel::keys::Key;
-use gsk_panel::pages::PageId;
+use gsk_panel::pages::{PageId, UdiskFile};
 use gsk_panel::panel::SerialFile;
 use gsk_panel::screen::Screen;
 use gsk_project::ProjectState;
@@ -88,6 +88,8 @@ pub enum Command {
     /// Write parameters, pitch errors, offsets and variables, all or none; a refusal
     /// becomes a notice.
     Write(Vec<ControlRequest>),
+    /// Plug a U disk with these files into the control.
+    PlugUdisk(Vec<UdiskFile>),
     /// Switch the control off and on again.
     PowerCycle,
     /// Force a machine input to a value; `None` returns it to its sensor.

@@ -59,7 +59,9 @@ const fn release_timing(key: Key) -> ReleaseTiming {
         KeyRole::Edit if matches!(key, Key::Eob) => ReleaseTiming::NextTick,
         // The level of the key starts the MDI block.
         KeyRole::Edit if matches!(key, Key::Output) => ReleaseTiming::Contact,
-        KeyRole::Edit | KeyRole::Page | KeyRole::EmergencyStop => ReleaseTiming::WithEdge,
+        KeyRole::Edit | KeyRole::Page | KeyRole::Soft(_) | KeyRole::EmergencyStop => {
+            ReleaseTiming::WithEdge
+        }
     }
 }
 

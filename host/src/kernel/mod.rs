@@ -533,6 +533,7 @@ impl Kernel {
             Command::Timeline(command) => self.execute_timeline_command(command),
             Command::CrashStops(stops) => self.part.set_crash_stops(stops),
             Command::ShowPart(visible) => self.show_part(visible),
+            Command::PlugUdisk(files) => self.emulator.plug_udisk(Some(files)),
             Command::PowerCycle => self.emulator.power_cycle(),
             Command::ForceInput(address, state) => {
                 self.emulator.force_input(address, state);

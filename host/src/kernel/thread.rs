@@ -9,11 +9,13 @@ use web_time::{Duration, Instant};
 
 use super::journal::ChangeLog;
 use super::{Command, Console, Kernel, Notice, SNAPSHOT_TICKS, SpeedRatio};
+use gsk_panel::pages::PageId;
+
 use crate::kernel::pace::{RunSpeed, TickPacer};
 use crate::platform::{self, TaskHandle};
 use crate::retained::Keeper;
 use crate::termination::{TERMINATED_EXIT_CODE, TerminationFlag};
-use crate::{log, output, transfer};
+use crate::{log, output, transfer, udisk};
 
 /// Time between two checks whether the memory of the control needs to be saved.
 const KEEPER_INTERVAL: Duration = Duration::from_millis(100);
@@ -40,6 +42,8 @@ pub struct KernelEnvironment {
     pub keeper: Option<Keeper>,
     /// The folder for files that the control sends; `None` to store none.
     pub partner_folder: Option<PathBuf>,
+    /// The folder that is the control's U disk; `None` without a U disk.
+    pub udisk_folder: Option<PathBuf>,
     /// Set by a termination signal to end the program.
     pub termination: TerminationFlag,
 }
@@ -119,6 +123,8 @@ struct KernelLoop {
     last_keeper_check: Instant,
     /// Time at which the recordings are handed over to the disk next.
     next_flush: Instant,
+    /// Whether the LCD showed the page of the U disk in the last turn.
+    is_udisk_shown: bool,
 }
 
 impl KernelLoop {
@@ -138,6 +144,7 @@ impl KernelLoop {
             last_check: now,
             last_keeper_check: now,
             next_flush: now,
+            is_udisk_shown: false,
         }
     }
 
@@ -155,6 +162,7 @@ impl KernelLoop {
         self.run_due_ticks(now);
         self.publish_snapshot(now);
         self.pass_sent_files();
+        self.follow_udisk();
         self.save_changes(now);
         if now >= self.next_flush {
             self.next_flush = now + RECORDING_INTERVAL;
@@ -252,6 +260,33 @@ impl KernelLoop {
             return;
         };
         let files = self.kernel.emulator.take_sent();
+        if !files.is_empty() {
+            let console = self.console.clone();
+            transfer::write_in_background(folder.clone(), files, move |written| {
+                report_transfer(&console, written);
+            });
+        }
+    }
+
+    /// Reads the folder of the U disk when its page opens, and writes the files that the control
+    /// has stored there, both in the background.
+    fn follow_udisk(&mut self) {
+        let Some(folder) = &self.outside.udisk_folder else {
+            return;
+        };
+        let is_shown = self.kernel.emulator.panel().page() == PageId::Udisk;
+        if is_shown && !self.is_udisk_shown {
+            let (folder, console) = (folder.clone(), self.console.clone());
+            let reading = platform::run_in_background("udisk", move || {
+                let files = udisk::read_folder(&folder).unwrap_or_default();
+                console.send(Command::PlugUdisk(files));
+            });
+            if let Err(error) = reading {
+                error!("U disk: {error}");
+            }
+        }
+        self.is_udisk_shown = is_shown;
+        let files = udisk::to_serial_files(self.kernel.emulator.take_udisk_files());
         if !files.is_empty() {
             let console = self.console.clone();
             transfer::write_in_background(folder.clone(), files, move |written| {
@@ -398,6 +433,7 @@ mod tests {
             wake: Box::new(|| {}),
             keeper: None,
             partner_folder: None,
+            udisk_folder: None,
             termination: TerminationFlag::default(),
         };
         (KernelLoop::new(kernel, outside, console.clone()), console)

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Emulator;
 use super::serial::PortRequest;
-use crate::pages::{Communication, PageId};
+use crate::pages::{Communication, PageId, UdiskFile};
 use crate::panel::{FileRefusal, KeyEvent, PanelRetained, ReceiveError, SerialCable, SerialFile};
 
 /// A change of an [`Emulator`] from outside. It acts between two ticks.
@@ -63,6 +63,10 @@ pub enum EmulatorInput {
     RestorePanel(PanelRetained),
     /// Stores the program text that is open in the editor.
     StoreEdited,
+    /// Plugs a U disk with these files into the control; `None` pulls it out.
+    PlugUdisk(Option<Vec<UdiskFile>>),
+    /// Takes the files that the control has stored on the U disk.
+    TakeUdiskFiles,
 }
 
 /// What an [`EmulatorInput`] has led to.
@@ -80,6 +84,8 @@ pub enum InputAnswer {
     FileRefused(FileRefusal),
     /// The requested or taken files.
     Files(Vec<SerialFile>),
+    /// Files that the control has stored on the U disk.
+    UdiskFiles(Vec<UdiskFile>),
     /// Number of characters that the DNC line has accepted.
     Accepted(usize),
 }
@@ -157,6 +163,7 @@ impl Emulator {
             EmulatorInput::Dnc(input) => {
                 InputAnswer::Accepted(self.simulation.cnc.apply_dnc(input))
             }
+            EmulatorInput::TakeUdiskFiles => InputAnswer::UdiskFiles(self.panel.take_udisk_files()),
             EmulatorInput::TakeSent => InputAnswer::Files(self.panel.take_sent()),
             EmulatorInput::TakePortFiles => InputAnswer::Files(self.panel.take_port_files()),
             EmulatorInput::TakeAborted => {
@@ -180,9 +187,10 @@ impl Emulator {
             EmulatorInput::FitGraphic { min, max } => {
                 self.panel.fit_graphic(*min, *max, &self.simulation.cnc);
             }
-            EmulatorInput::ShowPage(page) => self.panel.show(*page),
+            EmulatorInput::ShowPage(page) => self.panel.show(*page, &self.simulation.cnc),
             EmulatorInput::RestorePanel(retained) => self.panel.restore(retained),
             EmulatorInput::StoreEdited => self.store_edited_text(),
+            EmulatorInput::PlugUdisk(files) => self.panel.plug_udisk(files.clone()),
             _ => {}
         }
         InputAnswer::Applied
@@ -242,6 +250,31 @@ impl Emulator {
             return Vec::new();
         }
         self.take_files(EmulatorInput::TakeSent)
+    }
+
+    /// Plugs a U disk with these files into the control; `None` pulls it out.
+    pub fn plug_udisk(&mut self, files: Option<Vec<UdiskFile>>) {
+        self.apply(EmulatorInput::PlugUdisk(files));
+    }
+
+    /// Adds a file to the plugged U disk. Plugs one if there is none.
+    pub fn add_udisk_file(&mut self, file: UdiskFile) {
+        let disk = self.panel.view().udisk.as_ref();
+        let mut files = disk.map_or_else(Vec::new, |disk| disk.files.clone());
+        files.retain(|other| other.name != file.name);
+        files.push(file);
+        self.plug_udisk(Some(files));
+    }
+
+    /// Takes the files that the control has stored on the U disk since the last call.
+    pub fn take_udisk_files(&mut self) -> Vec<UdiskFile> {
+        if !self.panel.has_udisk_files() {
+            return Vec::new();
+        }
+        match self.apply(EmulatorInput::TakeUdiskFiles) {
+            InputAnswer::UdiskFiles(files) => files,
+            _ => Vec::new(),
+        }
     }
 
     /// Takes the files that 输出 sends, for the port of the computer.

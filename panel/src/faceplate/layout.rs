@@ -1,6 +1,7 @@
 //! Lays out the parts of the panel.
 
 use super::{Outline, PanelArea, PanelColour, PanelPart, PartKind, Rect, SIZE};
+use crate::face::{Face, GAP, KeyGrid};
 use crate::keys::{Key, STRIP};
 
 /// Rectangle of the LCD, panel units.
@@ -46,21 +47,19 @@ pub(super) const SECTIONS: [PanelArea; 7] = [
     },
 ];
 
-/// Space between keys, panel units.
-const GAP: f32 = 6.0;
-
 /// Drawing layers, from the lowest.
 const HOUSING: u8 = 0;
 const PLATE: u8 = 1;
 const ON_PLATE: u8 = 2;
 
-pub(super) fn parts() -> Vec<PanelPart> {
+pub(super) fn parts(face: &Face) -> Vec<PanelPart> {
     let mut parts = vec![PanelPart {
         what: PartKind::Housing,
         rect: Rect::new(0.0, 0.0, SIZE.0, SIZE.1),
         outline: Outline::Rounded(14.0),
         layer: HOUSING,
         colour: PanelColour::Housing,
+        print: &[],
     }];
     for rect in [
         STRIP_PLATE,
@@ -78,6 +77,7 @@ pub(super) fn parts() -> Vec<PanelPart> {
             outline: Outline::Rounded(8.0),
             layer: PLATE,
             colour: PanelColour::Plate,
+            print: &[],
         });
     }
     parts.push(PanelPart {
@@ -86,6 +86,7 @@ pub(super) fn parts() -> Vec<PanelPart> {
         outline: Outline::Rounded(10.0),
         layer: PLATE,
         colour: PanelColour::Bezel,
+        print: &[],
     });
     parts.push(PanelPart {
         what: PartKind::Lcd,
@@ -93,24 +94,15 @@ pub(super) fn parts() -> Vec<PanelPart> {
         outline: Outline::Rounded(0.0),
         layer: ON_PLATE,
         colour: PanelColour::Lcd,
+        print: &[],
     });
     strip(&mut parts);
     name_plate(&mut parts);
-    edit_keyboard(&mut parts);
-    page_keys(&mut parts);
-    machine_keys(&mut parts);
+    for keys in face.grids {
+        grid(&mut parts, face, keys);
+    }
     additional_panel(&mut parts);
     parts
-}
-
-fn key(parts: &mut Vec<PanelPart>, key: Key, rect: Rect, colour: PanelColour) {
-    parts.push(PanelPart {
-        what: PartKind::Key(key),
-        rect,
-        outline: Outline::Rounded(6.0),
-        layer: ON_PLATE,
-        colour,
-    });
 }
 
 fn print(
@@ -126,6 +118,7 @@ fn print(
         outline: Outline::Rounded(0.0),
         layer: ON_PLATE,
         colour,
+        print: &[],
     });
 }
 
@@ -145,6 +138,7 @@ fn strip(parts: &mut Vec<PanelPart>) {
             outline: Outline::Rounded(4.0),
             layer: ON_PLATE,
             colour: PanelColour::Print,
+            print: &[],
         });
     }
 }
@@ -157,6 +151,7 @@ fn name_plate(parts: &mut Vec<PanelPart>) {
         outline: Outline::Rounded(0.0),
         layer: ON_PLATE,
         colour: PanelColour::Print,
+        print: &[],
     });
     let right = Rect::new(x + w - 160.0, y + 12.0, 140.0, 16.0);
     print(parts, "车床数控系统", 16.0, right, PanelColour::Print);
@@ -175,215 +170,35 @@ fn name_plate(parts: &mut Vec<PanelPart>) {
             outline: Outline::Rounded(radius),
             layer: ON_PLATE,
             colour,
+            print: &[],
         });
     }
 }
 
-/// Adds the edit keyboard: RESET, page and cursor keys; addresses; numbers; the row of
-/// functions below.
-fn edit_keyboard(parts: &mut Vec<PanelPart>) {
-    let (w, h) = (47.0, 60.0);
-    let left = EDIT_PLATE.x + 14.0;
-    let top = EDIT_PLATE.y + 14.0;
-    let row = |index: f32| top + index * (h + GAP);
-
-    let both = 2.0 * w + GAP;
-    key(
-        parts,
-        Key::Reset,
-        Rect::new(left, top, both, h),
-        PanelColour::Danger,
-    );
-    // As large as letters, because they are pressed as often.
-    let moves = [
-        [Key::PageUp, Key::Up],
-        [Key::PageDown, Key::Down],
-        [Key::Left, Key::Right],
-    ];
-    let first = Rect::new(left, row(1.0), w, h);
-    grid(parts, &moves, first, PanelColour::Function);
-
-    let addresses = [
-        [Key::O, Key::N, Key::G, Key::X, Key::Z],
-        [Key::U, Key::W, Key::S, Key::T, Key::M],
-        [Key::P, Key::R, Key::I, Key::K, Key::J],
-        [Key::F, Key::L, Key::H, Key::Slash, Key::Eob],
-    ];
-    let start = left + both + 14.0;
-    grid(
-        parts,
-        &addresses,
-        Rect::new(start, top, w, h),
-        PanelColour::Address,
-    );
-
-    let numbers = [
-        [Key::Digit7, Key::Digit8, Key::Digit9],
-        [Key::Digit4, Key::Digit5, Key::Digit6],
-        [Key::Digit1, Key::Digit2, Key::Digit3],
-        [Key::Minus, Key::Digit0, Key::Point],
-    ];
-    let start = start + 5.0 * (w + GAP) + 8.0;
-    grid(
-        parts,
-        &numbers,
-        Rect::new(start, top, w, h),
-        PanelColour::Number,
-    );
-    let end = start + 3.0 * (w + GAP) - GAP;
-
-    let functions = [[
-        Key::Input,
-        Key::Output,
-        Key::Change,
-        Key::Cancel,
-        Key::Insert,
-        Key::Delete,
-    ]];
-    let width = (end - left + GAP) / 6.0 - GAP;
-    let first = Rect::new(left, row(4.0) + 14.0, width, 66.0);
-    grid(parts, &functions, first, PanelColour::Function);
-}
-
-fn page_keys(parts: &mut Vec<PanelPart>) {
-    let pages = [[
-        Key::Position,
-        Key::Program,
-        Key::Offset,
-        Key::Alarm,
-        Key::Setting,
-        Key::Parameter,
-        Key::Diagnosis,
-    ]];
-    let left = PAGE_PLATE.x + 14.0;
-    let width = (PAGE_PLATE.w - 28.0 + GAP) / 7.0 - GAP;
-    let first = Rect::new(left, PAGE_PLATE.y + 18.0, width, 60.0);
-    grid(parts, &pages, first, PanelColour::Page);
-}
-
-/// Adds rows of keys of one size. `first` is the rectangle of the first key.
-fn grid<const N: usize>(
-    parts: &mut Vec<PanelPart>,
-    rows: &[[Key; N]],
-    first: Rect,
-    colour: PanelColour,
-) {
-    for (row, keys) in rows.iter().enumerate() {
-        for (column, name) in keys.iter().enumerate() {
+/// Adds rows of keys of one size.
+fn grid(parts: &mut Vec<PanelPart>, face: &Face, grid: &KeyGrid) {
+    let first = grid.first;
+    for (row, keys) in grid.rows.iter().enumerate() {
+        for (column, key) in keys.iter().enumerate() {
             let rect = Rect::new(
                 first.x + column as f32 * (first.w + GAP),
                 first.y + row as f32 * (first.h + GAP),
                 first.w,
                 first.h,
             );
-            let colour = if *name == Key::Eob {
-                PanelColour::Function
-            } else {
-                colour
+            let Some(row) = face.key(*key) else {
+                continue;
             };
-            key(parts, *name, rect, colour);
+            parts.push(PanelPart {
+                what: PartKind::Key(*key),
+                rect,
+                outline: Outline::Rounded(6.0),
+                layer: ON_PLATE,
+                colour: grid.colour,
+                print: row.legend,
+            });
         }
     }
-}
-
-/// Adds the machine keys: modes, toggles and increments; directions; spindle and auxiliary
-/// functions; overrides, hold and start.
-fn machine_keys(parts: &mut Vec<PanelPart>) {
-    let (w, h) = (56.0, 50.0);
-    let x = MACHINE_PLATE.x + 14.0;
-    let y = MACHINE_PLATE.y + 11.0;
-    let modes = [[
-        Key::Edit,
-        Key::Auto,
-        Key::Mdi,
-        Key::MachineZero,
-        Key::Handwheel,
-        Key::Jog,
-    ]];
-    grid(parts, &modes, Rect::new(x, y, w, h), PanelColour::Mode);
-    let toggles = [[
-        Key::SingleBlock,
-        Key::BlockSkip,
-        Key::MachineLock,
-        Key::AuxiliaryLock,
-        Key::DryRun,
-    ]];
-    let second = y + h + GAP;
-    grid(
-        parts,
-        &toggles,
-        Rect::new(x, second, w, h),
-        PanelColour::Machine,
-    );
-    let program_zero = Rect::new(x + 5.0 * (w + GAP), second, w, h);
-    key(parts, Key::ProgramZero, program_zero, PanelColour::Mode);
-    let wheel = [[
-        Key::Increment1,
-        Key::Increment10,
-        Key::Increment100,
-        Key::WheelX,
-        Key::WheelY,
-        Key::WheelZ,
-    ]];
-    let third = second + h + GAP;
-    grid(
-        parts,
-        &wheel,
-        Rect::new(x, third, w, h),
-        PanelColour::Machine,
-    );
-
-    let group = 24.0;
-    let x = x + 6.0 * (w + GAP) - GAP + group;
-    let at = |column: f32, row: f32| Rect::new(x + column * (w + GAP), y + row * (h + GAP), w, h);
-    for (name, column, row) in [
-        (Key::XUp, 1.0, 0.0),
-        (Key::YMinus, 2.0, 0.0),
-        (Key::ZLeft, 0.0, 1.0),
-        (Key::Rapid, 1.0, 1.0),
-        (Key::ZRight, 2.0, 1.0),
-        (Key::XDown, 1.0, 2.0),
-        (Key::YPlus, 2.0, 2.0),
-    ] {
-        key(parts, name, at(column, row), PanelColour::Direction);
-    }
-
-    let x = x + 3.0 * (w + GAP) - GAP + group;
-    let spindle = [
-        [Key::SpindleForward, Key::Coolant],
-        [Key::SpindleStop, Key::Lubrication],
-        [Key::SpindleReverse, Key::ToolChange],
-    ];
-    grid(parts, &spindle, Rect::new(x, y, w, h), PanelColour::Machine);
-
-    let x = x + 2.0 * (w + GAP) - GAP + group;
-    let overrides = [
-        [
-            Key::SpindleOverrideUp,
-            Key::RapidOverrideUp,
-            Key::FeedOverrideUp,
-        ],
-        [
-            Key::SpindleOverrideDown,
-            Key::RapidOverrideDown,
-            Key::FeedOverrideDown,
-        ],
-    ];
-    grid(
-        parts,
-        &overrides,
-        Rect::new(x, y, w, h),
-        PanelColour::Machine,
-    );
-    let half = (3.0 * (w + GAP) - 2.0 * GAP) / 2.0;
-    key(
-        parts,
-        Key::FeedHold,
-        Rect::new(x, third, half, h),
-        PanelColour::Hold,
-    );
-    let start = Rect::new(x + half + GAP, third, half, h);
-    key(parts, Key::CycleStart, start, PanelColour::Start);
 }
 
 /// Adds the parts of the additional panel: mushroom button, overtravel release and handwheel.
@@ -396,6 +211,7 @@ fn additional_panel(parts: &mut Vec<PanelPart>) {
             outline: Outline::Round,
             layer: ON_PLATE,
             colour,
+            print: &[],
         });
     };
     let stop = Rect::around(x + 66.0, y + 56.0, 88.0);

@@ -75,7 +75,7 @@ pub fn paint(area: PanelArea, state: &FaceState<'_>, scale: f32) -> Option<Pixma
         scale,
         corner: corner(area, scale),
     };
-    for part in area.parts() {
+    for part in area.parts(state.model) {
         painter.part(&part, state);
     }
     Some(painter.pixmap)
@@ -102,7 +102,7 @@ pub fn paint_part(
         scale,
         corner: (left - MARGIN as f32, top - MARGIN as f32),
     };
-    for other in area.parts() {
+    for other in area.parts(state.model) {
         if painted_rect(&other).overlaps(&available) {
             painter.part(&other, state);
         }

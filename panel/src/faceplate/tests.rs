@@ -1,35 +1,53 @@
 use super::*;
-use crate::keys::{KEYS, STRIP};
-use gsk_core::model::ModelId;
+use crate::keys::STRIP;
+
+/// The model whose panel most tests paint.
+const MAIN: ModelId = ModelId::Gsk980td;
 
 #[test]
 fn every_key_is_on_the_panel_once() {
-    for row in &KEYS {
-        let count = parts()
+    for model in ModelId::ALL {
+        for row in face_of(model).keys() {
+            let keys = parts(model)
+                .iter()
+                .filter(|part| part.key() == Some(row.key));
+            assert_eq!(keys.count(), 1, "{model:?} {}", row.id);
+            assert!(part_of(model, row.key).is_some());
+        }
+        let lamps = parts(model)
             .iter()
-            .filter(|part| part.key() == Some(row.key))
+            .filter(|part| matches!(part.what, PartKind::Strip(_)))
             .count();
-        assert_eq!(count, 1, "{}", row.id);
-        assert!(part_of(row.key).is_some());
+        assert_eq!(lamps, STRIP.len());
     }
-    let lamps = parts()
-        .iter()
-        .filter(|part| matches!(part.what, PartKind::Strip(_)))
-        .count();
-    assert_eq!(lamps, STRIP.len());
+}
+
+#[test]
+fn a_stop_key_is_at_the_same_position_on_every_panel() {
+    for key in [Key::EmergencyStop, Key::FeedHold, Key::Reset] {
+        for model in ModelId::ALL {
+            assert_eq!(part_of(model, key), part_of(MAIN, key), "{model:?}");
+        }
+    }
 }
 
 #[test]
 fn parts_of_one_layer_do_not_overlap_and_are_on_the_layer_below() {
-    for (index, part) in parts().iter().enumerate() {
-        for other in &parts()[index + 1..] {
+    for model in ModelId::ALL {
+        check_layers(parts(model));
+    }
+}
+
+fn check_layers(parts: &[PanelPart]) {
+    for (index, part) in parts.iter().enumerate() {
+        for other in &parts[index + 1..] {
             assert!(part.layer <= other.layer, "drawing order");
             if part.layer == other.layer {
                 assert!(!part.rect.overlaps(&other.rect), "{part:?}\n{other:?}");
             }
         }
         let supported = part.layer == 0
-            || parts()
+            || parts
                 .iter()
                 .any(|below| below.layer + 1 == part.layer && below.rect.encloses(&part.rect));
         assert!(supported, "{part:?}");
@@ -38,7 +56,7 @@ fn parts_of_one_layer_do_not_overlap_and_are_on_the_layer_below() {
 
 #[test]
 fn legends_and_lamps_stay_inside_their_key() {
-    for part in parts() {
+    for part in ModelId::ALL.into_iter().flat_map(parts) {
         for (line, rect) in part.legend() {
             assert!(part.rect.encloses(&rect), "{line}");
             let width = text::width(line, rect.h);
@@ -53,7 +71,8 @@ fn legends_and_lamps_stay_inside_their_key() {
 
 #[test]
 fn every_part_is_in_one_of_the_areas() {
-    for part in parts().iter().filter(|part| part.what != PartKind::Housing) {
+    let parts = ModelId::ALL.into_iter().flat_map(parts);
+    for part in parts.filter(|part| part.what != PartKind::Housing) {
         let areas = PanelArea::SECTIONS
             .iter()
             .filter(|area| area.contains(part));
@@ -64,7 +83,7 @@ fn every_part_is_in_one_of_the_areas() {
 
 #[test]
 fn keys_of_the_cursor_are_no_smaller_than_letters() {
-    let letter = part_of(Key::O).unwrap();
+    let letter = part_of(MAIN, Key::O).unwrap();
     for key in [
         Key::Up,
         Key::Down,
@@ -73,13 +92,13 @@ fn keys_of_the_cursor_are_no_smaller_than_letters() {
         Key::PageUp,
         Key::PageDown,
     ] {
-        let rect = part_of(key).unwrap().rect;
+        let rect = part_of(MAIN, key).unwrap().rect;
         assert!(
             rect.w >= letter.rect.w && rect.h >= letter.rect.h,
             "{key:?}"
         );
     }
-    let height = |key| part_of(key).unwrap().legend()[0].1.h;
+    let height = |key| part_of(MAIN, key).unwrap().legend()[0].1.h;
     assert!(height(Key::Up) >= height(Key::O));
 }
 
@@ -90,21 +109,21 @@ fn the_lcd_has_whole_dots_at_half_scales() {
 
 #[test]
 fn the_pointer_finds_keys_by_their_outline() {
-    let stop = part_of(Key::EmergencyStop).unwrap().rect;
+    let stop = part_of(MAIN, Key::EmergencyStop).unwrap().rect;
     let (x, y) = stop.center();
     assert_eq!(
-        part_at(x, y).and_then(PanelPart::key),
+        part_at(MAIN, x, y).and_then(PanelPart::key),
         Some(Key::EmergencyStop)
     );
     assert_eq!(
-        part_at(stop.x + 1.0, stop.y + 1.0).and_then(PanelPart::key),
+        part_at(MAIN, stop.x + 1.0, stop.y + 1.0).and_then(PanelPart::key),
         None
     );
-    for row in &KEYS {
-        let (x, y) = part_of(row.key).unwrap().rect.center();
-        assert_eq!(part_at(x, y).and_then(PanelPart::key), Some(row.key));
+    for row in face_of(MAIN).keys() {
+        let (x, y) = part_of(MAIN, row.key).unwrap().rect.center();
+        assert_eq!(part_at(MAIN, x, y).and_then(PanelPart::key), Some(row.key));
     }
-    assert_eq!(part_at(-1.0, 5.0), None);
+    assert_eq!(part_at(MAIN, -1.0, 5.0), None);
 }
 
 #[test]
@@ -151,7 +170,7 @@ fn sections_as_in_the_whole(state: &FaceState<'_>, scale: f32) {
 
 fn sections_as_in(area: PanelArea, state: &FaceState<'_>, scale: f32) {
     let whole = paint(area, state, scale).unwrap();
-    for part in area.parts().filter(|part| part.layer > 1) {
+    for part in area.parts(state.model).filter(|part| part.layer > 1) {
         let part = &part;
         let (section, [left, top]) = paint_part(area, part, state, scale).unwrap();
         for (index, dot) in section.pixels().iter().enumerate() {
@@ -179,7 +198,7 @@ fn a_change_of_the_picture_changes_the_state() {
         ..dark
     };
     let turned = FaceState { wheel: 1, ..dark };
-    for part in parts() {
+    for part in parts(MAIN) {
         let key = part.key().filter(|key| *key != Key::EmergencyStop);
         let pressed: Vec<Key> = part.key().into_iter().collect();
         let down = FaceState {
@@ -217,7 +236,7 @@ fn a_change_of_the_picture_changes_the_state() {
 
 #[test]
 fn the_name_is_that_of_the_model() {
-    let part = parts()
+    let part = parts(MAIN)
         .iter()
         .find(|part| part.what == PartKind::Model)
         .unwrap();
@@ -244,7 +263,7 @@ fn the_name_is_that_of_the_model() {
 #[test]
 fn a_panel_with_a_real_machine_is_no_emulator() {
     let dots = |real: bool, what: PartKind| {
-        let part = parts().iter().find(|part| part.what == what).unwrap();
+        let part = parts(MAIN).iter().find(|part| part.what == what).unwrap();
         let state = FaceState {
             real,
             ..FaceState::default()

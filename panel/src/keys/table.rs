@@ -25,7 +25,7 @@ const fn row(
     }
 }
 
-/// The key table, in the order of [`Key`].
+/// The keys of the GSK980TD, in the order of [`Key`].
 #[rustfmt::skip] // One row a line.
 pub static KEYS: [KeyRow; 93] = [
     row(Key::Reset, "RESET", &["复位 //", "RESET"], "复位", "Reset", KeyRole::Machine(Bit::new(26, 0)), None, "Escape"),
@@ -121,4 +121,20 @@ pub static KEYS: [KeyRow; 93] = [
     row(Key::CycleStart, "CS", &["运行"], "运行(循环启动)", "Cycle start", KeyRole::Machine(Bit::new(25, 0)), Some(Bit::new(8, 0)), "F9"),
     row(Key::EmergencyStop, "ESTOP", &["急停"], "急停", "Emergency stop", KeyRole::EmergencyStop, None, "F12"),
     row(Key::OvertravelRelease, "OTREL", &["超程", "解除"], "超程解除", "Overtravel release", KeyRole::OvertravelRelease, None, "F11"),
+];
+
+/// The keys that only other models have, in the order of [`Key`] after [`KEYS`].
+#[rustfmt::skip] // One row a line.
+pub static MODEL_KEYS: [KeyRow; 11] = [
+    row(Key::Chuck, "CHUCK", &["卡盘"], "卡盘", "Chuck", KeyRole::Machine(Bit::new(27, 0)), None, "Ctrl+J"),
+    row(Key::Tailstock, "TAIL", &["尾座"], "尾座", "Tailstock", KeyRole::Machine(Bit::new(27, 1)), None, "Ctrl+I"),
+    row(Key::Teach, "TEACH", &["示教", "TEACH"], "示教页面", "Teaching pages", KeyRole::Page, None, "Ctrl+F8"),
+    row(Key::MainProgram, "PRGRM", &["程序", "PRGRM"], "程序主功能", "Main function of programs", KeyRole::Page, None, "Ctrl+F6"),
+    row(Key::MainOperate, "OPERT", &["加工", "OPERT"], "加工主功能", "Main function of machining", KeyRole::Page, None, "Ctrl+F7"),
+    row(Key::MainParameter, "PARAM", &["参数", "PARAM"], "参数主功能", "Main function of parameters", KeyRole::Page, None, "Ctrl+F9"),
+    row(Key::Soft1, "F1", &["F1"], "软定义键 F1", "Soft key F1", KeyRole::Soft(0), None, "Ctrl+F1"),
+    row(Key::Soft2, "F2", &["F2"], "软定义键 F2", "Soft key F2", KeyRole::Soft(1), None, "Ctrl+F2"),
+    row(Key::Soft3, "F3", &["F3"], "软定义键 F3", "Soft key F3", KeyRole::Soft(2), None, "Ctrl+F3"),
+    row(Key::Soft4, "F4", &["F4"], "软定义键 F4", "Soft key F4", KeyRole::Soft(3), None, "Ctrl+F4"),
+    row(Key::Soft5, "F5", &["F5"], "软定义键 F5", "Soft key F5", KeyRole::Soft(4), None, "Ctrl+F5"),
 ];

@@ -12,8 +12,8 @@ use super::frame;
 use super::lists::{self, HEADING_ROW};
 use super::parameters::{self, BITS};
 use super::plc_names;
-use super::table::PageId;
 use super::view::PageView;
+use crate::face::PageId;
 use crate::screen::Screen;
 
 /// Number of diagnosis bytes, and of those on one screen.

@@ -36,6 +36,15 @@ impl CoordinateFormat {
         }
     }
 
+    /// Converts a coordinate in the unit of the display to mm, X to a radius.
+    pub(crate) fn to_mm(self, axis: Axis, shown: f64) -> f64 {
+        let value = if self.inch { shown * INCH } else { shown };
+        match axis {
+            Axis::X if self.diameter => value / 2.0,
+            _ => value,
+        }
+    }
+
     /// Formats a length given in mm, in inches if set.
     pub fn length(self, value: f64) -> String {
         if self.inch {

@@ -8,8 +8,10 @@ use gsk_core::program::{DncBuffer, Program};
 use gsk_messages::{Message, say};
 
 use super::format::four_digits;
-use super::table::PageId;
 use super::view::{Communication, PageView};
+use crate::face::PageId;
+use crate::face::{SoftAction, face_of};
+use crate::glyphs;
 use crate::screen::{CellStyle, Screen};
 
 /// Screen row of the input line, and of the S and T display.
@@ -28,11 +30,23 @@ const HOLD_COLUMN: usize = 5;
 const MODE_COLUMN: usize = 20;
 const COMMUNICATION_COLUMN: usize = 30;
 
+/// Width of a soft key label with the space after it, and columns of state and mode on a model
+/// with soft keys.
+const SOFT_WIDTH: usize = 7;
+const SOFT_STATE_COLUMN: usize = 36;
+const SOFT_MODE_COLUMN: usize = 19;
+
 /// Draws what all pages have: title, program and sequence number, spindle, tool, run state,
 /// mode.
 pub fn draw(screen: &mut Screen, page: PageId, view: &PageView, cnc: &Cnc) {
     screen.put_message(0, 0, &page.title());
-    screen.put(0, PROGRAM_COLUMN, &format!("O{:04}", program_number(cnc)));
+    let record = cnc.model().record();
+    let name = if record.program_name.starts_with('%') {
+        format!("%P{:02}", program_number(cnc))
+    } else {
+        format!("O{:04}", program_number(cnc))
+    };
+    screen.put(0, PROGRAM_COLUMN, &name);
     screen.put(0, SEQUENCE_COLUMN, &format!("N{:04}", sequence(view, cnc)));
 
     let spindle = format!("S{}", four_digits(spindle_speed(cnc)));
@@ -41,9 +55,55 @@ pub fn draw(screen: &mut Screen, page: PageId, view: &PageView, cnc: &Cnc) {
     let tool = format!("T{tool:02}{offset:02}");
     screen.put(INPUT_ROW, SEQUENCE_COLUMN, &tool);
 
-    draw_state(screen, view, cnc);
-    screen.put_message(STATUS_ROW, MODE_COLUMN, &mode_text(cnc.mode()));
-    draw_communication(screen, view);
+    let face = face_of(cnc.model().id());
+    if face.soft_keys.is_empty() {
+        draw_state(screen, view, cnc);
+        screen.put_message(STATUS_ROW, MODE_COLUMN, &mode_text(cnc.mode()));
+        draw_communication(screen, view);
+        return;
+    }
+    // The soft keys take the status row. Mode and state are in the title row.
+    screen.put_message(0, SOFT_MODE_COLUMN, &mode_text(cnc.mode()));
+    draw_soft_state(screen, view, cnc);
+    if let Some(row) = face.page(page) {
+        for key in face.soft_bar(row.key, view.soft_bar) {
+            let column = usize::from(key.position) * SOFT_WIDTH;
+            let active = matches!(key.action, SoftAction::Open(opened)
+                if face.page(opened).is_some_and(|it| it.display == row.display));
+            draw_soft_label(screen, column, &(key.label)(), active);
+        }
+    }
+}
+
+/// Draws the label of a soft key in inverse cells, in brackets on the page that it has opened.
+fn draw_soft_label(screen: &mut Screen, column: usize, label: &Message, active: bool) {
+    let text = label.text(screen.language());
+    let width = glyphs::text_columns(&text);
+    let left = (SOFT_WIDTH - 1).saturating_sub(width) / 2;
+    screen.put(STATUS_ROW, column + left, &text);
+    let cells = column..column + SOFT_WIDTH - 1;
+    if active {
+        screen.set_style(STATUS_ROW, cells, CellStyle::Underline);
+    } else {
+        screen.set_style(STATUS_ROW, cells, CellStyle::Inverse);
+    }
+}
+
+/// Draws alarm, feed hold or communication at the end of the status row, after the soft keys.
+fn draw_soft_state(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
+    let lit = view.flash_on();
+    if cnc.is_shown_not_ready() || cnc.is_in_alarm() {
+        screen.put_flashing_message(STATUS_ROW, SOFT_STATE_COLUMN, &say::lcd_alarm(), lit);
+    } else if cnc.is_in_feed_hold() {
+        screen.put_message(STATUS_ROW, SOFT_STATE_COLUMN, &say::lcd_hold());
+    } else if view.communication != Communication::Idle {
+        screen.put_flashing_message(
+            STATUS_ROW,
+            SOFT_STATE_COLUMN,
+            &say::lcd_soft_transfer(),
+            lit,
+        );
+    }
 }
 
 /// Draws alarm and feed hold in the status row. 准备未绪 replaces both 报警 and 暂停.

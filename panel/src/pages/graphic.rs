@@ -7,9 +7,9 @@ use gsk_messages::{Message, say};
 use super::format::{CoordinateFormat, thousandths};
 use super::frame;
 use super::graphic_settings::GraphicSettings;
-use super::table::PageId;
 use super::view::PageView;
 use crate::bitmap::{Bitmap, DotArea, Stroke};
+use crate::face::PageId;
 use crate::screen::Screen;
 use crate::trace::PathTrace;
 

@@ -8,6 +8,7 @@ mod graphic;
 mod graphic_settings;
 mod lists;
 mod mdi;
+mod models;
 mod offsets;
 mod parameters;
 mod password;
@@ -19,9 +20,7 @@ mod power_on;
 mod program;
 mod program_text;
 mod settings;
-mod table;
 mod taught;
-mod teaching;
 mod view;
 
 use gsk_core::cnc::Cnc;
@@ -29,6 +28,7 @@ use gsk_messages::Language;
 
 pub use format::CoordinateFormat;
 pub use graphic_settings::GraphicSettings;
+pub(crate) use models::{model_parameter_numbers, teaches};
 pub(crate) use parameters::PITCH_POINTS;
 pub(crate) use parameters::data_numbers;
 pub(crate) use parameters::state_numbers;
@@ -43,12 +43,14 @@ pub use plc_names::{short as signal_name, signal_meaning};
 pub use power_on::{POWER_ON_TICKS, draw as power_on};
 pub(crate) use program::directory_screens;
 pub(crate) use program_text::PAGE_ROWS;
-pub use table::{PAGES, PageId, PageKey, PageRow};
 pub use taught::{TaughtPoint, TaughtProgram};
-pub(crate) use teaching::teaches;
 pub use view::BRIGHTNESS_STEPS;
-pub use view::{Communication, EditorState, FLASH_TICKS, PageCursor, PageCursors, PageView};
+pub use view::{
+    Communication, EditorState, FLASH_TICKS, PageCursor, PageCursors, PageView, Udisk, UdiskFile,
+};
 
+use crate::face::face_of;
+pub use crate::face::{PAGES, PageId, PageKey, PageRow};
 use crate::screen::Screen;
 
 /// Returns the language that the LCD is set to (184.0 CH_EN).
@@ -67,7 +69,8 @@ pub fn draw(page: PageId, view: &PageView, cnc: &Cnc) -> Screen {
 
 /// Draws a page in the given language.
 pub fn draw_in(language: Language, page: PageId, view: &PageView, cnc: &Cnc) -> Screen {
-    let mut screen = Screen::in_language(language);
+    let face = face_of(cnc.model().id());
+    let mut screen = Screen::in_language(language, face.lcd);
     let target = &mut screen;
     frame::draw(target, page, view, cnc);
     match page {
@@ -87,7 +90,6 @@ pub fn draw_in(language: Language, page: PageId, view: &PageView, cnc: &Cnc) -> 
         PageId::Edisk => settings::disk(target, view),
         PageId::Password => password::draw(target, view, cnc),
         PageId::GraphPar => graphic::parameters(target, view),
-        PageId::Graph if teaches(cnc) => teaching::draw(target, view, cnc),
         PageId::Graph => graphic::picture(target, view, cnc),
         PageId::ParBit => parameters::states(target, view, cnc),
         PageId::ParData => parameters::data(target, view, cnc),
@@ -97,6 +99,13 @@ pub fn draw_in(language: Language, page: PageId, view: &PageView, cnc: &Cnc) -> 
         PageId::PlcValues => plc::values(target, view, cnc),
         PageId::Softpanel => plc::soft_panel(target, cnc),
         PageId::Version => plc::version(target, cnc),
+        PageId::Teach => models::teaching(target, view, cnc),
+        PageId::ParModel => models::parameters(target, view, cnc),
+        PageId::Inputs => models::inputs(target, view, cnc),
+        PageId::Outputs => models::outputs(target, view, cnc),
+        PageId::Udisk => models::udisk(target, view),
+        PageId::Coordinates => models::coordinates(target, view, cnc),
+        PageId::Reset => models::reset(target, view),
     }
     screen
 }
@@ -104,7 +113,7 @@ pub fn draw_in(language: Language, page: PageId, view: &PageView, cnc: &Cnc) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use gsk_core::model::ModelId;
+    use gsk_core::model::{ControlModel, ModelId};
     use gsk_core::setup::Setup;
     use gsk_messages::{Id, Language};
 
@@ -121,7 +130,11 @@ mod tests {
     /// ones, so that every page keeps its layout.
     #[test]
     fn english_is_no_wider_than_chinese() {
-        let titles: Vec<Id> = PAGES.iter().map(|row| row.page.title().id()).collect();
+        let faces = ModelId::ALL.into_iter().map(face_of);
+        let titles: Vec<Id> = faces
+            .flat_map(|face| face.pages)
+            .map(|row| row.page.title().id())
+            .collect();
         let mut count = 0;
         for id in Id::all() {
             if !id.name().starts_with("lcd_") || titles.contains(id) {
@@ -138,16 +151,19 @@ mod tests {
 
     #[test]
     fn no_page_shows_chinese_in_english() {
-        let mut setup = Setup::default();
-        setup.memory.parameters.set_bit(184, 0, true).unwrap();
-        let cnc = Cnc::new(setup);
-        for row in PAGES {
-            let screen = draw(row.page, &PageView::default(), &cnc);
-            for line in screen.text().lines() {
-                // The ladder's header is in the language of its author.
-                let own = row.page == PageId::Version
-                    && ["LADDER", "NOTE"].iter().any(|label| line.contains(label));
-                assert!(line.is_ascii() || own, "{}: {line}", row.name);
+        for model in [ModelId::Gsk980td, ModelId::Ncb08, ModelId::Hx31] {
+            let mut setup = Setup::default();
+            setup.memory.model = ControlModel::new(model);
+            setup.memory.parameters.set_bit(184, 0, true).unwrap();
+            let cnc = Cnc::new(setup);
+            for row in face_of(model).pages {
+                let screen = draw(row.page, &PageView::default(), &cnc);
+                for line in screen.text().lines() {
+                    // The ladder's header is in the language of its author.
+                    let own = row.page == PageId::Version
+                        && ["LADDER", "NOTE"].iter().any(|label| line.contains(label));
+                    assert!(line.is_ascii() || own, "{model:?} {}: {line}", row.name);
+                }
             }
         }
         assert!(power_on(Language::En, ModelId::default()).text().is_ascii());

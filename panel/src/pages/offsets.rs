@@ -8,8 +8,8 @@ use gsk_messages::say;
 use super::format::CoordinateFormat;
 use super::frame;
 use super::lists::{self, FIRST_ROW, HEADING_ROW, LIST_ROWS, ListColumns};
-use super::table::PageId;
 use super::view::PageView;
+use crate::face::PageId;
 use crate::screen::Screen;
 
 /// Number of variables on one screen.

@@ -9,8 +9,8 @@ use gsk_messages::{Language, Message, say};
 use super::format;
 use super::frame;
 use super::lists::{self, HEADING_ROW, ListColumns};
-use super::table::PageId;
 use super::view::PageView;
+use crate::face::PageId;
 use crate::glyphs;
 use crate::screen::Screen;
 

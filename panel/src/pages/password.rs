@@ -4,8 +4,8 @@
 use gsk_core::cnc::Cnc;
 use gsk_messages::say;
 
-use super::table::PageId;
 use super::view::PageView;
+use crate::face::PageId;
 use crate::screen::Screen;
 
 /// Draws the password page: the level, the typed digits as stars, and the response.

@@ -11,8 +11,8 @@ use super::format::{self, CoordinateFormat};
 use super::frame;
 use super::lists::{self, HEADING_ROW, LIST_ROWS};
 use super::plc_names;
-use super::table::PageId;
 use super::view::PageView;
+use crate::face::PageId;
 use crate::screen::Screen;
 
 /// PLC memory areas of the signal page and of the value page, in the order of display.

@@ -4,8 +4,8 @@ use gsk_core::cnc::Cnc;
 use gsk_messages::say;
 
 use super::frame;
-use super::table::PageId;
 use super::view::PageView;
+use crate::face::PageId;
 use crate::screen::Screen;
 
 /// Draws the first setting page (设置): the code settings TV, ISO, INCH and SEQ.

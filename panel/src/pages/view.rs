@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use super::graphic_settings::GraphicSettings;
 use super::password_entry::PasswordEntry;
-use super::table::{PAGE_COUNT, PageId};
 use super::taught::TaughtProgram;
+use crate::face::{PAGE_COUNT, PageId, STORED_PAGES};
 use crate::trace::PathTrace;
 
 /// Duration for which flashing texts are visible, and then invisible, ticks (ms).
@@ -53,6 +53,35 @@ pub struct PageView {
     /// The program that is taught by moving the axes.
     #[serde(default)]
     pub teaching: TaughtProgram,
+    /// The plugged U disk; `None` without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub udisk: Option<Udisk>,
+    /// The bar of soft keys that is shown, from 0.
+    #[serde(default, skip_serializing_if = "is_first_bar")]
+    pub soft_bar: u8,
+}
+
+/// The content of a U disk.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Udisk {
+    /// The files, by name.
+    pub files: Vec<UdiskFile>,
+    /// Names of the files that the control has stored and the host has not taken yet.
+    pub stored: Vec<String>,
+}
+
+/// A file on the U disk.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct UdiskFile {
+    /// Name of the file without its folder.
+    pub name: String,
+    /// Text of the file.
+    pub text: String,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // The signature is that of serde.
+const fn is_first_bar(bar: &u8) -> bool {
+    *bar == 0
 }
 
 impl Default for PageView {
@@ -72,6 +101,8 @@ impl Default for PageView {
             trace: PathTrace::default(),
             communication: Communication::Idle,
             teaching: TaughtProgram::default(),
+            udisk: None,
+            soft_bar: 0,
         }
     }
 }
@@ -94,9 +125,31 @@ pub struct PageCursor {
     pub bit_entry: bool,
 }
 
-/// The cursor of each page, in the order of [`PageId`].
+/// The cursor of each page, in the order of [`PageId`]. A recording stores those of the GSK980TD's
+/// pages, and the others only if one has moved.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(from = "Vec<PageCursor>", into = "Vec<PageCursor>")]
 pub struct PageCursors([PageCursor; PAGE_COUNT]);
+
+impl From<Vec<PageCursor>> for PageCursors {
+    fn from(stored: Vec<PageCursor>) -> Self {
+        let mut cursors = Self::default();
+        for (cursor, stored) in cursors.0.iter_mut().zip(stored) {
+            *cursor = stored;
+        }
+        cursors
+    }
+}
+
+impl From<PageCursors> for Vec<PageCursor> {
+    fn from(cursors: PageCursors) -> Self {
+        let moved = cursors.0[STORED_PAGES..]
+            .iter()
+            .any(|cursor| *cursor != PageCursor::default());
+        let count = if moved { PAGE_COUNT } else { STORED_PAGES };
+        cursors.0[..count].to_vec()
+    }
+}
 
 impl Default for PageCursors {
     /// Returns cursors on the first item, but on the second item of the password page.

@@ -96,7 +96,7 @@ impl Panel {
                     _ => None,
                 };
             }
-            PageId::Graph if self.is_teaching(cnc) => self.teaching_character(character),
+            PageId::Teach if self.is_teaching(cnc) => self.teaching_character(character),
             PageId::Graph => self.graphic_command(character, cnc),
             PageId::Prg if self.edits(cnc) && !self.goes_to_input_line(character, cnc) => {
                 self.type_into_text(character, None, cnc, requests);
@@ -152,7 +152,11 @@ impl Panel {
             | PageId::Pitch
             | PageId::Dgn
             | PageId::PlcBits
-            | PageId::PlcValues => true,
+            | PageId::PlcValues
+            | PageId::ParModel
+            | PageId::Inputs
+            | PageId::Outputs
+            | PageId::Coordinates => true,
             _ => false,
         }
     }

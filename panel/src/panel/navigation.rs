@@ -3,6 +3,7 @@
 use gsk_core::cnc::{Cnc, ControlRequest};
 
 use super::{Panel, page_group};
+use crate::face::face_of;
 use crate::keys::Key;
 use crate::pages::{self, PageId, PageKey};
 
@@ -12,9 +13,16 @@ const DIAGNOSES: usize = 128;
 
 impl Panel {
     /// Selects a page, and clears the input line of the page before.
-    pub(super) fn go_to(&mut self, page: PageId) {
-        if page == self.page {
+    pub(super) fn go_to(&mut self, page: PageId, cnc: &Cnc) {
+        let face = face_of(cnc.model().id());
+        let Some(row) = face.page(page).filter(|_| page != self.page) else {
             return;
+        };
+        if face
+            .page(self.page)
+            .is_none_or(|shown| shown.key != row.key)
+        {
+            self.view.soft_bar = 0;
         }
         self.page = page;
         self.clear_input();
@@ -24,37 +32,42 @@ impl Panel {
             self.view.cursors.get_mut(page).item = 1;
         }
         self.view.disk_done = None;
-        let slot = match page.row().key {
+        let slot = match row.key {
             PageKey::Pos => 0,
             PageKey::Prg => 1,
             PageKey::Oft => 2,
             PageKey::Alm => 3,
-            PageKey::Set | PageKey::Par | PageKey::Dgn => return,
+            _ => return,
         };
         self.last_shown[slot] = page;
     }
 
     /// Handles a page key. POS, PRG, OFT and ALM open the last page of their group. SET, PAR
-    /// and DGN open their first display, and step through the displays when pressed again.
+    /// and DGN open their first display, and step through the displays when pressed again. A
+    /// main function opens its first page and its first bar of soft keys.
     pub(super) fn page_key(&mut self, key: Key, cnc: &Cnc) {
         let Some(group) = page_group(key) else {
             return;
         };
-        let shown = self.page.row();
-        let again = shown.key == group;
-        let page = match group {
-            PageKey::Set | PageKey::Par | PageKey::Dgn => {
-                let display = if again { shown.display + 1 } else { 0 };
-                PageId::first_of(group, display)
+        let face = face_of(cnc.model().id());
+        let shown = face.page(self.page).filter(|shown| shown.key == group);
+        let page = match (group, shown) {
+            (PageKey::Pos | PageKey::Prg | PageKey::Oft | PageKey::Alm, Some(_)) => return,
+            (PageKey::Pos, None) => self.last_shown[0],
+            (PageKey::Prg, None) if cnc.mode().edits() => PageId::Prg,
+            (PageKey::Prg, None) => self.last_shown[1],
+            (PageKey::Oft, None) => self.last_shown[2],
+            (PageKey::Alm, None) => self.last_shown[3],
+            // Points are taught by hand; other modes show the graphic first.
+            (PageKey::Teach, None) if !pages::teaches(cnc) => face.first_of(group, 1),
+            (PageKey::Program | PageKey::Operate | PageKey::Parameter, _) => {
+                self.view.soft_bar = 0;
+                face.first_of(group, 0)
             }
-            _ if again => return,
-            PageKey::Pos => self.last_shown[0],
-            PageKey::Prg if cnc.mode().edits() => PageId::Prg,
-            PageKey::Prg => self.last_shown[1],
-            PageKey::Oft => self.last_shown[2],
-            PageKey::Alm => self.last_shown[3],
+            (_, None) => face.first_of(group, 0),
+            (_, Some(shown)) => face.first_of(group, shown.display + 1),
         };
-        self.go_to(page);
+        self.go_to(page, cnc);
     }
 
     /// Handles page up and page down: steps through the screens of a page, then to the next
@@ -79,8 +92,8 @@ impl Panel {
             self.view.cursors.get_mut(self.page).item = item;
             return;
         }
-        let next = self.page.neighbour(forward);
-        self.go_to(next);
+        let next = face_of(cnc.model().id()).neighbour(self.page, forward);
+        self.go_to(next, cnc);
         self.enter(forward, cnc);
     }
 
@@ -127,7 +140,10 @@ impl Panel {
     /// Moves the cursor of a list page to the next (`forward`) or previous item, wrapping at
     /// both ends.
     pub(super) fn move_item(&mut self, forward: bool, cnc: &Cnc) {
-        let items = item_count(self.page, cnc);
+        let items = match (self.page, &self.view.udisk) {
+            (PageId::Udisk, Some(disk)) => disk.files.len(),
+            _ => item_count(self.page, cnc),
+        };
         if items == 0 {
             return;
         }
@@ -159,6 +175,9 @@ pub(super) fn item_count(page: PageId, cnc: &Cnc) -> usize {
         PageId::Dgn => DIAGNOSES,
         PageId::PlcBits => pages::bit_items(),
         PageId::PlcValues => pages::value_items(),
+        PageId::ParModel => pages::model_parameter_numbers(cnc).len(),
+        PageId::Inputs => face_of(cnc.model().id()).inputs.len(),
+        PageId::Outputs => face_of(cnc.model().id()).outputs.len(),
         _ => 0,
     }
 }
@@ -169,16 +188,31 @@ struct ListScreen {
     page: PageId,
     size: usize,
     items: usize,
+    /// Whether the page is the only one of its display.
+    alone: bool,
 }
 
 fn list_screen(page: PageId, cnc: &Cnc) -> Option<ListScreen> {
     let size = match page {
         PageId::Oft | PageId::Pitch | PageId::PlcValues => 8,
-        PageId::Macro | PageId::ParBit | PageId::ParData | PageId::Dgn | PageId::PlcBits => 16,
+        PageId::Macro
+        | PageId::ParBit
+        | PageId::ParData
+        | PageId::Dgn
+        | PageId::PlcBits
+        | PageId::Inputs
+        | PageId::Outputs => 16,
         _ => return None,
     };
     let items = item_count(page, cnc).max(1);
-    Some(ListScreen { page, size, items })
+    let face = face_of(cnc.model().id());
+    let alone = face.neighbour(page, true) == page;
+    Some(ListScreen {
+        page,
+        size,
+        items,
+        alone,
+    })
 }
 
 impl ListScreen {
@@ -198,7 +232,7 @@ impl ListScreen {
     fn turn(self, item: usize, forward: bool) -> Option<usize> {
         let items = self.items;
         let start = self.start(item.min(items - 1));
-        let alone = self.page.neighbour(true) == self.page;
+        let alone = self.alone;
         if forward {
             let next = (start + 1..items).find(|next| self.start(*next) != start);
             return next.or_else(|| alone.then_some(0));

@@ -6,6 +6,7 @@ use gsk_core::operation::OperatingMode;
 use gsk_messages::{Message, say};
 
 use super::Panel;
+use crate::face::face_of;
 use crate::keys::{Key, KeyRole};
 use crate::pages::PageId;
 
@@ -20,11 +21,15 @@ impl Panel {
         if self.in_self_test() {
             return None;
         }
+        if face_of(cnc.model().id()).key(key).is_none() {
+            return Some(say::key_missing_on_panel(key.id()));
+        }
         match (key.row().role, key) {
             (_, Key::Input | Key::Delete) if self.is_teaching(cnc) => {
                 cnc.is_moving().then(say::key_teaches_at_rest)
             }
             (KeyRole::Character(first, _), _) => self.refuses_character(first, cnc),
+            (_, Key::Input | Key::Output) if self.page() == PageId::Udisk => None,
             (_, Key::Insert | Key::Delete) if self.page() != PageId::Prg => {
                 Some(say::key_edits_programs())
             }
@@ -55,6 +60,8 @@ impl Panel {
                 Some(say::key_graphic_in_mdi_mode())
             }
             PageId::PosRel | PageId::PosAll if matches!(character, 'U' | 'W') => None,
+            PageId::Teach if self.is_teaching(cnc) => None,
+            PageId::Reset => None,
             PageId::Graph
             | PageId::SetSwitch
             | PageId::Edisk

@@ -29,6 +29,11 @@ fn found(page: PageId, wanted: &str, cnc: &Cnc) -> Option<usize> {
         PageId::Oft | PageId::Pitch | PageId::Dgn => {
             (number < item_count(page, cnc)).then_some(number)
         }
+        PageId::Inputs | PageId::Outputs => (number < item_count(page, cnc)).then_some(number),
+        PageId::ParModel => {
+            let listed = pages::model_parameter_numbers(cnc);
+            listed.iter().position(|it| usize::from(*it) == number)
+        }
         PageId::Macro => {
             let mut listed = cnc.variable_numbers().into_iter();
             listed.position(|listed| usize::from(listed) == number)

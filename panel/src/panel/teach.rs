@@ -31,11 +31,11 @@ impl Panel {
 /// Greatest number of digits of a feed and of a program number.
 const DIGITS: usize = 5;
 
-/// Teaches points by hand (NC-B08, key 示教, on the graphic page).
+/// Teaches points by hand (NC-B08, key 示教).
 impl Panel {
-    /// Returns whether keys teach points: they do on the graphic page in a manual mode.
+    /// Returns whether keys teach points: they do on the teaching page in a manual mode.
     pub(super) fn is_teaching(&self, cnc: &Cnc) -> bool {
-        self.page == PageId::Graph && teaches(cnc)
+        self.page == PageId::Teach && teaches(cnc)
     }
 
     /// Handles a key of the teaching page. Returns `false` if the key does not teach.
@@ -68,7 +68,7 @@ impl Panel {
                 if !self.view.teaching.points.is_empty() {
                     requests.push(ControlRequest::StoreProgram(self.view.teaching.text()));
                 }
-                self.go_to(PageId::PosRel);
+                self.go_to(PageId::PosRel, cnc);
             }
             _ => return false,
         }

@@ -1,3 +1,4 @@
+use gsk_core::model::ModelId;
 use gsk_core::program::ProgramEditor;
 use gsk_core::setup::Setup;
 use gsk_core::units::Axis;
@@ -6,7 +7,7 @@ use gsk_messages::Language;
 
 use super::*;
 use crate::emulator::{Emulator, WaitCondition};
-use crate::pages::PAGES;
+use crate::pages::{PAGES, PageRow};
 
 fn awake() -> Emulator {
     let mut emulator = Emulator::new(Setup::default());
@@ -29,6 +30,11 @@ fn type_keys(emulator: &mut Emulator, text: &str) {
 
 fn page(emulator: &Emulator) -> PageId {
     emulator.panel().page()
+}
+
+/// The row of a page of the GSK980TD.
+fn main_row(page: PageId) -> &'static PageRow {
+    face_of(ModelId::Gsk980td).page(page).unwrap()
 }
 
 #[test]
@@ -57,8 +63,9 @@ fn a_walk_over_all_pages() {
         for _ in 0..8 {
             tap(&mut emulator, Key::PageDown);
             seen.push(page(&emulator));
-            assert_eq!(page(&emulator).row().key, first.row().key);
-            assert_eq!(page(&emulator).row().display, first.row().display);
+            let [shown, opened] = [page(&emulator), first].map(main_row);
+            assert_eq!(shown.key, opened.key);
+            assert_eq!(shown.display, opened.display);
             let title = emulator.screen().row(0);
             assert!(
                 title.starts_with(&page(&emulator).title().text(Language::Zh)),

@@ -75,6 +75,12 @@ impl Panel {
                 .zip(whole(input))
                 .map(|(number, value)| ControlRequest::SetParameter { number, value }),
             PageId::Pitch => pitch_entry(input, cursor.item),
+            PageId::ParModel => {
+                let numbers = pages::model_parameter_numbers(cnc);
+                let chosen = numbers.get(cursor.item).copied().zip(whole(input));
+                chosen.map(|(number, value)| ControlRequest::SetModelParameter { number, value })
+            }
+            PageId::Coordinates => coordinate_entry(input, cnc),
             PageId::Dgn if cursor.item == TOOL => tool(input).map(ControlRequest::SetTool),
             PageId::PlcValues => {
                 let address = pages::value_item(cursor.item);
@@ -117,6 +123,7 @@ impl Panel {
                 requests.extend(switch.copied().map(ControlRequest::ToggleSoftSwitch));
             }
             PageId::Password => self.password_digit(character),
+            PageId::Reset => self.reset_command(character, cnc, requests),
             _ => return false,
         }
         true
@@ -141,6 +148,29 @@ impl Panel {
         if done {
             requests.push(request);
         }
+    }
+
+    /// Handles a digit of the reset page: 1 deletes the programs, 2 restores delivered
+    /// parameters, 3 makes the current point the work zero.
+    fn reset_command(&mut self, character: char, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
+        let rights = cnc.rights();
+        let done = match character {
+            '1' => {
+                requests.push(ControlRequest::DeleteAllPrograms);
+                rights.check_program_edit(0).is_ok()
+            }
+            '2' => {
+                requests.push(ControlRequest::LoadDisk(ElectronicDisk::N0));
+                rights.check_disks().is_ok()
+            }
+            '3' => {
+                requests
+                    .extend([Axis::X, Axis::Z].map(|it| ControlRequest::SetCoordinate(it, 0.0)));
+                rights.check_offsets().is_ok() && !cnc.is_moving()
+            }
+            _ => return,
+        };
+        self.view.disk_done = Some(done);
     }
 
     fn password_row(&mut self) -> Option<&mut String> {
@@ -234,6 +264,19 @@ fn offset_entry(input: &str) -> Option<OffsetEntry> {
         'T' => OffsetEntry::NoseNumber(value.parse().ok()?),
         _ => return None,
     })
+}
+
+/// Parses a coordinate that the tool gets: X or Z with a number in the unit of the display.
+/// `None` if invalid.
+fn coordinate_entry(input: &str, cnc: &Cnc) -> Option<ControlRequest> {
+    let axis = match input.chars().next()? {
+        'X' => Axis::X,
+        'Z' => Axis::Z,
+        _ => return None,
+    };
+    let display = pages::CoordinateFormat::of(cnc);
+    let value = display.to_mm(axis, number(input.get(1..)?.trim())?);
+    Some(ControlRequest::SetCoordinate(axis, value))
 }
 
 /// Parses an entry for a point of the pitch error table: X or Z with a number. `None` if

@@ -133,6 +133,8 @@ fn action(verb: &str, rest: &str) -> Result<ScriptAction, ParseError> {
         ("type", [_, ..]) => typed(rest, &words),
         ("load", [_, ..]) => Ok(ScriptAction::Load(path(rest, &words))),
         ("receive", [_, ..]) => Ok(ScriptAction::Receive(path(rest, &words))),
+        ("udisk", ["off"]) => Ok(ScriptAction::Udisk(None)),
+        ("udisk", [_, ..]) => Ok(ScriptAction::Udisk(Some(path(rest, &words)))),
         ("dnc", ["off"]) => Ok(ScriptAction::Dnc(None)),
         ("dnc", [_, ..]) => Ok(ScriptAction::Dnc(Some(path(rest, &words)))),
         ("power", ["off"]) => Ok(ScriptAction::Power(false)),

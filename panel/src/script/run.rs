@@ -34,6 +34,9 @@ pub enum Effect {
     /// Read the file with this path and pass it to [`Emulator::receive`]. A refusal is for the
     /// partner, and does not fail the script.
     Receive(String),
+    /// Read the file with this path and add it to the plugged U disk with
+    /// [`Emulator::add_udisk_file`].
+    Udisk(String),
     /// Act as the partner that sends the file with this path from its beginning whenever
     /// [`Cnc::dnc_request_count`](gsk_core::cnc::Cnc::dnc_request_count) increases. `None` disconnects the
     /// partner.
@@ -314,6 +317,10 @@ impl Runner {
             }
             ScriptAction::Receive(path) => {
                 return Next::Return(ScriptProgress::Effect(Effect::Receive(path)));
+            }
+            ScriptAction::Udisk(None) => emulator.plug_udisk(None),
+            ScriptAction::Udisk(Some(path)) => {
+                return Next::Return(ScriptProgress::Effect(Effect::Udisk(path)));
             }
             ScriptAction::Dnc(path) => {
                 self.dnc = path.is_some();

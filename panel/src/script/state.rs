@@ -9,8 +9,9 @@ use gsk_messages::{Language, Message, say};
 
 use super::{CoordinateSystem, ParseError};
 use crate::emulator::{Emulator, fold_blanks};
+use crate::face::{find_page, page_names};
 use crate::keys::{self, Key};
-use crate::pages::{PAGES, PageId};
+use crate::pages::PageId;
 use crate::screen::ROWS;
 
 /// Greatest difference of two values that the display shows alike, mm or the value's own unit.
@@ -312,9 +313,8 @@ fn number(text: &str) -> Result<u16, ParseError> {
 }
 
 fn page(name: &str) -> Result<PageId, ParseError> {
-    let row = PAGES.iter().find(|row| row.name == name);
-    row.map(|row| row.page).ok_or_else(|| {
-        let all: Vec<&str> = PAGES.iter().map(|row| row.name).collect();
+    find_page(name).map(|row| row.page).ok_or_else(|| {
+        let all: Vec<&str> = page_names().collect();
         ParseError::UnknownPage {
             name: name.to_owned(),
             all: all.join(" "),

@@ -94,6 +94,7 @@ impl LessonStart {
                 action,
                 ScriptAction::Load(_)
                     | ScriptAction::Receive(_)
+                    | ScriptAction::Udisk(_)
                     | ScriptAction::Dnc(_)
                     | ScriptAction::Show
                     | ScriptAction::Shot { .. }

@@ -132,10 +132,10 @@ pub fn show(
                 ui.horizontal_centered(|ui| {
                     if menu_width < NARROW_WIDTH {
                         ui.menu_button(say::program_file().text(language), |ui| {
-                            request = menus::show_programs(ui, settings, opened);
+                            request = menus::show_programs(ui, settings, models.current, opened);
                         });
                     } else {
-                        request = menus::show_programs(ui, settings, opened);
+                        request = menus::show_programs(ui, settings, models.current, opened);
                     }
                     ui.menu_button(say::window_layouts().text(language), |ui| {
                         request = menus::show_appearance(ui, settings, models).or(request.take());

@@ -1,7 +1,9 @@
 //! Draws the map of PC keys over the panel.
 
 use egui::{Context, RichText, Vec2};
-use gsk_panel::keys::{KEYS, KeyRole, KeyRow};
+use gsk_core::model::ModelId;
+use gsk_panel::face::face_of;
+use gsk_panel::keys::{KeyRole, KeyRow};
 
 use crate::layout::LAYOUTS;
 use crate::placement::panel_placement::PlacedArea;
@@ -17,7 +19,7 @@ const MIN_SIZE: Vec2 = Vec2::new(240.0, 120.0);
 const FRAME_SIZE: Vec2 = Vec2::new(20.0, 48.0);
 
 /// Draws the window with the key map. Returns false when the operator closes it.
-pub fn show(context: &Context, language: Language, placed: &[PlacedArea]) -> bool {
+pub fn show(context: &Context, language: Language, model: ModelId, placed: &[PlacedArea]) -> bool {
     let mut open = true;
     // The map covers no key that stops the machine.
     let area = stop_key_clearance::best_rect(
@@ -57,7 +59,7 @@ pub fn show(context: &Context, language: Language, placed: &[PlacedArea]) -> boo
             .auto_shrink([false, false])
             .show(ui, |ui| {
                 let columns = ((ui.available_width() / 300.0).floor() as usize).clamp(1, 3);
-                let rows: Vec<&KeyRow> = listed_keys().collect();
+                let rows: Vec<&KeyRow> = listed_keys(model).collect();
                 let length = rows.len().div_ceil(columns);
                 ui.columns(columns, |columns| {
                     for (ui, rows) in columns.iter_mut().zip(rows.chunks(length.max(1))) {
@@ -69,10 +71,11 @@ pub fn show(context: &Context, language: Language, placed: &[PlacedArea]) -> boo
     open
 }
 
-/// The rows of the key map. Letters, digits and signs press the key with their legend; one
+/// The rows of a model's key map. Letters, digits and signs press the key with their legend; one
 /// line describes them all, so they have no rows.
-fn listed_keys() -> impl Iterator<Item = &'static KeyRow> {
-    KEYS.iter()
+fn listed_keys(model: ModelId) -> impl Iterator<Item = &'static KeyRow> {
+    face_of(model)
+        .keys()
         .filter(|row| !matches!(row.role, KeyRole::Character(..)) && !row.pc.is_empty())
 }
 

@@ -48,8 +48,8 @@ pub fn action_of(event: &Event) -> Option<PcAction> {
     if *repeat {
         return None;
     }
-    // Shift+F1 opens a view.
-    if *key == PcKey::F1 && !modifiers.shift {
+    // Shift+F1 opens a view, Ctrl+F1 is a soft key.
+    if *key == PcKey::F1 && !modifiers.shift && !modifiers.ctrl {
         return Some(PcAction::Help);
     }
     panel_key(*key, *modifiers).map(|panel| PcAction::Press(holder, panel))

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use egui::{Event, MouseWheelUnit, PointerButton, Pos2, TouchPhase, Vec2};
+use gsk_core::model::ModelId;
 use gsk_panel::faceplate::{self, PartKind};
 use gsk_panel::keys::Key;
 
@@ -25,6 +26,15 @@ pub struct PointerResult {
     pub not_latched: Option<Key>,
 }
 
+/// The panel of a control model in the window.
+#[derive(Clone, Copy, Debug)]
+pub struct PlacedPanel<'a> {
+    /// The placed areas of the panel.
+    pub areas: &'a [PlacedArea],
+    /// The model whose panel it is.
+    pub model: ModelId,
+}
+
 /// The state of mouse and fingers on the panel between two frames.
 #[derive(Clone, Debug, Default)]
 pub struct PanelPointer {
@@ -42,7 +52,7 @@ impl PanelPointer {
     pub fn handle_events(
         &mut self,
         events: &[Event],
-        placed: &[PlacedArea],
+        placed: PlacedPanel<'_>,
         held: &mut HeldKeys<Key>,
         is_panel: &dyn Fn(Pos2) -> bool,
     ) -> PointerResult {
@@ -126,7 +136,7 @@ impl PanelPointer {
         finger: (u64, u64),
         phase: TouchPhase,
         position: Pos2,
-        placed: &[PlacedArea],
+        placed: PlacedPanel<'_>,
         held: &mut HeldKeys<Key>,
         is_panel: &dyn Fn(Pos2) -> bool,
         result: &mut PointerResult,
@@ -162,7 +172,7 @@ impl PanelPointer {
         }
     }
 
-    fn drag_wheel_to(&mut self, at: Pos2, placed: &[PlacedArea], result: &mut PointerResult) {
+    fn drag_wheel_to(&mut self, at: Pos2, placed: PlacedPanel<'_>, result: &mut PointerResult) {
         let (Some(previous), Some(current)) = (self.drag_angle, angle_around_wheel(at, placed))
         else {
             return;
@@ -221,7 +231,7 @@ fn set_key(
 fn release_if_left(
     holder: KeyHolder,
     at: Pos2,
-    placed: &[PlacedArea],
+    placed: PlacedPanel<'_>,
     held: &mut HeldKeys<Key>,
     result: &mut PointerResult,
 ) {
@@ -232,15 +242,15 @@ fn release_if_left(
     }
 }
 
-fn key_at(at: Pos2, placed: &[PlacedArea]) -> Option<Key> {
-    let (x, y) = panel_placement::to_panel(placed, at)?;
-    faceplate::part_at(x, y)?.key()
+fn key_at(at: Pos2, placed: PlacedPanel<'_>) -> Option<Key> {
+    let (x, y) = panel_placement::to_panel(placed.areas, at)?;
+    faceplate::part_at(placed.model, x, y)?.key()
 }
 
 /// The angle of a position around the centre of the handwheel, rad; `None` outside the wheel.
-fn wheel_angle(at: Pos2, placed: &[PlacedArea]) -> Option<f32> {
-    let (x, y) = panel_placement::to_panel(placed, at)?;
-    let part = faceplate::part_at(x, y)?;
+fn wheel_angle(at: Pos2, placed: PlacedPanel<'_>) -> Option<f32> {
+    let (x, y) = panel_placement::to_panel(placed.areas, at)?;
+    let part = faceplate::part_at(placed.model, x, y)?;
     if part.what != PartKind::Handwheel {
         return None;
     }
@@ -249,12 +259,12 @@ fn wheel_angle(at: Pos2, placed: &[PlacedArea]) -> Option<f32> {
 
 /// The angle of a position around the centre of the handwheel, rad, also outside the wheel;
 /// `None` if the wheel is not visible.
-fn angle_around_wheel(at: Pos2, placed: &[PlacedArea]) -> Option<f32> {
-    let wheel = faceplate::parts()
+fn angle_around_wheel(at: Pos2, placed: PlacedPanel<'_>) -> Option<f32> {
+    let wheel = faceplate::parts(placed.model)
         .iter()
         .find(|part| part.what == PartKind::Handwheel)?;
     let (cx, cy) = wheel.rect.center();
-    let (x, y) = panel_placement::area_of_part(placed, wheel)?.to_panel(at);
+    let (x, y) = panel_placement::area_of_part(placed.areas, wheel)?.to_panel(at);
     Some((y - cy).atan2(x - cx))
 }
 
@@ -263,15 +273,21 @@ mod tests {
     use super::*;
     use egui::{Modifiers, TouchDeviceId, TouchId, pos2};
 
-    const WHOLE_PANEL: &[PlacedArea] = &[PlacedArea {
-        area: faceplate::PanelArea::WHOLE,
-        origin: Pos2::ZERO,
-        scale: 1.0,
-        pixels_per_point: 1.0,
-    }];
+    const WHOLE_PANEL: PlacedPanel<'_> = PlacedPanel {
+        areas: &[PlacedArea {
+            area: faceplate::PanelArea::WHOLE,
+            origin: Pos2::ZERO,
+            scale: 1.0,
+            pixels_per_point: 1.0,
+        }],
+        model: ModelId::Gsk980td,
+    };
 
     fn position_of(key: Key) -> Pos2 {
-        let (x, y) = faceplate::part_of(key).expect("part").rect.center();
+        let (x, y) = faceplate::part_of(ModelId::Gsk980td, key)
+            .expect("part")
+            .rect
+            .center();
         pos2(x, y)
     }
 
@@ -453,7 +469,7 @@ mod tests {
     #[test]
     fn a_quarter_turn_of_the_handwheel_is_25_detents() {
         let (mut pointing, mut held) = (PanelPointer::default(), HeldKeys::default());
-        let wheel = faceplate::parts()
+        let wheel = faceplate::parts(ModelId::Gsk980td)
             .iter()
             .find(|part| part.what == PartKind::Handwheel)
             .expect("handwheel");

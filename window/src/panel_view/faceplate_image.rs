@@ -9,6 +9,7 @@
 
 use crossbeam::channel::{Receiver, Sender, TryRecvError, bounded};
 use egui::{Color32, ColorImage, Painter, Pos2, Rect, TextureHandle, TextureOptions, Vec2, pos2};
+use gsk_core::model::ModelId;
 use gsk_host::platform;
 use gsk_panel::faceplate::{self, FaceState, PanelArea, PanelColour, PanelPart, Pixmap};
 
@@ -21,14 +22,18 @@ const PIXEL_EXACT: TextureOptions = TextureOptions::NEAREST;
 /// The image of an area of the panel, and how its keys and lamps look in the image.
 struct AreaImage {
     texture: TextureHandle,
+    /// The model whose panel it shows.
+    model: ModelId,
     /// Physical pixels per panel unit.
     scale: f32,
     /// The keys and lamps of the area, each with the number of its look in the image.
     looks: Vec<(PanelPart, u32)>,
 }
 
-/// Receives an image that a thread renders, and its scale, physical pixels per panel unit.
-type RenderedImage = Receiver<(ColorImage, f32)>;
+/// An image that a thread has rendered, its model and its scale, physical pixels per panel unit.
+type AreaRendering = (ColorImage, ModelId, f32);
+/// Receives an image that a thread renders.
+type RenderedImage = Receiver<AreaRendering>;
 
 /// An area of the panel with its image, which is rendered again when its size changes.
 struct AreaSlot {
@@ -83,12 +88,15 @@ impl AreaSlot {
         let side = painter.ctx().input(|input| input.max_texture_side) as f32;
         let longest = self.area.rect.w.max(self.area.rect.h);
         let scale = (view.scale * view.pixels_per_point).min(side / longest);
-        let ready_scale = self.picture.as_ref().map(|picture| picture.scale);
-        let same = |ready: f32| image_size(self.area, ready) == image_size(self.area, scale);
-        if is_enabled && self.job.is_none() && !ready_scale.is_some_and(same) {
-            self.start_rendering(painter.ctx(), scale);
+        let same = |ready: &AreaImage| {
+            ready.model == state.model
+                && image_size(self.area, ready.scale) == image_size(self.area, scale)
+        };
+        if is_enabled && self.job.is_none() && !self.picture.as_ref().is_some_and(same) {
+            self.start_rendering(painter.ctx(), state.model, scale);
         }
-        let Some(picture) = &mut self.picture else {
+        let shown = self.picture.as_mut();
+        let Some(picture) = shown.filter(|picture| picture.model == state.model) else {
             let [red, green, blue] = PanelColour::Housing.rgb();
             let housing = Color32::from_rgb(red, green, blue);
             theme::fill_unthemed(painter, view.bounds(), housing);
@@ -106,28 +114,29 @@ impl AreaSlot {
         painter.image(picture.texture.id(), target, whole, theme::NO_TINT);
     }
 
-    fn start_rendering(&mut self, context: &egui::Context, scale: f32) {
+    fn start_rendering(&mut self, context: &egui::Context, model: ModelId, scale: f32) {
         let (sender, job) = bounded(1);
         self.job = Some(job);
         let area = self.area;
         let waker = context.clone();
         let thread_sender = sender.clone();
         let started = platform::run_in_background("faceplate", move || {
-            render(area, scale, &thread_sender, &waker);
+            render(area, model, scale, &thread_sender, &waker);
         });
         if started.is_err() {
-            render(area, scale, &sender, context);
+            render(area, model, scale, &sender, context);
         }
     }
 
     fn collect_image(&mut self, context: &egui::Context) {
         let Some(job) = &self.job else { return };
         match job.try_recv() {
-            Ok((image, scale)) => {
-                let dark = FaceState::default();
-                let parts = self.area.parts();
+            Ok((image, model, scale)) => {
+                let dark = dark(model);
+                let parts = self.area.parts(model);
                 self.picture = Some(AreaImage {
                     texture: context.load_texture("panel", image, PIXEL_EXACT),
+                    model,
                     scale,
                     looks: parts
                         .map(|part| (part, faceplate::part_state(&part, &dark)))
@@ -182,17 +191,26 @@ fn image_size(area: PanelArea, scale: f32) -> [u32; 2] {
     [area.rect.w, area.rect.h].map(|units| (units * scale).round().max(1.0) as u32)
 }
 
+/// The panel of a model without lit lamps and pressed keys.
+fn dark(model: ModelId) -> FaceState<'static> {
+    FaceState {
+        model,
+        ..FaceState::default()
+    }
+}
+
 fn render(
     area: PanelArea,
+    model: ModelId,
     scale: f32,
-    sender: &Sender<(ColorImage, f32)>,
+    sender: &Sender<AreaRendering>,
     context: &egui::Context,
 ) {
-    let Some(picture) = faceplate::paint(area, &FaceState::default(), scale) else {
+    let Some(picture) = faceplate::paint(area, &dark(model), scale) else {
         return;
     };
     // A window that is closed by now needs no image.
-    let _ = sender.send((to_color_image(&picture), scale));
+    let _ = sender.send((to_color_image(&picture), model, scale));
     context.request_repaint();
 }
 

@@ -45,7 +45,7 @@ impl Lcd {
         }
         let Some(texture) = &self.texture else { return };
         let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
-        let [red, green, blue] = raster::palette(brightness).background;
+        let [red, green, blue] = raster::palette(screen.colours(), brightness).background;
         if !placement.rect.expand(0.01).contains_rect(bounds) {
             theme::fill_unthemed(painter, bounds, Color32::from_rgb(red, green, blue));
         }
@@ -75,7 +75,7 @@ impl Lcd {
 /// Converts the screen to an image with a square of `pixels_per_dot` texture pixels per dot.
 /// Each pixel is written once, because every change of the LCD makes a new image.
 fn to_image(screen: &Screen, level: u8, pixels_per_dot: usize) -> ColorImage {
-    let palette = raster::palette(level);
+    let palette = raster::palette(screen.colours(), level);
     let [dark, lit] = [palette.background, palette.text]
         .map(|[red, green, blue]| Color32::from_rgb(red, green, blue));
     let bitmap = raster::bitmap(screen);

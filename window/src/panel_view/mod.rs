@@ -8,12 +8,15 @@ use egui::{
     Color32, Event, Painter, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Tooltip, TouchPhase, Ui,
     WidgetInfo, pos2, vec2,
 };
-use gsk_help::{Subject, Topic, topic, topic_at};
+use gsk_core::model::ModelId;
+use gsk_help::{Subject, Topic, topic, topic_at, topic_of};
+use gsk_panel::face::face_of;
 use gsk_panel::faceplate::{self, FaceState, Outline, PanelColour, PanelPart, PartKind};
 use gsk_panel::keys::{Key, STRIP};
 use gsk_panel::screen::{COLUMNS, ROWS};
 
 use super::{Command, StatusMessage, Window, theme};
+use crate::input::panel_pointer::PlacedPanel;
 use crate::placement::panel_placement::{self, PlacedArea};
 use crate::screen_reader;
 use gsk_messages::{Language, say};
@@ -74,6 +77,14 @@ impl Window {
         self.show_areas(ui, &placed);
     }
 
+    /// The model whose panel is shown.
+    pub(super) fn panel_model(&self) -> ModelId {
+        self.snapshot
+            .as_ref()
+            .map(|it| it.model)
+            .unwrap_or_default()
+    }
+
     /// Draws the placed areas of the panel, with the LCD if it is among them.
     fn show_areas(&mut self, ui: &mut Ui, placed: &[PlacedArea]) {
         self.handle_pointer(ui, placed);
@@ -97,10 +108,11 @@ impl Window {
             real: snapshot.as_ref().is_some_and(|it| it.board.is_some()),
             model: snapshot.as_ref().map(|it| it.model).unwrap_or_default(),
         };
+        let model = state.model;
         self.faceplate.paint(&painter, placed, &state);
         let mut tapped_keys = Vec::new();
         for view in placed {
-            for part in view.area.parts() {
+            for part in view.area.parts(state.model) {
                 tapped_keys.extend(self.add_part_widget(ui, &part, *view, &state));
             }
         }
@@ -145,13 +157,14 @@ impl Window {
             marked.extend(self.way_back.iter().flat_map(|way| way.keys(picture)));
         }
         for key in marked {
-            if let Some(part) = faceplate::part_of(key)
+            if let Some(part) = faceplate::part_of(model, key)
                 && let Some(view) = panel_placement::area_of_part(placed, part)
             {
                 draw_ring(&painter, *view, part, theme::LESSON_RING);
             }
         }
-        if let Some(part) = self.held_keys.latched_key().and_then(faceplate::part_of)
+        let latched = self.held_keys.latched_key();
+        if let Some(part) = latched.and_then(|key| faceplate::part_of(model, key))
             && let Some(view) = panel_placement::area_of_part(placed, part)
         {
             draw_ring(&painter, *view, part, theme::LATCH_RING);
@@ -172,7 +185,7 @@ impl Window {
         let rect = placed.to_window(part.rect);
         match part.what {
             PartKind::Key(key) => {
-                let row = key.row();
+                let row = face_of(state.model).key(key)?;
                 // The sense has no FOCUSABLE: Tab and Space must never press a machine key.
                 let response = ui.interact(
                     rect,
@@ -256,8 +269,8 @@ impl Window {
             return topic_at(model, page, &snapshot.screen, row, column);
         }
         let (x, y) = panel_placement::to_panel(&self.placed_areas, position)?;
-        match faceplate::part_at(x, y)?.what {
-            PartKind::Key(key) => topic(Subject::Key(key.id())),
+        match faceplate::part_at(self.panel_model(), x, y)?.what {
+            PartKind::Key(key) => topic_of(self.panel_model(), Subject::Key(key.id())),
             PartKind::Strip(index) => topic(Subject::Lamp(STRIP.get(index)?.id)),
             _ => None,
         }
@@ -304,8 +317,9 @@ impl Window {
         let Some(at) = long_pressed.filter(|at| is_panel(*at)) else {
             return;
         };
+        let model = self.panel_model();
         let key = panel_placement::to_panel(&self.placed_areas, at);
-        let key = key.and_then(|(x, y)| faceplate::part_at(x, y)?.key());
+        let key = key.and_then(|(x, y)| faceplate::part_at(model, x, y)?.key());
         if let (Some((row, column)), Some(picture)) = (self.lcd_cell(Some(at)), &self.snapshot) {
             let lines = tips::lcd_tip(picture, row, column, self.settings.language);
             self.message = Some(StatusMessage::Text(say::as_written(lines.join("   "))));
@@ -318,6 +332,11 @@ impl Window {
     }
 
     fn handle_pointer(&mut self, ui: &Ui, placed: &[PlacedArea]) {
+        let model = self.panel_model();
+        let panel = PlacedPanel {
+            areas: placed,
+            model,
+        };
         let own_layer = ui.layer_id();
         let context = ui.ctx().clone();
         let bounds = ui.max_rect();
@@ -341,13 +360,13 @@ impl Window {
                     self.help.show_pressed(about);
                 }
                 panel_placement::to_panel(placed, at)
-                    .and_then(|(x, y)| faceplate::part_at(x, y)?.key())
+                    .and_then(|(x, y)| faceplate::part_at(model, x, y)?.key())
                     .is_some_and(is_stop_key)
             });
         }
         let result = self
             .pointing
-            .handle_events(&events, placed, &mut self.held_keys, &is_panel);
+            .handle_events(&events, panel, &mut self.held_keys, &is_panel);
         self.send(&result.changes);
         if let Some(key) = result.not_latched {
             self.message = Some(StatusMessage::KeyNotLatched(key));

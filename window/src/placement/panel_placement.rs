@@ -7,6 +7,7 @@ use std::cell::RefCell;
 use std::collections::VecDeque;
 
 use egui::{Pos2, Rect, Vec2, pos2, vec2};
+use gsk_core::model::ModelId;
 use gsk_panel::faceplate::{self, PanelArea, PanelPart, SIZE, parts};
 use gsk_panel::keys::Key;
 
@@ -17,6 +18,9 @@ use sections::{ARRANGEMENTS, SectionPlan};
 pub const FINGER_KEY_SIZE: f32 = 9.0 / 25.4 * 96.0;
 /// The keys that stop the machine, in their order from the right.
 pub const STOP_KEYS: [Key; 3] = [Key::EmergencyStop, Key::FeedHold, Key::Reset];
+/// The model by whose panel positions are computed. Every panel has the same areas and the same
+/// positions of the stop keys, and no smaller keys.
+const PLACED_MODEL: ModelId = ModelId::Gsk980td;
 /// Gap between two stop keys, points.
 const STOP_KEY_GAP: f32 = 8.0;
 /// Value of the whole panel, compared with sections of equal legends: it looks as on the
@@ -123,8 +127,16 @@ pub fn width_for_key_size(min_key_size: f32) -> f32 {
 /// The keys that must be large enough for fingers. The overtravel release is not among them:
 /// it is as small as on the machine, because it must be pressed on purpose.
 fn finger_keys() -> impl Iterator<Item = &'static PanelPart> {
-    let keys = parts().iter().filter(|part| part.key().is_some());
+    let keys = parts(PLACED_MODEL)
+        .iter()
+        .filter(|part| part.key().is_some());
     keys.filter(|part| part.key() != Some(Key::OvertravelRelease))
+}
+
+/// The parts of the keys that stop the machine, in their order from the right.
+pub fn stop_key_parts() -> impl Iterator<Item = &'static PanelPart> {
+    let keys = STOP_KEYS.into_iter();
+    keys.filter_map(|key| faceplate::part_of(PLACED_MODEL, key))
 }
 
 /// Places the keys that stop the machine side by side at the right end of a bar. They stay
@@ -132,10 +144,7 @@ fn finger_keys() -> impl Iterator<Item = &'static PanelPart> {
 pub fn place_stop_keys(bar: Rect, pixels_per_point: f32) -> Vec<PlacedArea> {
     let mut right = bar.right() - STOP_KEY_GAP;
     let mut placed = Vec::new();
-    for key in STOP_KEYS {
-        let Some(part) = faceplate::part_of(key) else {
-            continue;
-        };
+    for part in stop_key_parts() {
         let area = PanelArea { rect: part.rect };
         let width = bar.height() * part.rect.w / part.rect.h;
         let room = Rect::from_min_max(pos2(right - width, bar.top()), pos2(right, bar.bottom()));
@@ -210,7 +219,7 @@ fn find_best_placement(bounds: Rect, pixels_per_point: f32) -> Vec<PlacedArea> {
 /// pixels.
 pub fn legend_height(bounds: Rect, pixels_per_point: f32) -> f32 {
     let placed = place_panel(bounds, pixels_per_point);
-    let scales = parts()
+    let scales = parts(PLACED_MODEL)
         .iter()
         .filter(|part| !part.legend().is_empty())
         .filter_map(|part| Some(area_of_part(&placed, part)?.scale));
@@ -269,7 +278,10 @@ mod tests {
     fn keys_are_as_large_as_a_finger_on_a_tablet() {
         let room = Rect::from_min_size(pos2(0.0, 28.0), vec2(800.0, 1230.0));
         let views = place_panel(room, 1.0);
-        for part in parts().iter().filter(|part| part.key().is_some()) {
+        for part in parts(PLACED_MODEL)
+            .iter()
+            .filter(|part| part.key().is_some())
+        {
             if part.key() == Some(Key::OvertravelRelease) {
                 continue; // It must be pressed on purpose: as small as on the machine.
             }
@@ -300,7 +312,10 @@ mod tests {
             assert!(used > 0.65 * room.area(), "{used} of {}", room.area());
             let zoom = lcd_zoom(room, 1.0);
             assert!((zoom - zoom.round()).abs() < 0.01, "{zoom} pixels per dot");
-            for part in parts().iter().filter(|part| part.what != PartKind::Housing) {
+            for part in parts(PLACED_MODEL)
+                .iter()
+                .filter(|part| part.what != PartKind::Housing)
+            {
                 let place = area_of_part(&views, part).unwrap().to_window(part.rect);
                 let (x, y) = to_panel(&views, place.center()).unwrap();
                 assert!(part.rect.contains(x, y), "{part:?}");

@@ -2,16 +2,15 @@
 //! (WINDOW-25).
 
 use egui::{Context, Id, Rect, Vec2, pos2};
-use gsk_panel::faceplate;
 
-use super::panel_placement::{self, PlacedArea, STOP_KEYS};
+use super::panel_placement::{self, PlacedArea};
 
 /// Margin around each key, points.
 const KEY_MARGIN: f32 = 4.0;
 
 /// The rectangles of those placed keys that stop the machine, with their margin, points.
 pub fn stop_key_rects(placed: &[PlacedArea]) -> Vec<Rect> {
-    let parts = STOP_KEYS.iter().filter_map(|key| faceplate::part_of(*key));
+    let parts = panel_placement::stop_key_parts();
     let places = parts
         .filter_map(|part| Some(panel_placement::area_of_part(placed, part)?.to_window(part.rect)));
     places.map(|place| place.expand(KEY_MARGIN)).collect()

@@ -81,6 +81,7 @@ pub(super) fn run_control(args: &TransferControlArgs) -> Result<u8, CommandError
         wake: Box::new(|| {}),
         keeper,
         partner_folder: None,
+        udisk_folder: None,
         termination: ending.clone(),
     };
     let mut thread = start(kernel, &console, outside).map_err(CommandError::gone)?;

@@ -53,6 +53,25 @@ impl Cnc {
         self.change_parameters(|parameters| parameters.set_for_model(record, number, value))
     }
 
+    /// Sets a parameter that only the selected control model has; returns an alarm as error if
+    /// the value is out of range or the model has no such parameter.
+    pub(super) fn set_model_parameter(&mut self, number: u16, value: i32) -> Result<(), Alarm> {
+        if self.rights().check_parameters().is_err() {
+            return Ok(());
+        }
+        let set = self.memory.model.set_parameter(number, value);
+        set.map_err(|why| Alarm::new(number::OUT_OF_RANGE).with_detail(why))
+    }
+
+    /// Shifts the work zero so that the tool is at the coordinate `value`.
+    pub(super) fn set_coordinate(&mut self, axis: Axis, value: f64) {
+        if self.rights().check_offsets().is_err() || self.is_moving() {
+            return;
+        }
+        let shift = self.position_absolute().get(axis) - value;
+        *self.coordinates.frame.zero.get_mut(axis) += shift;
+    }
+
     pub(super) fn set_program_switch(&mut self, on: bool) {
         if self.rights().check_program_switch().is_ok() {
             self.switches.programs = on;

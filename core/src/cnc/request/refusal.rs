@@ -70,7 +70,11 @@ impl Cnc {
                 rights.check_variables()
             }
             ControlRequest::SetOffset { .. } => rights.check_offsets(),
-            ControlRequest::SetParameter { .. }
+            ControlRequest::SetCoordinate(..) => rights
+                .check_offsets()
+                .and_then(|()| check_running(rights.moving)),
+            ControlRequest::SetModelParameter { .. }
+            | ControlRequest::SetParameter { .. }
             | ControlRequest::SetParameterBit { .. }
             | ControlRequest::SetPitch { .. } => rights.check_parameters(),
             ControlRequest::SetSetting(..) => rights.check_settings(),

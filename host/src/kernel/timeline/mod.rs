@@ -482,6 +482,7 @@ pub(super) const fn changes_machine(command: &Command) -> bool {
         | Command::Fault(..)
         | Command::Request(_)
         | Command::Write(_)
+        | Command::PlugUdisk(_)
         | Command::PowerCycle
         | Command::ForceInput(..)
         | Command::ReleaseForcedBits

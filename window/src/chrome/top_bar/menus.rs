@@ -12,7 +12,7 @@ use super::{ModelChoice, TopBarRequest};
 use crate::WindowSettings;
 use crate::chrome::zoom;
 use crate::layout::LAYOUTS;
-use crate::samples::SAMPLES;
+use crate::samples::samples_of;
 use crate::view::{VIEWS, key_name};
 use crate::views::project::COMMANDS;
 
@@ -21,6 +21,7 @@ use crate::views::project::COMMANDS;
 pub fn show_programs(
     ui: &mut Ui,
     settings: &WindowSettings,
+    model: ModelId,
     opened: Option<&PathBuf>,
 ) -> Option<TopBarRequest> {
     let language = settings.language;
@@ -45,7 +46,7 @@ pub fn show_programs(
         }
     });
     ui.menu_button(say::window_samples().text(language), |ui| {
-        for sample in &SAMPLES {
+        for sample in samples_of(model) {
             let description = sample.description_text(language);
             let entry = egui::Button::new(description).shortcut_text(sample.name);
             if ui.add(entry).clicked() {

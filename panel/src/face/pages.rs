@@ -1,5 +1,5 @@
-//! Contains the table of pages: the key that opens them, the order of the page keys, and the
-//! title (manual III-2).
+//! Defines the pages of all models with their titles, and contains the page table of the
+//! GSK980TD: the key that opens each page, and the order of the page keys (manual III-2).
 
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
@@ -60,6 +60,20 @@ pub enum PageId {
     Softpanel,
     /// Versions of control and ladder.
     Version,
+    /// Blocks that the operator teaches by moving the axes (示教, NC-B08).
+    Teach,
+    /// Parameters that only this model has (P 参数).
+    ParModel,
+    /// Inputs of the model with their pins, meanings and levels.
+    Inputs,
+    /// Outputs of the model with their pins, meanings and levels.
+    Outputs,
+    /// Programs on the U disk, and those to be stored there.
+    Udisk,
+    /// Zero offset and coordinates, which can be set (坐标修调, Huaxing).
+    Coordinates,
+    /// Clears programs and restores delivered values (系统置零, Huaxing).
+    Reset,
 }
 
 /// A page key of the panel. Each opens a group of pages.
@@ -79,6 +93,14 @@ pub enum PageKey {
     Par,
     /// 诊断 DGN: opens the diagnosis and PLC pages.
     Dgn,
+    /// 示教 (NC-B08): opens the pages of teaching and graphic.
+    Teach,
+    /// PRGRM (Huaxing): opens the main function of programs.
+    Program,
+    /// OPERT (Huaxing): opens the main function of machining.
+    Operate,
+    /// PARAM (Huaxing): opens the main function of parameters.
+    Parameter,
 }
 
 /// A row of the page table: how a page is reached and named.
@@ -97,7 +119,13 @@ pub struct PageRow {
     pub screens: u16,
 }
 
-const fn row(page: PageId, name: &'static str, key: PageKey, display: u8, screens: u16) -> PageRow {
+pub(super) const fn row(
+    page: PageId,
+    name: &'static str,
+    key: PageKey,
+    display: u8,
+    screens: u16,
+) -> PageRow {
     PageRow {
         page,
         name,
@@ -107,11 +135,31 @@ const fn row(page: PageId, name: &'static str, key: PageKey, display: u8, screen
     }
 }
 
-/// Number of pages of the LCD.
-pub(crate) const PAGE_COUNT: usize = 25;
+/// Number of pages of the GSK980TD, which are the first of [`PageId`]. A recording always stores
+/// their cursors.
+pub(crate) const STORED_PAGES: usize = 25;
+/// Number of pages of all models.
+pub(crate) const PAGE_COUNT: usize = STORED_PAGES + MODEL_PAGE_NAMES.len();
 
-/// The table of pages, in the order of [`PageId`] and of the page-up and page-down keys.
-pub const PAGES: [PageRow; PAGE_COUNT] = {
+/// Names on the command line of the pages that only other models have, in the order of
+/// [`PageId`].
+const MODEL_PAGE_NAMES: [&str; 7] = [
+    "teach",
+    "par-model",
+    "inputs",
+    "outputs",
+    "udisk",
+    "coordinates",
+    "reset",
+];
+
+/// Returns the names of the pages of all models.
+pub(crate) fn page_names() -> impl Iterator<Item = &'static str> {
+    PAGES.iter().map(|row| row.name).chain(MODEL_PAGE_NAMES)
+}
+
+/// The pages of the GSK980TD, in the order of [`PageId`] and of the page-up and page-down keys.
+pub const PAGES: [PageRow; STORED_PAGES] = {
     use PageId as P;
     use PageKey as K;
     [
@@ -144,14 +192,13 @@ pub const PAGES: [PageRow; PAGE_COUNT] = {
 };
 
 impl PageId {
-    /// Returns the row of the page table that describes this page.
-    pub fn row(self) -> &'static PageRow {
-        &PAGES[self as usize]
-    }
-
     /// Returns the page's name on the command line, for example `pos-rel`.
     pub fn name(self) -> &'static str {
-        self.row().name
+        let index = self as usize;
+        match PAGES.get(index) {
+            Some(row) => row.name,
+            None => MODEL_PAGE_NAMES[index - STORED_PAGES],
+        }
     }
 
     /// Returns the title that the LCD shows in its first row.
@@ -177,75 +224,13 @@ impl PageId {
             Self::PlcValues => say::lcd_plc_values(),
             Self::Softpanel => say::lcd_machine_panel(),
             Self::Version => say::lcd_version(),
+            Self::Teach => say::lcd_teaching(),
+            Self::ParModel => say::lcd_model_parameters(),
+            Self::Inputs => say::lcd_inputs(),
+            Self::Outputs => say::lcd_outputs(),
+            Self::Udisk => say::lcd_udisk(),
+            Self::Coordinates => say::lcd_coordinate_trim(),
+            Self::Reset => say::lcd_system_reset(),
         }
-    }
-
-    /// Returns the page with this name on the command line; `None` if no page has it.
-    pub fn from_name(name: &str) -> Option<Self> {
-        PAGES
-            .iter()
-            .find(|row| row.name == name)
-            .map(|row| row.page)
-    }
-
-    /// Returns the next (`forward`) or previous page of the same display, wrapping at both
-    /// ends.
-    pub(crate) fn neighbour(self, forward: bool) -> Self {
-        let own = self.row();
-        let group: Vec<Self> = PAGES
-            .iter()
-            .filter(|row| row.key == own.key && row.display == own.display)
-            .map(|row| row.page)
-            .collect();
-        let at = group.iter().position(|page| *page == self).unwrap_or(0);
-        let step = if forward { 1 } else { group.len() - 1 };
-        group[(at + step) % group.len()]
-    }
-
-    /// Returns the first page of a display (from 0) that a page key opens. A display number
-    /// beyond the last one continues with the first.
-    pub fn first_of(key: PageKey, display: u8) -> Self {
-        let displays = PAGES
-            .iter()
-            .filter(|row| row.key == key)
-            .map(|row| row.display)
-            .max()
-            .map_or(1, |last| last + 1);
-        PAGES
-            .iter()
-            .find(|row| row.key == key && row.display == display % displays)
-            .map_or(Self::PosRel, |row| row.page)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_table_has_the_order_of_the_ids() {
-        for (index, row) in PAGES.iter().enumerate() {
-            assert_eq!(row.page as usize, index, "{}", row.name);
-            assert_eq!(PageId::from_name(row.name), Some(row.page));
-        }
-    }
-
-    #[test]
-    fn page_keys_wrap_inside_one_display() {
-        assert_eq!(PageId::PosRel.neighbour(true), PageId::PosAbs);
-        assert_eq!(PageId::PosRel.neighbour(false), PageId::PosPrg);
-        assert_eq!(PageId::GraphPar.neighbour(true), PageId::Graph);
-        assert_eq!(PageId::Graph.neighbour(true), PageId::GraphPar);
-        assert_eq!(PageId::Password.neighbour(true), PageId::SetCode);
-        assert_eq!(PageId::Version.neighbour(true), PageId::Version);
-    }
-
-    #[test]
-    fn displays_of_a_key_follow_each_other() {
-        assert_eq!(PageId::first_of(PageKey::Set, 1), PageId::GraphPar);
-        assert_eq!(PageId::first_of(PageKey::Set, 2), PageId::SetCode);
-        assert_eq!(PageId::first_of(PageKey::Dgn, 4), PageId::Version);
-        assert_eq!(PageId::first_of(PageKey::Par, 3), PageId::ParBit);
-        assert_eq!(PageId::first_of(PageKey::Alm, 0), PageId::Msg);
     }
 }

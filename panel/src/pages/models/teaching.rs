@@ -6,10 +6,10 @@ use gsk_core::operation::OperatingMode;
 use gsk_core::units::Axis;
 use gsk_messages::say;
 
-use super::format::CoordinateFormat;
-use super::frame;
-use super::taught::TaughtProgram;
-use super::view::PageView;
+use crate::pages::format::CoordinateFormat;
+use crate::pages::frame;
+use crate::pages::taught::TaughtProgram;
+use crate::pages::view::PageView;
 use crate::screen::Screen;
 
 /// First screen row and number of rows that show taught blocks.
@@ -19,7 +19,7 @@ const ROWS: usize = 8;
 const POSITION_ROW: usize = 11;
 const NEXT_ROW: usize = 12;
 
-/// Returns whether the graphic page stores taught points now: the model supports it, and the
+/// Returns whether the teaching page stores taught points now: the model supports it, and the
 /// mode is jog, step or handwheel.
 pub fn teaches(cnc: &Cnc) -> bool {
     let by_hand = matches!(
@@ -32,7 +32,6 @@ pub fn teaches(cnc: &Cnc) -> bool {
 /// Draws the teaching page: taught blocks, position, and the words for the next point.
 pub fn draw(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let teaching = &view.teaching;
-    screen.put_message(1, 14, &say::lcd_teaching());
     let blocks = teaching.blocks();
     let first = match teaching.from_first {
         true => 0,
@@ -50,5 +49,9 @@ pub fn draw(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let code = if teaching.rapid { "G0" } else { "G1" };
     let TaughtProgram { program, feed, .. } = teaching;
     screen.put(NEXT_ROW, 1, &format!("P{program:04}  {code}  F{feed}"));
-    frame::input_line(screen, &say::lcd_address_prompt(), view);
+    if teaches(cnc) {
+        frame::input_line(screen, &say::lcd_address_prompt(), view);
+    } else {
+        screen.put_message(frame::INPUT_ROW, 0, &say::lcd_teach_by_hand());
+    }
 }
