@@ -60,12 +60,13 @@ pub(crate) fn parse(source: &str) -> ParsedLadder {
 pub(crate) fn parse_declarations(source: &str) -> Directives {
     let mut directives = Directives::default();
     for line in split_lines(source) {
-        let code = strip_comment(line).trim();
+        let line = line.trim_start();
         let declares = [".INIT", ".MCODE"].iter().any(|name| {
-            code.get(..name.len())
+            line.get(..name.len())
                 .is_some_and(|start| start.eq_ignore_ascii_case(name))
         });
         if declares {
+            let code = strip_comment(line).trim_end();
             let _wrong = directive::parse(code, 0, &mut directives);
         }
     }

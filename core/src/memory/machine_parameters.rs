@@ -1,6 +1,6 @@
 //! Parameters by name: the machine's equipment and the active levels of its contacts.
 
-use super::ControlParameters;
+use super::{ControlParameters, parameter_row};
 use crate::units::Axis;
 
 impl ControlParameters {
@@ -118,8 +118,13 @@ impl ControlParameters {
     }
 
     fn set_option(&mut self, number: u16, bit: u8) {
-        let set = self.set_bit(number, bit, true);
-        debug_assert!(set.is_ok(), "{number:03}.{bit} exists");
+        debug_assert!(
+            parameter_row(number, Some(bit)).is_some(),
+            "{number:03}.{bit} exists"
+        );
+        // Without a check: the table of parameters is long to read, and a preview needs no
+        // other row of it.
+        self.write_unchecked(number, self.value(number) | 1 << bit);
     }
 
     /// 168.0 PB1: whether the chuck clamps with the output DOQPS (outer chuck) instead of

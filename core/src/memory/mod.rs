@@ -3,6 +3,7 @@
 mod authority;
 mod counters;
 mod disks;
+mod factory_values;
 mod machine_parameters;
 mod named_parameters;
 mod offsets;

@@ -26,6 +26,18 @@ pub enum ElectronicDisk {
     N4,
 }
 
+impl ElectronicDisk {
+    /// Index of the disk in the lists of factory values.
+    pub(super) const fn factory_index(self) -> usize {
+        match self {
+            Self::N0 | Self::N1 => 0,
+            Self::N2 => 1,
+            Self::N3 => 2,
+            Self::N4 => 3,
+        }
+    }
+}
+
 /// When a changed parameter takes effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EffectiveTime {
@@ -107,12 +119,7 @@ pub struct ParameterRow {
 impl ParameterRow {
     /// The factory value of this parameter on an electronic disk.
     pub const fn factory_value(&self, disk: ElectronicDisk) -> i32 {
-        match disk {
-            ElectronicDisk::N0 | ElectronicDisk::N1 => self.factory[0],
-            ElectronicDisk::N2 => self.factory[1],
-            ElectronicDisk::N3 => self.factory[2],
-            ElectronicDisk::N4 => self.factory[3],
-        }
+        self.factory[disk.factory_index()]
     }
 }
 
@@ -194,6 +201,7 @@ fn parse_row(line: &'static str) -> Option<ParameterRow> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::factory_values::FACTORY_VALUES;
     use super::*;
 
     #[test]
@@ -226,6 +234,13 @@ mod tests {
 
     fn is_state(number: u16) -> bool {
         matches!(number, 1..=14 | 164 | 168 | 172..=185)
+    }
+
+    #[test]
+    fn factory_values_are_those_of_the_table() {
+        let whole = parameter_rows().iter().filter(|row| row.bit.is_none());
+        let expected: Vec<_> = whole.map(|row| (row.number, row.factory)).collect();
+        assert_eq!(FACTORY_VALUES, expected);
     }
 
     #[test]

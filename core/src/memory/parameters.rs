@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
+use super::factory_values::FACTORY_VALUES;
 use super::parameter;
 use super::parameter_table::{self, EffectiveTime, ElectronicDisk, LAST_PARAMETER, ParameterRange};
 use crate::alarm::Alarm;
@@ -87,12 +88,9 @@ impl ControlParameters {
     /// The factory values on an electronic disk (manual, appendix 2).
     pub fn factory(disk: ElectronicDisk) -> Self {
         let mut values = vec![0; PARAMETER_COUNT];
-        for row in parameter_table::parameter_rows()
-            .iter()
-            .filter(|row| row.bit.is_none())
-        {
-            if let Some(value) = values.get_mut(usize::from(row.number)) {
-                *value = row.factory_value(disk);
+        for (number, factory) in FACTORY_VALUES {
+            if let Some(value) = values.get_mut(usize::from(*number)) {
+                *value = factory[disk.factory_index()];
             }
         }
         Self { values }
@@ -146,7 +144,7 @@ impl ControlParameters {
         }
     }
 
-    fn write_unchecked(&mut self, number: u16, value: i32) {
+    pub(super) fn write_unchecked(&mut self, number: u16, value: i32) {
         if let Some(slot) = self.values.get_mut(usize::from(number)) {
             *slot = value;
         }
@@ -248,10 +246,8 @@ impl ControlParameters {
 
     /// All parameters with their values, by number.
     pub fn iter(&self) -> impl Iterator<Item = (u16, i32)> {
-        let whole = parameter_table::parameter_rows()
-            .iter()
-            .filter(|row| row.bit.is_none());
-        whole.map(|row| (row.number, self.value(row.number)))
+        let numbers = FACTORY_VALUES.iter().map(|(number, _)| *number);
+        numbers.map(|number| (number, self.value(number)))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Bounding box of a path.
 
 use crate::command::{ExecutedMove, MoveKind};
-use crate::units::Point;
+use crate::units::{Point, max_not_nan, min_not_nan};
 
 /// The smallest axis-parallel box around a path, mm; X as a radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,8 +32,11 @@ impl PathBounds {
     }
 
     fn extend_to(&mut self, point: Point) {
-        self.least = Point::new(self.least.x.min(point.x), self.least.z.min(point.z));
-        self.greatest = Point::new(self.greatest.x.max(point.x), self.greatest.z.max(point.z));
+        let (least, greatest) = (&mut self.least, &mut self.greatest);
+        least.x = min_not_nan(least.x, point.x);
+        least.z = min_not_nan(least.z, point.z);
+        greatest.x = max_not_nan(greatest.x, point.x);
+        greatest.z = max_not_nan(greatest.z, point.z);
     }
 }
 

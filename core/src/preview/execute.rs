@@ -171,6 +171,7 @@ impl PreviewRun<'_> {
     fn change_frame(&mut self, frame: Frame, relative_follows: bool) {
         let before = self.preview.frame;
         self.preview.frame = frame;
+        self.last_reported = None;
         if before.zero == frame.zero {
             return;
         }

@@ -2,16 +2,15 @@
 
 use super::{PreviewRun, bounds, remove_noise};
 use crate::alarm::Alarm;
-use crate::command::{ControlCommand, ExecutedMove, Frame, MoveConditions, MoveKind};
+use crate::command::{ControlCommand, ExecutedMove, MoveConditions, MoveKind};
 use crate::motion::{move_duration, path_length, top_speed};
 use crate::operation::{check_encoder, check_gear_speed};
 use crate::units::{Feed, Point};
 
-/// The end of the last reported move; the next move begins exactly there.
+/// The end of the last reported move in the frame in force; the next move begins exactly there.
 #[derive(Clone, Copy)]
 pub(super) struct ReportedEnd {
     machine_position: Point,
-    frame: Frame,
     program_position: Point,
 }
 
@@ -75,15 +74,12 @@ impl PreviewRun<'_> {
             self.preview.cutting_s += took;
         }
         let begin = match self.last_reported {
-            Some(shown) if (shown.machine_position, shown.frame) == (from, frame) => {
-                shown.program_position
-            }
+            Some(shown) if shown.machine_position == from => shown.program_position,
             _ => remove_noise(frame.to_program(from)),
         };
         let end = remove_noise(frame.to_program(to));
         self.last_reported = Some(ReportedEnd {
             machine_position: to,
-            frame,
             program_position: end,
         });
         let executed = ExecutedMove {

@@ -54,7 +54,7 @@ impl BlockCache {
             return Ok(&kept.block);
         }
         kept.index = None;
-        self.work += (program.block(index).len() / BYTES_PER_BLOCK) as u64;
+        self.work += (program.block_length(index) / BYTES_PER_BLOCK) as u64;
         program.read(index, syntax, &mut kept.block)?;
         if !same {
             kept.program = program.identity();

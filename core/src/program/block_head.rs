@@ -18,6 +18,7 @@ pub(super) struct BlockHead {
 impl BlockHead {
     /// Whether a block has a program name (O word). For most blocks the first byte rules that
     /// out, since no other word can be before a name.
+    #[inline]
     pub(super) fn names_program(text: &str) -> bool {
         let other_word = matches!(text.as_bytes().first(), Some(b'A'..=b'N' | b'P'..=b'Z'));
         !other_word && Self::read(text).o.is_some()

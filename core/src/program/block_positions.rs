@@ -27,6 +27,8 @@ pub(super) struct BlockPositions {
     wide: Vec<BlockPosition>,
     last: Option<BlockPosition>,
     count: usize,
+    /// Position of the byte after the last block.
+    end: u32,
 }
 
 #[derive(Clone, Copy)]
@@ -98,10 +100,17 @@ impl BlockPositions {
         }
     }
 
-    /// Releases the memory reserved for more positions.
-    pub(super) fn shrink_to_fit(&mut self) {
+    /// Sets the position of the byte after the last block, and releases the memory reserved for
+    /// more positions.
+    pub(super) fn finish(&mut self, end: u32) {
+        self.end = end;
         self.groups.shrink_to_fit();
         self.wide.shrink_to_fit();
+    }
+
+    /// Position of the byte after the last block.
+    pub(super) const fn end(&self) -> u32 {
+        self.end
     }
 
     /// The position of the block with this index, from 0; `None` after the last block.
@@ -127,23 +136,32 @@ impl BlockPositions {
         }
     }
 
-    /// All positions in the order of the text.
-    pub(super) fn iter(&self) -> impl Iterator<Item = BlockPosition> {
-        let mut before = None;
-        (0..self.count).filter_map(move |index| {
-            let (group, within) = (self.groups.get(index / GROUP_SIZE)?, index % GROUP_SIZE);
-            let position = match (&group.tail, before) {
-                (GroupTail::Close(steps), Some(BlockPosition { byte, line })) if within > 0 => {
-                    BlockPosition {
-                        byte: byte + u32::from(*steps.get(within - 1)?),
-                        line: line + 1,
-                    }
-                }
-                _ => group.position(within, &self.wide)?,
-            };
-            before = Some(position);
-            Some(position)
-        })
+    /// Number of bytes from the block with this index, from 0, to the next block, or to the end
+    /// for the last one; 0 after the last block.
+    #[inline]
+    pub(super) fn length(&self, index: usize) -> u32 {
+        if index + 1 < self.count
+            && let Some(group) = self.groups.get(index / GROUP_SIZE)
+            && let GroupTail::Close(steps) = &group.tail
+            && let Some(step) = steps.get(index % GROUP_SIZE)
+        {
+            return u32::from(*step);
+        }
+        let end = self.get(index + 1).map_or(self.end, |next| next.byte);
+        let begin = self.get(index).map_or(end, |place| place.byte);
+        end.saturating_sub(begin)
+    }
+
+    /// Whether the block with this index, from 0, begins in the line of the block before it.
+    #[inline]
+    pub(super) fn continues_line(&self, index: usize) -> bool {
+        let group = self.groups.get(index / GROUP_SIZE);
+        let is_close = group.is_some_and(|it| matches!(it.tail, GroupTail::Close(_)));
+        if is_close && !index.is_multiple_of(GROUP_SIZE) {
+            return false;
+        }
+        let line = self.line(index);
+        line.is_some() && index.checked_sub(1).and_then(|it| self.line(it)) == line
     }
 
     /// The position of the last block; `None` without blocks.
@@ -202,17 +220,28 @@ mod tests {
             let expected = sample_positions(count, seed);
             let mut places = BlockPositions::default();
             expected.iter().for_each(|place| places.push(*place));
-            places.shrink_to_fit();
+            let end = expected.last().map_or(0, |place| place.byte + 9);
+            places.finish(end);
             assert_eq!(places.len(), expected.len());
             assert_eq!(places.last(), expected.last().copied());
-            assert_eq!(places.iter().collect::<Vec<_>>(), expected);
             for index in 0..expected.len() + 2 {
                 let place = expected.get(index).copied();
                 assert_eq!(places.get(index), place, "{index} of {count}");
                 assert_eq!(places.line(index), place.map(|place| place.line));
+                let next = expected.get(index + 1).map_or(end, |next| next.byte);
+                let length = place.map_or(0, |place| next - place.byte);
+                assert_eq!(places.length(index), length, "{index} of {count}");
+                let before = index.checked_sub(1).and_then(|it| expected.get(it));
+                let continues = place
+                    .is_some_and(|place| before.is_some_and(|before| before.line == place.line));
+                assert_eq!(
+                    places.continues_line(index),
+                    continues,
+                    "{index} of {count}"
+                );
             }
-            let end = expected.last().map_or(2, |place| place.line + 2);
-            for line in 0..=end {
+            let last_line = expected.last().map_or(2, |place| place.line + 2);
+            for line in 0..=last_line {
                 let first = expected.partition_point(|place| place.line < line);
                 assert_eq!(places.first_at(line), first, "line {line} of {count}");
             }

@@ -32,8 +32,8 @@ pub(super) struct TextIdentity(Weak<SharedText>);
 struct SharedText {
     text: String,
     blocks: BlockPositions,
-    /// Position of the byte after the last block.
-    end_byte: u32,
+    /// Positions of the blocks with a program name (O word).
+    names: Vec<BlockPosition>,
     first_line: u32,
     lines: u32,
     characters: u32,
@@ -86,7 +86,7 @@ impl Program {
         let characters = text.chars().count();
         let mut shared = SharedText {
             blocks: index.blocks,
-            end_byte: index.end,
+            names: index.names,
             first_line,
             lines: index.lines,
             characters: characters as u32,
@@ -201,6 +201,13 @@ impl Program {
         self.shared.block(index as usize)
     }
 
+    /// Number of bytes of the text from the block with this index, from 0, up to the next
+    /// block.
+    #[inline]
+    pub(super) fn block_length(&self, index: u32) -> usize {
+        self.shared.blocks.length(index as usize) as usize
+    }
+
     /// The line in the file, from 1, of the block with this index (from 0); for an index after
     /// the last block the line after that block.
     pub fn block_line(&self, index: u32) -> u32 {
@@ -221,12 +228,14 @@ impl Program {
     #[inline]
     pub(crate) fn follows_semicolon(&self, index: u32) -> bool {
         let blocks = &self.shared.blocks;
-        let line_of = |index: Option<usize>| index.and_then(|index| blocks.line(index));
         let index = index as usize;
-        let line = line_of(Some(index));
-        line_of(index.checked_sub(1)) == line
-            && line_of(index.checked_sub(2)) != line
-            && self.shared.block(index.saturating_sub(1)).trim() == ";"
+        let Some(before) = index
+            .checked_sub(1)
+            .filter(|_| blocks.continues_line(index))
+        else {
+            return false;
+        };
+        !blocks.continues_line(before) && self.shared.block(before).trim() == ";"
     }
 
     /// The text of the line that is before a block.
@@ -306,7 +315,7 @@ impl Program {
         // The block ends where the next one begins.
         let text = shared
             .text
-            .get(place.byte as usize..shared.end_byte as usize);
+            .get(place.byte as usize..shared.blocks.end() as usize);
         read_block(text.unwrap_or(""), syntax, block)
             .map_err(|error| self.with_line_column(error, index))
     }
@@ -505,13 +514,8 @@ impl SharedText {
         let Some(place) = self.blocks.get(index) else {
             return "";
         };
-        let end = self
-            .blocks
-            .get(index + 1)
-            .map_or(self.end_byte, |next| next.byte);
-        self.text
-            .get(place.byte as usize..end as usize)
-            .unwrap_or("")
+        let (start, length) = (place.byte as usize, self.blocks.length(index) as usize);
+        self.text.get(start..start + length).unwrap_or("")
     }
 
     fn line(&self, line: u32) -> &str {
@@ -563,18 +567,12 @@ impl SharedText {
 /// their numbers in the file. A `String` with a single program is not copied.
 pub fn split_programs(text: impl Into<String>) -> Vec<Program> {
     let whole = Program::new(text);
-    let text = whole
-        .text()
-        .get(..whole.shared.end_byte as usize)
-        .unwrap_or("");
-    let begins = |place: &BlockPosition| {
-        BlockHead::names_program(text.get(place.byte as usize..).unwrap_or(""))
-    };
-    let starts: Vec<BlockPosition> = whole.shared.blocks.iter().filter(begins).collect();
+    let starts = &whole.shared.names;
     if starts.len() < 2 {
         return vec![whole];
     }
-    let end = whole.shared.end_byte as usize;
+    let text = whole.text();
+    let end = whole.shared.blocks.end() as usize;
     let mut programs = Vec::with_capacity(starts.len());
     for (index, place) in starts.iter().enumerate() {
         // The text before the first O word belongs to the first program.

@@ -1,5 +1,6 @@
 //! Finds the beginnings of blocks and lines in a text.
 
+use super::block_head::BlockHead;
 use super::block_positions::{BlockPosition, BlockPositions};
 use super::lexer::{INVALID_CHARACTER, Lexer};
 
@@ -7,8 +8,8 @@ use super::lexer::{INVALID_CHARACTER, Lexer};
 #[derive(Default)]
 pub(super) struct TextIndex {
     pub(super) blocks: BlockPositions,
-    /// Position of the byte after the last block.
-    pub(super) end: u32,
+    /// Positions of the blocks with a program name (O word).
+    pub(super) names: Vec<BlockPosition>,
     /// Number of lines of the text.
     pub(super) lines: u32,
     /// The first line with full-width characters outside comments; `None` without any.
@@ -48,10 +49,14 @@ impl TextIndex {
             let scan = self.scan_block(&mut lexer, line);
             let alone = scan.end == BlockEnd::Mark && !scan.comment;
             if scan.words || alone {
-                self.blocks.push(BlockPosition {
+                let position = BlockPosition {
                     byte: start as u32,
                     line,
-                });
+                };
+                self.blocks.push(position);
+                if BlockHead::names_program(text.get(start..).unwrap_or("")) {
+                    self.names.push(position);
+                }
             }
             line_is_open = scan.end != BlockEnd::Line;
             if scan.end == BlockEnd::Line {
@@ -79,12 +84,11 @@ impl TextIndex {
         if ended.is_some() {
             self.after_end = line_with_text(text, lexer.at, line);
         }
-        self.end = ended.unwrap_or(text.len()) as u32;
         self.lines = line - first_line + u32::from(line_is_open);
         if ended.is_some() {
             self.lines += lines_after(text, lexer.at);
         }
-        self.blocks.shrink_to_fit();
+        self.blocks.finish(ended.unwrap_or(text.len()) as u32);
     }
 
     /// Scans one block and moves the lexer after its end mark. Records full-width characters.

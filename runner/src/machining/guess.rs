@@ -300,8 +300,9 @@ impl JobGuess<'_> {
     }
 
     /// Moves the guessed tools through the largest bar and returns the regions that they pass
-    /// through without cutting.
-    fn find_intrusions(&self) -> Vec<StockIntrusion> {
+    /// through without cutting. Stops when all tools of `limits`, if it has any, have passed
+    /// through at least the area given there, mm².
+    fn find_intrusions(&self, mut limits: BTreeMap<u8, f64>) -> Vec<StockIntrusion> {
         let radius = self.radii.first().copied().unwrap_or(MIN_BAR_RADIUS_MM);
         let front = self.fronts.first().copied().unwrap_or(0.0);
         let tools = self.build_tools(radius, front, &self.slimness);
@@ -311,6 +312,8 @@ impl JobGuess<'_> {
             .collect();
         let mut scene = LatheScene::new(&self.build_stock(radius, front));
         let mut intrusions = Vec::new();
+        let mut areas: BTreeMap<u8, f64> = BTreeMap::new();
+        let has_limits = !limits.is_empty();
         for step in self.tried {
             let Some(cutter) = cutters.get(&step.tool) else {
                 continue;
@@ -318,6 +321,7 @@ impl JobGuess<'_> {
             let intrusion = scene.intrude(cutter, &step.motion);
             for (rapid, region) in [(true, intrusion.insert), (false, intrusion.body)] {
                 if let Some(bounds) = region.bounds() {
+                    *areas.entry(step.tool).or_default() += region.area();
                     intrusions.push(StockIntrusion {
                         tool: step.tool,
                         rapid: rapid || matches!(step.motion.kind, MotionKind::Rapid),
@@ -325,6 +329,10 @@ impl JobGuess<'_> {
                         bounds,
                     });
                 }
+            }
+            limits.retain(|tool, limit| areas.get(tool).copied().unwrap_or(0.0) < *limit);
+            if has_limits && limits.is_empty() {
+                break;
             }
         }
         intrusions
@@ -337,7 +345,8 @@ impl JobGuess<'_> {
             let own = intrusions.iter().filter(|it| it.tool == tool);
             own.map(|it| it.region.area()).sum()
         };
-        let first = self.find_intrusions();
+        let first = self.find_intrusions(BTreeMap::new());
+        let first_tools = (self.poses.clone(), self.slimness.clone());
         let mut least: BTreeMap<u8, (f64, ToolPose, u8)> = BTreeMap::new();
         for (tool, pose) in &self.poses {
             let area = of_tool(&first, *tool);
@@ -360,20 +369,26 @@ impl JobGuess<'_> {
                 self.poses.insert(*tool, pose);
                 self.slimness.insert(*tool, slim);
             }
-            let intrusions = self.find_intrusions();
-            for (tool, (area, pose, slim)) in &mut least {
-                let other = of_tool(&intrusions, *tool);
-                let Some((tried, level)) = others.get(tool).and_then(|poses| poses.get(index))
-                else {
-                    continue;
-                };
-                let factor = if tried == pose {
-                    1.0
-                } else {
-                    POSE_CHANGE_FACTOR
-                };
-                if other < *area * factor && *area > ACCEPTED_INTRUSION_MM2 {
-                    (*area, *pose, *slim) = (other, *tried, *level);
+            // A tool takes another pose only if it passes through less than this area.
+            let limits: BTreeMap<u8, f64> = least
+                .iter()
+                .filter_map(|(tool, (area, pose, _))| {
+                    let (tried, _) = others.get(tool)?.get(index)?;
+                    let factor = if tried == pose {
+                        1.0
+                    } else {
+                        POSE_CHANGE_FACTOR
+                    };
+                    let may_change = *area > ACCEPTED_INTRUSION_MM2;
+                    Some((*tool, if may_change { *area * factor } else { 0.0 }))
+                })
+                .collect();
+            let intrusions = self.find_intrusions(limits.clone());
+            for (tool, limit) in limits {
+                let other = of_tool(&intrusions, tool);
+                let tried = others.get(&tool).and_then(|poses| poses.get(index));
+                if let (Some((pose, level)), true) = (tried, other < limit) {
+                    least.insert(tool, (other, *pose, *level));
                 }
             }
         }
@@ -381,7 +396,10 @@ impl JobGuess<'_> {
             self.poses.insert(tool, pose);
             self.slimness.insert(tool, slim);
         }
-        self.find_intrusions()
+        if (&self.poses, &self.slimness) == (&first_tools.0, &first_tools.1) {
+            return first;
+        }
+        self.find_intrusions(BTreeMap::new())
     }
 
     /// Poses, with their slimness levels, to try for a tool that intrudes into stock: its most

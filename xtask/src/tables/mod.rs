@@ -5,6 +5,7 @@
 //! the sources, so a text that is reworded does not compile all packages anew.
 
 mod constants;
+mod factory;
 mod messages;
 
 use std::fs;
@@ -16,7 +17,7 @@ use crate::error::TaskError;
 type GenerateList = fn(&str) -> Result<String, String>;
 
 /// Table, list and how the one becomes the other.
-const LISTS: [(&str, &str, GenerateList); 3] = [
+const LISTS: [(&str, &str, GenerateList); 4] = [
     ("messages.tsv", "messages/src/rows.rs", messages::generate),
     ("alarms.tsv", "units/src/alarm.rs", |table| {
         constants::generate(table, "Alarm numbers")
@@ -24,6 +25,11 @@ const LISTS: [(&str, &str, GenerateList); 3] = [
     ("parameters.tsv", "core/src/memory/parameter.rs", |table| {
         constants::generate(table, "Numbers of data parameters that modules pass on")
     }),
+    (
+        "parameters.tsv",
+        "core/src/memory/factory_values.rs",
+        factory::generate,
+    ),
 ];
 
 /// Writes every list anew from its table.

@@ -9,7 +9,7 @@ use gsk_workpiece::grid::mm;
 use gsk_workpiece::job::Job;
 use gsk_workpiece::tool::{Tool, ToolShape};
 
-use super::super::Machining;
+use super::super::{CollisionFinding, Machining};
 use super::tools::MAX_SLIMNESS;
 use super::{JAW_CLEARANCE_MM, JobGuess, MAX_BAR_LENGTH_MM};
 
@@ -20,10 +20,10 @@ impl JobGuess<'_> {
         let mut slim = BTreeMap::new();
         let mut job = Job::new(self.build_stock(radius, front));
         job.tools = self.build_tools(radius, front, &slim);
-        let mut hits = self.find_hits(&job);
+        let mut hits = self.find_hits(&job, &BTreeMap::new());
         if hits.hits_jaws {
             self.extend_bar_from_jaws(&mut job);
-            hits = self.find_hits(&job);
+            hits = self.find_hits(&job, &BTreeMap::new());
         }
         // The fewest hits of each tool, and its slimness then.
         let mut fewest: BTreeMap<u8, (usize, u8)> = BTreeMap::new();
@@ -37,7 +37,12 @@ impl JobGuess<'_> {
             }
             let tried: BTreeSet<u8> = hits.counts_by_tool.keys().copied().collect();
             job.tools = self.build_tools(radius, front, &slim);
-            hits = self.find_hits(&job);
+            // The hits of other tools decide which ones are tried next.
+            let limits = match tried.len() == job.tools.len() {
+                true => fewest.iter().map(|(tool, it)| (*tool, it.0)).collect(),
+                false => BTreeMap::new(),
+            };
+            hits = self.find_hits(&job, &limits);
             for tool in tried {
                 let count = hits.counts_by_tool.get(&tool).copied().unwrap_or(0);
                 let known = fewest.entry(tool).or_insert((count, level));
@@ -80,8 +85,12 @@ impl JobGuess<'_> {
         }
     }
 
-    fn find_hits(&self, job: &Job) -> ToolHits {
+    /// Moves the tools of a job along the motions and counts their collisions. Stops when all tools
+    /// of `limits`, if it has any, have at least the number given there.
+    fn find_hits(&self, job: &Job, limits: &BTreeMap<u8, usize>) -> ToolHits {
         let mut machining = Machining::new(job.clone());
+        let mut hits = ToolHits::default();
+        let mut counted = 0;
         for (line, step) in (1..).zip(self.tried) {
             // A separate source per motion counts each motion separately.
             let source = SourcePosition {
@@ -90,16 +99,12 @@ impl JobGuess<'_> {
                 sequence: None,
             };
             machining.move_tool(Some(source), step.tool, &step.motion);
-        }
-        let mut hits = ToolHits::default();
-        for finding in machining.findings() {
-            let collision = finding.collision;
-            match (collision.touching_part, collision.obstacle) {
-                (TouchingPart::RapidInsert, Obstacle::Stock) => hits.add_hit(finding.tool),
-                (TouchingPart::RapidInsert | TouchingPart::StandingInsert, _) => {}
-                (_, Obstacle::Jaws | Obstacle::Chuck) => hits.hits_jaws = true,
-                (TouchingPart::Body(_), _) => hits.add_hit(finding.tool),
-                (TouchingPart::Insert, _) => {}
+            for finding in machining.findings().iter().skip(counted) {
+                hits.add_finding(finding);
+            }
+            counted = machining.findings().len();
+            if hits.reach(limits) {
+                break;
             }
         }
         hits
@@ -107,7 +112,7 @@ impl JobGuess<'_> {
 }
 
 /// Collisions of the guessed tools.
-#[derive(Default)]
+#[derive(Debug, Default, PartialEq)]
 struct ToolHits {
     hits_jaws: bool,
     /// Number of collisions by tool number: of its body with anything, of its insert with the
@@ -116,7 +121,47 @@ struct ToolHits {
 }
 
 impl ToolHits {
+    fn add_finding(&mut self, finding: &CollisionFinding) {
+        let collision = finding.collision;
+        match (collision.touching_part, collision.obstacle) {
+            (TouchingPart::RapidInsert, Obstacle::Stock) => self.add_hit(finding.tool),
+            (TouchingPart::RapidInsert | TouchingPart::StandingInsert, _) => {}
+            (_, Obstacle::Jaws | Obstacle::Chuck) => self.hits_jaws = true,
+            (TouchingPart::Body(_), _) => self.add_hit(finding.tool),
+            (TouchingPart::Insert, _) => {}
+        }
+    }
+
+    /// Whether each tool of `limits`, of which there must be one, has at least the number of
+    /// collisions given there.
+    fn reach(&self, limits: &BTreeMap<u8, usize>) -> bool {
+        let reaches = |(tool, limit): (&u8, &usize)| {
+            let count = self.counts_by_tool.get(tool);
+            count.is_some_and(|count| count >= limit)
+        };
+        !limits.is_empty() && limits.iter().all(reaches)
+    }
+
     fn add_hit(&mut self, tool: u8) {
         *self.counts_by_tool.entry(tool).or_default() += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_trial_stops_when_every_tool_has_its_number_of_hits() {
+        let mut hits = ToolHits::default();
+        let limits = BTreeMap::from([(1, 2), (3, 1)]);
+        assert!(!hits.reach(&BTreeMap::new()) && !hits.reach(&limits));
+        hits.add_hit(1);
+        hits.add_hit(3);
+        assert!(!hits.reach(&limits));
+        hits.add_hit(1);
+        assert!(hits.reach(&limits));
+        hits.add_hit(2);
+        assert!(hits.reach(&limits) && !hits.reach(&BTreeMap::new()));
     }
 }
