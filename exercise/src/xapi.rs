@@ -54,13 +54,13 @@ fn statement(mark: &ResultMark, task: &ExerciseTask, language: Language) -> Opti
     }))
 }
 
-/// A UUID (version 8) from the hash of the recording: a result that is sent twice is one
-/// statement.
+/// A UUID from the hash of the recording: a result that is sent twice is one statement. It has
+/// the form of version 5 (by name), because readers refuse newer versions.
 fn statement_id(mark: &ResultMark) -> Option<String> {
     let hash = mark.recording_hash()?.to_string();
     let part = |from: usize, to: usize| hash.get(from..to);
     Some(format!(
-        "{}-{}-8{}-8{}-{}",
+        "{}-{}-5{}-8{}-{}",
         part(0, 8)?,
         part(8, 12)?,
         part(12, 15)?,
