@@ -50,6 +50,7 @@ impl MoveContext<'_> {
 impl PlainMove {
     /// Reads the move of a block in millimetres. `motion` is the code of group 01 before the
     /// block. `None` if the block contains anything but a plain move or refers to variables.
+    #[inline]
     pub(crate) fn from_block(
         block: &ProgramBlock,
         motion: MotionCode,
@@ -98,6 +99,7 @@ impl PlainMove {
     ///
     /// # Errors
     /// The alarm of the move. The state stays as before.
+    #[inline]
     pub(crate) fn apply(
         &self,
         state: &mut State,
