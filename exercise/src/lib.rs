@@ -15,6 +15,7 @@
 pub mod check;
 pub mod criterion;
 mod criterion_file;
+pub mod draft;
 pub mod drawing;
 pub mod exam;
 mod input_guard;

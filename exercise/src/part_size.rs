@@ -98,8 +98,28 @@ fn contains(ends: (f64, f64), position: f64, value: f64) -> Option<f64> {
     (low..=high).contains(&position).then_some(value)
 }
 
-/// Z of the front end of the part.
-fn front_z(features: &[Feature]) -> Option<f64> {
+/// Greatest height of what a tool that does not cross the axis leaves on the front face, mm.
+const MAX_PIP: f64 = 0.2;
+
+/// Returns the front face as a drawing has it: the number of features before it, which are a pip
+/// that the tool has left at the axis, and its z. `features` are those of the outside.
+pub(crate) fn nominal_front(features: &[Feature]) -> (usize, f64) {
+    let Some(front) = front_z(features) else {
+        return (0, 0.0);
+    };
+    let face = features
+        .iter()
+        .enumerate()
+        .rev()
+        .find_map(|(index, it)| match *it {
+            Feature::Face { z, .. } if z > front - MAX_PIP => Some((index, z)),
+            _ => None,
+        });
+    face.unwrap_or((0, front))
+}
+
+/// Z of the front end of the part, from the features of its outside.
+pub(crate) fn front_z(features: &[Feature]) -> Option<f64> {
     features.first().map(|first| match *first {
         Feature::Face { z, .. } => z,
         Feature::Cylinder { z, .. }

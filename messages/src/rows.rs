@@ -527,6 +527,14 @@ message_rows! {
     exercise_column_time ExerciseColumnTime();
     exercise_criterion_count ExerciseCriterionCount(count, most);
     exercise_demands ExerciseDemands();
+    exercise_draft_crash ExerciseDraftCrash();
+    exercise_draft_folder ExerciseDraftFolder(folder);
+    exercise_draft_no_crash ExerciseDraftNoCrash();
+    exercise_draft_no_size ExerciseDraftNoSize();
+    exercise_draft_size_bad ExerciseDraftSizeBad(size);
+    exercise_draft_size_good ExerciseDraftSizeGood(size);
+    exercise_draft_text ExerciseDraftText(number: "{:04}");
+    exercise_draft_title ExerciseDraftTitle(number: "{:04}");
     exercise_drawing ExerciseDrawing();
     exercise_drawing_hint ExerciseDrawingHint();
     exercise_drawing_none ExerciseDrawingNone(task);

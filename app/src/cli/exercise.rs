@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
+use gsk_host::setup_args::SetupArgs;
 
 /// `exercise`.
 #[derive(Debug, Subcommand)]
@@ -18,6 +19,8 @@ pub enum ExerciseCommand {
     /// Every result is replayed from the start of its exercise, on all processors. Exit code 1:
     /// a result is not what it claims.
     Mark(ExerciseMarkArgs),
+    /// Draft an exercise from a program and its job: its part becomes drawing and criteria
+    New(ExerciseNewArgs),
     /// Draw the part of an exercise with the dimensions that are marked, as SVG
     Drawing(ExerciseDrawingArgs),
     /// Play the reference solution of an exercise and print the outline of its part, for task.ron
@@ -78,6 +81,22 @@ pub struct ExerciseMarkArgs {
     /// Data folder with a teacher's exercises in its folder `exercises`
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
+}
+
+/// `exercise new`.
+#[derive(Args, Debug)]
+pub struct ExerciseNewArgs {
+    /// The program that makes the part
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// Folder of the new exercise
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// The job file (RON) with stock and tools [default: beside the program (shaft.CNC: shaft.job.ron), else guessed]
+    #[arg(long, value_name = "FILE")]
+    pub job: Option<PathBuf>,
+    #[command(flatten)]
+    pub setup: SetupArgs,
 }
 
 /// `exercise drawing`.

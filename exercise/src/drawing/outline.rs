@@ -15,6 +15,7 @@ use gsk_workpiece::region::Region;
 use serde::Deserialize;
 
 use crate::criterion::PartSurface;
+use crate::part_size::nominal_front;
 
 /// Greatest coordinate of an outline, mm.
 const MAX_SIZE: f64 = 10_000.0;
@@ -206,9 +207,10 @@ fn read_pieces(ends: &[OutlineEnd]) -> Result<Vec<OutlinePiece>, Message> {
 pub fn write_outline(section: &Region) -> String {
     let outside = measure_features(section, SectionSide::Outside);
     let bore = measure_features(section, SectionSide::Inside);
-    let front = outside.first().map_or(0.0, |first| front_z(first));
+    let (pip, front) = nominal_front(&outside);
+    let outside = outside.get(pip..).unwrap_or_default();
     let mut text = format!("    outline: (\n        outside: [{}],\n", {
-        write_features(&outside, front)
+        write_features(outside, front)
     });
     if !bore.is_empty() {
         text += &format!("        bore: [{}],\n", write_features(&bore, front));
@@ -216,13 +218,13 @@ pub fn write_outline(section: &Region) -> String {
     text + "    ),\n"
 }
 
-fn front_z(feature: &Feature) -> f64 {
+fn last_z(feature: &Feature) -> f64 {
     match *feature {
         Feature::Face { z, .. } => z,
         Feature::Cylinder { z, .. }
         | Feature::Cone { z, .. }
         | Feature::Arc { z, .. }
-        | Feature::Thread { z, .. } => z.0,
+        | Feature::Thread { z, .. } => z.1,
     }
 }
 
@@ -241,6 +243,7 @@ fn write_features(features: &[Feature], front: f64) -> String {
         format!("{form}({}, {}{value})", figure(x.0), figure(z - front))
     };
     let mut ends = Vec::new();
+    let mut behind = f64::INFINITY;
     for feature in &features[..last.unwrap_or(features.len())] {
         let (start, stop) = match *feature {
             Feature::Cylinder { diameter, z } => (
@@ -272,6 +275,12 @@ fn write_features(features: &[Feature], front: f64) -> String {
                 end("Thread", diameters.0, z.1, Some(pitch)),
             ),
         };
+        // Behind the part an undercut runs back to the front.
+        let z = last_z(feature);
+        if z > behind {
+            break;
+        }
+        behind = z;
         if ends.is_empty() {
             ends.push(start);
         }

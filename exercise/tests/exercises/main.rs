@@ -3,6 +3,7 @@
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
 
 mod alterations;
+mod drafts;
 mod shipped;
 
 use std::fs;

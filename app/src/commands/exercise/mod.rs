@@ -1,5 +1,6 @@
 //! `exercise`: lists, checks, solves and marks exercises without a window.
 
+mod drafting;
 mod drawing;
 mod marking;
 
@@ -31,6 +32,7 @@ pub fn exercise(command: &ExerciseCommand, language: Option<Language>) -> Result
         ExerciseCommand::Check(args) => check(&args.task, language.unwrap_or(Language::En)),
         ExerciseCommand::Solve(args) => solve(args, language),
         ExerciseCommand::Mark(args) => marking::mark(args, language),
+        ExerciseCommand::New(args) => drafting::draft(args, language),
         ExerciseCommand::Drawing(args) => drawing::draw(args, language.unwrap_or(Language::En)),
         ExerciseCommand::Outline(args) => drawing::print_outline(&args.task),
     }
@@ -54,7 +56,7 @@ fn list(data: Option<&Path>, language: Option<Language>) -> u8 {
     }
 }
 
-fn check(path: &Path, language: Language) -> Result<u8, CommandError> {
+pub(super) fn check(path: &Path, language: Language) -> Result<u8, CommandError> {
     let task = exercises::read(path)?;
     let solutions = exercises::read_solutions(path)?;
     let check = check_task(&task, &solutions);

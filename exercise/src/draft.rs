@@ -1,0 +1,309 @@
+//! Drafts an exercise from a program and its job: the learner writes the program for the part
+//! that it makes. The dimensions of the part become criteria.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use gsk_core::memory::ToolOffset;
+use gsk_core::program::Program;
+use gsk_core::setup::Setup;
+use gsk_core::units::{Diameter, Point, parse_finite};
+use gsk_messages::{Language, Message, say};
+use gsk_workpiece::job::{DiameterPoint, Job};
+use gsk_workpiece::measure::{Feature, SectionSide, measure_features};
+use gsk_workpiece::region::Region;
+
+use crate::drawing::write_outline;
+use crate::part_size::nominal_front;
+use crate::solve::{SolutionScript, make_part};
+use crate::task::ExerciseTask;
+
+/// Length below which a surface gets no criterion, mm: it comes from a tool nose.
+const MIN_LENGTH: f64 = 1.0;
+/// The work zero of the start state, machine coordinates: within the travel of the lathe.
+const WORK_ZERO: Point = Point::from_diameter(Diameter(-160.0), -220.0);
+/// Where a program without G50 starts, from the work zero.
+const USUAL_START: Point = Point::from_diameter(Diameter(100.0), 100.0);
+/// The criterion of a draft before its part is known.
+const PLACEHOLDER: &str = "(id: \"placeholder\", points: 1, yes: (zh: \"-\", en: \"-\"), \
+     no: (zh: \"-\", en: \"-\"), rule: NoCrash),";
+
+/// The files of a drafted exercise.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ExerciseDraft {
+    /// The task.
+    pub task: String,
+    /// The solution that gets all points.
+    pub reference: String,
+    /// A solution that fails every criterion: a rapid into the stock.
+    pub wrong: String,
+}
+
+/// Drafts an exercise. `setup` is the control before the program, which is selected in it.
+///
+/// # Errors
+/// No program is selected, it does not run to its end, or it makes no part that can be measured.
+pub fn draft_exercise(setup: &Setup, job: &Job) -> Result<ExerciseDraft, Message> {
+    let programs = &setup.memory.programs;
+    let selected = programs.selected().and_then(|id| programs.get(id));
+    let program = selected.ok_or_else(say::file_not_there)?;
+    let number = program
+        .number()
+        .ok_or_else(say::lesson_program_without_number)?;
+    let start = find_start(program.text());
+    let head = write_head(setup, place_job(job), start, number)?;
+    let reference = type_program(program);
+    let task = |outline: &str, criteria: &str| {
+        format!("{head}{outline}    time_limit: 3600,\n    criteria: [\n{criteria}    ],\n)\n")
+    };
+    let named =
+        |text: &str| ExerciseTask::read("draft", "task.ron", text).map_err(|error| error.message());
+    let part = make_part(
+        &named(&task("", PLACEHOLDER))?,
+        &SolutionScript::read(&reference)?,
+    )?;
+    let part = part.ok_or_else(say::exercise_outline_no_part)?;
+    let criteria = DraftedCriteria::measure(&part);
+    if criteria.ids.is_empty() {
+        return Err(say::exercise_draft_no_size());
+    }
+    let text = task(&write_outline(&part), &criteria.text);
+    let wrong = format!(
+        "# A rapid into the stock.\n# fails: {} no-crash\npress MDI\npress PRG\npress PGDN\n\
+         type G0\npress IN\ntype U-400\npress IN\ntype W-400\npress IN\npress CS\nwait 20s\n",
+        criteria.ids.join(" ")
+    );
+    named(&text)?;
+    Ok(ExerciseDraft {
+        task: text,
+        reference,
+        wrong,
+    })
+}
+
+/// Writes texts, start state and job.
+fn write_head(setup: &Setup, job: Job, absolute: Point, number: u16) -> Result<String, Message> {
+    let options =
+        ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+    let pretty = ron::ser::PrettyConfig::new()
+        .depth_limit(2)
+        .indentor("    ");
+    let job = options.to_string_pretty(&job, pretty);
+    let job = job.map_err(say::as_written)?.replace('\n', "\n    ");
+    let title = say::exercise_draft_title(number);
+    let text = say::exercise_draft_text(number);
+    let start = WORK_ZERO + absolute;
+    let offsets = setup.memory.offsets.iter();
+    let offsets: Vec<String> = offsets
+        .filter(|(number, row)| *number > 0 && **row != ToolOffset::default())
+        .map(|(number, row)| format!("\"{number}={},{},{},{}\"", row.x, row.z, row.r, row.t))
+        .collect();
+    let delivered: BTreeMap<u16, i32> = Setup::delivered().memory.parameters.iter().collect();
+    let parameters = setup.memory.parameters.iter();
+    let parameters: Vec<String> = parameters
+        .filter(|(number, value)| delivered.get(number) != Some(value))
+        .map(|(number, value)| format!("\"{number}={value}\""))
+        .collect();
+    // The learner writes the program itself; its subprograms are there.
+    let others = setup.memory.programs.iter().filter(|(it, _)| *it != number);
+    let subprograms: Vec<String> = others.map(|(_, it)| format!("{:?}", it.text())).collect();
+    let pair = |x: f64, z: f64| format!("({x}, {z})");
+    Ok(format!(
+        "(\n    title: {},\n    text: {},\n    begins: (\n        referenced: true,\n        \
+         slides: {},\n        absolute: {},\n        params: [{}],\n        offsets: [{}],\n        \
+         programs: [{}],\n    ),\n    job: {job},\n",
+        both_languages(&title),
+        both_languages(&text),
+        pair(start.diameter().0, start.z),
+        pair(absolute.diameter().0, absolute.z),
+        parameters.join(", "),
+        offsets.join(", "),
+        subprograms.join(", "),
+    ))
+}
+
+/// Gives the job the work zero of the start state, and the tools their place at it.
+fn place_job(job: &Job) -> Job {
+    let mut job = job.clone();
+    job.zero = Some(DiameterPoint {
+        x: WORK_ZERO.diameter(),
+        z: WORK_ZERO.z,
+    });
+    for number in job.tools.keys() {
+        job.lengths.entry(*number).or_default();
+    }
+    job
+}
+
+/// Returns the position from which the program runs: that of its first G50, else the usual one.
+fn find_start(program: &str) -> Point {
+    let set = program.lines().map(without_comments).find_map(|line| {
+        let block: String = line.chars().filter(|c| !c.is_whitespace()).collect();
+        let words = block.split_once("G50").map(|(_, words)| words.to_owned())?;
+        let value = |address: char| {
+            let (_, rest) = words.split_once(address)?;
+            let end = rest.find(|c: char| c.is_ascii_alphabetic() || c == ';');
+            parse_finite(&rest[..end.unwrap_or(rest.len())])
+        };
+        Some(Point::from_diameter(Diameter(value('X')?), value('Z')?))
+    });
+    set.unwrap_or(USUAL_START)
+}
+
+fn both_languages(message: &Message) -> String {
+    let (zh, en) = (message.text(Language::Zh), message.text(Language::En));
+    format!("(zh: {zh:?}, en: {en:?})")
+}
+
+/// Writes the keys that enter a program and run it.
+fn type_program(program: &Program) -> String {
+    let mut script = "press EDIT\npress PRG\n".to_owned();
+    for line in program.text().lines() {
+        let block: String = without_comments(line)
+            .chars()
+            .filter(|c| !c.is_whitespace() && *c != ';' && *c != '%')
+            .collect();
+        if !block.is_empty() {
+            // Writing to a string cannot fail.
+            let _ = writeln!(script, "type {block}\npress EOB");
+        }
+    }
+    script + "press RESET\nwait 200ms\npress AUTO\npress CS\nwait 1s\nwait idle 3000s\nwait 1s\n"
+}
+
+fn without_comments(line: &str) -> String {
+    let mut depth = 0_u32;
+    let mut kept = String::new();
+    for c in line.chars() {
+        match c {
+            '(' => depth += 1,
+            ')' => depth = depth.saturating_sub(1),
+            _ if depth == 0 => kept.push(c),
+            _ => {}
+        }
+    }
+    kept
+}
+
+/// The criteria of a part as text, with their names.
+#[derive(Default)]
+struct DraftedCriteria {
+    text: String,
+    ids: Vec<String>,
+    /// Least and greatest diameter of the faces so far on one side, mm.
+    faces: Vec<(f64, f64)>,
+}
+
+impl DraftedCriteria {
+    fn measure(part: &Region) -> Self {
+        let mut drafted = Self::default();
+        let outside = measure_features(part, SectionSide::Outside);
+        let (_, front) = nominal_front(&outside);
+        for (side, field) in [
+            (SectionSide::Outside, ""),
+            (SectionSide::Inside, ", surface: Bore"),
+        ] {
+            let features = measure_features(part, side);
+            // The last cylinder is the uncut rest, and the face behind it the end of the stock.
+            let last = features
+                .iter()
+                .rposition(|it| matches!(it, Feature::Cylinder { .. }));
+            drafted.faces.clear();
+            for feature in &features[..last.unwrap_or(0)] {
+                drafted.add(feature, front, field);
+            }
+        }
+        if !drafted.ids.is_empty() {
+            let sentences = [say::exercise_draft_no_crash(), say::exercise_draft_crash()];
+            drafted.push("no-crash", &sentences, "NoCrash");
+            drafted.ids.pop();
+        }
+        drafted
+    }
+
+    fn add(&mut self, feature: &Feature, front: f64, field: &str) {
+        let middle = |(from, to): (f64, f64)| figure((from + to) / 2.0 - front);
+        let is_long = |(from, to): (f64, f64)| from - to >= MIN_LENGTH;
+        match *feature {
+            Feature::Cylinder { diameter, z } if is_long(z) => {
+                let size = figure(diameter.0);
+                let rule = format!(
+                    "Diameter((z: {}, size: {size}, tolerance: (0.05, -0.05){field}))",
+                    middle(z)
+                );
+                self.add_size("diameter", &size, &rule);
+            }
+            Feature::Face { diameters, z } if front - z > MIN_LENGTH => {
+                let (one, other) = (diameters.0.0, diameters.1.0);
+                let crossed = (one + other) / 2.0;
+                // A length is measured to the first face that crosses its diameter.
+                let is_first = !self.faces.iter().any(|it| (it.0..=it.1).contains(&crossed));
+                self.faces.push((one.min(other), one.max(other)));
+                if !is_first || (one - other).abs() < 2.0 * MIN_LENGTH {
+                    return;
+                }
+                let size = figure(front - z);
+                let rule = format!(
+                    "Length((diameter: {}, size: {size}, tolerance: (0.1, -0.1){field}))",
+                    figure(crossed)
+                );
+                self.add_size("length", &size, &rule);
+            }
+            Feature::Cone { z, angle, .. } if is_long(z) => {
+                let size = figure(angle);
+                let rule = format!(
+                    "Angle((z: {}, size: {size}, tolerance: (0.2, -0.2){field}))",
+                    middle(z)
+                );
+                self.add_size("angle", &size, &rule);
+            }
+            Feature::Arc { radius, z, .. } if is_long(z) => {
+                let size = figure(radius);
+                let rule = format!(
+                    "Radius((z: {}, size: {size}, tolerance: (0.1, -0.1){field}))",
+                    middle(z)
+                );
+                self.add_size("radius", size.trim_start_matches('-'), &rule);
+            }
+            Feature::Thread { pitch, z, .. } => {
+                let size = figure(pitch);
+                let rule = format!(
+                    "Pitch((z: {}, size: {size}, tolerance: (0.01, -0.01){field}))",
+                    middle(z)
+                );
+                self.add_size("pitch", &size, &rule);
+            }
+            _ => {}
+        }
+    }
+
+    fn add_size(&mut self, kind: &str, size: &str, rule: &str) {
+        let name = format!("{kind}-{}", size.replace('.', "-"));
+        let count = self.ids.iter().filter(|id| id.starts_with(&name)).count();
+        let id = match count {
+            0 => name,
+            _ => format!("{name}-no{}", count + 1),
+        };
+        let sentences = [
+            say::exercise_draft_size_good(size),
+            say::exercise_draft_size_bad(size),
+        ];
+        self.push(&id, &sentences, rule);
+    }
+
+    fn push(&mut self, id: &str, [yes, no]: &[Message; 2], rule: &str) {
+        let (yes, no) = (both_languages(yes), both_languages(no));
+        let _ = writeln!(
+            self.text,
+            "        (\n            id: \"{id}\", points: 2,\n            yes: {yes},\n            \
+             no: {no},\n            rule: {rule},\n        ),"
+        );
+        self.ids.push(id.to_owned());
+    }
+}
+
+/// Rounds a size as a drawing has it.
+fn figure(value: f64) -> String {
+    // No negative zero.
+    format!("{}", (value * 1000.0).round() / 1000.0 + 0.0)
+}
