@@ -199,3 +199,22 @@ pub enum Communication {
     /// The file could not be received, or the connection was lost during a transfer.
     Failed,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Recordings of the GSK980TD keep their form, and old ones are read.
+    #[test]
+    fn cursors_of_other_models_are_stored_only_when_moved() {
+        let mut cursors = PageCursors::default();
+        cursors.get_mut(PageId::Dgn).item = 7;
+        let stored = Vec::from(cursors.clone());
+        assert_eq!(stored.len(), STORED_PAGES);
+        assert_eq!(PageCursors::from(stored), cursors);
+        cursors.get_mut(PageId::Outputs).item = 3;
+        let stored = Vec::from(cursors.clone());
+        assert_eq!(stored.len(), PAGE_COUNT);
+        assert_eq!(PageCursors::from(stored), cursors);
+    }
+}

@@ -61,8 +61,8 @@ impl Panel {
             }
             PageId::PosRel | PageId::PosAll if matches!(character, 'U' | 'W') => None,
             PageId::Teach if self.is_teaching(cnc) => None,
-            PageId::Reset => None,
-            PageId::Graph
+            PageId::Reset
+            | PageId::Graph
             | PageId::SetSwitch
             | PageId::Edisk
             | PageId::Softpanel
