@@ -12,8 +12,9 @@ use gsk_messages::{Language, Message, say};
 use gsk_workpiece::job::{DiameterPoint, Job};
 use gsk_workpiece::measure::{Feature, SectionSide, measure_features};
 use gsk_workpiece::region::Region;
+use gsk_workpiece::stock::StockForm;
 
-use crate::drawing::write_outline;
+use crate::outline_writer::write_outline;
 use crate::part_size::nominal_front;
 use crate::solve::{SolutionScript, make_part};
 use crate::task::ExerciseTask;
@@ -88,10 +89,17 @@ fn write_head(setup: &Setup, job: Job, absolute: Point, number: u16) -> Result<S
     let pretty = ron::ser::PrettyConfig::new()
         .depth_limit(2)
         .indentor("    ");
-    let job = options.to_string_pretty(&job, pretty);
-    let job = job.map_err(say::as_written)?.replace('\n', "\n    ");
+    let job_text = options.to_string_pretty(&job, pretty);
+    let job_text = job_text.map_err(say::as_written)?.replace('\n', "\n    ");
     let title = say::exercise_draft_title(number);
-    let text = say::exercise_draft_text(number);
+    let tools: Vec<String> = job.tools.keys().map(|it| format!("T{it:02}")).collect();
+    let text = say::exercise_draft_text(
+        number,
+        describe_stock(&job),
+        tools.join(" "),
+        absolute.diameter().0,
+        absolute.z,
+    );
     let start = WORK_ZERO + absolute;
     let offsets = setup.memory.offsets.iter();
     let offsets: Vec<String> = offsets
@@ -111,7 +119,7 @@ fn write_head(setup: &Setup, job: Job, absolute: Point, number: u16) -> Result<S
     Ok(format!(
         "(\n    title: {},\n    text: {},\n    begins: (\n        referenced: true,\n        \
          slides: {},\n        absolute: {},\n        params: [{}],\n        offsets: [{}],\n        \
-         programs: [{}],\n    ),\n    job: {job},\n",
+         programs: [{}],\n    ),\n    job: {job_text},\n",
         both_languages(&title),
         both_languages(&text),
         pair(start.diameter().0, start.z),
@@ -120,6 +128,20 @@ fn write_head(setup: &Setup, job: Job, absolute: Point, number: u16) -> Result<S
         offsets.join(", "),
         subprograms.join(", "),
     ))
+}
+
+/// The diameters of the stock, as `⌀50` or `⌀50/⌀20`.
+fn describe_stock(job: &Job) -> String {
+    match &job.stock.form {
+        StockForm::Bar { diameter } => format!("⌀{}", figure(diameter.0)),
+        StockForm::Tube { diameter, bore } => {
+            format!("⌀{}/⌀{}", figure(diameter.0), figure(bore.0))
+        }
+        StockForm::Contour { corners, .. } => {
+            let most = corners.iter().map(|(x, _)| x.0).fold(0.0, f64::max);
+            format!("⌀{}", figure(most))
+        }
+    }
 }
 
 /// Gives the job the work zero of the start state, and the tools their place at it.
@@ -204,7 +226,7 @@ impl DraftedCriteria {
             (SectionSide::Inside, ", surface: Bore"),
         ] {
             let features = measure_features(part, side);
-            // The last cylinder is the uncut rest, and the face behind it the end of the stock.
+            // The last cylinder is the uncut rest, and the face after it the end of the stock.
             let last = features
                 .iter()
                 .rposition(|it| matches!(it, Feature::Cylinder { .. }));
@@ -231,7 +253,7 @@ impl DraftedCriteria {
                     "Diameter((z: {}, size: {size}, tolerance: (0.05, -0.05){field}))",
                     middle(z)
                 );
-                self.add_size("diameter", &size, &rule);
+                self.add_size("diameter", say::exercise_draft_diameter(), &size, &rule);
             }
             Feature::Face { diameters, z } if front - z > MIN_LENGTH => {
                 let (one, other) = (diameters.0.0, diameters.1.0);
@@ -247,7 +269,7 @@ impl DraftedCriteria {
                     "Length((diameter: {}, size: {size}, tolerance: (0.1, -0.1){field}))",
                     figure(crossed)
                 );
-                self.add_size("length", &size, &rule);
+                self.add_size("length", say::exercise_draft_length(), &size, &rule);
             }
             Feature::Cone { z, angle, .. } if is_long(z) => {
                 let size = figure(angle);
@@ -255,7 +277,7 @@ impl DraftedCriteria {
                     "Angle((z: {}, size: {size}, tolerance: (0.2, -0.2){field}))",
                     middle(z)
                 );
-                self.add_size("angle", &size, &rule);
+                self.add_size("angle", say::exercise_draft_angle(), &size, &rule);
             }
             Feature::Arc { radius, z, .. } if is_long(z) => {
                 let size = figure(radius);
@@ -263,7 +285,8 @@ impl DraftedCriteria {
                     "Radius((z: {}, size: {size}, tolerance: (0.1, -0.1){field}))",
                     middle(z)
                 );
-                self.add_size("radius", size.trim_start_matches('-'), &rule);
+                let size = size.trim_start_matches('-');
+                self.add_size("radius", say::exercise_draft_radius(), size, &rule);
             }
             Feature::Thread { pitch, z, .. } => {
                 let size = figure(pitch);
@@ -271,13 +294,13 @@ impl DraftedCriteria {
                     "Pitch((z: {}, size: {size}, tolerance: (0.01, -0.01){field}))",
                     middle(z)
                 );
-                self.add_size("pitch", &size, &rule);
+                self.add_size("pitch", say::exercise_draft_pitch(), &size, &rule);
             }
             _ => {}
         }
     }
 
-    fn add_size(&mut self, kind: &str, size: &str, rule: &str) {
+    fn add_size(&mut self, kind: &str, name_of_kind: Message, size: &str, rule: &str) {
         let name = format!("{kind}-{}", size.replace('.', "-"));
         let count = self.ids.iter().filter(|id| id.starts_with(&name)).count();
         let id = match count {
@@ -285,8 +308,8 @@ impl DraftedCriteria {
             _ => format!("{name}-no{}", count + 1),
         };
         let sentences = [
-            say::exercise_draft_size_good(size),
-            say::exercise_draft_size_bad(size),
+            say::exercise_draft_size_good(name_of_kind.clone(), size),
+            say::exercise_draft_size_bad(name_of_kind, size),
         ];
         self.push(&id, &sentences, rule);
     }

@@ -10,7 +10,7 @@ const MIN_PIN_DIGITS: usize = 4;
 const MAX_PIN_DIGITS: usize = 12;
 
 /// The instructor's PIN as it is stored: a salted hash. Someone who reads the file can try all
-/// PINs, so it keeps out a learner at the window and nobody else.
+/// PINs: it keeps out a learner at the window only.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ExamPin {
@@ -187,6 +187,6 @@ mod tests {
         assert!(read.is_over && read.current().is_none());
         let damaged = text.replace("done: 1", "done: -1");
         let error = Exam::from_text(&damaged).expect_err("a negative number");
-        assert!(error.to_string().contains("line 7"), "{error}");
+        assert!(error.to_string().contains("line 11"), "{error}");
     }
 }

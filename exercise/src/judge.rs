@@ -3,7 +3,6 @@
 
 use gsk_core::machine::LatheFault;
 use gsk_history::moment::{MachineMoment, RecordedInput};
-use gsk_history::recording::RecordingError;
 use gsk_messages::{Message, say};
 use gsk_runner::machining::CollisionFinding;
 
@@ -11,43 +10,12 @@ use crate::criterion::{CriterionRule, ExerciseCriterion, MachineCondition};
 use crate::part_size::measure_dimension;
 use crate::procedure::{ProcedureLog, alarm_message};
 use crate::report::{CriterionVerdict, ExerciseReport, MarkEvidence};
+pub use crate::solution_replay::JudgeError;
 use crate::solution_replay::{SolutionFollower, replay_solution};
 use crate::task::ExerciseTask;
 
 /// Interval between two checks of the conditions, ticks.
 const CHECK_INTERVAL_TICKS: u64 = 20;
-
-/// Why a recording is no solution of the task.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{}", self.message())]
-pub enum JudgeError {
-    /// The start state of the task cannot be created.
-    Start(Message),
-    /// The recording is damaged.
-    Recording(RecordingError),
-    /// The recording does not begin in the start state of the task, or contains a second state.
-    ForeignState,
-    /// The recording contains an input that no operator can make, at this time, ms.
-    ForeignInput(u64),
-    /// The replay left the recorded states at this time, ms.
-    Differs(u64),
-    /// The recording contains no hash to compare, or does not end.
-    Incomplete,
-}
-
-impl JudgeError {
-    /// Returns the message about the flaw.
-    pub fn message(&self) -> Message {
-        match self {
-            Self::Start(reason) => reason.clone(),
-            Self::Recording(error) => error.message(),
-            Self::ForeignState => say::exercise_foreign_state(),
-            Self::ForeignInput(tick) => say::exercise_foreign_input(*tick as f64 / 1000.0),
-            Self::Differs(tick) => say::exercise_replay_differs(*tick as f64 / 1000.0),
-            Self::Incomplete => say::exercise_incomplete(),
-        }
-    }
-}
 
 /// Judges a recording.
 ///

@@ -23,6 +23,8 @@ pub mod judge;
 pub mod library;
 pub mod mark;
 pub mod mark_table;
+mod outline;
+pub mod outline_writer;
 pub mod part_size;
 mod procedure;
 pub mod report;

@@ -8,8 +8,7 @@ use gsk_history::recording::{
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
 
-use crate::judge::JudgeError;
-use crate::solution_replay::replay_solution;
+use crate::solution_replay::{JudgeError, replay_solution};
 use crate::task::ExerciseTask;
 
 /// Interval between two hashes in a recording, ticks.

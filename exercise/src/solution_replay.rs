@@ -1,11 +1,44 @@
 //! Replays a solution from the start state of its task, and refuses what is no work of an operator.
 
 use gsk_history::moment::{MachineMoment, RecordedInput};
+use gsk_history::recording::RecordingError;
 use gsk_history::replay::{ReplayObserver, replay_observed};
+use gsk_messages::{Message, say};
 use gsk_runner::machining::CollisionFinding;
 
 use crate::input_guard::is_by_operator;
-use crate::judge::JudgeError;
+
+/// Why a recording is no solution of the task.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}", self.message())]
+pub enum JudgeError {
+    /// The start state of the task cannot be created.
+    Start(Message),
+    /// The recording is damaged.
+    Recording(RecordingError),
+    /// The recording does not begin in the start state of the task, or contains a second state.
+    ForeignState,
+    /// The recording contains an input that no operator can make, at this time, ms.
+    ForeignInput(u64),
+    /// The replay left the recorded states at this time, ms.
+    Differs(u64),
+    /// The recording contains no hash to compare, or does not end.
+    Incomplete,
+}
+
+impl JudgeError {
+    /// Returns the message about the flaw.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Start(reason) => reason.clone(),
+            Self::Recording(error) => error.message(),
+            Self::ForeignState => say::exercise_foreign_state(),
+            Self::ForeignInput(tick) => say::exercise_foreign_input(*tick as f64 / 1000.0),
+            Self::Differs(tick) => say::exercise_replay_differs(*tick as f64 / 1000.0),
+            Self::Incomplete => say::exercise_incomplete(),
+        }
+    }
+}
 
 /// Follows the replay of a solution.
 pub trait SolutionFollower {

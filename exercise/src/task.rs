@@ -11,7 +11,7 @@ use gsk_runner::lesson::{LessonStart, LessonText};
 use gsk_workpiece::job::Job;
 
 use crate::criterion::ExerciseCriterion;
-use crate::drawing::PartOutline;
+use crate::outline::TaskOutline;
 
 /// A task that was read without errors.
 #[derive(Clone, Debug)]
@@ -37,7 +37,7 @@ pub struct ExerciseTask {
     pub(crate) start: LessonStart,
     pub(crate) job: Option<Job>,
     /// The finished part, for the drawing.
-    pub(crate) outline: Option<PartOutline>,
+    pub(crate) outline: Option<TaskOutline>,
 }
 
 /// A hint and the points that it costs.

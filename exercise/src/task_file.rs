@@ -7,7 +7,7 @@ use gsk_workpiece::job::Job;
 use serde::Deserialize;
 
 use crate::criterion_file::{CriterionFile, check_text, read_criterion, read_fault, read_time_ms};
-use crate::drawing::{OutlineFile, PartOutline};
+use crate::outline::{OutlineFile, TaskOutline};
 use crate::task::{ExerciseHint, ExerciseTask, TaskHash};
 
 /// Greatest number of criteria of a task.
@@ -100,7 +100,7 @@ impl ExerciseTask {
         if let Some(job) = &raw.job {
             job.check().map_err(|rule| in_field("job", rule))?;
         }
-        let outline = raw.outline.as_ref().map(PartOutline::read).transpose();
+        let outline = raw.outline.as_ref().map(TaskOutline::read).transpose();
         let outline = outline.map_err(|rule| in_field("outline", rule))?;
         let faults = raw.faults.iter().map(|name| read_fault(name));
         let faults = faults

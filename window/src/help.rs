@@ -71,6 +71,11 @@ impl HelpWindow {
         }
     }
 
+    /// Whether the window is open.
+    pub const fn is_open(&self) -> bool {
+        self.is_open
+    }
+
     /// Closes the window.
     pub const fn close(&mut self) {
         self.is_open = false;

@@ -403,7 +403,16 @@ impl Window {
         if self.settings.learner != exercises.learner() {
             exercises.learner().clone_into(&mut self.settings.learner);
         }
-        self.settings.timeline |= exercises.take_timeline_request();
+        if let Some(is_open) = exercises.take_timeline_request() {
+            self.settings.timeline = is_open;
+            if is_open {
+                // What is to be seen there: the part, or the panel.
+                let layouts = &mut self.settings.layouts;
+                let machine = Some(ViewId::Machine);
+                let machine = machine.filter(|view| layouts.docked().contains(view));
+                layouts.bring_to_front(machine);
+            }
+        }
         let transfer = self.views.transfer().settings();
         if self.settings.transfer != *transfer {
             self.settings.transfer.clone_from(transfer);

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use gsk_core::model::ModelId;
 use gsk_core::setup::Setup;
 use gsk_host::files::data_dir::{self, DataDir, DataDirError};
+use gsk_host::files::exams::ExamFolder;
 use gsk_host::files::models;
 use gsk_host::flight::{self, FlightRecorder, RecordingTarget};
 use gsk_host::kernel::{BoardConnection, Kernel, Notice};
@@ -209,7 +210,12 @@ impl WindowStarter {
         }
         let recordings = path.join(flight::FOLDER);
         let notices = console.notice_sender.clone();
+        // An exam that continues says so itself.
+        let is_in_exam = matches!(ExamFolder::find_unfinished(&path), Ok(Some(_)));
         flight::offer_unfinished(&recordings, move |message| {
+            if is_in_exam {
+                return;
+            }
             // A window that is gone needs no message.
             let _ = notices.try_send(Notice::Message(message));
         });

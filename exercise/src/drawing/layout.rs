@@ -12,9 +12,9 @@ use gsk_core::units::Point;
 
 use super::hatch::hatch;
 use super::locate::{DimensionPlace, locate};
-use super::outline::{PartOutline, PieceForm};
 use super::{DrawingArrow, DrawingLabel, DrawingLine, DrawingPen, PaperPoint, TaskDrawing};
 use crate::criterion::{CriterionRule, PartDimension, PartSurface, TolerancedSize};
+use crate::outline::{PieceForm, TaskOutline};
 use crate::task::ExerciseTask;
 
 /// Distance between two rows of dimensions, heights of text.
@@ -90,7 +90,7 @@ fn round(value: f64) -> f64 {
 
 /// Returns whether a diameter is dimensioned beside the front of the part: nothing on the way
 /// there is larger, or in a bore smaller.
-fn is_seen_from_front(outline: &PartOutline, place: &DimensionPlace) -> bool {
+fn is_seen_from_front(outline: &TaskOutline, place: &DimensionPlace) -> bool {
     let DimensionPlace::Across { radius, z, surface } = *place else {
         return false;
     };
@@ -116,7 +116,7 @@ struct Sheet {
 }
 
 impl Sheet {
-    fn new(outline: &PartOutline, dimensions: &[PlacedDimension], width: f64, text: f64) -> Self {
+    fn new(outline: &TaskOutline, dimensions: &[PlacedDimension], width: f64, text: f64) -> Self {
         let count = |is_kind: &dyn Fn(&DimensionPlace) -> bool| {
             dimensions.iter().filter(|it| is_kind(&it.place)).count() as f64
         };
@@ -180,7 +180,7 @@ impl Sheet {
         self.drawing.lines.push(DrawingLine { pen, points });
     }
 
-    fn draw_part(&mut self, outline: &PartOutline) {
+    fn draw_part(&mut self, outline: &TaskOutline) {
         let mut outside = outline.points(PartSurface::Outside);
         let mut bore = outline.points(PartSurface::Bore);
         let is_bored = !bore.is_empty();
@@ -219,7 +219,7 @@ impl Sheet {
 
     /// Draws the circular edges, which appear as lines across the part: all of a solid part,
     /// those of the bore in a section.
-    fn draw_edges(&mut self, outline: &PartOutline, is_bored: bool) {
+    fn draw_edges(&mut self, outline: &TaskOutline, is_bored: bool) {
         let surface = match is_bored {
             true => PartSurface::Bore,
             false => PartSurface::Outside,
@@ -241,7 +241,7 @@ impl Sheet {
     }
 
     /// Draws the root of each thread.
-    fn draw_threads(&mut self, outline: &PartOutline) {
+    fn draw_threads(&mut self, outline: &TaskOutline) {
         for surface in [PartSurface::Outside, PartSurface::Bore] {
             for piece in outline.pieces(surface) {
                 let PieceForm::Thread(pitch) = piece.form else {
@@ -280,7 +280,7 @@ impl Sheet {
         self.line(DrawingPen::Thin, points);
     }
 
-    fn draw_dimensions(&mut self, outline: &PartOutline, dimensions: &[PlacedDimension]) {
+    fn draw_dimensions(&mut self, outline: &TaskOutline, dimensions: &[PlacedDimension]) {
         let mut sorted: Vec<&PlacedDimension> = dimensions.iter().collect();
         let size = |it: &PlacedDimension| match it.place {
             DimensionPlace::Across { radius, .. } => radius,

@@ -3,8 +3,8 @@
 use gsk_core::units::{Diameter, Point};
 use gsk_messages::{Message, say};
 
-use super::outline::{OutlinePiece, PartOutline, PieceForm};
 use crate::criterion::{CriterionRule, PartDimension, PartSurface};
+use crate::outline::{OutlinePiece, PieceForm, TaskOutline};
 use crate::task::ExerciseTask;
 
 /// What the outline may differ from a dimension of the task, mm or degrees.
@@ -32,7 +32,7 @@ pub enum DimensionPlace {
 
 /// Finds a dimension on the outline: its place, and its size if the outline tells it.
 pub fn locate(
-    outline: &PartOutline,
+    outline: &TaskOutline,
     dimension: &PartDimension,
 ) -> Option<(DimensionPlace, Option<f64>)> {
     let at = |surface: PartSurface, z: f64| {

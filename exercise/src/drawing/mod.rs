@@ -14,7 +14,6 @@
 mod hatch;
 mod layout;
 mod locate;
-mod outline;
 mod svg;
 
 #[cfg(test)]
@@ -22,8 +21,6 @@ mod tests;
 
 pub use layout::draw_task;
 pub(crate) use locate::check_outline;
-pub(crate) use outline::OutlineFile;
-pub use outline::{PartOutline, write_outline};
 pub(crate) use svg::escape_markup;
 pub use svg::write_svg;
 

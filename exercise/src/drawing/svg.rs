@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::{DrawingPen, PaperPoint, TaskDrawing};
 
-/// Writes a drawing as an SVG file of its own, black on white.
+/// Writes a drawing as an SVG file, black on white.
 pub fn write_svg(drawing: &TaskDrawing, title: &str) -> String {
     let (width, height) = (drawing.width, drawing.height);
     let mut svg = format!(

@@ -2,21 +2,20 @@
 //! exercise, and the sealed results.
 //!
 //! ```text
-//! exams/2026-03-01T07-05-09Z-Li/
+//! exams/0001-Li/
 //!   exam.ron           learner, exercises, PIN, how far it has come
 //!   1-04-spindle.gskrec
 //!   1-04-spindle.gskresult
 //! ```
 
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
 
 use gsk_exercise::exam::{Exam, ExamPin};
 use gsk_exercise::report::ExerciseReport;
 use gsk_exercise::result_file::{RESULT_EXTENSION, ResultAuthor, write_result};
 use gsk_messages::{Message, say};
 
-use super::{atomic, exercise_key, program_file, time};
+use super::{atomic, exercise_key, program_file};
 use crate::output::WriteError;
 use crate::platform;
 
@@ -53,13 +52,15 @@ impl ExamFolder {
     /// # Errors
     /// The folder or the file cannot be written.
     pub fn create(data: &Path, exam: Exam) -> Result<Self, Message> {
-        let moment = time::format_utc(SystemTime::now()).replace(':', "-");
+        let before = platform::list(&data.join(FOLDER)).unwrap_or_default();
+        let numbers = before.iter().filter_map(|path| number_of(path));
+        let number = numbers.max().map_or(1, |last| last + 1);
         let learner: String = exam
             .learner
             .chars()
             .filter(|c| c.is_alphanumeric())
             .collect();
-        let path = data.join(FOLDER).join(format!("{moment}-{learner}"));
+        let path = data.join(FOLDER).join(format!("{number:04}-{learner}"));
         platform::make_folder(&path).map_err(|error| WriteError::new(&path, error).message())?;
         let folder = Self {
             exam,
@@ -152,6 +153,12 @@ impl ExamFolder {
         let number = self.exam.done + 1;
         self.path.join(format!("{number}-{task}.{ending}"))
     }
+}
+
+/// The number with which the name of an exam's folder begins.
+fn number_of(folder: &Path) -> Option<u32> {
+    let name = folder.file_name()?.to_str()?;
+    name.split_once('-')?.0.parse().ok()
 }
 
 #[cfg(test)]

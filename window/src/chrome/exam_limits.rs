@@ -1,5 +1,7 @@
 //! What the window leaves out during an exam: only the control itself helps, as at the machine.
 
+use gsk_messages::say;
+
 use super::top_bar::TopBarRequest;
 use crate::Window;
 use crate::view::{VIEWS, ViewId};
@@ -28,7 +30,10 @@ impl Window {
         if !layouts.is_open(ViewId::Lesson) {
             layouts.dock(ViewId::Lesson);
         }
-        self.help.close();
+        if self.help.is_open() {
+            self.help.close();
+            self.show_message(say::exam_no_help());
+        }
         self.first_start = None;
         self.is_key_map_open = false;
         self.settings.timeline = false;

@@ -35,6 +35,9 @@ impl Window {
 
     /// Carries out a request of the top bar.
     pub(crate) fn handle_request(&mut self, request: top_bar::TopBarRequest, ui: &Ui) {
+        if self.is_in_exam() && matches!(request, top_bar::TopBarRequest::ToggleLessons) {
+            return self.show_view(ViewId::Lesson);
+        }
         if self.is_in_exam() && !is_allowed_in_exam(&request) {
             return self.show_message(say::exam_no_help());
         }

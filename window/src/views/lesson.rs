@@ -165,7 +165,7 @@ impl LessonView {
             .frame(super::side_frame())
             .show(ui, |ui| {
                 ScrollArea::vertical()
-                    .id_salt("lesson")
+                    .id_salt(("lesson", lesson.is_some(), self.exercises.is_open()))
                     .auto_shrink([false, false])
                     .show(ui, |ui| {
                         match lesson {

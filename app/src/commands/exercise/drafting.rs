@@ -8,7 +8,7 @@ use gsk_host::output::WriteError;
 use gsk_host::platform;
 use gsk_messages::{Language, say};
 
-use super::super::CommandError;
+use super::super::{CommandError, output};
 use super::check;
 use crate::cli::ExerciseNewArgs;
 
@@ -30,6 +30,9 @@ pub fn draft(args: &ExerciseNewArgs, language: Option<Language>) -> Result<u8, C
         job: args.job.clone(),
     };
     let chosen = job::choose(&job_args, Some(&args.file), &setup)?;
+    if chosen.file_name().is_none() {
+        output::print_message(&say::exercise_draft_guessed());
+    }
     // The zero is in the task.
     let _ = chosen.set_work_zero(&mut setup);
     let draft = draft_exercise(&setup, &chosen.job)?;

@@ -12,7 +12,7 @@ use gsk_exercise::judge::judge;
 use gsk_exercise::task::ExerciseTask;
 use gsk_host::files::exams::{self, ExamFolder};
 use gsk_host::kernel::{
-    Command, Console, ExamTask, ExerciseAction, ExerciseState, HandedInSolution, Notice,
+    Command, Console, ExamTask, ExerciseAction, ExerciseState, HandedInSolution,
 };
 use gsk_messages::{Language, Message, say};
 
@@ -43,6 +43,8 @@ pub struct ExamPane {
     message: Option<Message>,
     /// Whether the solution that was handed in is still being sealed.
     is_sealing: bool,
+    /// Whether the exam ends with the solution that is being handed in.
+    is_ending: bool,
     /// Until when a second click hands in, s of the window's clock.
     sure_until: f64,
     sender: Sender<Result<ExamFolder, Message>>,
@@ -60,6 +62,7 @@ impl ExamPane {
             pin_entry: String::new(),
             message: None,
             is_sealing: false,
+            is_ending: false,
             sure_until: 0.0,
             sender,
             receiver,
@@ -126,12 +129,17 @@ impl ExamPane {
             return;
         };
         self.is_sealing = true;
+        let is_ending = self.is_ending;
         let to = self.sender.clone();
         run_in_thread(context, &self.console.notice_sender, move || {
             let seal = || {
                 let recording = &solution.recording;
                 let report = judge(&solution.task, recording).map_err(|error| error.message())?;
                 folder.finish_task(report, recording, env!("CARGO_PKG_VERSION"))?;
+                if is_ending {
+                    folder.exam.is_over = true;
+                    folder.save()?;
+                }
                 Ok(folder)
             };
             // The send fails when the window is gone: the next start continues the exam.
@@ -171,7 +179,8 @@ impl ExamPane {
                     let field = TextEdit::singleline(&mut self.form.learner);
                     ui.add(field.desired_width(FIELD_WIDTH))
                         .labelled_by(name.id);
-                    show_pin_field(ui, language, &mut self.form.pin);
+                    // Readable: a slip would end in an exam that cannot be paused.
+                    show_pin_field(ui, language, &mut self.form.pin, false);
                 });
                 for task in tasks {
                     let mut is_chosen = self.form.tasks.contains(&task.id);
@@ -211,6 +220,7 @@ impl ExamPane {
         match created {
             Ok(folder) => {
                 self.message = None;
+                self.is_ending = false;
                 self.form = ExamForm::default();
                 self.current = Some(folder);
                 self.begin_current(tasks);
@@ -220,20 +230,23 @@ impl ExamPane {
     }
 
     /// Draws which exercise it is, and the row of the instructor.
-    pub fn show_head(&mut self, ui: &mut Ui, language: Language) {
+    pub fn show_head(&mut self, ui: &mut Ui, language: Language, state: Option<&ExerciseState>) {
         let Some(folder) = &self.current else { return };
         let exam = &folder.exam;
         let is_paused = exam.is_paused;
-        let (number, count) = ((exam.done + 1).min(exam.tasks.len()), exam.tasks.len());
-        let position = say::exam_position(&exam.learner, number, count);
+        let is_working = state.is_some_and(|state| state.is_exam && !state.is_handed_in);
+        // The exercise that is shown: sealed already, or under way.
+        let is_sealed = state.is_some_and(|state| state.is_handed_in) && !self.is_sealing;
+        let number = exam.done + usize::from(!is_sealed);
+        let count = exam.tasks.len();
+        let position = say::exam_position(&exam.learner, number.clamp(1, count), count);
         ui.label(RichText::new(position.text(language)).color(theme::LESSON_HINT_TEXT));
-        self.show_message(ui, language);
         if !self.is_running() {
-            return;
+            return self.show_message(ui, language);
         }
         ui.horizontal_wrapped(|ui| {
             ui.label(RichText::new(say::exam_instructor().text(language)).color(theme::NOTE_TEXT));
-            show_pin_field(ui, language, &mut self.pin_entry);
+            show_pin_field(ui, language, &mut self.pin_entry, true);
             let pause = match is_paused {
                 true => say::exam_continue(),
                 false => say::exam_pause(),
@@ -244,9 +257,11 @@ impl ExamPane {
             let end = ui.button(say::exam_end().text(language));
             let hint = say::exam_end_hint().text(language);
             if end.on_hover_text(hint).clicked() && self.is_pin_right() {
-                self.end();
+                self.end(is_working);
             }
         });
+        // Below the row, whose buttons keep their place.
+        self.show_message(ui, language);
         if is_paused {
             let words = say::exam_paused().text(language);
             ui.label(RichText::new(words).size(theme::LESSON_END_SIZE).strong());
@@ -284,15 +299,16 @@ impl ExamPane {
         }
     }
 
-    fn end(&mut self) {
+    /// Ends the exam; an exercise that is under way is handed in before.
+    fn end(&mut self, is_working: bool) {
+        if is_working {
+            self.is_ending = true;
+            return self.send(ExerciseAction::HandIn);
+        }
         if let Some(mut folder) = self.current.clone() {
             folder.exam.is_over = true;
-            let over = say::exam_over(folder.path.display());
+            self.message = Some(say::exam_over(folder.path.display()));
             self.save(folder);
-            self.current = None;
-            self.send(ExerciseAction::LeaveExam);
-            // The window is gone if nobody reads it.
-            let _ = self.console.notice_sender.try_send(Notice::Message(over));
         }
     }
 
@@ -315,6 +331,7 @@ impl ExamPane {
             if ui.button(say::exam_leave().text(language)).clicked() {
                 self.current = None;
                 self.message = None;
+                self.is_ending = false;
                 self.send(ExerciseAction::LeaveExam);
             }
             return;
@@ -355,9 +372,9 @@ impl ExamPane {
     }
 }
 
-fn show_pin_field(ui: &mut Ui, language: Language, pin: &mut String) {
+fn show_pin_field(ui: &mut Ui, language: Language, pin: &mut String, is_hidden: bool) {
     let label = ui.label(say::exam_pin().text(language));
-    let field = TextEdit::singleline(pin).password(true).char_limit(12);
+    let field = TextEdit::singleline(pin).password(is_hidden).char_limit(12);
     let field = ui.add(field.desired_width(FIELD_WIDTH / 2.0));
     field
         .labelled_by(label.id)

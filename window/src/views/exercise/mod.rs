@@ -41,8 +41,10 @@ pub struct ExercisePane {
     read_hints: BTreeSet<u32>,
     report: SolutionReport,
     exam: ExamPane,
-    /// Whether a moment of the solution is shown, for which the time line opens.
-    wants_timeline: bool,
+    /// Whether the time line is to open for a moment of the solution, or to close again.
+    wants_timeline: Option<bool>,
+    /// Whether the time line was opened for a moment of the solution.
+    has_opened_timeline: bool,
     /// The learner's best points by the name of the exercise.
     best: BTreeMap<String, u32>,
 }
@@ -60,7 +62,8 @@ impl ExercisePane {
             state: None,
             measured: None,
             read_hints: BTreeSet::new(),
-            wants_timeline: false,
+            wants_timeline: None,
+            has_opened_timeline: false,
             best,
         }
     }
@@ -83,9 +86,9 @@ impl ExercisePane {
         self.report.learner()
     }
 
-    /// Whether the time line is to open, since the last call.
-    pub fn take_timeline_request(&mut self) -> bool {
-        core::mem::take(&mut self.wants_timeline)
+    /// Whether the time line is to open (true) or to close again, since the last call.
+    pub const fn take_timeline_request(&mut self) -> Option<bool> {
+        self.wants_timeline.take()
     }
 
     /// Whether an exercise or an exam is under way.
@@ -110,6 +113,10 @@ impl ExercisePane {
             self.measured = None;
             self.read_hints.clear();
             self.report.clear();
+        }
+        let has_left = self.state.is_some() && snapshot.exercise.is_none();
+        if (has_left || is_begin) && core::mem::take(&mut self.has_opened_timeline) {
+            self.wants_timeline = Some(false);
         }
         self.state.clone_from(&snapshot.exercise);
         is_begin
@@ -182,15 +189,16 @@ impl ExercisePane {
     pub fn show_task(&mut self, ui: &mut Ui, language: Language, part: Option<&Arc<PartView>>) {
         let is_exam = self.is_exam_shown();
         if is_exam {
-            self.exam.show_head(ui, language);
+            self.exam.show_head(ui, language, self.state.as_ref());
         }
         let (Some(task), Some(state)) = (self.current_task(), self.state.clone()) else {
             return;
         };
-        let practice =
-            RichText::new(say::lesson_practice().text(language)).color(theme::LESSON_HINT_TEXT);
-        ui.label(practice)
-            .on_hover_text(say::lesson_practice_hint().text(language));
+        if !is_exam {
+            let practice = RichText::new(say::lesson_practice().text(language));
+            ui.label(practice.color(theme::LESSON_HINT_TEXT))
+                .on_hover_text(say::lesson_practice_hint().text(language));
+        }
         ui.heading(task.title.in_language(language));
         let text = RichText::new(task.text.in_language(language));
         ui.label(text.size(theme::READING_SIZE).color(theme::BRIGHT_TEXT));
@@ -199,7 +207,10 @@ impl ExercisePane {
             return;
         }
         if state.is_handed_in {
-            self.wants_timeline |= self.report.show(ui, language);
+            if self.report.show(ui, language) {
+                self.wants_timeline = Some(true);
+                self.has_opened_timeline = true;
+            }
             return;
         }
         let left_s = (task.time_limit_ms / 1000).saturating_sub(state.elapsed_s);

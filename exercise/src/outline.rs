@@ -10,12 +10,9 @@
 
 use gsk_core::units::{Diameter, Point};
 use gsk_messages::{Message, say};
-use gsk_workpiece::measure::{Feature, SectionSide, measure_features};
-use gsk_workpiece::region::Region;
 use serde::Deserialize;
 
 use crate::criterion::PartSurface;
-use crate::part_size::nominal_front;
 
 /// Greatest coordinate of an outline, mm.
 const MAX_SIZE: f64 = 10_000.0;
@@ -27,7 +24,7 @@ const ARC_TOLERANCE: f64 = 0.01;
 /// The outline as written in a task: the end of each piece, the first one being the start.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct OutlineFile {
+pub struct OutlineFile {
     outside: Vec<OutlineEnd>,
     #[serde(default)]
     bore: Vec<OutlineEnd>,
@@ -119,17 +116,17 @@ impl OutlinePiece {
 
 /// The outline of the finished part as far as it is drawn.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PartOutline {
+pub struct TaskOutline {
     outside: Vec<OutlinePiece>,
     bore: Vec<OutlinePiece>,
 }
 
-impl PartOutline {
+impl TaskOutline {
     /// Checks an outline of a file.
     ///
     /// # Errors
     /// The rule that is broken.
-    pub(crate) fn read(raw: &OutlineFile) -> Result<Self, Message> {
+    pub fn read(raw: &OutlineFile) -> Result<Self, Message> {
         if raw.outside.len() < 2 {
             return Err(say::exercise_outline_short());
         }
@@ -200,91 +197,4 @@ fn read_pieces(ends: &[OutlineEnd]) -> Result<Vec<OutlinePiece>, Message> {
         return Err(say::exercise_outline_front());
     }
     Ok(pieces)
-}
-
-/// Writes the outline of a finished part as the field `outline` of a task, for its author. The
-/// uncut end of the part is left out.
-pub fn write_outline(section: &Region) -> String {
-    let outside = measure_features(section, SectionSide::Outside);
-    let bore = measure_features(section, SectionSide::Inside);
-    let (pip, front) = nominal_front(&outside);
-    let outside = outside.get(pip..).unwrap_or_default();
-    let mut text = format!("    outline: (\n        outside: [{}],\n", {
-        write_features(outside, front)
-    });
-    if !bore.is_empty() {
-        text += &format!("        bore: [{}],\n", write_features(&bore, front));
-    }
-    text + "    ),\n"
-}
-
-fn last_z(feature: &Feature) -> f64 {
-    match *feature {
-        Feature::Face { z, .. } => z,
-        Feature::Cylinder { z, .. }
-        | Feature::Cone { z, .. }
-        | Feature::Arc { z, .. }
-        | Feature::Thread { z, .. } => z.1,
-    }
-}
-
-fn write_features(features: &[Feature], front: f64) -> String {
-    // The last cylinder is the uncut rest, and the face behind it the end of the stock.
-    let last = features
-        .iter()
-        .rposition(|it| matches!(it, Feature::Cylinder { .. }));
-    let end = |form: &str, x: Diameter, z: f64, value: Option<f64>| {
-        let figure = |value: f64| {
-            let rounded = (value * 1000.0).round() / 1000.0;
-            // No negative zero.
-            format!("{}", rounded + 0.0)
-        };
-        let value = value.map_or_else(String::new, |value| format!(", {}", figure(value)));
-        format!("{form}({}, {}{value})", figure(x.0), figure(z - front))
-    };
-    let mut ends = Vec::new();
-    let mut behind = f64::INFINITY;
-    for feature in &features[..last.unwrap_or(features.len())] {
-        let (start, stop) = match *feature {
-            Feature::Cylinder { diameter, z } => (
-                end("Line", diameter, z.0, None),
-                end("Line", diameter, z.1, None),
-            ),
-            Feature::Face { diameters, z } => (
-                end("Line", diameters.0, z, None),
-                end("Line", diameters.1, z, None),
-            ),
-            Feature::Cone { diameters, z, .. } => (
-                end("Line", diameters.0, z.0, None),
-                end("Line", diameters.1, z.1, None),
-            ),
-            Feature::Arc {
-                radius,
-                diameters,
-                z,
-            } => (
-                end("Line", diameters.0, z.0, None),
-                end("Arc", diameters.1, z.1, Some(radius)),
-            ),
-            Feature::Thread {
-                pitch,
-                diameters,
-                z,
-            } => (
-                end("Line", diameters.0, z.0, None),
-                end("Thread", diameters.0, z.1, Some(pitch)),
-            ),
-        };
-        // Behind the part an undercut runs back to the front.
-        let z = last_z(feature);
-        if z > behind {
-            break;
-        }
-        behind = z;
-        if ends.is_empty() {
-            ends.push(start);
-        }
-        ends.push(stop);
-    }
-    ends.join(", ")
 }
