@@ -121,7 +121,7 @@ impl Exam {
         self.is_paused = is_paused;
     }
 
-    /// Goes on to the next exercise; the exam is over after the last one.
+    /// Continues with the next exercise; the exam is over after the last one.
     pub const fn finish_task(&mut self) {
         self.done += 1;
         self.is_over |= self.done >= self.tasks.len();

@@ -230,8 +230,8 @@ impl MarkTable<'_> {
     }
 }
 
-/// Returns the sentence of the task about a criterion. Nothing is said of what a learner who did
-/// nothing has avoided: there was no collision either.
+/// Returns the sentence of the task about a criterion. Nothing is claimed of what a learner has
+/// avoided who did nothing: there was no collision either.
 pub fn verdict_sentence(
     criterion: &ExerciseCriterion,
     verdict: &CriterionVerdict,

@@ -124,7 +124,7 @@ impl ExamFolder {
         Ok(Some(bytes))
     }
 
-    /// Seals and writes the result of the current exercise, and goes on to the next one.
+    /// Seals and writes the result of the current exercise, and continues with the next one.
     ///
     /// # Errors
     /// A file cannot be written.

@@ -33,7 +33,7 @@ pub(super) struct OwnState {
     pub(super) part: KernelPart,
     pub(super) opened: Option<LastOpened>,
     pub(super) raised: AlarmHistory,
-    /// His time line, while an exercise has one of its own.
+    /// His time line, while an exercise has a separate one.
     pub(super) timeline: Option<Timeline>,
 }
 
