@@ -52,7 +52,7 @@ pub fn draft_exercise(setup: &Setup, job: &Job) -> Result<ExerciseDraft, Message
         .number()
         .ok_or_else(say::lesson_program_without_number)?;
     let start = find_start(program.text());
-    let head = write_head(setup, place_job(job), start, number)?;
+    let head = write_head(setup, &place_job(job), start, number)?;
     let reference = type_program(program);
     let task = |outline: &str, criteria: &str| {
         format!("{head}{outline}    time_limit: 3600,\n    criteria: [\n{criteria}    ],\n)\n")
@@ -83,19 +83,19 @@ pub fn draft_exercise(setup: &Setup, job: &Job) -> Result<ExerciseDraft, Message
 }
 
 /// Writes texts, start state and job.
-fn write_head(setup: &Setup, job: Job, absolute: Point, number: u16) -> Result<String, Message> {
+fn write_head(setup: &Setup, job: &Job, absolute: Point, number: u16) -> Result<String, Message> {
     let options =
         ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
     let pretty = ron::ser::PrettyConfig::new()
         .depth_limit(2)
         .indentor("    ");
-    let job_text = options.to_string_pretty(&job, pretty);
+    let job_text = options.to_string_pretty(job, pretty);
     let job_text = job_text.map_err(say::as_written)?.replace('\n', "\n    ");
     let title = say::exercise_draft_title(number);
     let tools: Vec<String> = job.tools.keys().map(|it| format!("T{it:02}")).collect();
     let text = say::exercise_draft_text(
         number,
-        describe_stock(&job),
+        describe_stock(job),
         tools.join(" "),
         absolute.diameter().0,
         absolute.z,

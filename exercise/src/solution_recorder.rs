@@ -101,10 +101,11 @@ impl SolutionRecorder {
         let mut reader = RecordingReader::new(recording).map_err(JudgeError::Recording)?;
         loop {
             match reader.next_event() {
-                // A solution that was handed in, but whose result was not written.
-                Ok(Some(RecordingEvent::End(_))) | Ok(None) => break,
-                // The last frame, which a power failure cuts off.
-                Err(RecordingError::Incomplete(_)) => break,
+                // An end: of a solution that was handed in, but whose result was not written.
+                // An incomplete frame: the last one, which a power failure cuts off.
+                Ok(Some(RecordingEvent::End(_)) | None) | Err(RecordingError::Incomplete(_)) => {
+                    break;
+                }
                 Ok(Some(event)) => recorder.add(&event).map_err(JudgeError::Start)?,
                 Err(error) => return Err(JudgeError::Recording(error)),
             }

@@ -187,7 +187,7 @@ fn an_outline_that_contradicts_a_criterion_is_reported() {
     let task = read(outline, &rules).expect("a task");
     let faults: Vec<String> = check_outline(&task)
         .iter()
-        .map(|it| it.to_string())
+        .map(ToString::to_string)
         .collect();
     assert_eq!(faults.len(), 2, "{faults:?}");
     assert!(
@@ -219,7 +219,7 @@ fn a_hidden_diameter_is_dimensioned_on_its_cylinder() {
         z: -13.0,
         surface: PartSurface::Outside,
     };
-    let found = super::locate::locate(outline, &groove).expect("the groove");
+    let found = locate::locate(outline, &groove).expect("the groove");
     assert_eq!(found.1, Some(34.0));
 }
 

@@ -2,7 +2,7 @@
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crossbeam::channel::{Receiver, Sender, TrySendError, bounded};
 use gsk_messages::{Message, say};
@@ -28,11 +28,11 @@ impl SolutionLog {
     ///
     /// # Errors
     /// The file cannot be written, or the system starts no thread.
-    pub fn start(path: PathBuf, recording: &[u8]) -> Result<Self, Message> {
-        let mut file = create(&path, recording).map_err(|error| not_written(&path, &error))?;
+    pub fn start(path: &Path, recording: &[u8]) -> Result<Self, Message> {
+        let mut file = create(path, recording).map_err(|error| not_written(path, &error))?;
         let (to_disk, from_kernel) = bounded::<Vec<u8>>(DISK_QUEUE);
         let (report, failures) = bounded(1);
-        let failed = path.clone();
+        let failed = path.to_owned();
         let task = platform::start_task("exam", move || {
             let Ok(bytes) = platform::receive(&from_kernel, None) else {
                 return false;
@@ -45,7 +45,7 @@ impl SolutionLog {
                 }
             }
         });
-        let task = task.map_err(|error| not_written(&path, &error))?;
+        let task = task.map_err(|error| not_written(path, &error))?;
         Ok(Self {
             to_disk: Some(to_disk),
             failures,

@@ -51,7 +51,7 @@ impl Kernel {
                 if let Some(why) = self.practice_refusal() {
                     return self.notify(Notice::Message(why));
                 }
-                let begun = ExerciseRun::begin_in_exam(*exam, self.tick);
+                let begun = ExerciseRun::begin_in_exam(&exam, self.tick);
                 self.start_exercise(begun);
             }
             ExerciseAction::PauseExam(is_paused) => self.pause_exam(is_paused),

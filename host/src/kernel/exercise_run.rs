@@ -101,7 +101,7 @@ impl ExerciseRun {
 
     /// Starts or continues an exercise of an exam; returns it with its machine and part.
     pub(super) fn begin_in_exam(
-        exam: ExamTask,
+        exam: &ExamTask,
         begun_at: u64,
     ) -> Result<(Self, MachineMoment), Message> {
         let (mut run, mut moment) = Self::begin(Arc::clone(&exam.task), begun_at)?;
@@ -117,7 +117,7 @@ impl ExerciseRun {
             .as_ref()
             .map_or(&[][..], SolutionRecorder::bytes);
         run.exam = Some(ExamRun {
-            log: Some(SolutionLog::start(exam.recording_file, recording)?),
+            log: Some(SolutionLog::start(&exam.recording_file, recording)?),
             is_paused: exam.is_paused,
         });
         Ok((run, moment))
