@@ -85,7 +85,7 @@ impl SolutionRecorder {
         }
     }
 
-    /// Continues a recording that was broken off, and returns the recorder with the machine
+    /// Continues an interrupted recording, and returns the recorder with the machine
     /// where the recording ends.
     ///
     /// # Errors

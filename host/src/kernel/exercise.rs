@@ -22,9 +22,9 @@ pub enum ExerciseAction {
     HandIn,
     /// Start or continue an exercise of an exam.
     BeginExam(Box<ExamTask>),
-    /// Pause the exam (true) or continue it. The window has asked for the PIN.
+    /// Pause the exam (true) or continue it; the window checks the PIN before.
     PauseExam(bool),
-    /// Leave the exam. The window has asked for the PIN, or the exam is over.
+    /// Leave the exam, which is over.
     LeaveExam,
     /// Show the machine at this time of the solution that was handed in, ms.
     ShowMoment(u64),
