@@ -14,6 +14,7 @@
 mod frame;
 mod long_texts;
 mod session;
+mod value_reader;
 
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
@@ -24,6 +25,7 @@ use crate::moment::RecordedInput;
 use frame::{FrameEncoder, FrameReader};
 use long_texts::{TextNumbers, restore_texts};
 pub use session::encode_session;
+use value_reader::read_value;
 
 /// Version of the format; a reader refuses newer ones.
 pub const FORMAT: u32 = 1;
@@ -179,7 +181,7 @@ impl<'a> RecordingReader<'a> {
                 }
                 EVENT_CONTENT => {
                     let packed = restore_texts(content, &self.texts).ok_or_else(invalid)?;
-                    let event = rmp_serde::from_slice(&packed).map_err(|_| invalid())?;
+                    let event = read_value(&packed).map_err(|_| invalid())?;
                     self.check_start(&event, offset)?;
                     return Ok(Some(event));
                 }
