@@ -5,7 +5,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use gsk_messages::{Message, say};
-use gsk_runner::picture::{PictureFormat, UnknownPictureFormat};
+use gsk_plot::{PictureFormat, UnknownPictureFormat};
 
 /// Why a picture cannot be written to a path.
 #[derive(Debug, thiserror::Error)]

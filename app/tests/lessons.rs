@@ -11,9 +11,9 @@ use crate::common::WindowBench;
 use crate::common::mouse_operator::MouseOperator;
 use egui_kittest::kittest::Queryable;
 use gsk_core::setup::Setup;
+use gsk_lesson::{LESSONS, Lesson};
 use gsk_panel::keys::Key;
 use gsk_panel::script::ScriptAction;
-use gsk_runner::lesson::{LESSONS, Lesson};
 
 /// Clicks a widget outside of the panel.
 fn click(bench: &mut WindowBench, label: &str) {
@@ -200,11 +200,11 @@ fn the_example_of_the_documents_is_a_lesson() {
             .and_then(|rest| rest.split("```").next());
         let lesson = Lesson::read("example.ron", example.expect("an example"));
         let lesson = Arc::new(lesson.unwrap_or_else(|error| panic!("{error}")));
-        let outcomes = gsk_runner::lesson::solution_player::play_lesson(&lesson).expect("played");
+        let outcomes = gsk_lesson::solution_player::play_lesson(&lesson).expect("played");
         assert!(
             matches!(
                 outcomes[..],
-                [gsk_runner::lesson::solution_player::StepResult::Done(_)]
+                [gsk_lesson::solution_player::StepResult::Done(_)]
             ),
             "{outcomes:?}"
         );
@@ -249,8 +249,7 @@ fn a_demonstration_does_not_replace_a_lesson() {
     let mut bench = new_bench();
     click(&mut bench, "Lessons");
     click(&mut bench, "MDI");
-    let demonstration =
-        gsk_runner::lesson::find_demonstration("shown/offset").expect("it is there");
+    let demonstration = gsk_lesson::find_demonstration("shown/offset").expect("it is there");
     let order = LessonAction::Demonstrate(Arc::clone(&demonstration.lesson));
     bench.console.send(Command::Lesson(order));
     bench.run(50);
@@ -304,8 +303,7 @@ fn the_topic_of_an_alarm_lists_its_time_and_links_to_its_block() {
         .is_open(ViewId::Program);
     assert!(open, "the program view");
     // A practice machine has a separate alarm history.
-    let demonstration =
-        gsk_runner::lesson::find_demonstration("shown/offset").expect("it is there");
+    let demonstration = gsk_lesson::find_demonstration("shown/offset").expect("it is there");
     for (order, raised) in [
         (
             LessonAction::Demonstrate(Arc::clone(&demonstration.lesson)),

@@ -1,8 +1,8 @@
 //! The criteria of a task: what is marked, with points and sentences.
 
 use gsk_core::machine::LatheFault;
+use gsk_lesson::LessonText;
 use gsk_panel::script::Expectation;
-use gsk_runner::lesson::LessonText;
 
 /// Something that gives points.
 #[derive(Clone, Debug)]

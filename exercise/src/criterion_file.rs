@@ -1,9 +1,9 @@
 //! The criteria of a task as written in its file, and their rules.
 
 use gsk_core::machine::LatheFault;
+use gsk_lesson::LessonText;
 use gsk_messages::{Message, say};
 use gsk_panel::script::{Expectation, ExpectedState};
-use gsk_runner::lesson::LessonText;
 use serde::Deserialize;
 
 use crate::criterion::{

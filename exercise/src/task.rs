@@ -6,8 +6,8 @@ use blake2::{Blake2b256, Digest};
 use gsk_core::machine::LatheFault;
 use gsk_history::machine_part::{MachinePart, NamedJob, PartInput};
 use gsk_history::moment::MachineMoment;
+use gsk_lesson::{LessonStart, LessonText};
 use gsk_messages::{Message, say};
-use gsk_runner::lesson::{LessonStart, LessonText};
 use gsk_workpiece::job::Job;
 
 use crate::criterion::ExerciseCriterion;

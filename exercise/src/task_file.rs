@@ -1,8 +1,8 @@
 //! Reads `task.ron`.
 
 use gsk_core::units::{NonFinite, find_non_finite};
+use gsk_lesson::{LessonStart, LessonStartFile, LessonText};
 use gsk_messages::{Message, say};
-use gsk_runner::lesson::{LessonStart, LessonStartFile, LessonText};
 use gsk_workpiece::job::Job;
 use serde::Deserialize;
 

@@ -145,20 +145,21 @@ fn report_position(preview: &MillPreview, point: &MillPosition) -> MillReportPos
 }
 
 /// The number of a tool as the digits of a T word.
-pub(crate) fn tool_word(tool: u16) -> String {
+pub fn tool_word(tool: u16) -> String {
     format!("{tool:02}")
 }
 
 /// Machine time of a mill program: total, and of each tool in the order of use.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct MillTimes {
-    pub(crate) total: TimeReport,
+pub struct MillTimes {
+    /// Time of all moves.
+    pub total: TimeReport,
     tools: Vec<(u16, TimeReport)>,
 }
 
 impl MillTimes {
     /// Adds the time of an executed move to the total and to its tool.
-    pub(crate) fn add_move(&mut self, made: &MillMove) {
+    pub fn add_move(&mut self, made: &MillMove) {
         let known = self.tools.iter().position(|(tool, _)| *tool == made.tool);
         let index = known.unwrap_or_else(|| {
             self.tools.push((made.tool, TimeReport::default()));
@@ -177,7 +178,7 @@ impl MillTimes {
     }
 
     /// The tools that cut, with their cutting time, s.
-    pub(crate) fn cutting(&self) -> impl Iterator<Item = (u16, f64)> {
+    pub fn cutting(&self) -> impl Iterator<Item = (u16, f64)> {
         let cuts = |(tool, seconds): &(u16, TimeReport)| (*tool, seconds.feed + seconds.thread);
         self.tools
             .iter()

@@ -375,7 +375,7 @@ pub fn modal_codes(modal: &ModalState) -> Vec<String> {
 }
 
 /// The digits of the T word for a tool number and an offset number.
-pub(crate) fn tool_word((tool, offset): (u8, u8)) -> String {
+pub fn tool_word((tool, offset): (u8, u8)) -> String {
     format!("{tool:02}{offset:02}")
 }
 

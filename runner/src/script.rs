@@ -11,7 +11,6 @@ use gsk_panel::script::{
 
 use crate::board::PulseBoard;
 use crate::partner::{PartnerWait, ProgramPartner};
-use crate::picture::{self, PictureError};
 
 /// Maximum number of ticks per call of a script without a board.
 const SLICE_TICKS: u64 = 100_000;
@@ -24,14 +23,15 @@ pub trait ScriptHost {
     /// Shows the rows of the LCD as text.
     fn show_screen(&mut self, screen: &str);
 
-    /// Stores a picture under a file name. `bytes` creates the contents of the file.
+    /// Draws a picture of the machine and stores it under a file name.
     ///
     /// # Errors
-    /// The file cannot be stored.
+    /// The picture cannot be drawn, or the file not be stored.
     fn store_picture(
         &mut self,
         name: &str,
-        bytes: &dyn Fn() -> Result<Vec<u8>, PictureError>,
+        picture: ScriptPicture,
+        emulator: &Emulator,
     ) -> Result<(), Self::Error>;
 
     /// Reads a program file by its name. The result contains the name for the program.
@@ -54,6 +54,15 @@ pub trait ScriptHost {
     /// # Errors
     /// The file cannot be read.
     fn open_partner(&mut self, name: &str) -> Result<Box<dyn ProgramPartner>, Self::Error>;
+}
+
+/// What a picture of a script shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ScriptPicture {
+    /// The LCD alone.
+    Lcd,
+    /// The whole panel.
+    Panel,
 }
 
 /// How a script ended.
@@ -174,14 +183,11 @@ impl<'a, S: ScriptHost> ScriptSession<'a, S> {
         match effect {
             Effect::Show(text) => self.host.show_screen(&text),
             Effect::Shot { path, panel } => {
-                let emulator = &*self.emulator;
-                let bytes = || match panel {
-                    true => picture::encode_panel(emulator),
-                    false => {
-                        picture::encode_lcd(&emulator.screen(), emulator.panel().view().brightness)
-                    }
+                let picture = match panel {
+                    true => ScriptPicture::Panel,
+                    false => ScriptPicture::Lcd,
                 };
-                let stored = self.host.store_picture(&path, &bytes);
+                let stored = self.host.store_picture(&path, picture, self.emulator);
                 stored.map_err(Into::into)?;
             }
             Effect::Load(name) => {

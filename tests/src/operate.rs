@@ -7,8 +7,7 @@ use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::{SerialCable, SerialFile};
 use gsk_panel::script::Script;
 use gsk_runner::partner::{ProgramPartner, TextPartner};
-use gsk_runner::picture::PictureError;
-use gsk_runner::script::{ScriptEnd, ScriptHost, ScriptSession};
+use gsk_runner::script::{ScriptEnd, ScriptHost, ScriptPicture, ScriptSession};
 
 use crate::case::TestCase;
 use crate::picture;
@@ -71,7 +70,8 @@ impl ScriptHost for CaseFiles<'_> {
     fn store_picture(
         &mut self,
         _name: &str,
-        _bytes: &dyn Fn() -> Result<Vec<u8>, PictureError>,
+        _picture: ScriptPicture,
+        _emulator: &Emulator,
     ) -> Result<(), Message> {
         Ok(())
     }

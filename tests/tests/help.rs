@@ -269,7 +269,7 @@ fn teach_in_of_the_nc_b08_and_macro_b_are_explained() {
 /// Demonstrations belong to existing topics, and every key that acts on this lathe has one.
 #[test]
 fn demonstrations_belong_to_topics_and_every_key_has_one() {
-    use gsk_runner::lesson::demonstrations;
+    use gsk_lesson::demonstrations;
     let families: std::collections::BTreeSet<&str> = topics()
         .iter()
         .filter_map(|topic| topic.subject.family())

@@ -13,7 +13,7 @@ use clap::{Arg, Command, CommandFactory, Error};
 use gsk_host::mtconnect::AgentOptionError;
 use gsk_host::setup_args::OptionValueError;
 use gsk_messages::{Language, Message};
-use gsk_runner::picture::InvalidPictureSize;
+use gsk_plot::InvalidPictureSize;
 use gsk_transfer::FileNameError;
 
 use super::CommandLine;

@@ -1,7 +1,7 @@
 //! Options of drawings of a toolpath.
 
 use clap::Args;
-use gsk_runner::picture::{DrawingOptions, PictureSize};
+use gsk_plot::{DrawingOptions, PictureSize};
 
 /// Options of a drawing of a toolpath.
 #[derive(Args, Clone, Copy, Debug)]

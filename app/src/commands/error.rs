@@ -20,8 +20,8 @@ use gsk_host::termination::SignalError;
 use gsk_host::transfer::TransferError;
 use gsk_link::LinkConfigError;
 use gsk_messages::{Message, say};
+use gsk_plot::{PictureError, UnknownPictureFormat};
 use gsk_runner::execution::ExecutionError;
-use gsk_runner::picture::{PictureError, UnknownPictureFormat};
 
 use crate::picture::PictureNameError;
 

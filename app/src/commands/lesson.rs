@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use gsk_host::files::lessons;
 use gsk_host::platform;
+use gsk_lesson::Lesson;
+use gsk_lesson::solution_player::{self, StepResult};
 use gsk_messages::{Language, say};
-use gsk_runner::lesson::Lesson;
-use gsk_runner::lesson::solution_player::{self, StepResult};
 use gsk_runner::report;
 
 use super::{CommandError, EXIT_ALARM, EXIT_OK, output};

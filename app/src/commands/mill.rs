@@ -9,9 +9,9 @@ use gsk_host::loading::{self, LoadError};
 use gsk_host::setup_args::ModelMismatch;
 use gsk_messages::{Language, say};
 use gsk_milling::{MillMove, preview_while};
+use gsk_plot::PictureFormat;
+use gsk_plot::mill::{MillDrawing, encode_mill};
 use gsk_runner::mill::{self, MillSetup};
-use gsk_runner::picture::PictureFormat;
-use gsk_runner::picture::mill::{MillDrawing, encode_mill};
 use gsk_runner::report::{self, AlarmReport, ProgramReport};
 use gsk_runner::text_format::format_time;
 

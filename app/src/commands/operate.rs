@@ -19,10 +19,12 @@ use gsk_messages::{Language, Message, say};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::{SerialCable, SerialFile};
 use gsk_panel::script::{Script, ScriptAction};
+use gsk_plot::{encode_lcd, encode_panel};
 use gsk_runner::board::PulseBoard;
 use gsk_runner::partner::ProgramPartner;
-use gsk_runner::picture::PictureError;
-use gsk_runner::script::{ScriptEnd, ScriptHost, ScriptRecord, ScriptSession, TickObserver};
+use gsk_runner::script::{
+    ScriptEnd, ScriptHost, ScriptPicture, ScriptRecord, ScriptSession, TickObserver,
+};
 use gsk_runner::text_format::format_time;
 
 use super::agent::CommandAgent;
@@ -264,11 +266,17 @@ impl ScriptHost for ScriptFiles {
     fn store_picture(
         &mut self,
         name: &str,
-        bytes: &dyn Fn() -> Result<Vec<u8>, PictureError>,
+        picture: ScriptPicture,
+        emulator: &Emulator,
     ) -> Result<(), CommandError> {
         let path = Path::new(name);
         check_png(path)?;
-        let bytes = bytes()?;
+        let bytes = match picture {
+            ScriptPicture::Panel => encode_panel(emulator)?,
+            ScriptPicture::Lcd => {
+                encode_lcd(&emulator.screen(), emulator.panel().view().brightness)?
+            }
+        };
         std::fs::write(path, bytes).map_err(|error| output::WriteError::new(path, error).into())
     }
 

@@ -5,8 +5,8 @@ use gsk_core::setup::Setup;
 use gsk_host::files::overwrite_guard::{CommandInputs, check_overwrites};
 use gsk_host::{job, loading};
 use gsk_messages::{Language, say};
+use gsk_plot::{PathDrawing, PictureFormat};
 use gsk_runner::curves::RapidRates;
-use gsk_runner::picture::{self, PathDrawing, PictureFormat};
 use gsk_runner::report::{self, AlarmReport};
 use gsk_runner::text_format::format_time;
 
@@ -95,20 +95,20 @@ pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandEr
             encode_scene(&lathes, args.scene.camera.into(), size)?
         }
         (Some(machining), None) if args.solid => {
-            picture::encode_solid(machining, rear_tool_post, &drawing.title, size)?
+            gsk_plot::encode_solid(machining, rear_tool_post, &drawing.title, size)?
         }
         _ => {
             if let Some(machining) = &machining {
                 drawing.add_scenery(machining);
             }
-            picture::encode(format, &drawing, language.unwrap_or(Language::En))?
+            gsk_plot::encode(format, &drawing, language.unwrap_or(Language::En))?
         }
     };
     target.write(&bytes)?;
     let drawn = say::plot_written(args.output.display(), format_time(preview.time_s));
     output::print(&format!("{}\n", report::message_text(&drawn, language)));
     let drawing_shortfall =
-        picture::missing_moves_message(&drawing).filter(|_| !args.solid && !args.scene.scene);
+        gsk_plot::missing_moves_message(&drawing).filter(|_| !args.solid && !args.scene.scene);
     if let Some(message) = drawing_shortfall {
         complain!("gsk980td: {}", report::message_text(&message, language));
     }

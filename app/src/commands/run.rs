@@ -23,6 +23,7 @@ use gsk_host::retained::Restored;
 use gsk_host::termination::TERMINATED_EXIT_CODE;
 use gsk_host::{job, loading, retained};
 use gsk_messages::{Language, Message, say};
+use gsk_plot::{PathDrawing, PictureFormat};
 use gsk_runner::board::TerminalOperator;
 use gsk_runner::curves::RapidRates;
 use gsk_runner::execution::{
@@ -30,7 +31,6 @@ use gsk_runner::execution::{
 };
 use gsk_runner::machining::live_part::LivePart;
 use gsk_runner::partner::ProgramPartner;
-use gsk_runner::picture::{self, PathDrawing, PictureFormat};
 use gsk_runner::report::{PartReport, ProgramReport};
 use gsk_runner::script::TickObserver as _;
 use gsk_runner::text_format::format_time;
@@ -286,7 +286,7 @@ fn write_results(
             drawing.add_scenery(live.machining());
         }
         failures.extend(write_picture(path, drawing, target, outputs.language).err());
-        if let Some(message) = picture::missing_moves_message(drawing) {
+        if let Some(message) = gsk_plot::missing_moves_message(drawing) {
             output::report_error(&message);
         }
     }
@@ -320,7 +320,7 @@ fn write_picture(
     language: Language,
 ) -> Result<(), CommandError> {
     let format = PictureFormat::from_file_name(path)?;
-    let bytes = picture::encode(format, drawing, language)?;
+    let bytes = gsk_plot::encode(format, drawing, language)?;
     Ok(target.write(&bytes)?)
 }
 

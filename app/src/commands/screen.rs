@@ -5,7 +5,6 @@ use gsk_core::setup::Setup;
 use gsk_messages::{Language, say};
 use gsk_panel::emulator::{Emulator, WaitCondition};
 use gsk_panel::face::face_of;
-use gsk_runner::picture;
 
 use super::{CommandError, EXIT_OK, output};
 use crate::cli::ScreenArgs;
@@ -43,7 +42,7 @@ pub fn screen(args: &ScreenArgs) -> Result<u8, CommandError> {
         output::print(&format!("{screen}\n"));
         return Ok(EXIT_OK);
     };
-    let bytes = picture::encode_lcd(&screen, emulator.panel().view().brightness)?;
+    let bytes = gsk_plot::encode_lcd(&screen, emulator.panel().view().brightness)?;
     std::fs::write(path, bytes).map_err(|error| output::WriteError::new(path, error))?;
     Ok(EXIT_OK)
 }

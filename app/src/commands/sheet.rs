@@ -9,9 +9,9 @@ use gsk_host::files::program_file;
 use gsk_host::job::{self, JobArgs};
 use gsk_host::loading::{self, LoadError};
 use gsk_messages::{Language, say};
+use gsk_plot::{DrawingOptions, PathDrawing, PictureFormat, PictureSize};
 use gsk_runner::curves::RapidRates;
 use gsk_runner::machining::Machining;
-use gsk_runner::picture::{self, DrawingOptions, PathDrawing, PictureFormat, PictureSize};
 use gsk_runner::report::{self, PartReport, ProgramReport};
 use gsk_runner::sheet::SetupSheet;
 use gsk_workpiece::job::DiameterPoint;
@@ -145,7 +145,7 @@ fn part_drawing(machining: &Machining) -> PathDrawing {
 }
 
 fn svg_text(drawing: &PathDrawing, language: Language) -> Result<String, CommandError> {
-    let bytes = picture::encode(PictureFormat::Svg, drawing, language)?;
+    let bytes = gsk_plot::encode(PictureFormat::Svg, drawing, language)?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 

@@ -3,8 +3,8 @@
 
 use std::path::Path;
 
+use gsk_lesson::{Lesson, built_in_lessons};
 use gsk_messages::Message;
-use gsk_runner::lesson::{Lesson, built_in_lessons};
 
 use super::program_file;
 use crate::platform;

@@ -72,10 +72,10 @@ mod tests {
     use gsk_core::setup::Setup;
     use gsk_history::moment::HistoryInput;
     use gsk_history::replay::replay;
+    use gsk_lesson::{Lesson, built_in_lessons};
     use gsk_panel::emulator::{Emulator, EmulatorInput};
     use gsk_panel::keys::Key;
     use gsk_panel::panel::SerialFile;
-    use gsk_runner::lesson::{Lesson, built_in_lessons};
     use gsk_tests::test_folder;
     use gsk_workpiece::job::Job;
     use gsk_workpiece::stock::Stock;

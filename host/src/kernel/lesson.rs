@@ -4,9 +4,9 @@
 use std::sync::Arc;
 
 use gsk_core::operation::RunState;
+use gsk_lesson::{Lesson, Practice, find_demonstration};
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
-use gsk_runner::lesson::{Lesson, Practice, find_demonstration};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::stock::Stock;
 

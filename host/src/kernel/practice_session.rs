@@ -1,7 +1,7 @@
 //! The practice machine in use, what the learner does at it, and his own state that it replaces.
 
+use gsk_lesson::{Practice, PracticeView};
 use gsk_panel::emulator::Emulator;
-use gsk_runner::lesson::{Practice, PracticeView};
 
 use super::alarm_history::AlarmHistory;
 use super::exercise_run::ExerciseRun;

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use egui::{Frame, Margin, RichText, Ui};
 use gsk_help::Subject;
 use gsk_host::kernel::{LessonAction, LessonState};
+use gsk_lesson::{Demonstration, demonstrations, find_demonstration};
 use gsk_messages::{Language, say};
-use gsk_runner::lesson::{Demonstration, demonstrations, find_demonstration};
 
 use super::HelpRequest;
 use crate::theme;

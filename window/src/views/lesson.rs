@@ -8,9 +8,9 @@ use egui::{CentralPanel, Panel, RichText, ScrollArea, Ui};
 use gsk_help::{Subject, article, topic};
 use gsk_host::kernel::part::PartView;
 use gsk_host::kernel::{Command, Console, LessonAction, LessonState, PanelSnapshot};
+use gsk_lesson::{Lesson, LessonRemark, LessonStep, built_in_lessons, find_demonstration};
 use gsk_messages::{Language, Message, say};
 use gsk_panel::keys::Key;
-use gsk_runner::lesson::{Lesson, LessonRemark, LessonStep, built_in_lessons, find_demonstration};
 
 use super::exercise::ExercisePane;
 use super::interface::{View, ViewFrame, ViewStart};

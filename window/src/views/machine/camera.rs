@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use egui::{Pos2, Rect, Vec2, pos2, vec2};
-use gsk_runner::solid::{SolidView, ViewDirection};
+use gsk_plot::solid::{SolidView, ViewDirection};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
 

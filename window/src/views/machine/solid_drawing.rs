@@ -8,7 +8,7 @@ use egui::emath::GuiRounding as _;
 use egui::{Color32, ColorImage, Painter, Pos2, Rect, TextureHandle, TextureOptions, pos2, vec2};
 use gsk_core::units::Point;
 use gsk_host::kernel::part::PartView;
-use gsk_runner::solid::{
+use gsk_plot::solid::{
     BodyResolution, SolidBody, SolidCanvas, clamping_bodies, part_bodies, tool_bodies,
 };
 use gsk_workpiece::job::Job;
