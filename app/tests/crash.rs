@@ -62,6 +62,11 @@ fn a_crash_stops_the_lathe_with_the_machine_view_closed_and_one_button_leads_out
     assert!(!emulator.cnc().alarms().is_empty());
     // The crash stays on the line: its alarm says less.
     assert!(bench.harness.query_by_label_contains("CRASH").is_some());
+    // A key that the alarm refuses, as everyone tries first: the way out stays.
+    for key in [Key::Jog, Key::XDown, Key::Reset] {
+        bench.console.send(Command::Tap(key));
+        bench.run(300);
+    }
     bench.click("Free the lathe");
     bench.run(1000);
     assert!(

@@ -3254,6 +3254,7 @@ message_rows! {
     window_release_bits WindowReleaseBits(count);
     window_reload WindowReload();
     window_reset_by_key WindowResetByKey();
+    window_resumes_at WindowResumesAt(block);
     window_samples WindowSamples();
     window_save WindowSave();
     window_saved WindowSaved(file);

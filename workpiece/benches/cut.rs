@@ -72,6 +72,7 @@ fn arcs(criterion: &mut Criterion) {
                         clockwise: true,
                     },
                     turning: true,
+                    by_hand: false,
                 },
             )
         });

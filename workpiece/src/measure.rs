@@ -400,6 +400,7 @@ mod tests {
                 to: Point::new(pair[1].0, pair[1].1),
                 kind: MotionKind::Line,
                 turning: true,
+                by_hand: false,
             };
             scene.move_tool(&cutter, &motion);
         }
@@ -465,6 +466,7 @@ mod tests {
                     to,
                     kind,
                     turning: true,
+                    by_hand: false,
                 };
                 scene.move_tool(&cutter, &motion);
             }
@@ -496,6 +498,7 @@ mod tests {
                 to: path.to,
                 kind: MotionKind::Thread(path.imprints().0),
                 turning: true,
+                by_hand: false,
             };
             scene.move_tool(&cutter, &motion);
         }

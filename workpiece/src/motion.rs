@@ -16,6 +16,9 @@ pub struct ToolMotion {
     pub kind: MotionKind,
     /// Whether the spindle turns during the move.
     pub turning: bool,
+    /// Whether the operator moves the slides by hand: then a tool that is in something already
+    /// may come out of it.
+    pub by_hand: bool,
 }
 
 /// The path of a move, and whether it may cut.

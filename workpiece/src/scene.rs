@@ -139,7 +139,7 @@ impl LatheScene {
         let by_body = || {
             let mut body = tool.body.iter();
             body.find_map(|(touching_part, contour)| {
-                self.find_collision(*touching_part, contour, &path, Some(&[]))
+                self.find_collision(*touching_part, contour, motion, &path, Some(&[]))
             })
         };
         effect.collision = effect.collision.or_else(by_body);
@@ -208,16 +208,17 @@ impl LatheScene {
             .into_iter()
             .collect();
         let free = checks_stock.then_some(&groove[..]);
-        self.find_collision(touching_part, &tool.insert, path, free)
+        self.find_collision(touching_part, &tool.insert, motion, path, free)
     }
 
     /// Finds the first obstacle that a contour meets on a path; `None` if it meets none. With
     /// `free` the stock is an obstacle, too, except within the contours of `free`: the groove
-    /// in which the tool is.
+    /// in which the tool is. A move by hand out of an obstacle is none.
     fn find_collision(
         &self,
         touching_part: TouchingPart,
         contour: &[GridPoint],
+        motion: &ToolMotion,
         path: &[GridPoint],
         free: Option<&[GridContour]>,
     ) -> Option<Collision> {
@@ -230,7 +231,10 @@ impl LatheScene {
                 _ => overlap,
             }
         };
-        if free.is_some() && !stock_overlap(&swept).is_empty() {
+        let leaves = |overlap: &dyn Fn(&[GridContour]) -> Region| {
+            motion.by_hand && does_leave(contour, path, overlap)
+        };
+        if free.is_some() && !stock_overlap(&swept).is_empty() && !leaves(&stock_overlap) {
             return Some(locate_first_contact(
                 (touching_part, Obstacle::Stock),
                 contour,
@@ -241,12 +245,30 @@ impl LatheScene {
         self.obstacles
             .iter()
             .filter(|(_, _, obstacle)| obstacle.intersects(&bounds))
-            .find(|(_, region, _)| !region.intersection(&swept).is_empty())
+            .find(|(_, region, _)| {
+                let overlap = |swept: &[GridContour]| region.intersection(swept);
+                !overlap(&swept).is_empty() && !leaves(&overlap)
+            })
             .map(|(obstacle, region, _)| {
                 let overlap = |swept: &[GridContour]| region.intersection(swept);
                 locate_first_contact((touching_part, *obstacle), contour, path, &overlap)
             })
     }
+}
+
+/// Whether a contour is in an obstacle at the start of a path and no deeper at its end: the way
+/// out after a crash. `overlap` intersects the obstacle with a swept area.
+fn does_leave(
+    contour: &[GridPoint],
+    path: &[GridPoint],
+    overlap: &dyn Fn(&[GridContour]) -> Region,
+) -> bool {
+    let area = |place: Option<&GridPoint>| {
+        let contours = place.map(|place| sweep_along(contour, &[*place]));
+        contours.map_or(0.0, |contours| overlap(&with_mirror_image(contours)).area())
+    };
+    let start = area(path.first());
+    start > 0.0 && area(path.last()) <= start
 }
 
 /// Locates the first contact with an obstacle on a path that has one, to a thousandth of a
@@ -312,6 +334,7 @@ mod tests {
             to: Point::new(to.0, to.1),
             kind,
             turning: true,
+            by_hand: false,
         }
     }
 
@@ -365,6 +388,25 @@ mod tests {
             (TouchingPart::Insert, Obstacle::Jaws)
         );
         assert!((collision.tip.z + 60.0).abs() < 0.1, "{collision:?}");
+    }
+
+    #[test]
+    fn a_hand_leads_the_tool_out_of_the_jaws_and_no_deeper_in() {
+        let mut scene = scene();
+        let by_hand = |from, to, turning| ToolMotion {
+            turning,
+            by_hand: true,
+            ..motion(MotionKind::Line, from, to)
+        };
+        let tool = turning();
+        let mut moves = |from, to| scene.move_tool(&tool, &by_hand(from, to, false)).collision;
+        let inside = (30.0, -62.0);
+        assert!(moves((30.0, -55.0), inside).is_some(), "the crash");
+        assert_eq!(moves(inside, (30.0, -61.9)), None, "away from the chuck");
+        assert_eq!(moves((30.0, -61.9), (31.0, -61.9)), None, "along the jaws");
+        assert!(moves((31.0, -61.9), (31.0, -62.1)).is_some(), "deeper");
+        assert_eq!(moves((31.0, -61.9), (31.0, -55.0)), None, "out");
+        assert!(moves((31.0, -55.0), (31.0, -61.0)).is_some(), "in again");
     }
 
     #[test]

@@ -9,7 +9,7 @@ use crossbeam::channel::{Receiver, Sender, bounded};
 use crossbeam::queue::ArrayQueue;
 use gsk_core::alarm::Alarm;
 use gsk_core::cnc::ControlRequest;
-use gsk_core::command::ProgramId;
+use gsk_core::command::{ProgramId, SourcePosition};
 use gsk_core::machine::LatheFault;
 use gsk_core::memory::{OperationLevel, WriteRefusal};
 use gsk_core::model::ModelId;
@@ -282,6 +282,12 @@ pub struct PanelSnapshot {
     /// The distance of the slides from the last start of the selected program, if its G50 would now
     /// take another start point; `None` otherwise.
     pub start_distance: Option<StartDistance>,
+    /// The block at which the selected program would continue after a RESET in the middle; `None`
+    /// otherwise.
+    pub resumes_at: Option<SourcePosition>,
+    /// The sentence about the crash that has stopped the lathe, until the lathe is free; `None`
+    /// without one, or if its faults are hidden.
+    pub crash: Option<Message>,
     /// Whether a slide or the spindle moves.
     pub is_moving: bool,
     /// The selected program; `None` if none is selected.

@@ -326,13 +326,7 @@ impl Kernel {
     fn cut_part(&mut self) {
         let simulated = !self.has_real_slides;
         if let Some((finding, stops)) = self.part.after_tick(&mut self.emulator, simulated) {
-            let collision = finding.collision;
-            let (x, z) = (collision.tip.diameter().0, collision.tip.z);
-            let what = collision.message();
-            let message = match stops {
-                true => say::window_crash(what, x, z),
-                false => say::window_collision(what, x, z),
-            };
+            let message = part::collision_message(&finding.collision, stops);
             self.notify(Notice::Collided(message));
             if self.has_timeline() {
                 let tick = self.emulator.ticks();
@@ -435,8 +429,18 @@ impl Kernel {
                 .filter(|_| is_present),
             start_distance: self
                 .start_watch
-                .report(self.emulator.cnc())
+                .report(
+                    self.emulator.cnc(),
+                    self.part.is_tool_internal(&self.emulator),
+                )
                 .filter(|_| is_present),
+            resumes_at: self
+                .start_watch
+                .resumes_at(self.emulator.cnc())
+                .filter(|_| is_present),
+            crash: (self.part)
+                .crash_message(&self.emulator)
+                .filter(|_| is_present && !self.hides_faults()),
             is_moving: (is_present || self.has_real_slides)
                 && (self.emulator.cnc().is_moving() || self.motion().spindle_rpm > 0.0),
             program: cnc.programs().selected(),

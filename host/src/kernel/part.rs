@@ -6,15 +6,18 @@ use std::sync::Arc;
 
 use crossbeam::queue::ArrayQueue;
 use gsk_core::command::SourcePosition;
-use gsk_core::machine::LatheFault;
+use gsk_core::machine::{LatheFault, SimulatedLathe};
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
 use gsk_history::machine_part::{CRASH_FAULTS, MachinePart, NamedJob, PartInput};
+use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
 use gsk_runner::machining::CollisionFinding;
 use gsk_runner::machining::live_part::{ThreadZone, running_block};
+use gsk_workpiece::collision::Collision;
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
+use gsk_workpiece::tool::Tool;
 
 use crate::job::SelectedJob;
 
@@ -60,6 +63,16 @@ pub(super) fn end_crash_faults(emulator: &mut Emulator) {
         if emulator.lathe().has_fault(fault) {
             emulator.set_fault(fault, false);
         }
+    }
+}
+
+/// The sentence about a collision; `stops`: it has stopped the lathe.
+pub(super) fn collision_message(collision: &Collision, stops: bool) -> Message {
+    let (x, z) = (collision.tip.diameter().0, collision.tip.z);
+    let what = collision.message();
+    match stops {
+        true => say::window_crash(what, x, z),
+        false => say::window_collision(what, x, z),
     }
 }
 
@@ -189,6 +202,28 @@ impl KernelPart {
         Some((finding, stops))
     }
 
+    /// The collision that has stopped the lathe; `None` once its faults are cleared.
+    fn stopping_crash(&self, lathe: &SimulatedLathe) -> Option<CollisionFinding> {
+        let is_crashed = CRASH_FAULTS.iter().any(|fault| lathe.has_fault(*fault));
+        self.crash.filter(|_| is_crashed)
+    }
+
+    /// Returns the sentence about the collision that has stopped the lathe; `None` once its
+    /// faults are cleared.
+    pub(super) fn crash_message(&self, emulator: &Emulator) -> Option<Message> {
+        let crash = self.stopping_crash(emulator.lathe())?;
+        Some(collision_message(&crash.collision, true))
+    }
+
+    /// Whether the tool in the working position works in a bore.
+    pub(super) fn is_tool_internal(&self, emulator: &Emulator) -> bool {
+        let simulation = emulator.simulation();
+        let tool = (simulation.lathe.station()).unwrap_or(simulation.cnc.tool().0);
+        let machining = self.state.machining();
+        let tool = machining.and_then(|machining| machining.job().tools.get(&tool));
+        tool.is_some_and(Tool::is_internal)
+    }
+
     /// Publishes the part if a view shows it and it has changed since the last time; returns
     /// true if so.
     pub(super) fn publish(&mut self, simulation: &Simulation) -> bool {
@@ -207,7 +242,6 @@ impl KernelPart {
         let (cnc, lathe) = (&simulation.cnc, &simulation.lathe);
         let tool = lathe.station().unwrap_or(cnc.tool().0);
         let mounting = machining.mounting();
-        let is_crashed = CRASH_FAULTS.iter().any(|fault| lathe.has_fault(*fault));
         let view = PartView {
             job: Arc::clone(self.state.job()),
             job_name: self.state.job_name().cloned(),
@@ -223,7 +257,7 @@ impl KernelPart {
             door_open: lathe.has_fault(LatheFault::DoorOpen),
             rear_tool_post: lathe.config().rear_tool_post,
             findings: machining.findings().to_vec(),
-            crash: self.crash.filter(|_| is_crashed),
+            crash: self.stopping_crash(lathe),
             block: running_block(simulation),
         };
         if self.last.as_deref() == Some(&view) {

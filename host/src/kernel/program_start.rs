@@ -1,13 +1,14 @@
 //! Compares the position at which a program would start with that of its last start.
 //!
 //! A program that begins with G50 takes the current position as its start point. After RESET in
-//! the cut it would move through the part.
+//! the cut it would move through the part. A program that was reset in the middle continues
+//! there, without what its first blocks set.
 
 use gsk_core::cnc::{Cnc, Event};
-use gsk_core::command::ProgramId;
+use gsk_core::command::{ProgramId, SequenceNumber, SourcePosition};
 use gsk_core::operation::{OperatingMode, RunState};
 use gsk_core::program::Program;
-use gsk_core::units::Point;
+use gsk_core::units::{Axis, Point};
 
 /// Greatest distance from the last start that is not reported, mm; for X the difference of the
 /// diameters.
@@ -21,6 +22,8 @@ pub struct StartDistance {
     pub program: ProgramId,
     /// Position of the last start minus current position, mm, X as a radius.
     pub distance: Point,
+    /// The axis that leads out of the part and goes first.
+    pub first_axis: Axis,
 }
 
 /// The last start of a program.
@@ -58,7 +61,8 @@ impl StartWatch {
     /// Returns the distance of the slides from the last start, while the selected program waits for
     /// its start in automatic mode and begins with G50; `None` otherwise, or if the slides are
     /// close to that start.
-    pub(super) fn report(&self, cnc: &Cnc) -> Option<StartDistance> {
+    /// `is_internal`: the tool works in a bore.
+    pub(super) fn report(&self, cnc: &Cnc, is_internal: bool) -> Option<StartDistance> {
         let (program, last) = self.last_start?;
         let waits = cnc.run_state() == RunState::Reset && !cnc.is_position_unknown();
         let is_selected = cnc.programs().selected() == Some(program);
@@ -68,7 +72,30 @@ impl StartWatch {
         let distance = last - cnc.position_machine();
         let is_far = distance.x.abs() * 2.0 > TOLERANCE_MM || distance.z.abs() > TOLERANCE_MM;
         let sets_coordinates = || cnc.programs().get(program).is_some_and(begins_with_g50);
-        (is_far && sets_coordinates()).then_some(StartDistance { program, distance })
+        (is_far && sets_coordinates()).then_some(StartDistance {
+            program,
+            distance,
+            first_axis: if is_internal { Axis::Z } else { Axis::X },
+        })
+    }
+
+    /// Returns the block at which the selected program, which was reset in the middle, waits in
+    /// automatic mode to continue; `None` at its head.
+    pub(super) fn resumes_at(&self, cnc: &Cnc) -> Option<SourcePosition> {
+        let waits = cnc.run_state() == RunState::Reset && cnc.mode() == OperatingMode::Auto;
+        let program = cnc.programs().selected().filter(|_| waits)?;
+        let is_interrupted = self.last_start.is_some_and(|(last, _)| last == program);
+        if !is_interrupted || self.is_complete {
+            return None;
+        }
+        let (text, line) = (cnc.programs().get(program)?, cnc.cursor().line);
+        let block = text.block_from_line(line);
+        let sequence = text.sequence(block);
+        (block > 0).then_some(SourcePosition {
+            program,
+            line,
+            sequence: sequence.map(SequenceNumber::from),
+        })
     }
 }
 

@@ -218,6 +218,7 @@ impl LivePart {
             to: piece.to,
             kind,
             turning: piece.conditions.turning,
+            by_hand: piece.conditions.source.is_none(),
         };
         self.machining
             .move_tool(piece.conditions.source, piece.conditions.tool, &motion);

@@ -63,6 +63,7 @@ impl MotionTrack {
             to,
             kind,
             turning,
+            by_hand: false,
         };
         let kind = match executed.kind {
             MoveKind::Dwell | MoveKind::Rapid => {

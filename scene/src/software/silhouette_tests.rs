@@ -80,6 +80,7 @@ fn the_drawn_part_equals_the_half_section_at_200_moments() {
             to: Point::new(radius + taper, end),
             kind: MotionKind::Line,
             turning: true,
+            by_hand: false,
         };
         removed += scene.move_tool(&tool, &motion).removed.area;
         let section = scene.part().section();

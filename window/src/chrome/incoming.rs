@@ -20,9 +20,9 @@ impl Window {
             let is_new_alarm = snapshot.alarm.is_some() && snapshot.alarm.as_ref() != alarm;
             let was_position_known = previous.is_some_and(|it| !it.position_unknown);
             // The alarm of a crash says less than the crash itself.
-            let crashed = snapshot.forced.faults > 0
-                && matches!(self.message, Some(StatusMessage::Collided(_)));
-            if (is_new_alarm && !crashed) || (snapshot.position_unknown && was_position_known) {
+            if (is_new_alarm && snapshot.crash.is_none())
+                || (snapshot.position_unknown && was_position_known)
+            {
                 // The new alarm or the lost position replaces an older message.
                 self.message = None;
             }

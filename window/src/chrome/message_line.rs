@@ -106,7 +106,10 @@ impl Window {
     fn is_start_hint(&self, severity: MessageSeverity) -> bool {
         let snapshot = self.snapshot.as_ref();
         severity == MessageSeverity::Hint
-            && snapshot.is_some_and(|it| it.start_distance.is_some() && it.program_wait.is_none())
+            && snapshot.is_some_and(|it| {
+                (it.start_distance.is_some() || it.resumes_at.is_some())
+                    && it.program_wait.is_none()
+            })
     }
 
     /// Draws the button that marks the keys of the way back on the panel.
@@ -117,15 +120,17 @@ impl Window {
             ui.add(egui::Button::new(words.color(theme::TEXT_ON_BRIGHT)).fill(theme::WARNING));
         let hint = say::window_way_back_hint().text(language);
         if button.on_hover_text(hint).clicked() {
-            let start = self.snapshot.as_ref().and_then(|it| it.start_distance);
-            self.way_back = start.map(WayBack::new);
+            self.way_back = self.snapshot.as_ref().map(WayBack::new);
         }
     }
 
-    /// Whether a crash has stopped the lathe and its faults last.
+    /// The crash that has stopped the lathe, until the lathe is free.
+    fn crash(&self) -> Option<&Message> {
+        self.snapshot.as_ref()?.crash.as_ref()
+    }
+
     fn is_stopped_by_crash(&self) -> bool {
-        matches!(self.message, Some(StatusMessage::Collided(_)))
-            && (self.snapshot.as_ref()).is_some_and(|it| it.forced.faults > 0)
+        self.crash().is_some()
     }
 
     /// What is most dangerous now; `None` if there is only a hint. `in_list`: the cursor keys
@@ -173,13 +178,10 @@ impl Window {
     /// The crash that has stopped the lathe; `None` without one. Its alarm and its fault are the
     /// same event.
     fn crash_message(&self) -> Option<LineMessage> {
-        let crash = self
-            .message
-            .clone()
-            .filter(|_| self.is_stopped_by_crash())?;
+        let crash = self.crash()?.clone();
         Some(LineMessage {
             severity: MessageSeverity::Alarm,
-            text: LineText::Status(crash),
+            text: LineText::Status(StatusMessage::Collided(crash)),
         })
     }
 
@@ -209,6 +211,10 @@ impl Window {
             let condition = waits.condition.clone();
             let text = say::window_waits(place.unwrap_or_default(), condition);
             return hint(MessageSeverity::Hint, text);
+        }
+        if let Some(block) = &snapshot.resumes_at {
+            let block = alarm_text::source_text(block, language);
+            return hint(MessageSeverity::Hint, say::window_resumes_at(block));
         }
         let start = snapshot.start_distance?;
         hint(

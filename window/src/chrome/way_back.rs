@@ -1,26 +1,34 @@
 //! Shows the keys that lead the tool back to the start point of the program after a RESET in the
 //! cut. The operator presses them: the window moves nothing.
 
-use gsk_core::units::Point;
-use gsk_host::kernel::{PanelSnapshot, StartDistance};
+use gsk_core::units::{Axis, Point};
+use gsk_host::kernel::PanelSnapshot;
 use gsk_panel::keys::{Key, STRIP};
 
 /// Distances up to this one need no motion, mm.
 const TOLERANCE_MM: f64 = 0.05;
 
-/// A way back that the operator has requested, in the order of its keys: program zero mode, the
-/// axis keys, automatic mode.
+/// A way back that the operator has requested, in the order of its keys: the head of the
+/// program (edit mode, RESET), program zero mode, the axis keys one after the other, automatic
+/// mode.
 #[derive(Clone, Copy, Debug)]
 pub struct WayBack {
     /// Distance of the start point when the way back was requested, mm, X as a radius.
     distance: Point,
+    /// The axis that leads out of the part and goes first.
+    first_axis: Axis,
+    /// Whether the program must be reset to its head first.
+    rewinds: bool,
     has_left_auto: bool,
 }
 
 impl WayBack {
-    pub const fn new(start: StartDistance) -> Self {
+    pub fn new(snapshot: &PanelSnapshot) -> Self {
+        let start = snapshot.start_distance.as_ref();
         Self {
-            distance: start.distance,
+            distance: start.map_or_else(Point::default, |start| start.distance),
+            first_axis: start.map_or(Axis::X, |start| start.first_axis),
+            rewinds: snapshot.resumes_at.is_some(),
             has_left_auto: false,
         }
     }
@@ -28,14 +36,22 @@ impl WayBack {
     /// Follows the control. Returns `None` once the operator is back in automatic mode.
     pub fn follow(self, snapshot: &PanelSnapshot) -> Option<Self> {
         let is_auto = is_lit(Key::Auto, snapshot);
+        let is_rewinding = is_lit(Key::Edit, snapshot) && snapshot.pressed.contains(&Key::Reset);
         (!is_auto || !self.has_left_auto).then_some(Self {
             has_left_auto: self.has_left_auto || !is_auto,
+            rewinds: self.rewinds && !is_rewinding,
             ..self
         })
     }
 
     /// The keys to press now.
     pub fn keys(self, snapshot: &PanelSnapshot) -> Vec<Key> {
+        if self.rewinds {
+            return vec![match is_lit(Key::Edit, snapshot) {
+                true => Key::Reset,
+                false => Key::Edit,
+            }];
+        }
         if !is_lit(Key::ProgramZero, snapshot) {
             return vec![
                 match self.has_left_auto && is_at_start(self.distance, snapshot) {
@@ -53,18 +69,17 @@ impl WayBack {
             true => Key::ZLeft,
             false => Key::ZRight,
         };
-        let axes = [
+        let mut axes = [
             (self.distance.x, "XZERO", x_key),
             (self.distance.z, "ZZERO", z_key),
         ];
-        let missing = axes
+        if self.first_axis == Axis::Z {
+            axes.reverse();
+        }
+        let mut missing = axes
             .into_iter()
             .filter(|(distance, zero, _)| needs_motion(*distance, zero, snapshot));
-        let keys: Vec<Key> = missing.map(|(_, _, key)| key).collect();
-        match keys.is_empty() {
-            true => vec![Key::Auto],
-            false => keys,
-        }
+        vec![missing.next().map_or(Key::Auto, |(_, _, key)| key)]
     }
 }
 
