@@ -8,7 +8,9 @@ use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use gsk_core::model::ModelId;
 use gsk_core::operation::RunState;
+use gsk_host::kernel::Command;
 use gsk_messages::Language;
+use gsk_panel::keys::Key as PanelKey;
 
 fn open_questions() -> WindowBench {
     let mut bench = WindowBench::new();
@@ -67,6 +69,59 @@ fn each_purpose_opens_its_layout() {
     }
 }
 
+/// Runs until the tool is in the bar; false if that takes too long.
+fn cuts(bench: &mut WindowBench) -> bool {
+    (0..600).any(|_| {
+        std::thread::sleep(core::time::Duration::from_millis(5));
+        bench.run(100);
+        let cnc = bench.kernel.emulator().cnc();
+        let position = cnc.position_machine() - cnc.frame().zero;
+        cnc.run_state() == RunState::Run && position.x < 27.0 && position.z < 2.0
+    })
+}
+
+#[test]
+fn a_sample_card_begins_anew_after_a_reset_in_the_cut_and_after_a_crash() {
+    let mut bench = open_questions();
+    for label in ["I am learning", "Begin", "stepped shaft"] {
+        click(&mut bench, label);
+    }
+    assert!(cuts(&mut bench), "{}", bench.lcd_of_kernel());
+    bench.run(5000);
+    bench.console.send(Command::Tap(PanelKey::Reset));
+    bench.run(500);
+    // The tool is in the bar: rapid into it.
+    for (key, down) in [(PanelKey::Jog, true), (PanelKey::Jog, false)] {
+        bench.console.send(Command::Key { key, down });
+        bench.run(100);
+    }
+    for key in [PanelKey::Rapid, PanelKey::XUp] {
+        bench.console.send(Command::Key { key, down: true });
+        bench.run(2000);
+        bench.console.send(Command::Key { key, down: false });
+        bench.run(100);
+    }
+    let crashed = bench.harness.query_by_label("Free the lathe").is_some();
+    assert!(crashed, "{}", bench.lcd_of_kernel());
+    let show = |bench: &mut WindowBench| bench.click("Lessons");
+    if bench.harness.query_by_label("stepped shaft").is_none() {
+        show(&mut bench);
+    }
+    for label in ["stepped shaft", "bushing (001.4 = 1)"] {
+        click(&mut bench, label);
+        for _ in 0..300 {
+            std::thread::sleep(core::time::Duration::from_millis(2));
+            bench.run(100);
+        }
+        let cnc = bench.kernel.emulator().cnc();
+        assert_eq!(cnc.run_state(), RunState::Run, "{}", bench.lcd_of_kernel());
+        assert_eq!(cnc.alarms(), [], "{label}");
+        assert!(bench.harness.query_by_label("Free the lathe").is_none());
+        bench.console.send(Command::Tap(PanelKey::Reset));
+        bench.run(500);
+    }
+}
+
 #[test]
 fn three_clicks_lead_from_the_first_start_to_a_cut() {
     let mut bench = open_questions();
@@ -75,14 +130,7 @@ fn three_clicks_lead_from_the_first_start_to_a_cut() {
         click(&mut bench, label);
     }
     // Facing begins at X58 in a bar of 54 mm.
-    let cuts = (0..600).any(|_| {
-        std::thread::sleep(core::time::Duration::from_millis(5));
-        bench.run(100);
-        let cnc = bench.kernel.emulator().cnc();
-        let position = cnc.position_machine() - cnc.frame().zero;
-        cnc.run_state() == RunState::Run && position.x < 27.0 && position.z < 2.0
-    });
-    assert!(cuts, "{}", bench.lcd_of_kernel());
+    assert!(cuts(&mut bench), "{}", bench.lcd_of_kernel());
     assert!(bench.harness.query_by_label("Machine picture").is_some());
 }
 

@@ -29,6 +29,9 @@ use crate::chrome::zoom;
 const INITIAL_SIZE: [f32; 2] = [1280.0, 806.0];
 /// Share of the monitor's width and height that the window takes at the first start, 0–1.
 const INITIAL_SHARE: f32 = 0.92;
+/// Largest monitor on which the window fills the screen at the first start, points: panel and
+/// machine need all of it.
+const MAXIMIZED_UP_TO: [f32; 2] = [1920.0, 1200.0];
 /// Shortest interval between two frames that the kernel requests: that of a picture that moves.
 /// Keys and pointer are drawn at once.
 const MIN_FRAME_INTERVAL: Duration = Duration::from_millis(40);
@@ -320,6 +323,10 @@ impl App {
         let (corner, size) = floating::place_main_window(stored, monitor, INITIAL_SHARE);
         context.send_viewport_cmd(ViewportCommand::InnerSize(size));
         context.send_viewport_cmd(ViewportCommand::OuterPosition(corner));
+        let is_small = monitor.x <= MAXIMIZED_UP_TO[0] && monitor.y <= MAXIMIZED_UP_TO[1];
+        if stored.is_none() && is_small {
+            context.send_viewport_cmd(ViewportCommand::Maximized(true));
+        }
     }
 
     /// Updates the window title with the current board state: it warns when the keys move a

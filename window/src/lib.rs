@@ -373,6 +373,7 @@ impl Window {
         self.handle_keys(&view_input.events);
         if let Some(request) = self.views.take_sample() {
             self.opener.open_sample(request, ui.ctx());
+            self.show_view(ViewId::Machine);
         }
         focus::release_cursor_keys(ui.ctx());
         let focused =

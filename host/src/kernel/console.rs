@@ -63,9 +63,15 @@ pub enum Command {
     Turn(i32),
     /// Open a program read from a file.
     Open(Box<OpenedProgram>),
-    /// Open a program and press 自动 and cycle start. With a pulse board the program is
-    /// opened only.
-    OpenAndStart(Box<OpenedProgram>),
+    /// Open a sample. The simulated lathe is prepared for it: no crash, no alarm, slides at their
+    /// start, new stock; `starts`: 自动 and cycle start are pressed. With a pulse board the
+    /// program is opened only.
+    OpenSample {
+        /// The sample with its job.
+        program: Box<OpenedProgram>,
+        /// Whether it starts at once.
+        starts: bool,
+    },
     /// Pass a file to the control through its serial port.
     Receive(Box<SerialFile>),
     /// Report to the control that the partner could not take the file that it has sent.

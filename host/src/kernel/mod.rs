@@ -503,7 +503,7 @@ impl Kernel {
             Command::Open(opened) => {
                 self.open(*opened);
             }
-            Command::OpenAndStart(opened) => self.open_and_start(*opened),
+            Command::OpenSample { program, starts } => self.open_sample(*program, starts),
             Command::Receive(file) => {
                 if let Err(refused) = self.emulator.receive(*file) {
                     self.notify(Notice::Message(refused.message()));
@@ -587,15 +587,6 @@ impl Kernel {
                 self.emulator.key_down(Key::EmergencyStop);
             }
             _ => self.key_edges.push(edge),
-        }
-    }
-
-    /// Opens a program and starts it on the simulated lathe; with a board it is opened only.
-    fn open_and_start(&mut self, opened: OpenedProgram) {
-        let is_selected = self.open(opened);
-        if is_selected && self.drive.is_none() {
-            self.key_edges.push(KeyEdge::Tap(Key::Auto));
-            self.key_edges.push(KeyEdge::Tap(Key::CycleStart));
         }
     }
 

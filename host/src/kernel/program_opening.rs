@@ -5,8 +5,12 @@ use gsk_core::command::ProgramId;
 use gsk_core::operation::RunState;
 use gsk_core::program::Program;
 use gsk_messages::say;
+use gsk_panel::emulator::EmulatorInput;
+use gsk_panel::keys::Key;
 use tracing::info;
 
+use super::edges::KeyEdge;
+use super::part::end_crash_faults;
 use super::{Kernel, NotStored, Notice, OpenedProgram, ProgramPlacement, StorePolicy};
 
 /// The program that was opened last from a file.
@@ -65,6 +69,28 @@ impl Kernel {
             placement: place,
         });
         true
+    }
+
+    /// Opens a sample and prepares the simulated lathe for it, which may stand anywhere, in a
+    /// half-cut bar or after a crash; `starts`: starts it. With a board it is opened only.
+    pub(super) fn open_sample(&mut self, opened: OpenedProgram, starts: bool) {
+        let is_selected = self.open(opened);
+        if !is_selected || self.drive.is_some() {
+            return;
+        }
+        end_crash_faults(&mut self.emulator);
+        let start = self.emulator.lathe().config().start();
+        self.emulator.apply(EmulatorInput::PlaceSlides(start));
+        self.part.fresh_stock();
+        self.notify(Notice::FreshStock);
+        // RESET clears the alarms; in edit mode it returns to the head of the program.
+        let mut keys = vec![Key::Edit, Key::Reset];
+        if starts {
+            keys.extend([Key::Auto, Key::CycleStart]);
+        }
+        for key in keys {
+            self.key_edges.push(KeyEdge::Tap(key));
+        }
     }
 
     /// Whether the memory has a program of this number that is neither `program` nor the text that

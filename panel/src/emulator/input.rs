@@ -5,6 +5,7 @@
 use gsk_core::alarm::Alarm;
 use gsk_core::cnc::{ControlRequest, DncInput};
 use gsk_core::machine::LatheFault;
+use gsk_core::operation::RunState;
 use gsk_core::plc::address::BitAddress;
 use gsk_core::units::Point;
 use gsk_messages::Message;
@@ -63,6 +64,9 @@ pub enum EmulatorInput {
     RestorePanel(PanelRetained),
     /// Stores the program text that is open in the editor.
     StoreEdited,
+    /// Somebody has moved the slides of the simulated lathe, which stand still while no program
+    /// runs, to this position: machine coordinates, mm, X as a radius. The control knows it.
+    PlaceSlides(Point),
     /// Plugs a U disk with these files into the control; `None` pulls it out.
     PlugUdisk(Option<Vec<UdiskFile>>),
     /// Takes the files that the control has stored on the U disk.
@@ -150,6 +154,13 @@ impl Emulator {
             }
             EmulatorInput::ForceInput(address, state) => {
                 self.simulation.lathe.force_input(address, state);
+                InputAnswer::Applied
+            }
+            EmulatorInput::PlaceSlides(position) => {
+                let cnc = &self.simulation.cnc;
+                if cnc.run_state() == RunState::Reset && !cnc.is_moving() {
+                    self.simulation.place_slides(position);
+                }
                 InputAnswer::Applied
             }
             EmulatorInput::Receive(file) => match self.begin_reception(file) {

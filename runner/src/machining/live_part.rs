@@ -90,8 +90,14 @@ impl LivePart {
         &self.machining
     }
 
-    /// Clamps new stock and discards the findings.
+    /// Clamps new stock and discards the findings. Wherever the slides are at the next tick, they
+    /// have not moved through it.
     pub fn clamp_new_stock(&mut self) {
+        self.last_tick = None;
+        self.change_to_new_stock();
+    }
+
+    fn change_to_new_stock(&mut self) {
         self.pending = None;
         self.machining.clamp_new_stock();
         self.threads.clear();
@@ -167,7 +173,7 @@ impl LivePart {
                     if self.program_ended && source.program != ProgramId::Mdi =>
                 {
                     self.program_ended = false;
-                    self.clamp_new_stock();
+                    self.change_to_new_stock();
                 }
                 _ => {}
             }

@@ -88,8 +88,7 @@ impl Purpose {
         {
             layouts.dock(view);
         }
-        // The panel is shown first where both do not fit.
-        layouts.bring_to_front(None);
+        layouts.bring_first_to_front();
     }
 }
 

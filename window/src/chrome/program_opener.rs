@@ -77,16 +77,18 @@ impl ProgramOpener {
         let opener = self.clone();
         files::run_in_thread(context, &self.console.notice_sender, move || {
             let opened = request.sample.to_opened();
-            match request.starts {
-                true => opener.hand_over(opened, Command::OpenAndStart),
-                false => opener.hand_over(opened, Command::Open),
-            }
+            let starts = request.starts;
+            opener.hand_over(opened, |program| Command::OpenSample { program, starts });
             None
         });
     }
 
     /// Sends a program to the control with `command` and previews it.
-    fn hand_over(&self, opened: OpenedProgram, command: fn(Box<OpenedProgram>) -> Command) {
+    fn hand_over(
+        &self,
+        opened: OpenedProgram,
+        command: impl FnOnce(Box<OpenedProgram>) -> Command,
+    ) {
         let previewed = opened.clone();
         // The queue has a slot for a program: the kernel empties it continuously.
         let _ = self.console.commands.send(command(Box::new(opened)));

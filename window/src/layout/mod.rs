@@ -62,6 +62,8 @@ pub struct LayoutRow {
     pub key: Option<Key>,
     /// The views that are docked until the operator changes them.
     default_docked: &'static [ViewId],
+    /// The view that is shown first where they do not fit together; `None`: the panel.
+    first_in_front: Option<ViewId>,
     proportions: Proportions,
 }
 
@@ -72,6 +74,7 @@ pub static LAYOUTS: [LayoutRow; 5] = [
         name: say::window_layout_panel,
         key: Some(Key::F6),
         default_docked: &[],
+        first_in_front: None,
         proportions: LARGE_PANEL,
     },
     LayoutRow {
@@ -79,6 +82,7 @@ pub static LAYOUTS: [LayoutRow; 5] = [
         name: say::window_layout_machine,
         key: Some(Key::F7),
         default_docked: &[ViewId::Machine],
+        first_in_front: None,
         proportions: LARGE_PANEL,
     },
     LayoutRow {
@@ -86,6 +90,7 @@ pub static LAYOUTS: [LayoutRow; 5] = [
         name: say::window_layout_programmer,
         key: Some(Key::F8),
         default_docked: &[ViewId::Program, ViewId::Machine],
+        first_in_front: None,
         proportions: Proportions {
             max_panel_share: 0.5,
             column_share: Some(0.5),
@@ -97,6 +102,7 @@ pub static LAYOUTS: [LayoutRow; 5] = [
         name: say::window_layout_instructor,
         key: Some(Key::F9),
         default_docked: &[ViewId::Machine, ViewId::Scope, ViewId::Bench],
+        first_in_front: None,
         proportions: Proportions {
             max_panel_share: 0.5,
             column_share: None,
@@ -108,6 +114,7 @@ pub static LAYOUTS: [LayoutRow; 5] = [
         name: say::window_layout_learner,
         key: None,
         default_docked: &[ViewId::Machine, ViewId::Lesson],
+        first_in_front: Some(ViewId::Lesson),
         proportions: Proportions {
             max_panel_share: 0.64,
             column_share: None,
@@ -211,10 +218,20 @@ impl Layouts {
         self.chosen.get_or_insert_with(first);
     }
 
-    /// Chooses another layout.
-    pub const fn choose(&mut self, layout: WindowLayout) {
+    /// Chooses a layout. The one in use gets back the views that the operator has closed.
+    pub fn choose(&mut self, layout: WindowLayout) {
+        if let Some(changes) = self.changes.get_mut(&layout)
+            && self.chosen == Some(layout)
+        {
+            changes.docked = None;
+        }
         self.chosen = Some(layout);
-        self.front = None;
+        self.bring_first_to_front();
+    }
+
+    /// Brings to the front what the layout shows first where its views do not fit together.
+    pub fn bring_first_to_front(&mut self) {
+        self.front = self.current().row().first_in_front;
     }
 
     pub fn docked(&self) -> Vec<ViewId> {

@@ -476,7 +476,7 @@ pub(super) const fn changes_machine(command: &Command) -> bool {
         | Command::Type(_)
         | Command::Turn(_)
         | Command::Open(_)
-        | Command::OpenAndStart(_)
+        | Command::OpenSample { .. }
         | Command::Receive(_)
         | Command::FitGraphic { .. }
         | Command::Fault(..)
