@@ -6,6 +6,7 @@ use gsk_window::view::ViewId;
 use crate::common::WindowBench;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
+use gsk_core::machine::LatheFault;
 use gsk_core::model::ModelId;
 use gsk_core::operation::RunState;
 use gsk_host::kernel::Command;
@@ -103,6 +104,9 @@ fn a_sample_card_begins_anew_after_a_reset_in_the_cut_and_after_a_crash() {
     }
     let crashed = bench.harness.query_by_label("Free the lathe").is_some();
     assert!(crashed, "{}", bench.lcd_of_kernel());
+    let lathe = bench.kernel.emulator().lathe();
+    assert!(lathe.has_fault(LatheFault::DriveX), "only X has moved");
+    assert!(!lathe.has_fault(LatheFault::DriveZ));
     let show = |bench: &mut WindowBench| bench.click("Lessons");
     if bench.harness.query_by_label("stepped shaft").is_none() {
         show(&mut bench);
@@ -116,6 +120,7 @@ fn a_sample_card_begins_anew_after_a_reset_in_the_cut_and_after_a_crash() {
         let cnc = bench.kernel.emulator().cnc();
         assert_eq!(cnc.run_state(), RunState::Run, "{}", bench.lcd_of_kernel());
         assert_eq!(cnc.alarms(), [], "{label}");
+        assert!(bench.harness.query_by_label_contains("is free").is_none());
         assert!(bench.harness.query_by_label("Free the lathe").is_none());
         bench.console.send(Command::Tap(PanelKey::Reset));
         bench.run(500);

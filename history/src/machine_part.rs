@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use gsk_core::machine::LatheFault;
 use gsk_core::simulation::Simulation;
+use gsk_core::units::Point;
 use gsk_runner::machining::live_part::LivePart;
 use gsk_runner::machining::{CollisionFinding, Machining};
 use gsk_workpiece::collision::TouchingPart;
@@ -103,7 +104,8 @@ impl MachinePart {
     }
 
     /// Returns the faults by which a collision stops the simulated lathe: the drive of the axis
-    /// with more distance to go trips, and the spindle is blocked. `None` if the collision stops
+    /// with more distance to go, by hand that of the axis that has moved, trips, and the spindle
+    /// is blocked. `None` if the collision stops
     /// nothing.
     ///
     /// With a guessed job the position of the part is an assumption by hand, and the shape of a
@@ -117,7 +119,12 @@ impl MachinePart {
         let by_body = matches!(finding.collision.touching_part, TouchingPart::Body(_));
         let is_given = self.job_name.is_some() || self.job.zero.is_some();
         let is_certain = is_given || (finding.source.is_some() && !by_body);
-        let left = simulation.cnc.distance_to_go();
+        let mut left = simulation.cnc.distance_to_go();
+        if left == Point::default()
+            && let Some(live) = &self.live
+        {
+            left = live.last_motion();
+        }
         let drive = match left.x.abs() > left.z.abs() {
             true => LatheFault::DriveX,
             false => LatheFault::DriveZ,

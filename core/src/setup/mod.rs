@@ -57,7 +57,7 @@ pub struct Setup {
 impl Setup {
     /// The number of the tool in position at power-on: parameter 075, or K12 of the ladder if
     /// 075 is 0.
-    pub(crate) fn tool_in_position(&self) -> u8 {
+    pub fn tool_in_position(&self) -> u8 {
         match self.memory.parameters.tool_in_position() {
             0 => {}
             tool => return tool,

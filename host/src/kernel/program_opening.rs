@@ -4,6 +4,7 @@ use gsk_core::cnc::ControlRequest;
 use gsk_core::command::ProgramId;
 use gsk_core::operation::RunState;
 use gsk_core::program::Program;
+use gsk_core::units::Axis;
 use gsk_messages::say;
 use gsk_panel::emulator::EmulatorInput;
 use gsk_panel::keys::Key;
@@ -11,6 +12,7 @@ use tracing::info;
 
 use super::edges::KeyEdge;
 use super::part::end_crash_faults;
+use super::program_start::g50_start;
 use super::{Kernel, NotStored, Notice, OpenedProgram, ProgramPlacement, StorePolicy};
 
 /// The program that was opened last from a file.
@@ -74,6 +76,7 @@ impl Kernel {
     /// Opens a sample and prepares the simulated lathe for it, which may stand anywhere, in a
     /// half-cut bar or after a crash; `starts`: starts it. With a board it is opened only.
     pub(super) fn open_sample(&mut self, opened: OpenedProgram, starts: bool) {
+        let zero = g50_start(&opened.program);
         let is_selected = self.open(opened);
         if !is_selected || self.drive.is_some() {
             return;
@@ -81,6 +84,15 @@ impl Kernel {
         end_crash_faults(&mut self.emulator);
         let start = self.emulator.lathe().config().start();
         self.emulator.apply(EmulatorInput::PlaceSlides(start));
+        // The slides stand at the start point of the program, and the display says so.
+        for (axis, value) in zero
+            .iter()
+            .flat_map(|it| [(Axis::X, it.x), (Axis::Z, it.z)])
+        {
+            let request = ControlRequest::SetCoordinate(axis, value);
+            // Refused only while a program runs, and then nothing has been opened.
+            let _ = self.emulator.request(request);
+        }
         self.part.fresh_stock();
         self.notify(Notice::FreshStock);
         // RESET clears the alarms; in edit mode it returns to the head of the program.

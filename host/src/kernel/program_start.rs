@@ -8,7 +8,7 @@ use gsk_core::cnc::{Cnc, Event};
 use gsk_core::command::{ProgramId, SequenceNumber, SourcePosition};
 use gsk_core::operation::{OperatingMode, RunState};
 use gsk_core::program::Program;
-use gsk_core::units::{Axis, Point};
+use gsk_core::units::{Axis, Diameter, Point};
 
 /// Greatest distance from the last start that is not reported, mm; for X the difference of the
 /// diameters.
@@ -35,6 +35,10 @@ pub(super) struct StartWatch {
     /// Whether the last run came to its end: the next start may be at any position.
     is_complete: bool,
     run_state: Option<RunState>,
+    /// The work zero at the last tick, machine coordinates, mm.
+    work_zero: Option<Point>,
+    /// The program that was reset before its end; `None` after its end.
+    interrupted: Option<ProgramId>,
 }
 
 impl StartWatch {
@@ -43,7 +47,20 @@ impl StartWatch {
         let now = cnc.run_state();
         let before = self.run_state.replace(now);
         let ended = |event: &Event| matches!(event, Event::ProgramEnded { .. });
-        self.is_complete |= cnc.events().iter().any(ended);
+        if cnc.events().iter().any(ended) {
+            self.is_complete = true;
+            self.interrupted = None;
+        }
+        // The operator has set another zero, for example by G50 after a trial cut: the start
+        // point of before means nothing there.
+        let zero = cnc.frame().zero;
+        let is_other_zero = self
+            .work_zero
+            .replace(zero)
+            .is_some_and(|last| last != zero);
+        if is_other_zero && (cnc.mode() != OperatingMode::Auto || now == RunState::Reset) {
+            self.last_start = None;
+        }
         let starts = before == Some(RunState::Reset) && now == RunState::Run;
         if !starts || cnc.mode() != OperatingMode::Auto {
             return;
@@ -55,6 +72,7 @@ impl StartWatch {
         if self.is_complete || !is_same {
             self.last_start = Some((program, cnc.position_machine()));
         }
+        self.interrupted = Some(program);
         self.is_complete = false;
     }
 
@@ -71,7 +89,8 @@ impl StartWatch {
         }
         let distance = last - cnc.position_machine();
         let is_far = distance.x.abs() * 2.0 > TOLERANCE_MM || distance.z.abs() > TOLERANCE_MM;
-        let sets_coordinates = || cnc.programs().get(program).is_some_and(begins_with_g50);
+        let text = cnc.programs().get(program);
+        let sets_coordinates = || text.is_some_and(|text| g50_words(text).is_some());
         (is_far && sets_coordinates()).then_some(StartDistance {
             program,
             distance,
@@ -84,8 +103,7 @@ impl StartWatch {
     pub(super) fn resumes_at(&self, cnc: &Cnc) -> Option<SourcePosition> {
         let waits = cnc.run_state() == RunState::Reset && cnc.mode() == OperatingMode::Auto;
         let program = cnc.programs().selected().filter(|_| waits)?;
-        let is_interrupted = self.last_start.is_some_and(|(last, _)| last == program);
-        if !is_interrupted || self.is_complete {
+        if self.interrupted != Some(program) {
             return None;
         }
         let (text, line) = (cnc.programs().get(program)?, cnc.cursor().line);
@@ -99,15 +117,27 @@ impl StartWatch {
     }
 }
 
-/// Whether one of the first blocks of a program is G50 with coordinates.
-fn begins_with_g50(program: &Program) -> bool {
-    program.text().lines().take(FIRST_LINES).any(|line| {
+/// The coordinates that one of the first blocks of a program sets with G50, as text; `None`
+/// without one.
+fn g50_words(program: &Program) -> Option<&str> {
+    let mut lines = program.text().lines().take(FIRST_LINES);
+    lines.find_map(|line| {
         let code = line.split(['(', ';']).next().unwrap_or_default();
-        let Some((_, words)) = code.split_once("G50") else {
-            return false;
-        };
-        words.contains(['X', 'Z', 'U', 'W'])
+        let (_, words) = code.split_once("G50")?;
+        words.contains(['X', 'Z', 'U', 'W']).then_some(words)
     })
+}
+
+/// The point that a program takes as its start with G50 X Z, work coordinates, mm, X as a radius;
+/// `None` if it sets not both.
+pub(super) fn g50_start(program: &Program) -> Option<Point> {
+    let words = g50_words(program)?;
+    let value = |axis: char| {
+        let (_, text) = words.split_once(axis)?;
+        let end = text.find(|it: char| !matches!(it, '0'..='9' | '.' | '-' | '+'));
+        text.get(..end.unwrap_or(text.len()))?.parse().ok()
+    };
+    Some(Point::from_diameter(Diameter(value('X')?), value('Z')?))
 }
 
 #[cfg(test)]
@@ -122,7 +152,11 @@ mod tests {
             ("O1\nG50 S2000\nM30\n", false),
             ("O1 (G50 X1)\nG00 X1\nM30\n", false),
         ] {
-            assert_eq!(begins_with_g50(&Program::new(text)), expected, "{text}");
+            assert_eq!(g50_words(&Program::new(text)).is_some(), expected, "{text}");
         }
+        let start = |text| g50_start(&Program::new(text));
+        let expected = Point::from_diameter(Diameter(120.5), -3.0);
+        assert_eq!(start("O1\nN10 G50 X120.5Z-3 (X1)\n"), Some(expected));
+        assert_eq!(start("O1\nN10 G50 X120\n"), None);
     }
 }

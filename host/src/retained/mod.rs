@@ -73,9 +73,13 @@ pub struct Restored {
 }
 
 impl Restored {
-    /// Moves the slides of `setup` to their last position, for sessions that continue with the
-    /// same machine.
+    /// Moves slides and tool post of `setup` to their last position, for sessions that continue
+    /// with the same machine.
     pub fn place_slides(&self, setup: &mut Setup) {
+        let tool = setup.tool_in_position();
+        if tool > 0 {
+            setup.lathe.turret.first = tool;
+        }
         if let Some(position) = self.position {
             setup.start = Some(position.machine);
             setup.absolute = Some(position.absolute);

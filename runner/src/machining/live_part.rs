@@ -28,6 +28,8 @@ pub struct LivePart {
     /// Slide and spindle at the last tick; `None` before the first.
     last_tick: Option<TickState>,
     pending: Option<PendingCut>,
+    /// Length of the last motion on each axis, mm.
+    last_motion: Point,
     /// Number of collisions that [`LivePart::follow_tick`] has already returned.
     reported_findings: usize,
     /// Whether the program has ended; the next program begins with new stock.
@@ -74,6 +76,7 @@ impl LivePart {
             machining,
             last_tick: None,
             pending: None,
+            last_motion: Point::default(),
             reported_findings: 0,
             program_ended: false,
             threads: ThreadLog::default(),
@@ -83,6 +86,11 @@ impl LivePart {
     /// The threads that were cut since the stock was clamped.
     pub fn threads(&self) -> &[ThreadZone] {
         self.threads.zones()
+    }
+
+    /// Length of the last motion on each axis, mm, X as a radius.
+    pub const fn last_motion(&self) -> Point {
+        self.last_motion
     }
 
     /// The part and its collisions so far.
@@ -214,6 +222,7 @@ impl LivePart {
         let Some(piece) = self.pending.take() else {
             return;
         };
+        self.last_motion = piece.to - piece.from;
         let kind = match (piece.conditions.thread, piece.conditions.rapid) {
             (true, _) => MotionKind::Thread(piece.imprints),
             (false, true) => MotionKind::Rapid,

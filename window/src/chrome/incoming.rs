@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use egui::{Context, Ui};
+use gsk_core::operation::RunState;
 use gsk_host::kernel::Notice;
 use gsk_host::platform;
 
@@ -25,6 +26,18 @@ impl Window {
             {
                 // The new alarm or the lost position replaces an older message.
                 self.message = None;
+            }
+            // What was said before a program starts is no longer true in it.
+            let starts = previous.is_some_and(|it| it.run_state == RunState::Reset)
+                && snapshot.run_state == RunState::Run;
+            let is_passing = |message: &mut StatusMessage| {
+                matches!(
+                    message,
+                    StatusMessage::Text(_) | StatusMessage::KeyRefused(_)
+                )
+            };
+            if starts {
+                self.message.take_if(is_passing);
             }
             let previous_program = previous.and_then(|it| it.program);
             deselected = previous_program.filter(|program| snapshot.program != Some(*program));

@@ -89,7 +89,7 @@ impl HelpWindow {
         ui.label(say::window_help_begin().text(language));
         ui.add_space(4.0);
         let last_alarm = snapshot
-            .and_then(|picture| picture.alarm_records.last())
+            .and_then(|picture| picture.alarm_records.first())
             .and_then(|record| topic(Subject::Alarm(record.alarm.row()?.number)));
         let mut cards = vec![Card {
             picture: CardPicture::Icon(Icon::LESSON),
