@@ -13,6 +13,7 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod check;
+pub mod course;
 pub mod criterion;
 mod criterion_file;
 pub mod draft;
@@ -23,8 +24,6 @@ pub mod judge;
 pub mod library;
 pub mod mark;
 pub mod mark_table;
-mod outline;
-pub mod outline_writer;
 pub mod part_size;
 mod procedure;
 pub mod report;

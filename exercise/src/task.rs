@@ -11,7 +11,7 @@ use gsk_runner::lesson::{LessonStart, LessonText};
 use gsk_workpiece::job::Job;
 
 use crate::criterion::ExerciseCriterion;
-use crate::outline::TaskOutline;
+use crate::drawing::outline::TaskOutline;
 
 /// A task that was read without errors.
 #[derive(Clone, Debug)]

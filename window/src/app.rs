@@ -183,8 +183,13 @@ impl App {
             window.open_first_start();
         }
         window.set_lessons(lessons::load_lessons(Some(data.path())));
-        let found = exercises::load_exercises(Some(data.path()));
-        window.set_exercises(found, data.path().to_owned());
+        match platform::course_page() {
+            Some(course) => window.set_course(&course, data.path().to_owned()),
+            None => {
+                let found = exercises::load_exercises(Some(data.path()));
+                window.set_exercises(found, data.path().to_owned());
+            }
+        }
         theme::set_light(context, settings.light);
         let complaints = restored.complaints;
         if let Some(message) = platform::startup_message() {

@@ -34,7 +34,7 @@ use gsk_host::files::exercises::AvailableExercises;
 use gsk_host::files::lessons::AvailableLessons;
 use gsk_host::input_watch::QUERY_INTERVAL;
 use gsk_host::kernel::{Command, Console, KeysReversed, PanelSnapshot};
-use gsk_host::platform;
+use gsk_host::platform::{self, CoursePage};
 use gsk_host::sound::MachineSound;
 use gsk_link::LinkState;
 use gsk_panel::alarm_log::AlarmRecord;
@@ -220,6 +220,13 @@ impl Window {
     /// Sets the exercises that the window lists, and the data folder with the key of results.
     pub fn set_exercises(&mut self, found: AvailableExercises, data: PathBuf) {
         self.views.lessons().exercises().set_exercises(found, data);
+    }
+
+    /// Lists only the exercises of a course that a learning platform has opened, and shows them.
+    pub fn set_course(&mut self, course: &CoursePage, data: PathBuf) {
+        self.views.lessons().exercises().set_course(course, data);
+        self.first_start = None;
+        self.show_view(ViewId::Lesson);
     }
 
     /// Sets the lessons that the window lists, those of a teacher included, and the errors in

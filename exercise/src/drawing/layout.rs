@@ -14,7 +14,7 @@ use super::hatch::hatch;
 use super::locate::{DimensionPlace, locate};
 use super::{DrawingArrow, DrawingLabel, DrawingLine, DrawingPen, PaperPoint, TaskDrawing};
 use crate::criterion::{CriterionRule, PartDimension, PartSurface, TolerancedSize};
-use crate::outline::{PieceForm, TaskOutline};
+use crate::drawing::outline::{PieceForm, TaskOutline};
 use crate::task::ExerciseTask;
 
 /// Distance between two rows of dimensions, heights of text.

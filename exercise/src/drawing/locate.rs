@@ -4,7 +4,7 @@ use gsk_core::units::{Diameter, Point};
 use gsk_messages::{Message, say};
 
 use crate::criterion::{CriterionRule, PartDimension, PartSurface};
-use crate::outline::{OutlinePiece, PieceForm, TaskOutline};
+use crate::drawing::outline::{OutlinePiece, PieceForm, TaskOutline};
 use crate::task::ExerciseTask;
 
 /// What the outline may differ from a dimension of the task, mm or degrees.

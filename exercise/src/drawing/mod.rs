@@ -14,6 +14,8 @@
 mod hatch;
 mod layout;
 mod locate;
+pub(crate) mod outline;
+pub mod outline_writer;
 mod svg;
 
 #[cfg(test)]

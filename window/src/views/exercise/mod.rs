@@ -1,5 +1,6 @@
 //! Exercises in the lesson view: their list, the task that is being solved, and its report.
 
+mod course_pane;
 mod exam_pane;
 mod solution_report;
 mod task_drawing;
@@ -8,8 +9,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use course_pane::CoursePane;
 use egui::{Context, RichText, Ui};
 use exam_pane::ExamPane;
+use gsk_exercise::course::Course;
 use gsk_exercise::criterion::ExerciseCriterion;
 use gsk_exercise::part_size::{MeasuredSize, measure_sizes};
 use gsk_exercise::task::ExerciseTask;
@@ -18,7 +21,7 @@ use gsk_host::kernel::part::PartView;
 use gsk_host::kernel::{
     Command, Console, ExerciseAction, ExerciseState, HandedInSolution, LessonAction, PanelSnapshot,
 };
-use gsk_host::platform;
+use gsk_host::platform::{self, CoursePage};
 use gsk_messages::{Language, Message, say};
 use gsk_workpiece::region::Region;
 use solution_report::SolutionReport;
@@ -41,6 +44,8 @@ pub struct ExercisePane {
     read_hints: BTreeSet<u32>,
     report: SolutionReport,
     exam: ExamPane,
+    /// The course of a learning platform; `None` outside platforms.
+    course: Option<CoursePane>,
     /// Whether the time line is to open for a moment of the solution, or to close again.
     wants_timeline: Option<bool>,
     /// Whether the time line was opened for a moment of the solution.
@@ -56,6 +61,7 @@ impl ExercisePane {
         Self {
             report: SolutionReport::new(console.clone(), learner),
             exam: ExamPane::new(console.clone()),
+            course: None,
             console,
             tasks: Vec::new(),
             load_errors: Vec::new(),
@@ -74,6 +80,31 @@ impl ExercisePane {
         self.load_errors = found.errors;
         self.report.set_data(data.clone());
         self.exam.set_data(data, &self.tasks);
+    }
+
+    /// Lists only the exercises of a course. Results are sealed with a key in the data folder
+    /// `data`.
+    pub fn set_course(&mut self, page: &CoursePage, data: PathBuf) {
+        self.report.set_data(data);
+        match Course::from_json(&page.file) {
+            Ok(course) => {
+                let pane = CoursePane::new(&course, &page.suspended);
+                let best = course.tasks.iter().filter_map(|task| {
+                    let best = pane.best(&task.id)?;
+                    Some((task.id.clone(), best))
+                });
+                self.best = best.collect();
+                self.tasks = course.tasks.into_iter().map(Arc::new).collect();
+                self.report.set_learner(&page.learner);
+                self.course = Some(pane);
+            }
+            Err(why) => self.load_errors = vec![why],
+        }
+    }
+
+    /// Whether the exercises are those of a course.
+    pub const fn is_course(&self) -> bool {
+        self.course.is_some()
     }
 
     /// The learner's best points by the name of the exercise.
@@ -134,8 +165,11 @@ impl ExercisePane {
     /// Takes the marks that have arrived.
     pub fn receive_marks(&mut self) {
         self.exam.receive();
-        if let Some((task, points)) = self.report.receive() {
-            let best = self.best.entry(task).or_default();
+        if let Some((report, points)) = self.report.receive() {
+            if let Some(course) = &mut self.course {
+                course.record(&report, points);
+            }
+            let best = self.best.entry(report.task).or_default();
             *best = points.max(*best);
         }
     }
@@ -148,36 +182,64 @@ impl ExercisePane {
     /// Draws the cards of the exercises.
     pub fn show_list(&mut self, ui: &mut Ui, language: Language) {
         ui.add_space(8.0);
-        let heading = say::exercise_heading().text(language);
-        card::show_heading(ui, Icon::MEASURE, &heading);
-        ui.label(say::exercise_intro().text(language));
         let best = |task: &ExerciseTask| self.best.get(&task.id).copied();
         let is_solved = |task: &ExerciseTask| best(task) == Some(task.max_points());
-        let solved = self.tasks.iter().filter(|task| is_solved(task)).count();
-        let words = say::exercise_progress(solved, self.tasks.len()).text(language);
-        card::show_progress(ui, solved, self.tasks.len(), &words);
+        if let Some(course) = &self.course {
+            course.show_head(ui, language);
+        } else {
+            let heading = say::exercise_heading().text(language);
+            card::show_heading(ui, Icon::MEASURE, &heading);
+            ui.label(say::exercise_intro().text(language));
+            let solved = self.tasks.iter().filter(|task| is_solved(task)).count();
+            let words = say::exercise_progress(solved, self.tasks.len()).text(language);
+            card::show_progress(ui, solved, self.tasks.len(), &words);
+        }
         let cards: Vec<Card> = self
             .tasks
             .iter()
             .map(|task| Card {
                 picture: CardPicture::Icon(task_icon(task)),
                 title: task.title.in_language(language).to_owned(),
-                detail: describe_length(task, best(task)).text(language),
+                detail: self.describe_card(task, language),
                 is_marked: is_solved(task),
             })
             .collect();
+        let mut chosen = None;
         for (task, card) in self.tasks.iter().zip(card::show_cards(ui, &cards)) {
             let about = task.text.in_language(language);
             if card.on_hover_text(about).clicked() {
-                self.send(ExerciseAction::Begin(Arc::clone(task)));
+                chosen = Some(Arc::clone(task));
             }
         }
-        if platform::has_folders() {
+        if let Some(task) = chosen {
+            self.begin(task);
+        }
+        if platform::has_folders() && self.course.is_none() {
             self.exam.show_form(ui, language, &self.tasks);
         }
         for error in &self.load_errors {
             ui.add_space(4.0);
             ui.label(RichText::new(error.text(language)).color(theme::ERROR_TEXT));
+        }
+    }
+
+    /// Begins an exercise, unless all its attempts in a course are used.
+    fn begin(&mut self, task: Arc<ExerciseTask>) {
+        let is_permitted = self.course.as_mut().is_none_or(|it| it.permits(&task));
+        if is_permitted {
+            self.send(ExerciseAction::Begin(task));
+        }
+    }
+
+    fn describe_card(&self, task: &ExerciseTask, language: Language) -> String {
+        let best = self.best.get(&task.id).copied();
+        let length = describe_length(task, best).text(language);
+        match &self.course {
+            Some(course) => {
+                let attempts = course.describe_attempts(&task.id, language);
+                format!("{length} · {attempts}")
+            }
+            None => length,
         }
     }
 
@@ -207,6 +269,9 @@ impl ExercisePane {
             return;
         }
         if state.is_handed_in {
+            if let Some(course) = &self.course {
+                course.show_message(ui, language);
+            }
             if self.report.show(ui, language) {
                 self.wants_timeline = Some(true);
                 self.has_opened_timeline = true;
@@ -288,7 +353,7 @@ impl ExercisePane {
             let again = ui.button(say::lesson_again().text(language));
             let hint = say::exercise_again_hint().text(language);
             if again.on_hover_text(hint).clicked() {
-                self.send(ExerciseAction::Begin(task));
+                self.begin(task);
             }
             let leave = ui.button(say::exercise_leave().text(language));
             let hint = say::exercise_leave_hint().text(language);
