@@ -502,6 +502,7 @@ message_rows! {
     exam_end ExamEnd();
     exam_end_hint ExamEndHint();
     exam_file_damaged ExamFileDamaged(file, reason: message);
+    exam_form_sum ExamFormSum(count, points, minutes);
     exam_hand_in_sure ExamHandInSure();
     exam_handed_in ExamHandedIn();
     exam_heading ExamHeading();
@@ -509,6 +510,9 @@ message_rows! {
     exam_intro ExamIntro();
     exam_leave ExamLeave();
     exam_log_failed ExamLogFailed(reason: message);
+    exam_needs_name ExamNeedsName();
+    exam_needs_pin ExamNeedsPin();
+    exam_needs_tasks ExamNeedsTasks();
     exam_next ExamNext();
     exam_no_help ExamNoHelp();
     exam_note ExamNote(pauses, interruptions, wrong);
@@ -559,6 +563,7 @@ message_rows! {
     exercise_drawing_hint ExerciseDrawingHint();
     exercise_drawing_none ExerciseDrawingNone(task);
     exercise_empty_range ExerciseEmptyRange(from, to);
+    exercise_evidence_note ExerciseEvidenceNote();
     exercise_fails_otherwise ExerciseFailsOtherwise(stated, found);
     exercise_file_rule ExerciseFileRule(file, line, field, rule: message);
     exercise_flag_attempts ExerciseFlagAttempts(count, most);
@@ -583,6 +588,7 @@ message_rows! {
     exercise_leave ExerciseLeave();
     exercise_leave_hint ExerciseLeaveHint();
     exercise_length ExerciseLength(criteria, points, minutes);
+    exercise_line ExerciseLine(title, time);
     exercise_mark_summary ExerciseMarkSummary(count, seconds: "{:.1}", flagged);
     exercise_marking ExerciseMarking();
     exercise_marks ExerciseMarks();

@@ -7,6 +7,7 @@ use crossbeam::channel::{RecvTimeoutError, bounded};
 use eframe::egui::{self, ViewportCommand};
 use gsk_core::model::ModelId;
 use gsk_host::files::data_dir::DataDir;
+use gsk_host::files::exams::UnfinishedExam;
 use gsk_host::files::models;
 use gsk_host::files::{exercises, lessons};
 use gsk_host::kernel::{self, Console, Kernel, KernelEnvironment, KernelThread};
@@ -59,6 +60,8 @@ pub struct WindowStart {
     pub start_model: Option<ModelStarter>,
     /// Whether the window shows the questions of the first start.
     pub shows_first_start: bool,
+    /// The exam that has not ended, which continues.
+    pub unfinished_exam: UnfinishedExam,
 }
 
 /// Prepares the start of another control model with these settings, in the same window.
@@ -157,6 +160,7 @@ impl App {
             model,
             start_model: another,
             shows_first_start: asks,
+            unfinished_exam,
         } = start;
         let data = Arc::new(data);
         let keeper = Keeper::start(Arc::clone(&data), &restored, kernel.emulator())?;
@@ -187,7 +191,7 @@ impl App {
             Some(course) => window.set_course(&course, data.path().to_owned()),
             None => {
                 let found = exercises::load_exercises(Some(data.path()));
-                window.set_exercises(found, data.path().to_owned());
+                window.set_exercises(found, data.path().to_owned(), unfinished_exam);
             }
         }
         theme::set_light(context, settings.light);

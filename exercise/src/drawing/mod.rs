@@ -22,7 +22,7 @@ mod svg;
 mod tests;
 
 pub use layout::draw_task;
-pub(crate) use locate::check_outline;
+pub(crate) use locate::{check_outline, locate};
 pub(crate) use svg::escape_markup;
 pub use svg::write_svg;
 

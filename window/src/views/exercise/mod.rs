@@ -16,6 +16,7 @@ use gsk_exercise::course::Course;
 use gsk_exercise::criterion::ExerciseCriterion;
 use gsk_exercise::part_size::{MeasuredSize, measure_sizes};
 use gsk_exercise::task::ExerciseTask;
+use gsk_host::files::exams::UnfinishedExam;
 use gsk_host::files::exercises::AvailableExercises;
 use gsk_host::kernel::part::PartView;
 use gsk_host::kernel::{
@@ -25,6 +26,7 @@ use gsk_host::platform::{self, CoursePage};
 use gsk_messages::{Language, Message, say};
 use gsk_workpiece::region::Region;
 use solution_report::SolutionReport;
+use task_drawing::DrawingPane;
 
 use crate::theme;
 use crate::widgets::card::{self, Card, CardPicture};
@@ -40,6 +42,7 @@ pub struct ExercisePane {
     state: Option<ExerciseState>,
     /// The section that was measured last, and the sizes on it.
     measured: Option<(Arc<Region>, Vec<MeasuredSize>)>,
+    drawing: DrawingPane,
     /// Numbers of the hints that the learner has read, from 1.
     read_hints: BTreeSet<u32>,
     report: SolutionReport,
@@ -67,6 +70,7 @@ impl ExercisePane {
             load_errors: Vec::new(),
             state: None,
             measured: None,
+            drawing: DrawingPane::default(),
             read_hints: BTreeSet::new(),
             wants_timeline: None,
             has_opened_timeline: false,
@@ -75,11 +79,17 @@ impl ExercisePane {
     }
 
     /// Replaces the listed exercises. Results are stored in the data folder `data`.
-    pub fn set_exercises(&mut self, found: AvailableExercises, data: PathBuf) {
+    /// `unfinished`: the exam in that folder that has not ended.
+    pub fn set_exercises(
+        &mut self,
+        found: AvailableExercises,
+        data: PathBuf,
+        unfinished: UnfinishedExam,
+    ) {
         self.tasks = found.tasks.into_iter().map(Arc::new).collect();
         self.load_errors = found.errors;
         self.report.set_data(data.clone());
-        self.exam.set_data(data, &self.tasks);
+        self.exam.set_data(data, unfinished, &self.tasks);
     }
 
     /// Lists only the exercises of a course. Results are sealed with a key in the data folder
@@ -278,9 +288,7 @@ impl ExercisePane {
             }
             return;
         }
-        let left_s = (task.time_limit_ms / 1000).saturating_sub(state.elapsed_s);
-        let left = format!("{}:{:02}", left_s / 60, left_s % 60);
-        let words = say::exercise_time_left(left).text(language);
+        let words = say::exercise_time_left(state.remaining_text()).text(language);
         ui.label(RichText::new(words).color(theme::LESSON_STEP))
             .on_hover_text(say::exercise_time_left_hint().text(language));
         ui.add_space(6.0);
@@ -289,7 +297,7 @@ impl ExercisePane {
             true => Vec::new(),
             false => self.measure(&task, part),
         };
-        task_drawing::show(ui, language, &task, &sizes);
+        self.drawing.show(ui, language, &task, &sizes);
         ui.strong(say::exercise_demands().text(language));
         for (index, criterion) in task.criteria.iter().enumerate() {
             let size = sizes.iter().find(|size| size.criterion == index);

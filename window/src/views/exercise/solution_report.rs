@@ -207,6 +207,8 @@ fn show_marks(ui: &mut Ui, language: Language, marked: &MarkedSolution) -> Optio
         let cost = say::exercise_hints_cost(marked.hint_cost).text(language);
         ui.label(RichText::new(cost).color(theme::NOTE_TEXT));
     }
+    let note = RichText::new(say::exercise_evidence_note().text(language));
+    ui.label(note.color(theme::NOTE_TEXT));
     for (criterion, verdict) in task.criteria.iter().zip(&marked.report.verdicts) {
         let sentence = verdict_sentence(criterion, verdict, language);
         let colour = match verdict.is_met {
