@@ -18,7 +18,8 @@ thread_local! {
 
 /// Returns the script's object; `None` if the page does not belong to a package.
 fn adapter() -> Option<JsValue> {
-    let adapter = Reflect::get(&web_sys::window()?, &ADAPTER.into()).ok()?;
+    let window = web_sys::window()?;
+    let adapter = Reflect::get(window.as_ref(), &ADAPTER.into()).ok()?;
     adapter.is_object().then_some(adapter)
 }
 
