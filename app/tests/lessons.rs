@@ -3,7 +3,10 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use gsk_exercise::course::{CourseFile, CourseTaskFile};
+use gsk_exercise::library::EXERCISES;
 use gsk_host::kernel::{Command, LessonAction};
+use gsk_host::platform::CoursePage;
 use gsk_window::layout::{Layouts, WindowLayout};
 use gsk_window::view::ViewId;
 
@@ -317,4 +320,64 @@ fn the_topic_of_an_alarm_lists_its_time_and_links_to_its_block() {
         bench.run(50);
         assert_eq!(bench.kernel.snapshot().alarm_records.len(), raised);
     }
+}
+
+/// The page of a learning platform with one exercise that may be handed in once.
+fn course_page() -> CoursePage {
+    let (id, text) = EXERCISES[3];
+    let course = CourseFile {
+        title: "Course of the school".to_owned(),
+        mastery_per_cent: Some(60),
+        tasks: vec![CourseTaskFile {
+            id: id.to_owned(),
+            text: text.replace("time_limit: 300", "attempts: 1, time_limit: 300"),
+        }],
+    };
+    CoursePage {
+        file: serde_json::to_vec(&course).expect("a course"),
+        suspended: String::new(),
+        learner: "Li, Ming".to_owned(),
+    }
+}
+
+#[test]
+fn a_learning_platform_shows_its_exercises_alone_and_counts_attempts() {
+    let mut bench = new_bench();
+    let data = gsk_tests::test_folder("course").to_path_buf();
+    let window = bench.harness.state_mut();
+    window.set_course(&course_page(), data);
+    bench.run(50);
+    bench.harness.get_by_label("Course of the school");
+    assert_eq!(
+        bench.harness.query_all_by_label("The first hour").count(),
+        0
+    );
+    click(&mut bench, "Start the spindle by MDI");
+    // Title and time are visible although the panel may cover the task.
+    let line = bench.harness.query_all_by_label_contains("Time left 5:00");
+    assert!(line.count() >= 2, "in the bar and on the message line");
+    bench
+        .harness
+        .get_by_label("Start the spindle by MDI. Time left 5:00");
+    click(&mut bench, "Hand in");
+    let is_marked = (0..500).any(|_| {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+        bench.run(10);
+        let shown = bench.harness.query_by_label_contains("0 of 10 points");
+        shown.is_some()
+    });
+    assert!(is_marked, "the report comes");
+    // No platform is connected in a test.
+    let refused = "The learning platform did not accept the points";
+    assert!(bench.harness.query_by_label_contains(refused).is_some());
+    bench.harness.get_by_label_contains("In brackets: ");
+    click(&mut bench, "Leave the exercise");
+    bench
+        .harness
+        .get_by_label_contains("Handed in: 1 of 1. Score: 0 %");
+    click(&mut bench, "Start the spindle by MDI");
+    bench
+        .harness
+        .get_by_label_contains("All 1 attempts of this exercise are used.");
+    assert_eq!(bench.kernel.snapshot().exercise, None);
 }

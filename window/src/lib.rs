@@ -53,6 +53,7 @@ use crate::input::keyboard::PcAction;
 use crate::input::long_press::LongPress;
 use crate::input::panel_pointer::PanelPointer;
 use crate::input::{key_map, keyboard};
+use crate::layout::WindowLayout;
 use crate::panel_view::{faceplate_image, lcd};
 use crate::placement::{panel_placement, stop_key_clearance};
 use crate::widgets::files::FileBrowser;
@@ -238,6 +239,7 @@ impl Window {
     pub fn set_course(&mut self, course: &CoursePage, data: PathBuf) {
         self.views.lessons().exercises().set_course(course, data);
         self.first_start = None;
+        self.settings.layouts.choose(WindowLayout::Learner);
         self.show_view(ViewId::Lesson);
     }
 

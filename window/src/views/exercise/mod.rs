@@ -210,14 +210,16 @@ impl ExercisePane {
             .map(|task| Card {
                 picture: CardPicture::Icon(task_icon(task)),
                 title: task.title.in_language(language).to_owned(),
-                detail: self.describe_card(task, language),
+                detail: describe_length(task, best(task)).text(language),
                 is_marked: is_solved(task),
             })
             .collect();
         let mut chosen = None;
         for (task, card) in self.tasks.iter().zip(card::show_cards(ui, &cards)) {
-            let about = task.text.in_language(language);
-            if card.on_hover_text(about).clicked() {
+            if card
+                .on_hover_text(self.describe_card(task, language))
+                .clicked()
+            {
                 chosen = Some(Arc::clone(task));
             }
         }
@@ -241,15 +243,12 @@ impl ExercisePane {
         }
     }
 
+    /// Returns the tip of a card: the task and, in a course, how often it may be handed in.
     fn describe_card(&self, task: &ExerciseTask, language: Language) -> String {
-        let best = self.best.get(&task.id).copied();
-        let length = describe_length(task, best).text(language);
+        let about = task.text.in_language(language);
         match &self.course {
-            Some(course) => {
-                let attempts = course.describe_attempts(&task.id, language);
-                format!("{length} · {attempts}")
-            }
-            None => length,
+            Some(course) => format!("{about}\n{}", course.describe_attempts(&task.id, language)),
+            None => about.to_owned(),
         }
     }
 
