@@ -4,7 +4,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use gsk_exercise::course::{CourseFile, CourseTaskFile};
+use gsk_exercise::exam::{Exam, ExamPin};
 use gsk_exercise::library::EXERCISES;
+use gsk_host::files::exams::ExamFolder;
+use gsk_host::files::exercises;
 use gsk_host::kernel::{Command, LessonAction};
 use gsk_host::platform::CoursePage;
 use gsk_window::layout::{Layouts, WindowLayout};
@@ -12,7 +15,8 @@ use gsk_window::view::ViewId;
 
 use crate::common::WindowBench;
 use crate::common::mouse_operator::MouseOperator;
-use egui_kittest::kittest::Queryable;
+use egui::accesskit::Role;
+use egui_kittest::kittest::{NodeT as _, Queryable};
 use gsk_core::setup::Setup;
 use gsk_panel::keys::Key;
 use gsk_panel::script::ScriptAction;
@@ -283,7 +287,7 @@ fn the_topic_of_an_alarm_lists_its_time_and_links_to_its_block() {
     assert_eq!(raised[0].block, "N20 G77 X1;");
     bench.harness.get_by_label("Help F1").click();
     bench.run(10);
-    let field = bench.harness.get_by_role(egui::accesskit::Role::TextInput);
+    let field = bench.harness.get_by_role(Role::TextInput);
     field.focus();
     bench.run(10);
     bench
@@ -380,4 +384,40 @@ fn a_learning_platform_shows_its_exercises_alone_and_counts_attempts() {
         .harness
         .get_by_label_contains("All 1 attempts of this exercise are used.");
     assert_eq!(bench.kernel.snapshot().exercise, None);
+}
+
+#[test]
+fn views_that_an_exam_closes_open_after_it() {
+    let layouts = Layouts::with_layout(WindowLayout::Programmer);
+    let mut bench = WindowBench::with_layouts(Setup::default(), layouts, egui::vec2(1600.0, 900.0));
+    bench.run(50);
+    let data = gsk_tests::test_folder("exam-views");
+    let pin = ExamPin::new("4711", 1).expect("a PIN");
+    let exam = Exam::new("Li".to_owned(), vec![EXERCISES[3].0.to_owned()], pin);
+    let folder = ExamFolder::create(&data, exam).map(Some);
+    let found = exercises::load_exercises(None);
+    let window = bench.harness.state_mut();
+    window.set_exercises(found, data.to_path_buf(), folder);
+    bench.run(50);
+    bench.run(50);
+    let is_open = |bench: &WindowBench, view| {
+        let layouts = &bench.harness.state().settings().layouts;
+        layouts.is_open(view)
+    };
+    assert!(is_open(&bench, ViewId::Lesson) && !is_open(&bench, ViewId::Program));
+    let mut fields = bench.harness.query_all_by_label("PIN");
+    let field = fields.find(|it| it.accesskit_node().role() != Role::Label);
+    field.expect("the field of the PIN").focus();
+    drop(fields);
+    bench.run(10);
+    bench.harness.event(egui::Event::Text("4711".to_owned()));
+    bench.run(10);
+    click(&mut bench, "End the exam");
+    let opens_again = (0..500).any(|_| {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+        bench.run(10);
+        is_open(&bench, ViewId::Program)
+    });
+    assert!(opens_again && is_open(&bench, ViewId::Lesson));
+    bench.harness.get_by_label_contains("The exam is over.");
 }

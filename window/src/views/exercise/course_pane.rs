@@ -2,7 +2,7 @@
 
 use egui::{RichText, Ui};
 use gsk_exercise::course::scorm::platform_values;
-use gsk_exercise::course::{Course, CourseProgress};
+use gsk_exercise::course::{Course, CourseProgress, TaskProgress};
 use gsk_exercise::report::ExerciseReport;
 use gsk_exercise::task::ExerciseTask;
 use gsk_host::platform;
@@ -39,7 +39,7 @@ impl CoursePane {
     /// Whether an exercise may begin; shows a message if all its attempts are used.
     pub fn permits(&mut self, task: &ExerciseTask) -> bool {
         let progress = self.progress.task(&task.id);
-        let is_permitted = progress.is_some_and(|it| it.has_attempts_left());
+        let is_permitted = progress.is_some_and(TaskProgress::has_attempts_left);
         self.message = (!is_permitted).then(|| say::course_attempts_used(task.attempts));
         is_permitted
     }
