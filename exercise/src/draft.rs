@@ -14,7 +14,7 @@ use gsk_workpiece::measure::{Feature, SectionSide, measure_features};
 use gsk_workpiece::region::Region;
 use gsk_workpiece::stock::StockForm;
 
-use crate::drawing::outline_writer::write_outline;
+use crate::outline_writer::write_outline;
 use crate::part_size::nominal_front;
 use crate::solve::{SolutionScript, make_part};
 use crate::task::ExerciseTask;

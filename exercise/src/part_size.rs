@@ -4,7 +4,7 @@ use gsk_workpiece::measure::{Feature, SectionSide, measure_features};
 use gsk_workpiece::region::Region;
 
 use crate::criterion::{CriterionRule, PartDimension, PartSurface, TolerancedSize};
-use crate::drawing::locate;
+use crate::outline::locate;
 use crate::task::ExerciseTask;
 
 /// A dimension of the drawing, and its size on the part.

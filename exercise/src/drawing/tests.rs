@@ -1,5 +1,6 @@
 use super::*;
 use crate::criterion::{PartDimension, PartSurface};
+use crate::outline::locate;
 use crate::task::ExerciseTask;
 
 /// A solid part with every kind of piece, and its dimensions.

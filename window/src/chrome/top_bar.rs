@@ -264,7 +264,7 @@ fn show_practice_sign(
     is_open: bool,
 ) -> Option<TopBarRequest> {
     let mut request = None;
-    // The task may be behind the panel: its time is always visible.
+    // The panel may cover the task: its time is always visible.
     let words = match exercise.filter(|exercise| !exercise.is_handed_in) {
         Some(exercise) => say::exercise_time_left(exercise.remaining_text()),
         None => say::window_lesson_menu(),

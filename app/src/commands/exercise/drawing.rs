@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use gsk_exercise::check::SolutionFile;
-use gsk_exercise::drawing::outline_writer::write_outline;
 use gsk_exercise::drawing::{draw_task, write_svg};
+use gsk_exercise::outline_writer::write_outline;
 use gsk_exercise::solve::{SolutionScript, make_part};
 use gsk_host::files::exercises;
 use gsk_messages::{Language, Message, say};

@@ -1,5 +1,7 @@
 //! A task: start state, texts, limits, hints and criteria.
 
+mod file;
+
 use core::fmt;
 
 use blake2::{Blake2b256, Digest};
@@ -11,7 +13,7 @@ use gsk_runner::lesson::{LessonStart, LessonText};
 use gsk_workpiece::job::Job;
 
 use crate::criterion::ExerciseCriterion;
-use crate::drawing::outline::TaskOutline;
+use crate::outline::TaskOutline;
 
 /// A task that was read without errors.
 #[derive(Clone, Debug)]

@@ -7,7 +7,7 @@ use gsk_workpiece::job::Job;
 use serde::Deserialize;
 
 use crate::criterion_file::{CriterionFile, check_text, read_criterion, read_fault, read_time_ms};
-use crate::drawing::outline::{OutlineFile, TaskOutline};
+use crate::outline::{OutlineFile, TaskOutline};
 use crate::task::{ExerciseHint, ExerciseTask, TaskHash};
 
 /// Greatest number of criteria of a task.
