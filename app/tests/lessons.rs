@@ -3,13 +3,20 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use gsk_exercise::course::{CourseFile, CourseTaskFile};
+use gsk_exercise::exam::{Exam, ExamPin};
+use gsk_exercise::library::EXERCISES;
+use gsk_host::files::exams::ExamFolder;
+use gsk_host::files::exercises;
 use gsk_host::kernel::{Command, LessonAction};
+use gsk_host::platform::CoursePage;
 use gsk_window::layout::{Layouts, WindowLayout};
 use gsk_window::view::ViewId;
 
 use crate::common::WindowBench;
 use crate::common::mouse_operator::MouseOperator;
-use egui_kittest::kittest::Queryable;
+use egui::accesskit::Role;
+use egui_kittest::kittest::{NodeT as _, Queryable};
 use gsk_core::setup::Setup;
 use gsk_lesson::{LESSONS, Lesson};
 use gsk_panel::keys::Key;
@@ -279,7 +286,7 @@ fn the_topic_of_an_alarm_lists_its_time_and_links_to_its_block() {
     assert_eq!(raised[0].block, "N20 G77 X1;");
     bench.harness.get_by_label("Help F1").click();
     bench.run(10);
-    let field = bench.harness.get_by_role(egui::accesskit::Role::TextInput);
+    let field = bench.harness.get_by_role(Role::TextInput);
     field.focus();
     bench.run(10);
     bench
@@ -315,4 +322,100 @@ fn the_topic_of_an_alarm_lists_its_time_and_links_to_its_block() {
         bench.run(50);
         assert_eq!(bench.kernel.snapshot().alarm_records.len(), raised);
     }
+}
+
+/// The page of a learning platform with one exercise that may be handed in once.
+fn course_page() -> CoursePage {
+    let (id, text) = EXERCISES[3];
+    let course = CourseFile {
+        title: "Course of the school".to_owned(),
+        mastery_per_cent: Some(60),
+        tasks: vec![CourseTaskFile {
+            id: id.to_owned(),
+            text: text.replace("time_limit: 300", "attempts: 1, time_limit: 300"),
+        }],
+    };
+    CoursePage {
+        file: serde_json::to_vec(&course).expect("a course"),
+        suspended: String::new(),
+        learner: "Li, Ming".to_owned(),
+    }
+}
+
+#[test]
+fn a_learning_platform_shows_its_exercises_alone_and_counts_attempts() {
+    let mut bench = new_bench();
+    let data = gsk_tests::test_folder("course").to_path_buf();
+    let window = bench.harness.state_mut();
+    window.set_course(&course_page(), data);
+    bench.run(50);
+    bench.harness.get_by_label("Course of the school");
+    assert_eq!(
+        bench.harness.query_all_by_label("The first hour").count(),
+        0
+    );
+    click(&mut bench, "Start the spindle by MDI");
+    // Title and time are visible although the panel may cover the task.
+    let line = bench.harness.query_all_by_label_contains("Time left 5:00");
+    assert!(line.count() >= 2, "in the bar and on the message line");
+    bench
+        .harness
+        .get_by_label("Start the spindle by MDI. Time left 5:00");
+    click(&mut bench, "Hand in");
+    let is_marked = (0..500).any(|_| {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+        bench.run(10);
+        let shown = bench.harness.query_by_label_contains("0 of 10 points");
+        shown.is_some()
+    });
+    assert!(is_marked, "the report comes");
+    // No platform is connected in a test.
+    let refused = "The learning platform did not accept the points";
+    assert!(bench.harness.query_by_label_contains(refused).is_some());
+    bench.harness.get_by_label_contains("In brackets: ");
+    click(&mut bench, "Leave the exercise");
+    bench
+        .harness
+        .get_by_label_contains("Handed in: 1 of 1. Score: 0 %");
+    click(&mut bench, "Start the spindle by MDI");
+    bench
+        .harness
+        .get_by_label_contains("All 1 attempts of this exercise are used.");
+    assert_eq!(bench.kernel.snapshot().exercise, None);
+}
+
+#[test]
+fn views_that_an_exam_closes_open_after_it() {
+    let layouts = Layouts::with_layout(WindowLayout::Programmer);
+    let mut bench = WindowBench::with_layouts(Setup::default(), layouts, egui::vec2(1600.0, 900.0));
+    bench.run(50);
+    let data = gsk_tests::test_folder("exam-views");
+    let pin = ExamPin::new("4711", 1).expect("a PIN");
+    let exam = Exam::new("Li".to_owned(), vec![EXERCISES[3].0.to_owned()], pin);
+    let folder = ExamFolder::create(&data, exam).map(Some);
+    let found = exercises::load_exercises(None);
+    let window = bench.harness.state_mut();
+    window.set_exercises(found, data.to_path_buf(), folder);
+    bench.run(50);
+    bench.run(50);
+    let is_open = |bench: &WindowBench, view| {
+        let layouts = &bench.harness.state().settings().layouts;
+        layouts.is_open(view)
+    };
+    assert!(is_open(&bench, ViewId::Lesson) && !is_open(&bench, ViewId::Program));
+    let mut fields = bench.harness.query_all_by_label("PIN");
+    let field = fields.find(|it| it.accesskit_node().role() != Role::Label);
+    field.expect("the field of the PIN").focus();
+    drop(fields);
+    bench.run(10);
+    bench.harness.event(egui::Event::Text("4711".to_owned()));
+    bench.run(10);
+    click(&mut bench, "End the exam");
+    let opens_again = (0..500).any(|_| {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+        bench.run(10);
+        is_open(&bench, ViewId::Program)
+    });
+    assert!(opens_again && is_open(&bench, ViewId::Lesson));
+    bench.harness.get_by_label_contains("The exam is over.");
 }

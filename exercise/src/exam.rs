@@ -21,12 +21,16 @@ pub struct ExamPin {
 impl ExamPin {
     /// Stores a PIN; `None` if it is not 4 to 12 digits. `salt` is a random number.
     pub fn new(pin: &str, salt: u64) -> Option<Self> {
-        let is_long = (MIN_PIN_DIGITS..=MAX_PIN_DIGITS).contains(&pin.len());
-        let is_pin = is_long && pin.bytes().all(|byte| byte.is_ascii_digit());
-        is_pin.then(|| Self {
+        Self::is_valid(pin).then(|| Self {
             salt,
             hash: hash_pin(pin, salt),
         })
+    }
+
+    /// Returns whether a text can be a PIN: 4 to 12 digits.
+    pub fn is_valid(pin: &str) -> bool {
+        let is_long = (MIN_PIN_DIGITS..=MAX_PIN_DIGITS).contains(&pin.len());
+        is_long && pin.bytes().all(|byte| byte.is_ascii_digit())
     }
 
     /// Returns whether this is the PIN.

@@ -13,6 +13,7 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod check;
+pub mod course;
 pub mod criterion;
 mod criterion_file;
 pub mod draft;
@@ -34,5 +35,3 @@ pub mod solution_recorder;
 mod solution_replay;
 pub mod solve;
 pub mod task;
-mod task_file;
-mod xapi;

@@ -34,6 +34,7 @@ pub static EXERCISES: &[(&str, &str)] = exercises![
     "22-roughing-cycle",
     "23-two-tools",
     "24-bore",
+    "25-manual-example",
     "f01-turret-blocked",
     "f02-turret-unclamped",
     "f03-turret-contacts",

@@ -4,6 +4,7 @@ use gsk_workpiece::measure::{Feature, SectionSide, measure_features};
 use gsk_workpiece::region::Region;
 
 use crate::criterion::{CriterionRule, PartDimension, PartSurface, TolerancedSize};
+use crate::outline::locate;
 use crate::task::ExerciseTask;
 
 /// A dimension of the drawing, and its size on the part.
@@ -34,11 +35,29 @@ pub fn measure_sizes(task: &ExerciseTask, section: &Region) -> Vec<MeasuredSize>
             criterion: index,
             dimension: *dimension,
             size: *size,
-            measured: measure_dimension(section, dimension),
+            measured: measure_dimension(section, dimension)
+                .filter(|_| is_made(task, section, dimension)),
         }),
         _ => None,
     });
     sizes.collect()
+}
+
+/// Greatest difference from the drawing of a cylinder whose width is shown, mm in diameter.
+const MADE_TOLERANCE: f64 = 0.5;
+
+/// Whether the surface of a width is on the part: before a groove is cut, the uncut cylinder is at
+/// its position. Without a drawing every cylinder counts.
+fn is_made(task: &ExerciseTask, section: &Region, dimension: &PartDimension) -> bool {
+    let (PartDimension::Width { z, surface }, Some(outline)) = (*dimension, &task.outline) else {
+        return true;
+    };
+    let diameter = PartDimension::Diameter { z, surface };
+    let drawn = locate(outline, &diameter).and_then(|(_, drawn)| drawn);
+    let measured = measure_dimension(section, &diameter);
+    drawn
+        .zip(measured)
+        .is_none_or(|(drawn, measured)| (drawn - measured).abs() <= MADE_TOLERANCE)
 }
 
 /// Returns the size of a dimension on a half section, mm or degrees; `None` if the part does not
@@ -127,4 +146,35 @@ pub(crate) fn front_z(features: &[Feature]) -> Option<f64> {
         | Feature::Arc { z, .. }
         | Feature::Thread { z, .. } => z.0,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solve::{SolutionScript, make_part};
+
+    const GROOVE: &str = include_str!("../../assets/exercises/18-groove/task.ron");
+    const REFERENCE: &str = include_str!("../../assets/exercises/18-groove/reference.txt");
+
+    #[test]
+    fn the_width_of_a_groove_is_shown_when_the_groove_is_cut() {
+        let task = ExerciseTask::read("18-groove", "18-groove", GROOVE).expect("a task");
+        let width = |script: &str| {
+            let script = SolutionScript::read(script).expect("a solution");
+            let part = make_part(&task, &script).expect("plays").expect("a part");
+            let dimension = PartDimension::Width {
+                z: -18.5,
+                surface: PartSurface::Outside,
+            };
+            let sizes = measure_sizes(&task, &part);
+            let size = sizes.iter().find(|size| size.dimension == dimension);
+            let uncut = measure_dimension(&part, &dimension);
+            (uncut, size.expect("the width").measured)
+        };
+        let (uncut, shown) = width("wait 1s\n");
+        assert!(uncut.is_some_and(|it| it > 50.0), "the bar is there");
+        assert_eq!(shown, None);
+        let (cut, shown) = width(REFERENCE);
+        assert!(cut.is_some() && cut == shown, "{cut:?} {shown:?}");
+    }
 }

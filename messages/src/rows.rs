@@ -342,6 +342,20 @@ message_rows! {
     corner_without_next_block CornerWithoutNextBlock();
     counts_agree CountsAgree();
     counts_differ CountsDiffer();
+    course_attempts_left CourseAttemptsLeft(count);
+    course_attempts_used CourseAttemptsUsed(count);
+    course_default_title CourseDefaultTitle();
+    course_intro CourseIntro();
+    course_mastery CourseMastery(percent);
+    course_no_page CourseNoPage(file);
+    course_not_connected CourseNotConnected();
+    course_not_reported CourseNotReported();
+    course_packed CoursePacked(file, count, size);
+    course_progress CourseProgress(done, count, score: "{:.0}");
+    course_reported CourseReported();
+    course_task_count CourseTaskCount(count, characters, most);
+    course_task_twice CourseTaskTwice(task);
+    course_too_large CourseTooLarge(count);
     cycle_amount_out_of_range CycleAmountOutOfRange(address, value);
     cycle_count_too_great CycleCountTooGreat(count);
     cycle_count_wrong CycleCountWrong();
@@ -488,6 +502,7 @@ message_rows! {
     exam_end ExamEnd();
     exam_end_hint ExamEndHint();
     exam_file_damaged ExamFileDamaged(file, reason: message);
+    exam_form_sum ExamFormSum(count, points, minutes);
     exam_hand_in_sure ExamHandInSure();
     exam_handed_in ExamHandedIn();
     exam_heading ExamHeading();
@@ -495,6 +510,9 @@ message_rows! {
     exam_intro ExamIntro();
     exam_leave ExamLeave();
     exam_log_failed ExamLogFailed(reason: message);
+    exam_needs_name ExamNeedsName();
+    exam_needs_pin ExamNeedsPin();
+    exam_needs_tasks ExamNeedsTasks();
     exam_next ExamNext();
     exam_no_help ExamNoHelp();
     exam_note ExamNote(pauses, interruptions, wrong);
@@ -545,6 +563,7 @@ message_rows! {
     exercise_drawing_hint ExerciseDrawingHint();
     exercise_drawing_none ExerciseDrawingNone(task);
     exercise_empty_range ExerciseEmptyRange(from, to);
+    exercise_evidence_note ExerciseEvidenceNote();
     exercise_fails_otherwise ExerciseFailsOtherwise(stated, found);
     exercise_file_rule ExerciseFileRule(file, line, field, rule: message);
     exercise_flag_attempts ExerciseFlagAttempts(count, most);
@@ -569,6 +588,7 @@ message_rows! {
     exercise_leave ExerciseLeave();
     exercise_leave_hint ExerciseLeaveHint();
     exercise_length ExerciseLength(criteria, points, minutes);
+    exercise_line ExerciseLine(title, time);
     exercise_mark_summary ExerciseMarkSummary(count, seconds: "{:.1}", flagged);
     exercise_marking ExerciseMarking();
     exercise_marks ExerciseMarks();

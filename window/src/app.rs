@@ -7,6 +7,7 @@ use crossbeam::channel::{RecvTimeoutError, bounded};
 use eframe::egui::{self, ViewportCommand};
 use gsk_core::model::ModelId;
 use gsk_host::files::data_dir::DataDir;
+use gsk_host::files::exams::UnfinishedExam;
 use gsk_host::files::models;
 use gsk_host::files::{exercises, lessons};
 use gsk_host::kernel::{self, Console, Kernel, KernelEnvironment, KernelThread};
@@ -62,6 +63,8 @@ pub struct WindowStart {
     pub start_model: Option<ModelStarter>,
     /// Whether the window shows the questions of the first start.
     pub shows_first_start: bool,
+    /// The exam that has not ended, which continues.
+    pub unfinished_exam: UnfinishedExam,
 }
 
 /// Prepares the start of another control model with these settings, in the same window.
@@ -160,6 +163,7 @@ impl App {
             model,
             start_model: another,
             shows_first_start: asks,
+            unfinished_exam,
         } = start;
         let data = Arc::new(data);
         let keeper = Keeper::start(Arc::clone(&data), &restored, kernel.emulator())?;
@@ -186,8 +190,13 @@ impl App {
             window.open_first_start();
         }
         window.set_lessons(lessons::load_lessons(Some(data.path())));
-        let found = exercises::load_exercises(Some(data.path()));
-        window.set_exercises(found, data.path().to_owned());
+        match platform::course_page() {
+            Some(course) => window.set_course(&course, data.path().to_owned()),
+            None => {
+                let found = exercises::load_exercises(Some(data.path()));
+                window.set_exercises(found, data.path().to_owned(), unfinished_exam);
+            }
+        }
         theme::set_light(context, settings.light);
         let complaints = restored.complaints;
         if let Some(message) = platform::startup_message() {

@@ -30,16 +30,18 @@ use egui::{Event, Frame, Margin, Panel, Pos2, Ui};
 use gsk_core::model::ModelId;
 use gsk_core::operation::RunState;
 use gsk_help::{Subject, Topic, topic};
+use gsk_host::files::exams::UnfinishedExam;
 use gsk_host::files::exercises::AvailableExercises;
 use gsk_host::files::lessons::AvailableLessons;
 use gsk_host::input_watch::QUERY_INTERVAL;
 use gsk_host::kernel::{Command, Console, KeysReversed, PanelSnapshot};
-use gsk_host::platform;
+use gsk_host::platform::{self, CoursePage};
 use gsk_host::sound::MachineSound;
 use gsk_link::LinkState;
 use gsk_panel::alarm_log::AlarmRecord;
 use gsk_panel::keys::Key;
 
+use crate::chrome::exam_limits::ClosedForExam;
 use crate::chrome::first_start::FirstStart;
 use crate::chrome::message_history::MessageHistory;
 use crate::chrome::program_opener::ProgramOpener;
@@ -51,6 +53,7 @@ use crate::input::keyboard::PcAction;
 use crate::input::long_press::LongPress;
 use crate::input::panel_pointer::PanelPointer;
 use crate::input::{key_map, keyboard};
+use crate::layout::WindowLayout;
 use crate::panel_view::{faceplate_image, lcd};
 use crate::placement::{panel_placement, stop_key_clearance};
 use crate::widgets::files::FileBrowser;
@@ -106,6 +109,8 @@ pub struct Window {
     timeline: TimelineStrip,
     /// The way back to the start of a program whose keys the panel marks.
     way_back: Option<WayBack>,
+    /// What was closed for the exam that is under way; `None` outside exams.
+    closed_for_exam: Option<ClosedForExam>,
 }
 
 /// The control model in use and the operator's request for another one.
@@ -153,6 +158,7 @@ impl Window {
             sounds: MachineSound::default(),
             timeline,
             way_back: None,
+            closed_for_exam: None,
         }
     }
 
@@ -218,8 +224,23 @@ impl Window {
     }
 
     /// Sets the exercises that the window lists, and the data folder with the key of results.
-    pub fn set_exercises(&mut self, found: AvailableExercises, data: PathBuf) {
-        self.views.lessons().exercises().set_exercises(found, data);
+    /// `unfinished`: the exam in that folder that has not ended; it continues.
+    pub fn set_exercises(
+        &mut self,
+        found: AvailableExercises,
+        data: PathBuf,
+        unfinished: UnfinishedExam,
+    ) {
+        let exercises = self.views.lessons().exercises();
+        exercises.set_exercises(found, data, unfinished);
+    }
+
+    /// Lists only the exercises of a course that a learning platform has opened, and shows them.
+    pub fn set_course(&mut self, course: &CoursePage, data: PathBuf) {
+        self.views.lessons().exercises().set_course(course, data);
+        self.first_start = None;
+        self.settings.layouts.choose(WindowLayout::Learner);
+        self.show_view(ViewId::Lesson);
     }
 
     /// Sets the lessons that the window lists, those of a teacher included, and the errors in

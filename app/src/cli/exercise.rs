@@ -25,6 +25,11 @@ pub enum ExerciseCommand {
     Drawing(ExerciseDrawingArgs),
     /// Play the reference solution of an exercise and print the outline of its part, for task.ron
     Outline(ExerciseOutlineArgs),
+    /// Pack exercises for a learning platform: a SCORM 1.2 package of the page for browsers
+    ///
+    /// The platform gets score, state, attempts and time. A sealed result is a download of the
+    /// learner.
+    Pack(ExercisePackArgs),
 }
 
 /// `exercise list`.
@@ -119,6 +124,29 @@ pub struct ExerciseOutlineArgs {
     /// Folder of the exercise, with task.ron and reference.txt
     #[arg(value_name = "DIR")]
     pub task: PathBuf,
+}
+
+/// `exercise pack`.
+#[derive(Args, Debug)]
+pub struct ExercisePackArgs {
+    /// Names of the exercises, as `exercise list` prints them, or their folders
+    #[arg(value_name = "NAME|DIR", required = true)]
+    pub tasks: Vec<PathBuf>,
+    /// Folder of the page for browsers (gsk980td-…-web.zip, unpacked)
+    #[arg(long, value_name = "DIR")]
+    pub page: PathBuf,
+    /// File of the package (.zip)
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Score in percent from which the package is passed [default: no score, only completed]
+    #[arg(long, value_name = "PERCENT", value_parser = clap::value_parser!(u32).range(1..=100))]
+    pub mastery: Option<u32>,
+    /// Title in the learning platform [default: the title of the exercise, if it is one]
+    #[arg(long, value_name = "TEXT")]
+    pub title: Option<String>,
+    /// Data folder with a teacher's exercises in its folder `exercises`
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
 }
 
 /// Format of the table of `exercise mark`.

@@ -38,7 +38,7 @@ pub use dap::DapArgs;
 pub use dialect::{DialectArgs, ProgramOrigin};
 pub use exercise::{
     ExerciseCheckArgs, ExerciseCommand, ExerciseDrawingArgs, ExerciseListArgs, ExerciseMarkArgs,
-    ExerciseNewArgs, ExerciseSolveArgs, MarkTableFormat,
+    ExerciseNewArgs, ExercisePackArgs, ExerciseSolveArgs, MarkTableFormat,
 };
 pub use help::HelpArgs;
 pub use ladder::{LadderArgs, LadderCommand, LadderRunArgs};

@@ -211,7 +211,8 @@ impl WindowStarter {
         let recordings = path.join(flight::FOLDER);
         let notices = console.notice_sender.clone();
         // An exam that continues says so itself.
-        let is_in_exam = matches!(ExamFolder::find_unfinished(&path), Ok(Some(_)));
+        let unfinished_exam = ExamFolder::find_unfinished(&path);
+        let is_in_exam = matches!(unfinished_exam, Ok(Some(_)));
         flight::offer_unfinished(&recordings, move |message| {
             if is_in_exam {
                 return;
@@ -238,6 +239,7 @@ impl WindowStarter {
             model,
             start_model: None,
             shows_first_start: false,
+            unfinished_exam,
         })
     }
 

@@ -11,10 +11,9 @@
 use gsk_core::units::Point;
 
 use super::hatch::hatch;
-use super::locate::{DimensionPlace, locate};
 use super::{DrawingArrow, DrawingLabel, DrawingLine, DrawingPen, PaperPoint, TaskDrawing};
 use crate::criterion::{CriterionRule, PartDimension, PartSurface, TolerancedSize};
-use crate::outline::{PieceForm, TaskOutline};
+use crate::outline::{DimensionPlace, PieceForm, TaskOutline, locate};
 use crate::task::ExerciseTask;
 
 /// Distance between two rows of dimensions, heights of text.

@@ -13,14 +13,14 @@
 
 mod hatch;
 mod layout;
-mod locate;
+mod outline_check;
 mod svg;
 
 #[cfg(test)]
 mod tests;
 
 pub use layout::draw_task;
-pub(crate) use locate::check_outline;
+pub(crate) use outline_check::check_outline;
 pub(crate) use svg::escape_markup;
 pub use svg::write_svg;
 

@@ -1,5 +1,6 @@
 use super::*;
 use crate::criterion::{PartDimension, PartSurface};
+use crate::outline::locate;
 use crate::task::ExerciseTask;
 
 /// A solid part with every kind of piece, and its dimensions.
@@ -219,7 +220,7 @@ fn a_hidden_diameter_is_dimensioned_on_its_cylinder() {
         z: -13.0,
         surface: PartSurface::Outside,
     };
-    let found = locate::locate(outline, &groove).expect("the groove");
+    let found = locate(outline, &groove).expect("the groove");
     assert_eq!(found.1, Some(34.0));
 }
 

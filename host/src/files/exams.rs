@@ -26,6 +26,9 @@ const EXAM_FILE: &str = "exam.ron";
 /// Extension of the recordings.
 const RECORDING_EXTENSION: &str = "gskrec";
 
+/// The exam of a data directory that has not ended, or why its file cannot be read.
+pub type UnfinishedExam = Result<Option<ExamFolder>, Message>;
+
 /// Stores the PIN of an exam with a random salt.
 ///
 /// # Errors
@@ -75,7 +78,7 @@ impl ExamFolder {
     ///
     /// # Errors
     /// The file of an exam is damaged.
-    pub fn find_unfinished(data: &Path) -> Result<Option<Self>, Message> {
+    pub fn find_unfinished(data: &Path) -> UnfinishedExam {
         // Without the folder there was no exam.
         let mut folders = platform::list(&data.join(FOLDER)).unwrap_or_default();
         folders.sort();

@@ -4,7 +4,8 @@
 use std::path::{Path, PathBuf};
 
 use gsk_exercise::check::SolutionFile;
-use gsk_exercise::library::built_in_tasks;
+use gsk_exercise::course::CourseTaskFile;
+use gsk_exercise::library::{EXERCISES, built_in_tasks};
 use gsk_exercise::task::ExerciseTask;
 use gsk_messages::{Message, say};
 
@@ -30,13 +31,42 @@ pub struct AvailableExercises {
 /// # Errors
 /// The file cannot be read, or breaks a rule: the message names file and line.
 pub fn read(path: &Path) -> Result<ExerciseTask, Message> {
+    read_with_text(path).map(|(task, _)| task)
+}
+
+/// Reads the task in a folder and returns it with the text of its file.
+fn read_with_text(path: &Path) -> Result<(ExerciseTask, String), Message> {
     let file = task_path(path);
     let folder = file.parent().and_then(Path::file_name).unwrap_or_default();
     let text = program_file::read(&file)
         .map_err(|error| error.message())?
         .text;
     let id = folder.to_string_lossy();
-    ExerciseTask::read(&id, &file.display().to_string(), &text).map_err(|error| error.message())
+    let task = ExerciseTask::read(&id, &file.display().to_string(), &text);
+    Ok((task.map_err(|error| error.message())?, text))
+}
+
+/// Finds the text of a task like [`find`], for a package.
+///
+/// # Errors
+/// There is no such task, or it breaks a rule.
+pub fn find_text(name: &Path, data: Option<&Path>) -> Result<CourseTaskFile, Message> {
+    let of_teacher = data.map(|data| data.join(FOLDER).join(name));
+    let of_teacher = of_teacher.filter(|folder| platform::is_taken(&folder.join(TASK_FILE)));
+    let built_in = EXERCISES.iter().find(|(id, _)| Path::new(id) == name);
+    let (id, text) = match (of_teacher, built_in) {
+        (None, Some((id, text))) => ((*id).to_owned(), (*text).to_owned()),
+        (folder, _) => {
+            let folder = folder.unwrap_or_else(|| name.to_owned());
+            if !platform::is_taken(&folder) {
+                let names = EXERCISES.iter().map(|(id, _)| *id).collect::<Vec<_>>();
+                return Err(say::exercise_unknown(name.display(), names.join(" ")));
+            }
+            let (task, text) = read_with_text(&folder)?;
+            (task.id, text)
+        }
+    };
+    Ok(CourseTaskFile { id, text })
 }
 
 /// Returns the path of the file of a task: `path` is the file or its folder.

@@ -8,6 +8,7 @@ use gsk_exercise::task::ExerciseTask;
 use gsk_history::moment::{MachineMoment, RecordedInput};
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
+use gsk_runner::lesson::LessonText;
 
 use crate::flight::solution_log::SolutionLog;
 
@@ -19,10 +20,12 @@ const LOG_INTERVAL_TICKS: u64 = 1000;
 pub struct ExerciseState {
     /// Name of the task.
     pub id: String,
+    /// Title of the task.
+    pub title: LessonText,
     /// Tick of the kernel at which it began: another one means another attempt.
     pub begun_at: u64,
-    /// Machine time since the beginning, whole seconds.
-    pub elapsed_s: u64,
+    /// Machine time until the solution is handed in, whole seconds.
+    pub remaining_s: u64,
     /// Whether the learner has handed in, or the time is over. The machine continues to run, but
     /// nothing counts any more.
     pub is_handed_in: bool,
@@ -30,6 +33,13 @@ pub struct ExerciseState {
     pub is_exam: bool,
     /// Whether the instructor has paused the exam: the machine stands still.
     pub is_paused: bool,
+}
+
+impl ExerciseState {
+    /// Formats the time until the solution is handed in, as `12:05`.
+    pub fn remaining_text(&self) -> String {
+        format!("{}:{:02}", self.remaining_s / 60, self.remaining_s % 60)
+    }
 }
 
 /// An exercise of an exam that begins or continues.
@@ -125,10 +135,12 @@ impl ExerciseRun {
 
     /// Returns the state for the window.
     pub(super) fn state(&self, emulator: &Emulator) -> ExerciseState {
+        let elapsed_s = emulator.ticks().saturating_sub(self.start_tick) / 1000;
         ExerciseState {
             id: self.task.id.clone(),
+            title: self.task.title.clone(),
             begun_at: self.begun_at,
-            elapsed_s: emulator.ticks().saturating_sub(self.start_tick) / 1000,
+            remaining_s: (self.task.time_limit_ms / 1000).saturating_sub(elapsed_s),
             is_handed_in: self.is_handed_in(),
             is_exam: self.is_exam(),
             is_paused: self.is_paused(),

@@ -246,10 +246,12 @@ impl Kernel {
     }
 
     /// Returns the current speed of machine time: the selected one while a program runs
-    /// automatically on the simulated lathe, else that of a real lathe (decision WINDOW-9).
+    /// automatically on the simulated lathe, else that of a real lathe (decision WINDOW-9). An
+    /// exam has the speed of a real lathe.
     pub fn speed(&self) -> RunSpeed {
         let runs = self.emulator.cnc().run_state() == RunState::Run;
-        match runs && self.drive.is_none() && !self.timeline.shows_past() {
+        let is_at_machine = self.timeline.shows_past() || self.is_in_exam();
+        match runs && self.drive.is_none() && !is_at_machine {
             true => self.speed,
             false => RunSpeed::REAL,
         }

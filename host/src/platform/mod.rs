@@ -19,6 +19,7 @@
 //! | `disk` | files: on the disk, or in the storage that a browser has for a page |
 //! | `turns` | background work: threads, or turns between two frames |
 //! | `view` | the window itself, file dialogs, files dropped on it |
+//! | `course` | the exercises of a learning platform that opened the page, and its store |
 //! | `log_file` | the file of the log |
 //! | `panic` | the action before a panic of the window |
 //!
@@ -72,6 +73,17 @@ pub struct PathFacts {
     pub is_folder: bool,
     /// Size of a file, bytes.
     pub length: u64,
+}
+
+/// The exercises that a learning platform has opened, and what it knows of the learner.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CoursePage {
+    /// The file of the course.
+    pub file: Vec<u8>,
+    /// The progress that the platform has stored, empty at the beginning.
+    pub suspended: String,
+    /// Name of the learner, empty if the platform gives none.
+    pub learner: String,
 }
 
 /// A dialog in which the user chooses a file or folder.

@@ -223,10 +223,15 @@ impl Window {
         )
     }
 
-    /// What the operator could do next; `None` in a lesson or an exercise,
-    /// which have their own instructions.
+    /// What the operator could do next; in an exercise its title and time. `None` in a lesson,
+    /// which has its own instructions.
     fn next_step(&self) -> Option<Message> {
         let snapshot = self.snapshot.as_ref();
+        let exercise = snapshot.and_then(|it| it.exercise.as_ref());
+        if let Some(exercise) = exercise.filter(|exercise| !exercise.is_handed_in) {
+            let title = exercise.title.in_language(self.settings.language);
+            return Some(say::exercise_line(title, exercise.remaining_text()));
+        }
         if snapshot.is_some_and(PanelSnapshot::is_at_practice_machine) {
             return None;
         }

@@ -25,6 +25,7 @@ impl Window {
         let layouts = &mut self.settings.layouts;
         layouts.choose_first_layout(ui.max_rect(), pixels_per_point);
         let arrangement = layouts.arrange(ui.max_rect(), pixels_per_point, min_key_size);
+        layouts.set_tabbed(arrangement.tabs.is_some());
         let panel_is_shown = arrangement
             .panes
             .iter()

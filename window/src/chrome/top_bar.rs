@@ -10,7 +10,7 @@ use egui::{Align2, Area, Frame, Order, Rect, RichText, ScrollArea, Tooltip, Ui};
 use gsk_core::alarm::Alarm;
 use gsk_core::model::ModelId;
 use gsk_host::kernel::pace::RunSpeed;
-use gsk_host::kernel::{ForcedState, PanelSnapshot, SpeedRatio};
+use gsk_host::kernel::{ExerciseState, ForcedState, PanelSnapshot, SpeedRatio};
 
 use crate::WindowSettings;
 use crate::focus;
@@ -161,8 +161,10 @@ pub fn show(
                 request = show_imposed_sign(ui, language, imposed, &is_open).or(request.take());
             }
             if snapshot.is_some_and(PanelSnapshot::is_at_practice_machine) {
-                request =
-                    show_practice_sign(ui, language, is_open(ViewId::Lesson)).or(request.take());
+                let exercise = snapshot.and_then(|it| it.exercise.as_ref());
+                let is_shown =
+                    layouts.is_open(ViewId::Lesson) && !layouts.is_covered(ViewId::Lesson);
+                request = show_practice_sign(ui, language, exercise, is_shown).or(request.take());
             }
             if let Some(picture) = snapshot {
                 request = show_speeds(ui, language, picture).or(request.take());
@@ -255,11 +257,24 @@ fn show_speeds(ui: &mut Ui, language: Language, snapshot: &PanelSnapshot) -> Opt
 
 /// Draws the sign that the practice machine replaces the learner's machine. Returns the request
 /// from its menu; `None` without one.
-fn show_practice_sign(ui: &mut Ui, language: Language, is_open: bool) -> Option<TopBarRequest> {
+fn show_practice_sign(
+    ui: &mut Ui,
+    language: Language,
+    exercise: Option<&ExerciseState>,
+    is_open: bool,
+) -> Option<TopBarRequest> {
     let mut request = None;
-    let text = RichText::new(say::window_lesson_menu().text(language)).color(theme::TEXT_ON_BRIGHT);
+    // The panel may cover the task: its time is always visible.
+    let words = match exercise.filter(|exercise| !exercise.is_handed_in) {
+        Some(exercise) => say::exercise_time_left(exercise.remaining_text()),
+        None => say::window_lesson_menu(),
+    };
+    let text = RichText::new(words.text(language)).color(theme::TEXT_ON_BRIGHT);
     let button = egui::Button::new(text).fill(theme::WARNING);
     egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
+        if let Some(exercise) = exercise {
+            ui.strong(exercise.title.in_language(language));
+        }
         ui.label(say::lesson_practice_hint().text(language));
         let entries = [
             (

@@ -63,6 +63,12 @@ impl Window {
             top_bar::TopBarRequest::ToggleTimeline => {
                 self.settings.timeline = !self.settings.timeline;
             }
+            // Someone who does not see the lessons wants to see them.
+            top_bar::TopBarRequest::ToggleLessons
+                if self.settings.layouts.is_covered(ViewId::Lesson) =>
+            {
+                self.show_view(ViewId::Lesson);
+            }
             top_bar::TopBarRequest::ToggleLessons => self.settings.layouts.toggle(ViewId::Lesson),
             top_bar::TopBarRequest::LeaveLesson => {
                 self.console.send(Command::Lesson(LessonAction::Leave));

@@ -194,6 +194,9 @@ pub struct Layouts {
     /// docked.
     #[serde(skip)]
     is_single_window: bool,
+    /// Whether panel and views do not fit together, and one of them covers the others.
+    #[serde(skip)]
+    is_tabbed: bool,
     /// The pane that is shown if panel and views do not fit together; `None`: the panel.
     front: Option<ViewId>,
 }
@@ -287,6 +290,16 @@ impl Layouts {
     /// cover no key that stops the machine (WINDOW-25).
     pub const fn set_single_window(&mut self, only_docks: bool) {
         self.is_single_window = only_docks;
+    }
+
+    /// Sets whether panel and views do not fit together.
+    pub const fn set_tabbed(&mut self, is_tabbed: bool) {
+        self.is_tabbed = is_tabbed;
+    }
+
+    /// Whether a docked view is covered by the panel or another view.
+    pub fn is_covered(&self, view: ViewId) -> bool {
+        self.is_tabbed && self.front != Some(view) && self.docked().contains(&view)
     }
 
     /// Brings a docked view (`None`: the panel) to the front, for windows in which they do not

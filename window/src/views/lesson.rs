@@ -173,6 +173,9 @@ impl LessonView {
                             None if self.exercises.is_open() => {
                                 self.exercises.show_task(ui, language, part);
                             }
+                            None if self.exercises.is_course() => {
+                                self.exercises.show_list(ui, language);
+                            }
                             None => self.list(ui, language),
                         }
                         focus::scroll_to_focus(ui);

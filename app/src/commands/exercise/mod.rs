@@ -3,6 +3,7 @@
 mod drafting;
 mod drawing;
 mod marking;
+mod packing;
 
 use std::path::Path;
 
@@ -35,6 +36,7 @@ pub fn exercise(command: &ExerciseCommand, language: Option<Language>) -> Result
         ExerciseCommand::New(args) => drafting::draft(args, language),
         ExerciseCommand::Drawing(args) => drawing::draw(args, language.unwrap_or(Language::En)),
         ExerciseCommand::Outline(args) => drawing::print_outline(&args.task),
+        ExerciseCommand::Pack(args) => packing::pack(args, language.unwrap_or(Language::En)),
     }
 }
 

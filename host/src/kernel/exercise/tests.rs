@@ -13,6 +13,7 @@ use gsk_panel::keys::Key;
 use gsk_tests::test_folder;
 
 use super::*;
+use crate::kernel::pace::RunSpeed;
 use crate::kernel::{Console, LessonAction};
 use crate::ports::dnc::DncSource;
 
@@ -90,7 +91,11 @@ fn keys_in_the_window_solve_an_exercise() {
     let report = started.hand_in();
     assert_eq!(report.unmet(), Vec::<&str>::new());
     let state = started.kernel.snapshot().exercise.expect("an exercise");
-    assert!(state.is_handed_in && state.elapsed_s > 9, "{state:?}");
+    let limit_s = started.task.time_limit_ms / 1000;
+    assert!(
+        state.is_handed_in && state.remaining_s < limit_s - 9,
+        "{state:?}"
+    );
     started.send(Command::Lesson(LessonAction::Leave), 10);
     assert_eq!(started.kernel.snapshot().exercise, None);
 }
@@ -295,6 +300,23 @@ fn an_exam_stands_still_while_it_is_paused_and_is_left_only_by_its_own_command()
     assert_eq!(started.kernel.snapshot().past, None);
     started.send(Command::Exercise(ExerciseAction::LeaveExam), 10);
     assert_eq!(started.kernel.snapshot().exercise, None);
+}
+
+#[test]
+fn an_exam_has_the_speed_of_the_machine() {
+    let folder = test_folder("exam-speed");
+    let mut started = start("04-spindle");
+    let task = Arc::clone(&started.task);
+    started.send(Command::Speed(RunSpeed::Fastest), 10);
+    let speed_of_dwell = |started: &mut Started| {
+        started.tap(&MDI_PAGE);
+        started.enter(&["G4", "X9"]);
+        started.kernel.run(1000);
+        started.kernel.speed()
+    };
+    assert_eq!(speed_of_dwell(&mut started), RunSpeed::Fastest);
+    started.send(exam_task(&task, &folder.join("a.gskrec")), 100);
+    assert_eq!(speed_of_dwell(&mut started), RunSpeed::REAL);
 }
 
 #[test]

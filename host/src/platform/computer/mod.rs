@@ -1,11 +1,13 @@
 //! What Linux and Windows share and a page in a browser does differently.
 
+mod course;
 mod disk;
 mod log_file;
 mod panic;
 mod turns;
 mod view;
 
+pub use course::{course_page, report_course};
 pub use disk::{
     Lock, has_folders, is_link, is_persistent, is_taken, list, make_folder, path_facts, read,
     remove, remove_folder, rename, sync_folder, write_new,

@@ -11,6 +11,7 @@ use web_sys::Storage;
 use web_time::{Duration, Instant};
 
 use super::super::PathFacts;
+use super::course;
 use super::download::download;
 
 /// The folder whose files the browser's storage keeps.
@@ -40,7 +41,12 @@ thread_local! {
     static LOCK_LOST: Cell<bool> = const { Cell::new(false) };
 }
 
+/// The browser's storage; `None` without one, and for the page of a course: the computers of a
+/// school are shared, and the learning platform has the progress.
 fn storage() -> Option<Storage> {
+    if course::is_packed() {
+        return None;
+    }
     web_sys::window()?.local_storage().ok()?
 }
 

@@ -1,6 +1,7 @@
 //! A page in a browser: one thread, no files on a disk, no serial ports.
 
 mod clock;
+mod course;
 mod desktop;
 mod disk;
 mod display;
@@ -16,6 +17,7 @@ mod turns;
 mod view;
 
 pub use clock::{shared_time, time_with_sleep};
+pub use course::{course_page, report_course};
 pub use desktop::{close_own_console, has_display, has_file_dialog};
 pub use disk::{
     Lock, has_folders, is_link, is_persistent, is_taken, list, make_folder, path_facts, read,

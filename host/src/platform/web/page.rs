@@ -3,14 +3,15 @@
 use std::panic;
 use std::path::PathBuf;
 
+use gsk_exercise::course::COURSE_FILE;
 use gsk_messages::{Message, say};
 use js_sys::Uint8Array;
 use wasm_bindgen::{JsCast, JsValue};
 use wasm_bindgen_futures::{JsFuture, spawn_local};
 use web_sys::{Response, UrlSearchParams, Window};
 
-use super::disk;
 use super::view::{show_message, show_text};
+use super::{course, disk};
 
 /// The parameters in the page's address.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -47,6 +48,10 @@ async fn read_parameters() -> Result<PageParameters, Message> {
     let Some(window) = web_sys::window() else {
         return Ok(PageParameters::default());
     };
+    if course::is_packed() {
+        let bytes = fetch_file(&window, COURSE_FILE).await;
+        course::set_course(bytes.map_err(|error| say::page_no_file(COURSE_FILE, error))?);
+    }
     let words = window.location().search().unwrap_or_default();
     let words = UrlSearchParams::new_with_str(&words).ok();
     let all = words.as_ref().map(|words| words.get_all("open"));

@@ -14,7 +14,7 @@ use web_sys::{
 };
 
 use super::super::FileDialog;
-use super::{disk, turns};
+use super::{course, disk, turns};
 
 /// Id of the canvas element of the page. The constants after it are those of the text of the
 /// LCD and of the text of an error.
@@ -166,8 +166,12 @@ pub fn data_folder_in_use(_path: &Path) -> Message {
     say::page_open_elsewhere()
 }
 
-/// Returns the message that the browser keeps no files; `None` if it keeps them.
+/// Returns the message that the browser keeps no files, or that no learning platform has opened
+/// the page of a course; `None` if all is kept.
 pub fn startup_message() -> Option<Message> {
+    if course::is_packed() {
+        return (!course::is_connected()).then(say::course_not_connected);
+    }
     (!disk::has_storage()).then(say::page_keeps_nothing)
 }
 

@@ -7,10 +7,10 @@ use std::sync::Arc;
 
 use crossbeam::channel::{Receiver, Sender, unbounded};
 use egui::{Context, RichText, TextEdit, Ui};
-use gsk_exercise::exam::Exam;
+use gsk_exercise::exam::{Exam, ExamPin};
 use gsk_exercise::judge::judge;
 use gsk_exercise::task::ExerciseTask;
-use gsk_host::files::exams::{self, ExamFolder};
+use gsk_host::files::exams::{self, ExamFolder, UnfinishedExam};
 use gsk_host::kernel::{
     Command, Console, ExamTask, ExerciseAction, ExerciseState, HandedInSolution,
 };
@@ -30,6 +30,31 @@ struct ExamForm {
     learner: String,
     pin: String,
     tasks: BTreeSet<String>,
+}
+
+impl ExamForm {
+    /// Returns the number of the chosen exercises, their points and their time.
+    fn describe_choice(&self, tasks: &[Arc<ExerciseTask>]) -> Message {
+        let chosen = tasks.iter().filter(|task| self.tasks.contains(&task.id));
+        let (mut count, mut points, mut time_ms) = (0, 0, 0);
+        for task in chosen {
+            count += 1;
+            points += task.max_points();
+            time_ms += task.time_limit_ms;
+        }
+        say::exam_form_sum(count, points, time_ms.div_ceil(60_000))
+    }
+
+    /// Returns what has to be filled in before the exam can begin.
+    fn missing(&self) -> Vec<Message> {
+        let fields = [
+            (self.learner.trim().is_empty(), say::exam_needs_name()),
+            (self.tasks.is_empty(), say::exam_needs_tasks()),
+            (!ExamPin::is_valid(&self.pin), say::exam_needs_pin()),
+        ];
+        let missing = fields.into_iter().filter(|(is_missing, _)| *is_missing);
+        missing.map(|(_, message)| message).collect()
+    }
 }
 
 /// The exam in the exercise view.
@@ -75,8 +100,13 @@ impl ExamPane {
     }
 
     /// Sets the data folder, and continues the exam in it that has not ended.
-    pub fn set_data(&mut self, data: PathBuf, tasks: &[Arc<ExerciseTask>]) {
-        match ExamFolder::find_unfinished(&data) {
+    pub fn set_data(
+        &mut self,
+        data: PathBuf,
+        unfinished: UnfinishedExam,
+        tasks: &[Arc<ExerciseTask>],
+    ) {
+        match unfinished {
             Ok(Some(mut folder)) => {
                 folder.exam.note.interruptions += 1;
                 self.form.learner.clone_from(&folder.exam.learner);
@@ -155,12 +185,20 @@ impl ExamPane {
         };
         self.is_sealing = false;
         match sealed {
-            Ok(folder) => {
+            Ok(mut folder) => {
+                // The instructor may have paused or ended the exam while the result was sealed.
+                if let Some(current) = &self.current
+                    && current.path == folder.path
+                {
+                    folder.exam.note = current.exam.note;
+                    folder.exam.is_paused = current.exam.is_paused;
+                    folder.exam.is_over |= current.exam.is_over;
+                }
                 self.message = Some(match folder.exam.is_over {
                     true => say::exam_over(folder.path.display()),
                     false => say::exam_handed_in(),
                 });
-                self.current = Some(folder);
+                self.save(folder);
             }
             Err(why) => self.message = Some(why),
         }
@@ -192,11 +230,10 @@ impl ExamPane {
                         };
                     }
                 }
-                let is_filled = !self.form.learner.trim().is_empty()
-                    && !self.form.tasks.is_empty()
-                    && !self.form.pin.is_empty();
+                ui.label(self.form.describe_choice(tasks).text(language));
+                let missing = self.form.missing();
                 let begin = egui::Button::new(say::exam_begin().text(language));
-                let begin = ui.add_enabled(is_filled, begin);
+                let begin = ui.add_enabled(missing.is_empty(), begin);
                 let hint = say::exam_begin_hint().text(language);
                 if begin
                     .on_hover_text(&hint)
@@ -204,6 +241,10 @@ impl ExamPane {
                     .clicked()
                 {
                     self.begin(tasks);
+                }
+                for message in missing {
+                    let words = RichText::new(message.text(language));
+                    ui.label(words.color(theme::NOTE_TEXT));
                 }
             });
         self.show_message(ui, language);
@@ -379,4 +420,67 @@ fn show_pin_field(ui: &mut Ui, language: Language, pin: &mut String, is_hidden: 
     field
         .labelled_by(label.id)
         .on_hover_text(say::exam_pin_hint().text(language));
+}
+
+#[cfg(test)]
+mod tests {
+    use gsk_core::setup::Setup;
+    use gsk_exercise::library::built_in_tasks;
+    use gsk_host::kernel::Kernel;
+    use gsk_panel::emulator::Emulator;
+    use gsk_tests::test_folder;
+
+    use super::*;
+
+    #[test]
+    fn the_form_names_what_is_missing_and_adds_the_points() {
+        let tasks: Vec<_> = built_in_tasks().into_iter().map(Arc::new).collect();
+        let mut form = ExamForm::default();
+        let all = vec![
+            say::exam_needs_name(),
+            say::exam_needs_tasks(),
+            say::exam_needs_pin(),
+        ];
+        assert_eq!(form.missing(), all);
+        form.learner = "Li".to_owned();
+        form.pin = "123".to_owned();
+        form.tasks = tasks.iter().take(2).map(|task| task.id.clone()).collect();
+        assert_eq!(form.missing(), [say::exam_needs_pin()]);
+        form.pin = "1234".to_owned();
+        assert_eq!(form.missing(), []);
+        let points = tasks[0].max_points() + tasks[1].max_points();
+        let minutes = (tasks[0].time_limit_ms + tasks[1].time_limit_ms).div_ceil(60_000);
+        assert_eq!(
+            form.describe_choice(&tasks),
+            say::exam_form_sum(2, points, minutes)
+        );
+    }
+
+    #[test]
+    fn what_the_instructor_does_during_the_sealing_is_kept() {
+        let (_kernel, console) = Kernel::new(Emulator::new(Setup::default()));
+        let mut pane = ExamPane::new(console);
+        let data = test_folder("exam-sealing");
+        let pin = ExamPin::new("4711", 1).expect("a PIN");
+        let names = vec!["01-reference".to_owned(), "02-jog".to_owned()];
+        let exam = Exam::new("Li".to_owned(), names, pin);
+        let folder = ExamFolder::create(&data, exam).expect("a folder");
+        // The result is sealed from the state before the PIN.
+        let mut sealed = folder.clone();
+        pane.current = Some(folder);
+        pane.is_sealing = true;
+        pane.pin_entry = "1111".to_owned();
+        assert!(!pane.is_pin_right());
+        pane.pin_entry = "4711".to_owned();
+        assert!(pane.is_pin_right());
+        pane.pause(true);
+        sealed.exam.finish_task();
+        pane.sender.send(Ok(sealed)).expect("sent");
+        pane.receive();
+        let stored = ExamFolder::find_unfinished(&data).expect("readable");
+        assert_eq!(stored, pane.current);
+        let exam = stored.expect("an exam").exam;
+        assert_eq!((exam.done, exam.is_paused), (1, true));
+        assert_eq!((exam.note.wrong_pins, exam.note.pauses), (1, 1));
+    }
 }

@@ -1,5 +1,6 @@
 //! Exercises in the lesson view: their list, the task that is being solved, and its report.
 
+mod course_pane;
 mod exam_pane;
 mod solution_report;
 mod task_drawing;
@@ -8,20 +9,24 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use course_pane::CoursePane;
 use egui::{Context, RichText, Ui};
 use exam_pane::ExamPane;
+use gsk_exercise::course::Course;
 use gsk_exercise::criterion::ExerciseCriterion;
 use gsk_exercise::part_size::{MeasuredSize, measure_sizes};
 use gsk_exercise::task::ExerciseTask;
+use gsk_host::files::exams::UnfinishedExam;
 use gsk_host::files::exercises::AvailableExercises;
 use gsk_host::kernel::part::PartView;
 use gsk_host::kernel::{
     Command, Console, ExerciseAction, ExerciseState, HandedInSolution, LessonAction, PanelSnapshot,
 };
-use gsk_host::platform;
+use gsk_host::platform::{self, CoursePage};
 use gsk_messages::{Language, Message, say};
 use gsk_workpiece::region::Region;
 use solution_report::SolutionReport;
+use task_drawing::DrawingPane;
 
 use crate::theme;
 use crate::widgets::card::{self, Card, CardPicture};
@@ -37,10 +42,13 @@ pub struct ExercisePane {
     state: Option<ExerciseState>,
     /// The section that was measured last, and the sizes on it.
     measured: Option<(Arc<Region>, Vec<MeasuredSize>)>,
+    drawing: DrawingPane,
     /// Numbers of the hints that the learner has read, from 1.
     read_hints: BTreeSet<u32>,
     report: SolutionReport,
     exam: ExamPane,
+    /// The course of a learning platform; `None` outside platforms.
+    course: Option<CoursePane>,
     /// Whether the time line is to open for a moment of the solution, or to close again.
     wants_timeline: Option<bool>,
     /// Whether the time line was opened for a moment of the solution.
@@ -56,11 +64,13 @@ impl ExercisePane {
         Self {
             report: SolutionReport::new(console.clone(), learner),
             exam: ExamPane::new(console.clone()),
+            course: None,
             console,
             tasks: Vec::new(),
             load_errors: Vec::new(),
             state: None,
             measured: None,
+            drawing: DrawingPane::default(),
             read_hints: BTreeSet::new(),
             wants_timeline: None,
             has_opened_timeline: false,
@@ -69,11 +79,42 @@ impl ExercisePane {
     }
 
     /// Replaces the listed exercises. Results are stored in the data folder `data`.
-    pub fn set_exercises(&mut self, found: AvailableExercises, data: PathBuf) {
+    /// `unfinished`: the exam in that folder that has not ended.
+    pub fn set_exercises(
+        &mut self,
+        found: AvailableExercises,
+        data: PathBuf,
+        unfinished: UnfinishedExam,
+    ) {
         self.tasks = found.tasks.into_iter().map(Arc::new).collect();
         self.load_errors = found.errors;
         self.report.set_data(data.clone());
-        self.exam.set_data(data, &self.tasks);
+        self.exam.set_data(data, unfinished, &self.tasks);
+    }
+
+    /// Lists only the exercises of a course. Results are sealed with a key in the data folder
+    /// `data`.
+    pub fn set_course(&mut self, page: &CoursePage, data: PathBuf) {
+        self.report.set_data(data);
+        match Course::from_json(&page.file) {
+            Ok(course) => {
+                let pane = CoursePane::new(&course, &page.suspended);
+                let best = course.tasks.iter().filter_map(|task| {
+                    let best = pane.best(&task.id)?;
+                    Some((task.id.clone(), best))
+                });
+                self.best = best.collect();
+                self.tasks = course.tasks.into_iter().map(Arc::new).collect();
+                self.report.set_learner(&page.learner);
+                self.course = Some(pane);
+            }
+            Err(why) => self.load_errors = vec![why],
+        }
+    }
+
+    /// Whether the exercises are those of a course.
+    pub const fn is_course(&self) -> bool {
+        self.course.is_some()
     }
 
     /// The learner's best points by the name of the exercise.
@@ -134,8 +175,11 @@ impl ExercisePane {
     /// Takes the marks that have arrived.
     pub fn receive_marks(&mut self) {
         self.exam.receive();
-        if let Some((task, points)) = self.report.receive() {
-            let best = self.best.entry(task).or_default();
+        if let Some((report, points)) = self.report.receive() {
+            if let Some(course) = &mut self.course {
+                course.record(&report, points);
+            }
+            let best = self.best.entry(report.task).or_default();
             *best = points.max(*best);
         }
     }
@@ -148,14 +192,18 @@ impl ExercisePane {
     /// Draws the cards of the exercises.
     pub fn show_list(&mut self, ui: &mut Ui, language: Language) {
         ui.add_space(8.0);
-        let heading = say::exercise_heading().text(language);
-        card::show_heading(ui, Icon::MEASURE, &heading);
-        ui.label(say::exercise_intro().text(language));
         let best = |task: &ExerciseTask| self.best.get(&task.id).copied();
         let is_solved = |task: &ExerciseTask| best(task) == Some(task.max_points());
-        let solved = self.tasks.iter().filter(|task| is_solved(task)).count();
-        let words = say::exercise_progress(solved, self.tasks.len()).text(language);
-        card::show_progress(ui, solved, self.tasks.len(), &words);
+        if let Some(course) = &self.course {
+            course.show_head(ui, language);
+        } else {
+            let heading = say::exercise_heading().text(language);
+            card::show_heading(ui, Icon::MEASURE, &heading);
+            ui.label(say::exercise_intro().text(language));
+            let solved = self.tasks.iter().filter(|task| is_solved(task)).count();
+            let words = say::exercise_progress(solved, self.tasks.len()).text(language);
+            card::show_progress(ui, solved, self.tasks.len(), &words);
+        }
         let cards: Vec<Card> = self
             .tasks
             .iter()
@@ -166,18 +214,41 @@ impl ExercisePane {
                 is_marked: is_solved(task),
             })
             .collect();
+        let mut chosen = None;
         for (task, card) in self.tasks.iter().zip(card::show_cards(ui, &cards)) {
-            let about = task.text.in_language(language);
-            if card.on_hover_text(about).clicked() {
-                self.send(ExerciseAction::Begin(Arc::clone(task)));
+            if card
+                .on_hover_text(self.describe_card(task, language))
+                .clicked()
+            {
+                chosen = Some(Arc::clone(task));
             }
         }
-        if platform::has_folders() {
+        if let Some(task) = chosen {
+            self.begin(task);
+        }
+        if platform::has_folders() && self.course.is_none() {
             self.exam.show_form(ui, language, &self.tasks);
         }
         for error in &self.load_errors {
             ui.add_space(4.0);
             ui.label(RichText::new(error.text(language)).color(theme::ERROR_TEXT));
+        }
+    }
+
+    /// Begins an exercise, unless all its attempts in a course are used.
+    fn begin(&mut self, task: Arc<ExerciseTask>) {
+        let is_permitted = self.course.as_mut().is_none_or(|it| it.permits(&task));
+        if is_permitted {
+            self.send(ExerciseAction::Begin(task));
+        }
+    }
+
+    /// Returns the tip of a card: the task and, in a course, how often it may be handed in.
+    fn describe_card(&self, task: &ExerciseTask, language: Language) -> String {
+        let about = task.text.in_language(language);
+        match &self.course {
+            Some(course) => format!("{about}\n{}", course.describe_attempts(&task.id, language)),
+            None => about.to_owned(),
         }
     }
 
@@ -207,15 +278,16 @@ impl ExercisePane {
             return;
         }
         if state.is_handed_in {
+            if let Some(course) = &self.course {
+                course.show_message(ui, language);
+            }
             if self.report.show(ui, language) {
                 self.wants_timeline = Some(true);
                 self.has_opened_timeline = true;
             }
             return;
         }
-        let left_s = (task.time_limit_ms / 1000).saturating_sub(state.elapsed_s);
-        let left = format!("{}:{:02}", left_s / 60, left_s % 60);
-        let words = say::exercise_time_left(left).text(language);
+        let words = say::exercise_time_left(state.remaining_text()).text(language);
         ui.label(RichText::new(words).color(theme::LESSON_STEP))
             .on_hover_text(say::exercise_time_left_hint().text(language));
         ui.add_space(6.0);
@@ -224,7 +296,7 @@ impl ExercisePane {
             true => Vec::new(),
             false => self.measure(&task, part),
         };
-        task_drawing::show(ui, language, &task, &sizes);
+        self.drawing.show(ui, language, &task, &sizes);
         ui.strong(say::exercise_demands().text(language));
         for (index, criterion) in task.criteria.iter().enumerate() {
             let size = sizes.iter().find(|size| size.criterion == index);
@@ -288,7 +360,7 @@ impl ExercisePane {
             let again = ui.button(say::lesson_again().text(language));
             let hint = say::exercise_again_hint().text(language);
             if again.on_hover_text(hint).clicked() {
-                self.send(ExerciseAction::Begin(task));
+                self.begin(task);
             }
             let leave = ui.button(say::exercise_leave().text(language));
             let hint = say::exercise_leave_hint().text(language);

@@ -80,6 +80,13 @@ impl SolutionReport {
         &self.learner
     }
 
+    /// Sets the name of the learner, unless it is empty.
+    pub fn set_learner(&mut self, learner: &str) {
+        if !learner.is_empty() {
+            learner.clone_into(&mut self.learner);
+        }
+    }
+
     /// Discards the report.
     pub fn clear(&mut self) {
         self.content = ReportContent::Nothing;
@@ -97,12 +104,12 @@ impl SolutionReport {
         });
     }
 
-    /// Takes marks that have arrived; returns the name of the exercise and the points.
-    pub fn receive(&mut self) -> Option<(String, u32)> {
+    /// Takes marks that have arrived; returns the report and the points.
+    pub fn receive(&mut self) -> Option<(ExerciseReport, u32)> {
         let marked = self.receiver.try_iter().last()?;
         match marked {
             Ok(marked) => {
-                let points = (marked.report.task.clone(), marked.points());
+                let points = (marked.report.clone(), marked.points());
                 self.content = ReportContent::Marked(Box::new(marked));
                 Some(points)
             }
@@ -200,6 +207,8 @@ fn show_marks(ui: &mut Ui, language: Language, marked: &MarkedSolution) -> Optio
         let cost = say::exercise_hints_cost(marked.hint_cost).text(language);
         ui.label(RichText::new(cost).color(theme::NOTE_TEXT));
     }
+    let note = RichText::new(say::exercise_evidence_note().text(language));
+    ui.label(note.color(theme::NOTE_TEXT));
     for (criterion, verdict) in task.criteria.iter().zip(&marked.report.verdicts) {
         let sentence = verdict_sentence(criterion, verdict, language);
         let colour = match verdict.is_met {

@@ -1,9 +1,9 @@
 //! Paints the drawing of a task, each dimension in the colour of its state on the part.
 
 use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
-use gsk_exercise::drawing::{DrawingPen, PaperPoint, draw_task};
+use gsk_exercise::drawing::{DrawingPen, PaperPoint, TaskDrawing, draw_task};
 use gsk_exercise::part_size::MeasuredSize;
-use gsk_exercise::task::ExerciseTask;
+use gsk_exercise::task::{ExerciseTask, TaskHash};
 use gsk_messages::{Language, say};
 
 use crate::theme;
@@ -16,13 +16,38 @@ const MAX_WIDTH: f32 = 440.0;
 const DASHES: [f32; 2] = [10.0, 3.0];
 const GAPS: [f32; 2] = [3.0, 3.0];
 
-/// Draws the part with its dimensions; does nothing if the task has no drawing. `sizes`: the
-/// dimensions as they are on the part.
-pub fn show(ui: &mut Ui, language: Language, task: &ExerciseTask, sizes: &[MeasuredSize]) {
+/// The drawing of a task, laid out again only for another task or width.
+#[derive(Default)]
+pub struct DrawingPane {
+    /// The task and the width of the drawing, and the drawing; no drawing if the task has none.
+    laid_out: Option<(TaskHash, f32, Option<TaskDrawing>)>,
+}
+
+impl DrawingPane {
+    /// Draws the part with its dimensions; does nothing if the task has no drawing. `sizes`: the
+    /// dimensions as they are on the part.
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        language: Language,
+        task: &ExerciseTask,
+        sizes: &[MeasuredSize],
+    ) {
+        let width = ui.available_width().min(MAX_WIDTH);
+        let is_current =
+            |it: &(TaskHash, f32, Option<TaskDrawing>)| it.0 == task.hash && it.1 == width;
+        if !self.laid_out.as_ref().is_some_and(is_current) {
+            let drawing = draw_task(task, f64::from(width), TEXT_HEIGHT);
+            self.laid_out = Some((task.hash, width, drawing));
+        }
+        if let Some((_, _, Some(drawing))) = &self.laid_out {
+            paint(ui, language, drawing, sizes);
+        }
+    }
+}
+
+fn paint(ui: &mut Ui, language: Language, drawing: &TaskDrawing, sizes: &[MeasuredSize]) {
     let width = ui.available_width().min(MAX_WIDTH);
-    let Some(drawing) = draw_task(task, f64::from(width), TEXT_HEIGHT) else {
-        return;
-    };
     ui.strong(say::exercise_drawing().text(language));
     let (rect, response) =
         ui.allocate_exact_size(vec2(width, drawing.height as f32), Sense::hover());

@@ -8,11 +8,14 @@
 //!   -.-.-.-.-.-.-.-| Line(0, 0)
 //! ```
 
+mod locate;
+
 use gsk_core::units::{Diameter, Point};
 use gsk_messages::{Message, say};
 use serde::Deserialize;
 
 use crate::criterion::PartSurface;
+pub use locate::{DimensionPlace, locate};
 
 /// Greatest coordinate of an outline, mm.
 const MAX_SIZE: f64 = 10_000.0;

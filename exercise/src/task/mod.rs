@@ -1,5 +1,7 @@
 //! A task: start state, texts, limits, hints and criteria.
 
+mod file;
+
 use core::fmt;
 
 use blake2::{Blake2b256, Digest};

@@ -1,5 +1,7 @@
 //! Writes marks as text, CSV, JSON and HTML.
 
+mod xapi;
+
 use gsk_messages::{Language, Message, say};
 use serde_json::{Value, json};
 
@@ -8,7 +10,7 @@ use crate::drawing::escape_markup;
 use crate::mark::ResultMark;
 use crate::report::{CriterionVerdict, MarkEvidence};
 use crate::task::ExerciseTask;
-use crate::xapi::statements;
+use xapi::statements;
 
 /// A format of the table of marks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,14 +1,9 @@
-//! Where the dimensions of a task are on the outline of its part.
+//! Where a dimension is on the outline of a part.
 
 use gsk_core::units::{Diameter, Point};
-use gsk_messages::{Message, say};
 
-use crate::criterion::{CriterionRule, PartDimension, PartSurface};
-use crate::outline::{OutlinePiece, PieceForm, TaskOutline};
-use crate::task::ExerciseTask;
-
-/// What the outline may differ from a dimension of the task, mm or degrees.
-const TOLERANCE: f64 = 0.01;
+use super::{OutlinePiece, PieceForm, TaskOutline};
+use crate::criterion::{PartDimension, PartSurface};
 
 /// The place of a dimension on the outline.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,27 +94,4 @@ pub fn locate(
             is_thread.then(|| (DimensionPlace::At(piece.middle(surface)), None))
         }
     }
-}
-
-/// Returns a message for each dimension of the task that its outline does not have, or has with
-/// another size.
-pub fn check_outline(task: &ExerciseTask) -> Vec<Message> {
-    let Some(outline) = &task.outline else {
-        return Vec::new();
-    };
-    let mut faults = Vec::new();
-    for criterion in &task.criteria {
-        let CriterionRule::Size(dimension, size) = &criterion.rule else {
-            continue;
-        };
-        match locate(outline, dimension) {
-            None => faults.push(say::exercise_outline_without(&criterion.id)),
-            Some((_, Some(drawn))) if (drawn - size.nominal).abs() > TOLERANCE => {
-                let other = say::exercise_outline_size(drawn, &criterion.id, size.nominal);
-                faults.push(other);
-            }
-            Some(_) => {}
-        }
-    }
-    faults
 }
