@@ -6,9 +6,9 @@ use std::sync::Arc;
 use gsk_exercise::solution_recorder::SolutionRecorder;
 use gsk_exercise::task::ExerciseTask;
 use gsk_history::moment::{MachineMoment, RecordedInput};
+use gsk_lesson::LessonText;
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
-use gsk_runner::lesson::LessonText;
 
 use crate::flight::solution_log::SolutionLog;
 
