@@ -152,7 +152,7 @@ fn language_and_control_model_are_applied() {
     bench.run(50);
     bench.run(50);
     assert_eq!(bench.harness.state().settings().language, Language::Zh);
-    click(&mut bench, "我在学习");
+    click(&mut bench, "我要学习");
     click(&mut bench, "开始");
     let window = bench.harness.state_mut();
     assert_eq!(window.take_requested_model(), Some(ModelId::Ncb08));

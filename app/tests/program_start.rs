@@ -37,7 +37,7 @@ fn a_start_after_reset_in_the_cut_is_explained_until_the_tool_is_back() {
     bench.run(1000);
     // START would go on within the facing cycle: this comes first.
     assert!(
-        is_seen(&bench, "in the middle of the program"),
+        is_seen(&bench, "in mid-program"),
         "{}",
         bench.lcd_of_kernel()
     );
@@ -50,7 +50,7 @@ fn a_start_after_reset_in_the_cut_is_explained_until_the_tool_is_back() {
     for key in [Key::Edit, Key::Reset, Key::Auto] {
         tap(&mut bench, key);
     }
-    assert!(!is_seen(&bench, "in the middle of the program"));
+    assert!(!is_seen(&bench, "in mid-program"));
     assert!(is_reported(&bench), "{}", bench.lcd_of_kernel());
     tap(&mut bench, Key::ProgramZero);
     for key in [Key::XDown, Key::ZRight] {

@@ -116,8 +116,8 @@ impl ProgramSummary {
             .map(|cuts| (cuts.least - margin, cuts.greatest + margin))
     }
 
-    /// The summary as one line of text: `O0002, 3:27, 4 tools, X 20–60, Z -80–5, no alarm`, or
-    /// the block that raises the alarm.
+    /// The summary as one line of text: `O0002, 3:27, 4 tools, cuts X 20 to 60, Z -80 to 5, no
+    /// alarm`, or the block that raises the alarm.
     pub fn summary_line(&self, language: Language) -> String {
         if let Some([chinese, english]) = &self.alarm {
             let alarm = match language {
@@ -163,7 +163,7 @@ mod tests {
         let look = summarize_text(text);
         let line = look.summary_line(Language::En);
         assert!(line.starts_with("O0002, 1:"), "{line}");
-        let rest = ", 2 tools, X 40–60, Z -80–5, no alarm";
+        let rest = ", 2 tools, cuts X 40 to 60, Z -80 to 5, no alarm";
         assert!(line.ends_with(rest), "{line}");
         let zh = look.summary_line(Language::Zh);
         assert!(zh.contains("2 把刀") && zh.ends_with("无报警"), "{zh}");
