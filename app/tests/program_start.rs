@@ -35,7 +35,7 @@ fn a_start_after_reset_in_the_cut_is_explained_until_the_tool_is_back() {
     assert_eq!(cnc.run_state(), RunState::Run);
     tap(&mut bench, Key::Reset);
     bench.run(1000);
-    // START would go on within the facing cycle: this comes first.
+    // START would continue within the facing cycle: this comes first.
     assert!(
         is_seen(&bench, "in mid-program"),
         "{}",

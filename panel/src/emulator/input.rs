@@ -64,8 +64,8 @@ pub enum EmulatorInput {
     RestorePanel(PanelRetained),
     /// Stores the program text that is open in the editor.
     StoreEdited,
-    /// Somebody has moved the slides of the simulated lathe, which stand still while no program
-    /// runs, to this position: machine coordinates, mm, X as a radius. The control knows it.
+    /// Places the slides of the simulated lathe, which must stand still while no program runs, at
+    /// this position: machine coordinates, mm, X as a radius. The control knows it.
     PlaceSlides(Point),
     /// Plugs a U disk with these files into the control; `None` pulls it out.
     PlugUdisk(Option<Vec<UdiskFile>>),

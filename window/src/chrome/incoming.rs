@@ -27,7 +27,7 @@ impl Window {
                 // The new alarm or the lost position replaces an older message.
                 self.message = None;
             }
-            // What was said before a program starts is no longer true in it.
+            // What was shown before a program starts is no longer true in it.
             let starts = previous.is_some_and(|it| it.run_state == RunState::Reset)
                 && snapshot.run_state == RunState::Run;
             let is_passing = |message: &mut StatusMessage| {
