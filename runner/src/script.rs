@@ -8,6 +8,7 @@ use gsk_panel::panel::SerialFile;
 use gsk_panel::script::{
     Effect, Failure, Runner, Script, ScriptAction, ScriptLine, ScriptProgress,
 };
+use gsk_panel::why::CauseChain;
 
 use crate::board::PulseBoard;
 use crate::partner::{PartnerWait, ProgramPartner};
@@ -23,6 +24,9 @@ pub trait ScriptHost {
 
     /// Shows the rows of the LCD as text.
     fn show_screen(&mut self, screen: &str);
+
+    /// Shows the chain of causes of a state.
+    fn show_chain(&mut self, chain: &CauseChain);
 
     /// Stores a picture under a file name. `bytes` creates the contents of the file.
     ///
@@ -173,6 +177,7 @@ impl<'a, S: ScriptHost> ScriptSession<'a, S> {
     fn execute_effect(&mut self, effect: Effect) -> Result<(), Message> {
         match effect {
             Effect::Show(text) => self.host.show_screen(&text),
+            Effect::Explain(chain) => self.host.show_chain(&chain),
             Effect::Shot { path, panel } => {
                 let emulator = &*self.emulator;
                 let bytes = || match panel {
