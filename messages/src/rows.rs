@@ -3320,6 +3320,11 @@ message_rows! {
     window_waits WindowWaits(place, what: message);
     window_way_back WindowWayBack();
     window_way_back_hint WindowWayBackHint();
+    window_why WindowWhy();
+    window_why_entry WindowWhyEntry();
+    window_why_explain WindowWhyExplain();
+    window_why_hint WindowWhyHint();
+    window_why_title WindowWhyTitle();
     window_zoom WindowZoom();
     window_zoom_monitor WindowZoomMonitor();
     word_f WordF();

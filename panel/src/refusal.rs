@@ -62,6 +62,11 @@ impl KeyPress {
         })
     }
 
+    /// The key.
+    pub const fn key(&self) -> Key {
+        self.key
+    }
+
     /// Returns why the key has no effect, if it was pressed [`CHECK_DELAY_TICKS`] ticks ago
     /// and is still down. Returns `None` if it acts or the ladder has not read it yet.
     pub fn refusal_reason(&self, cnc: &Cnc) -> Option<Message> {

@@ -45,6 +45,7 @@ use crate::chrome::message_history::MessageHistory;
 use crate::chrome::program_opener::ProgramOpener;
 use crate::chrome::timeline::TimelineStrip;
 use crate::chrome::way_back::WayBack;
+use crate::chrome::why_pane::WhyPane;
 use crate::chrome::{top_bar, zoom};
 use crate::input::held_keys::{HeldKeys, PanelKeyChange};
 use crate::input::keyboard::PcAction;
@@ -106,6 +107,7 @@ pub struct Window {
     timeline: TimelineStrip,
     /// The way back to the start of a program whose keys the panel marks.
     way_back: Option<WayBack>,
+    why: WhyPane,
 }
 
 /// The control model in use and the operator's request for another one.
@@ -153,6 +155,7 @@ impl Window {
             sounds: MachineSound::default(),
             timeline,
             way_back: None,
+            why: WhyPane::default(),
         }
     }
 
@@ -345,6 +348,7 @@ impl Window {
                 key_map::show(ui.ctx(), language, model, &self.placed_areas)
             };
         }
+        self.show_why_pane(ui.ctx());
         let picture = self.snapshot.as_ref();
         match self
             .help

@@ -45,6 +45,7 @@ struct AddressChange {
 /// The last change of each bit and counter of the PLC.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BitLog {
+    last_tick: u64,
     bytes: Vec<u8>,
     counters: Vec<i32>,
     changes: BTreeMap<PlcAddress, AddressChange>,
@@ -52,8 +53,13 @@ pub struct BitLog {
 }
 
 impl BitLog {
-    /// Compares the memory of the PLC with the last call. `tick` is the time stamp of a change.
+    /// Compares the memory of the PLC with the last call. Begins anew if time goes back. `tick` is the time stamp of a change.
     pub fn follow_tick(&mut self, cnc: &Cnc, tick: u64) {
+        if tick < self.last_tick {
+            // Another machine, or an earlier moment of it.
+            *self = Self::default();
+        }
+        self.last_tick = tick;
         let memory = cnc.plc().memory();
         let addresses = BYTE_AREAS
             .iter()

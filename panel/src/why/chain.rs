@@ -58,7 +58,7 @@ impl CauseChain {
         self.links.len() >= MAX_LINKS
     }
 
-    /// Adds a fact whose text `message` writes in a language.
+    /// Adds a fact whose text `message` writes in a language. A full chain stays as it is.
     pub(super) fn push(
         &mut self,
         depth: usize,
@@ -73,7 +73,7 @@ impl CauseChain {
             english: text(Language::En),
         };
         let is_repeated = (self.links.last()).is_some_and(|last| *last == link);
-        if !is_repeated {
+        if !is_repeated && !self.is_full() {
             self.links.push(link);
         }
     }

@@ -55,3 +55,29 @@ pub(super) fn find_key(text: &str) -> Option<Key> {
     let found = all_rows().find(|row| row.name_zh == name || row.legend.concat() == name);
     found.map(|row| row.key)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gsk_core::plc::address::Area;
+
+    #[test]
+    fn bits_parameters_and_keys_are_found_in_a_text() {
+        let text = "feed hold: *SP (G8.5) is 0: the key [暂停], the pin X1.5; 172.5 = 0.";
+        let bits = [
+            BitAddress::new(Area::G, 8, 5),
+            BitAddress::new(Area::X, 1, 5),
+        ];
+        assert_eq!(find_bits(text), bits);
+        assert_eq!(find_parameters(text), [(172, Some(5))]);
+        assert_eq!(find_key(text), Some(Key::FeedHold));
+    }
+
+    #[test]
+    fn parameters_are_found_in_each_form_and_other_numbers_are_not() {
+        assert_eq!(find_parameters("Chuck (168 bit 2)"), [(168, Some(2))]);
+        assert_eq!(find_parameters("parameter 084 sets"), [(84, None)]);
+        assert_eq!(find_parameters("alarm 207, 12.5 mm, 1000 r/min"), []);
+        assert_eq!(find_key("no key ["), None);
+    }
+}

@@ -54,6 +54,17 @@ impl CauseSubject {
     }
 }
 
+impl core::fmt::Display for CauseSubject {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Bit(bit) => write!(f, "bit {}{}.{}", bit.area.letter(), bit.byte, bit.bit),
+            Self::Key(key) => write!(f, "key {}", key.id()),
+            Self::Axis(axis) => write!(f, "axis {axis}"),
+            Self::Alarm(number) => write!(f, "alarm {number:03}"),
+        }
+    }
+}
+
 const fn lamp_bit(lamp: crate::keys::Bit) -> BitAddress {
     BitAddress::new(Area::Y, lamp.byte, lamp.bit)
 }

@@ -21,6 +21,7 @@ impl Window {
         if !self.is_in_exam() {
             return;
         }
+        self.why.close();
         let layouts = &mut self.settings.layouts;
         for view in VIEWS.iter().map(|row| row.view) {
             if layouts.is_open(view) && !EXAM_VIEWS.contains(&view) {
