@@ -9,6 +9,8 @@ use gsk_panel::keys::Key;
 use gsk_panel::why::{CauseChain, CauseLink, CauseSubject, CauseTarget};
 
 use crate::Window;
+use crate::placement::panel_placement::PlacedArea;
+use crate::placement::stop_key_clearance;
 use crate::theme;
 use crate::view::ViewId;
 use crate::widgets::status_message::StatusMessage;
@@ -67,15 +69,25 @@ impl WhyPane {
         context: &Context,
         language: Language,
         console: &Console,
+        placed: &[PlacedArea],
     ) -> Option<CauseTarget> {
         if !self.is_open {
             return None;
         }
+        // The pane never covers the stop keys of the panel.
+        let size = egui::Vec2::from(WINDOW_SIZE);
+        let area = stop_key_clearance::best_rect(
+            context.content_rect(),
+            &stop_key_clearance::stop_key_rects(placed),
+            |room| stop_key_clearance::rate_beside_panel(room, size, placed),
+        );
         let mut is_open = true;
         let shown = egui::Window::new(say::window_why_title().text(language))
             .id(egui::Id::unique("why"))
             .collapsible(false)
             .default_size(WINDOW_SIZE)
+            .default_pos(area.right_top() - egui::vec2(WINDOW_SIZE[0].min(area.width()), 0.0))
+            .constrain_to(area)
             .open(&mut is_open)
             .show(context, |ui| self.show_content(ui, language, console));
         if !is_open {
@@ -164,7 +176,10 @@ impl Window {
     /// Draws the pane *Why?* and follows a selected link.
     pub(crate) fn show_why_pane(&mut self, context: &Context) {
         let language = self.settings.language;
-        match self.why.show(context, language, &self.console) {
+        match self
+            .why
+            .show(context, language, &self.console, &self.placed_areas)
+        {
             Some(CauseTarget::Key(key)) => self.why.marked_key = Some(key),
             Some(CauseTarget::Rung(rung)) => {
                 self.show_view(ViewId::Ladder);
