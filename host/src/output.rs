@@ -162,7 +162,12 @@ pub fn set_language(language: Language) {
 
 /// The text of a message in the language of the command line.
 pub fn localize(message: &Message) -> String {
-    message.text(LANGUAGE.get().copied().unwrap_or(Language::En))
+    message.text(language())
+}
+
+/// The language of the command line.
+pub fn language() -> Language {
+    LANGUAGE.get().copied().unwrap_or(Language::En)
 }
 
 /// Writes a message and a newline to standard output.

@@ -9,7 +9,7 @@ macro_rules! lessons {
 }
 
 /// File names and texts of the built-in lessons, in the order in which a learner takes them.
-pub static LESSONS: [(&str, &str); 10] = lessons![
+pub static LESSONS: [(&str, &str); 11] = lessons![
     "01-power-on.ron",
     "02-jog-and-handwheel.ron",
     "03-mdi.ron",
@@ -20,6 +20,7 @@ pub static LESSONS: [(&str, &str); 10] = lessons![
     "08-offsets.ron",
     "09-threads.ron",
     "10-nose-radius.ron",
+    "11-find-out-why.ron",
 ];
 
 /// Parses the built-in lessons. A test checks that every one of them is valid.

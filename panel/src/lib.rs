@@ -19,3 +19,4 @@ pub mod screen;
 pub mod script;
 pub mod signals;
 pub mod trace;
+pub mod why;

@@ -62,6 +62,11 @@ impl KeyPress {
         })
     }
 
+    /// The key.
+    pub const fn key(&self) -> Key {
+        self.key
+    }
+
     /// Returns why the key has no effect, if it was pressed [`CHECK_DELAY_TICKS`] ticks ago
     /// and is still down. Returns `None` if it acts or the ladder has not read it yet.
     pub fn refusal_reason(&self, cnc: &Cnc) -> Option<Message> {
@@ -123,6 +128,16 @@ fn machine_key_reason(key: Key, cnc: &Cnc) -> Option<Message> {
         Key::SpindleForward | Key::SpindleReverse => speed_reason(cnc)?,
         Key::SpindleStop if on(FORWARD) || on(REVERSE) => say::key_acts_in_manual_modes(),
         Key::ToolChange if !on(NEXT_TOOL) && !on(TOOL_STROBE) => tool_change_reason(cnc)?,
+        Key::WheelX if !on(WHEEL_X) => handwheel_reason(cnc),
+        Key::WheelZ if !on(WHEEL_Z) => handwheel_reason(cnc),
+        _ => return mode_reason(key, cnc),
+    };
+    Some(why)
+}
+
+/// Returns why the mode or a parameter forbids a machine key; `None` if neither does.
+fn mode_reason(key: Key, cnc: &Cnc) -> Option<Message> {
+    let why = match key {
         Key::Lubrication if !is_manual(cnc) => say::key_acts_in_manual_modes(),
         Key::Rapid | Key::RapidOverrideUp | Key::RapidOverrideDown
             if matches!(cnc.mode(), OperatingMode::Edit | OperatingMode::Handwheel) =>
@@ -137,11 +152,32 @@ fn machine_key_reason(key: Key, cnc: &Cnc) -> Option<Message> {
         Key::Increment100 if cnc.parameters().has_small_steps_only() => {
             say::key_large_steps_locked()
         }
-        Key::WheelX if !on(WHEEL_X) => handwheel_reason(cnc),
-        Key::WheelZ if !on(WHEEL_Z) => handwheel_reason(cnc),
         _ => return None,
     };
     Some(why)
+}
+
+/// Returns why a machine key has no effect, or would have none if it were pressed now; `None` if
+/// nothing prevents it.
+pub fn present_reason(key: Key, cnc: &Cnc) -> Option<Message> {
+    let contact = key.contact()?;
+    let contact = BitAddress::new(Area::X, contact.byte, contact.bit);
+    if cnc.plc().memory().bit(contact) {
+        return machine_key_reason(key, cnc);
+    }
+    let without_key = |why: &Message| *why != say::axis_key_held_by_ladder();
+    match key {
+        Key::CycleStart => cnc.start_refusal(),
+        Key::FeedHold => feed_hold_reason(cnc.run_state()),
+        Key::XUp | Key::XDown => cnc.axis_key_refusal(Axis::X).filter(without_key),
+        Key::ZLeft | Key::ZRight => cnc.axis_key_refusal(Axis::Z).filter(without_key),
+        Key::SpindleForward | Key::SpindleReverse if !is_manual(cnc) => spindle_reason(cnc),
+        Key::ToolChange => tool_change_reason(cnc),
+        Key::WheelX | Key::WheelZ if cnc.mode() != OperatingMode::Handwheel => {
+            Some(handwheel_reason(cnc))
+        }
+        _ => mode_reason(key, cnc),
+    }
 }
 
 /// Returns whether the mode allows the keys of spindle, tool post and lubrication.

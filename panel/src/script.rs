@@ -20,9 +20,10 @@ pub use state::{ExpectedState, OffsetField, ValueRange};
 
 use crate::emulator::WaitCondition;
 use crate::keys::Key;
+use crate::why::CauseSubject;
 
 /// The names of the actions with their forms, for help and error messages.
-pub const FORMS: [(&str, &str); 21] = [
+pub const FORMS: [(&str, &str); 23] = [
     ("press", "press KEY"),
     ("hold", "hold KEY 2s"),
     ("down", "down KEY"),
@@ -49,9 +50,14 @@ pub const FORMS: [(&str, &str); 21] = [
          lamp KEY on | alarm 011 | alarm none | mode 自动方式 | Y0.3 1 | G43 133",
     ),
     ("expect", state::FORM),
+    ("expect", "expect why axis Z \"feed override\""),
     ("expect", "expect not …"),
     ("show", "show"),
     ("shot", "shot FILE.png [--panel]"),
+    (
+        "why",
+        "why bit Y0.3 | why lamp KEY | why key KEY | why axis X|Z | why alarm 207",
+    ),
 ];
 
 /// A script whose lines are valid.
@@ -120,6 +126,8 @@ pub enum ScriptAction {
     Expect(Expectation),
     /// Prints the text of the LCD.
     Show,
+    /// Prints the chain of causes of a state.
+    Why(CauseSubject),
     /// Saves a picture of the LCD or of the whole panel to a file.
     Shot {
         /// Path of the picture file.

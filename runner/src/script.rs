@@ -8,6 +8,7 @@ use gsk_panel::panel::SerialFile;
 use gsk_panel::script::{
     Effect, Failure, Runner, Script, ScriptAction, ScriptLine, ScriptProgress,
 };
+use gsk_panel::why::CauseChain;
 
 use crate::board::PulseBoard;
 use crate::partner::{PartnerWait, ProgramPartner};
@@ -22,6 +23,9 @@ pub trait ScriptHost {
 
     /// Shows the rows of the LCD as text.
     fn show_screen(&mut self, screen: &str);
+
+    /// Shows the chain of causes of a state.
+    fn show_chain(&mut self, chain: &CauseChain);
 
     /// Draws a picture of the machine and stores it under a file name.
     ///
@@ -182,6 +186,7 @@ impl<'a, S: ScriptHost> ScriptSession<'a, S> {
     fn execute_effect(&mut self, effect: Effect) -> Result<(), Message> {
         match effect {
             Effect::Show(text) => self.host.show_screen(&text),
+            Effect::Explain(chain) => self.host.show_chain(&chain),
             Effect::Shot { path, panel } => {
                 let picture = match panel {
                     true => ScriptPicture::Panel,

@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use gsk_messages::{Message, say};
+use gsk_messages::{Language, Message, say};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::{SerialCable, SerialFile};
 use gsk_panel::script::Script;
+use gsk_panel::why::CauseChain;
 use gsk_runner::partner::{ProgramPartner, TextPartner};
 use gsk_runner::script::{ScriptEnd, ScriptHost, ScriptPicture, ScriptSession};
 
@@ -62,6 +63,10 @@ impl CaseFiles<'_> {
 
 impl ScriptHost for CaseFiles<'_> {
     type Error = Message;
+
+    fn show_chain(&mut self, chain: &CauseChain) {
+        println!("{}", chain.text(Language::En));
+    }
 
     fn show_screen(&mut self, screen: &str) {
         println!("{screen}");

@@ -47,6 +47,7 @@ use crate::chrome::message_history::MessageHistory;
 use crate::chrome::program_opener::ProgramOpener;
 use crate::chrome::timeline::TimelineStrip;
 use crate::chrome::way_back::WayBack;
+use crate::chrome::why_pane::WhyPane;
 use crate::chrome::{top_bar, zoom};
 use crate::input::held_keys::{HeldKeys, PanelKeyChange};
 use crate::input::keyboard::PcAction;
@@ -111,6 +112,7 @@ pub struct Window {
     way_back: Option<WayBack>,
     /// What was closed for the exam that is under way; `None` outside exams.
     closed_for_exam: Option<ClosedForExam>,
+    why: WhyPane,
 }
 
 /// The control model in use and the operator's request for another one.
@@ -159,6 +161,7 @@ impl Window {
             timeline,
             way_back: None,
             closed_for_exam: None,
+            why: WhyPane::default(),
         }
     }
 
@@ -366,6 +369,7 @@ impl Window {
                 key_map::show(ui.ctx(), language, model, &self.placed_areas)
             };
         }
+        self.show_why_pane(ui.ctx());
         let picture = self.snapshot.as_ref();
         match self
             .help

@@ -19,6 +19,7 @@ use gsk_messages::{Language, Message, say};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::{SerialCable, SerialFile};
 use gsk_panel::script::{Script, ScriptAction};
+use gsk_panel::why::CauseChain;
 use gsk_plot::{encode_lcd, encode_panel};
 use gsk_runner::board::PulseBoard;
 use gsk_runner::partner::ProgramPartner;
@@ -258,6 +259,10 @@ impl ScriptFiles {
 
 impl ScriptHost for ScriptFiles {
     type Error = CommandError;
+
+    fn show_chain(&mut self, chain: &CauseChain) {
+        output::print(&chain.text(output::language()));
+    }
 
     fn show_screen(&mut self, screen: &str) {
         output::print(&format!("{screen}\n"));

@@ -26,6 +26,7 @@ use gsk_panel::keys::Key;
 use gsk_panel::pages::{PageId, UdiskFile};
 use gsk_panel::panel::SerialFile;
 use gsk_panel::screen::Screen;
+use gsk_panel::why::{CauseChain, CauseSubject};
 use gsk_project::ProjectState;
 use gsk_runner::machining::live_part::LivePart;
 use gsk_runner::program_summary::ProgramSummary;
@@ -59,6 +60,8 @@ pub enum Command {
     Tap(Key),
     /// Type a character that has no key on the panel.
     Type(char),
+    /// Explain a state: the chain of causes follows as a notice.
+    Explain(CauseSubject),
     /// Turn the handwheel by this number of detents.
     Turn(i32),
     /// Open a program read from a file.
@@ -242,7 +245,10 @@ pub enum Notice {
     /// The learner has handed in, or the time of his exercise is over.
     HandedIn(Box<HandedInSolution>),
     /// Why a key does nothing; `None` once a key acts again.
-    KeyRefusal(Option<Message>),
+    /// The key is `None` for a typed character.
+    KeyRefusal(Option<(Option<Key>, Message)>),
+    /// The chain of causes that the window has requested.
+    Explained(Box<CauseChain>),
 }
 
 /// The state of the panel at one moment.

@@ -2,12 +2,13 @@
 
 use gsk_core::cnc::Cnc;
 use gsk_messages::Message;
+use gsk_panel::keys::Key;
 use gsk_panel::refusal::{CHECK_DELAY_TICKS, KeyPress};
 
 /// A report to the window about keys that do nothing.
 pub(super) enum RefusalReport {
     /// The key does nothing, for this reason.
-    Refused(Message),
+    Refused(Option<Key>, Message),
     /// A key acts: the earlier refusal is obsolete.
     KeyActs,
 }
@@ -22,11 +23,12 @@ pub(super) struct KeyRefusals {
 }
 
 impl KeyRefusals {
-    /// Records a key press at a tick. `press` is the check that follows; `None` for a key without
+    /// Records a press of `key` at a tick; `None` for a typed character. `press` is the check that follows; `None` for a key without
     /// one. `refused` is the reason if page, mode or a switch forbids the key. Returns the report
     /// to the window; `None` if there is nothing to report.
     pub(super) fn record_press(
         &mut self,
+        key: Option<Key>,
         press: Option<KeyPress>,
         refused: Option<Message>,
         tick: u64,
@@ -36,7 +38,7 @@ impl KeyRefusals {
         match refused {
             Some(why) => {
                 self.is_refusal_shown = true;
-                Some(RefusalReport::Refused(why))
+                Some(RefusalReport::Refused(key, why))
             }
             None => core::mem::take(&mut self.is_refusal_shown).then_some(RefusalReport::KeyActs),
         }
@@ -50,10 +52,10 @@ impl KeyRefusals {
         }
         let due = self.pending.iter().filter(|(at, _)| *at <= tick);
         let why = due
-            .filter_map(|(_, press)| press.refusal_reason(cnc))
+            .filter_map(|(_, press)| Some((press.key(), press.refusal_reason(cnc)?)))
             .next_back();
         self.pending.retain(|(at, _)| *at > tick);
         self.is_refusal_shown |= why.is_some();
-        why.map(RefusalReport::Refused)
+        why.map(|(key, why)| RefusalReport::Refused(Some(key), why))
     }
 }

@@ -40,6 +40,7 @@ use gsk_panel::emulator::{Emulator, EmulatorInput};
 use gsk_panel::keys::Key;
 use gsk_panel::panel::{KeyEvent, SerialCable};
 use gsk_panel::refusal::KeyPress;
+use gsk_panel::why::{self, BitLog, CauseSubject};
 use gsk_project::ProjectState;
 use gsk_runner::machining::Machining;
 use gsk_runner::partner::{PartnerWait, ProgramPartner as _};
@@ -84,6 +85,8 @@ use timeline::{Timeline, TimelineMarkKind};
 pub const SNAPSHOT_TICKS: u64 = 25;
 /// Ticks of 1 ms between two views of machine and PLC, while the window shows them.
 const MACHINE_VIEW_TICKS: u64 = 50;
+/// Ticks of 1 ms between two checks of the bits of the PLC: a slot of the ladder.
+const BIT_LOG_TICKS: u64 = 8;
 /// Time without a turn after which a handwheel counts as at rest.
 const WHEEL_REST_TIME: Duration = Duration::from_millis(300);
 /// Capacity of the command queue and of the notice queue, entries.
@@ -132,6 +135,8 @@ pub struct Kernel {
     /// Key events that wait for their tick, and the keys that are down.
     key_edges: KeyEdgeQueue,
     key_refusals: KeyRefusals,
+    /// When the bits of the PLC have changed.
+    bit_log: BitLog,
     wait_watch: WaitWatch,
     start_watch: StartWatch,
     tick: u64,
@@ -191,6 +196,7 @@ impl Kernel {
             notices: notices.clone(),
             key_edges: KeyEdgeQueue::default(),
             key_refusals: KeyRefusals::default(),
+            bit_log: BitLog::default(),
             wait_watch: WaitWatch::default(),
             start_watch: StartWatch::default(),
             tick: 0,
@@ -312,6 +318,10 @@ impl Kernel {
         }
         let verdict = self.key_refusals.check_due(self.tick, self.emulator.cnc());
         self.report_verdict(verdict);
+        let now = self.emulator.ticks();
+        if now.is_multiple_of(BIT_LOG_TICKS) {
+            self.bit_log.follow_tick(self.emulator.cnc(), now);
+        }
         if let Some(feed) = &mut self.agent_feed {
             let job = self.part.state().machining().map(Machining::job);
             feed.follow_tick(self.emulator.simulation(), job);
@@ -558,6 +568,7 @@ impl Kernel {
             }
             Command::Link(order) => self.execute_link_command(order),
             Command::Translate(on) => self.translate_screen = on,
+            Command::Explain(subject) => self.explain(subject),
             Command::PublishMotion(on) => self.publish_motion = on,
             Command::WatchLink(on) => self.watch_link(on),
             Command::Store(text, to) => {
@@ -597,6 +608,16 @@ impl Kernel {
             (Some(probe), Some(probing)) => probing.replace_probe(probe),
             (probe, _) => self.active_probe = probe.map(ActiveProbe::new),
         }
+    }
+
+    /// Sends the chain of causes of a state to the window. A look at the past has no times.
+    fn explain(&self, subject: CauseSubject) {
+        let log = match self.timeline.shows_past() {
+            true => &BitLog::default(),
+            false => &self.bit_log,
+        };
+        let chain = why::explain(self.shown_machine(), subject, log);
+        self.notify(Notice::Explained(Box::new(chain)));
     }
 
     fn show_part(&mut self, visible: bool) {
@@ -696,6 +717,10 @@ impl Kernel {
 
     /// Passes a key event or a typed character to the panel.
     fn pass_key_event(&mut self, event: KeyEvent) {
+        let key = match event {
+            KeyEvent::Down(key) => Some(key),
+            _ => None,
+        };
         let pressed = match event {
             KeyEvent::Down(key) => Some(KeyPress::new(key, self.emulator.cnc())),
             KeyEvent::Type(_) => Some(None),
@@ -703,7 +728,9 @@ impl Kernel {
         };
         let refused = self.emulator.key(event);
         if let Some(press) = pressed {
-            let verdict = self.key_refusals.record_press(press, refused, self.tick);
+            let verdict = self
+                .key_refusals
+                .record_press(key, press, refused, self.tick);
             self.report_verdict(verdict);
         }
     }
@@ -711,7 +738,9 @@ impl Kernel {
     /// Notifies the window why a key does nothing, or that a key acts again.
     fn report_verdict(&self, verdict: Option<RefusalReport>) {
         match verdict {
-            Some(RefusalReport::Refused(why)) => self.notify(Notice::KeyRefusal(Some(why))),
+            Some(RefusalReport::Refused(key, why)) => {
+                self.notify(Notice::KeyRefusal(Some((key, why))));
+            }
             Some(RefusalReport::KeyActs) => self.notify(Notice::KeyRefusal(None)),
             None => {}
         }

@@ -14,7 +14,7 @@ mod parameters;
 mod password;
 mod password_entry;
 mod plc;
-mod plc_names;
+pub(crate) mod plc_names;
 mod position;
 mod power_on;
 mod program;

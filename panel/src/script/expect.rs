@@ -4,11 +4,12 @@ use core::ops::RangeInclusive;
 
 use gsk_core::operation::OperatingMode;
 use gsk_core::plc::address::{BitAddress, ByteAddress};
-use gsk_messages::{Message, say};
+use gsk_messages::{Language, Message, say};
 
 use super::state::ExpectedState;
 use crate::emulator::{Emulator, fold_blanks};
 use crate::keys::Bit;
+use crate::why::{self, BitLog, CauseSubject};
 
 /// Greatest difference of two coordinates that the display shows alike, mm.
 const TOLERANCE: f64 = 0.000_500_1;
@@ -69,6 +70,8 @@ pub enum Expectation {
     Value(ByteAddress, i32),
     /// A state of control, panel or lathe, as lessons expect it.
     State(ExpectedState),
+    /// The chain of causes of a state has a line with this text, in English.
+    Cause(CauseSubject, String),
     /// The inner expectation is not met.
     Not(Box<Expectation>),
 }
@@ -97,6 +100,8 @@ pub enum UnmetExpectation {
     Bit(BitAddress, u8),
     /// A byte or entry of PLC memory, and its actual value.
     Value(ByteAddress, i32),
+    /// The actual chain of causes.
+    Cause(String),
     /// The message about the actual state of control, panel or lathe.
     State(Message),
     /// The state that a `not` excludes is present.
@@ -118,6 +123,7 @@ impl UnmetExpectation {
             Self::Mode(mode) => say::script_mode_is(mode),
             Self::Bit(address, value) => say::script_value_is(address, value),
             Self::Value(address, value) => say::script_value_is(address, value),
+            Self::Cause(chain) => say::script_chain_is(chain),
             Self::State(seen) => seen.clone(),
             Self::Holds => say::script_holds(),
         }
@@ -125,6 +131,15 @@ impl UnmetExpectation {
 }
 
 impl Expectation {
+    /// Returns whether the expectation needs the times at which bits have changed.
+    pub(super) fn needs_log(&self) -> bool {
+        match self {
+            Self::Cause(..) => true,
+            Self::Not(expect) => expect.needs_log(),
+            _ => false,
+        }
+    }
+
     /// Returns whether the expectation is about a position of the axes or slides.
     pub fn is_position(&self) -> bool {
         match self {
@@ -140,6 +155,15 @@ impl Expectation {
     ///
     /// Returns the actual state if it differs.
     pub fn check(&self, emulator: &Emulator) -> Result<(), UnmetExpectation> {
+        self.check_with_log(emulator, &BitLog::default())
+    }
+
+    /// Checks the same with the times at which the bits of the PLC have changed.
+    pub(super) fn check_with_log(
+        &self,
+        emulator: &Emulator,
+        log: &BitLog,
+    ) -> Result<(), UnmetExpectation> {
         let cnc = emulator.cnc();
         match self {
             Self::Row(row, text) => {
@@ -205,8 +229,17 @@ impl Expectation {
                 verdict(seen == *value, || UnmetExpectation::Value(*address, seen))
             }
             Self::State(state) => state.check(emulator).map_err(UnmetExpectation::State),
+            Self::Cause(subject, text) => {
+                let chain = why::explain(emulator, *subject, log);
+                let mut links = chain.links().iter();
+                let is_named = links.any(|link| link.text(Language::En).contains(text));
+                verdict(is_named, || {
+                    UnmetExpectation::Cause(chain.text(Language::En))
+                })
+            }
             Self::Not(expect) => {
-                verdict(expect.check(emulator).is_err(), || UnmetExpectation::Holds)
+                let is_met = expect.check_with_log(emulator, log).is_ok();
+                verdict(!is_met, || UnmetExpectation::Holds)
             }
         }
     }

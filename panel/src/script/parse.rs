@@ -15,6 +15,7 @@ use crate::emulator::WaitCondition;
 use crate::keys::{self, Key};
 use crate::panel::is_typable;
 use crate::screen::ROWS;
+use crate::why::CauseSubject;
 
 /// Time limit of a `wait` that does not give one, milliseconds.
 const DEFAULT_LIMIT: u64 = 60_000;
@@ -153,6 +154,7 @@ fn action(verb: &str, rest: &str) -> Result<ScriptAction, ParseError> {
             Ok(ScriptAction::Force(bit(address)?, Some(zero_one(state)?)))
         }
         ("expect", [_, ..]) => expect(&texts).map(ScriptAction::Expect),
+        ("why", [kind, name]) => Ok(ScriptAction::Why(subject(kind, name)?)),
         ("show", []) => Ok(ScriptAction::Show),
         ("shot", [path]) if *path != "--panel" => Ok(shot(path, false)),
         ("shot", [path, "--panel"] | ["--panel", path]) => Ok(shot(path, true)),
@@ -394,6 +396,7 @@ fn expect(words: &[&str]) -> Result<Expectation, ParseError> {
             let lamp = keys::lamp_of(name).ok_or_else(|| no_lamp(name))?;
             Expectation::Lamp((*name).to_owned(), lamp, on_off(state)?)
         }
+        ["why", kind, name, text] => Expectation::Cause(subject(kind, name)?, (*text).to_owned()),
         ["alarm", "none"] => Expectation::NoAlarm,
         ["alarm", number] => Expectation::Alarm(
             number
@@ -419,6 +422,10 @@ fn expect(words: &[&str]) -> Result<Expectation, ParseError> {
         }
         _ => return Err(wrong("expect")),
     })
+}
+
+fn subject(kind: &str, name: &str) -> Result<CauseSubject, ParseError> {
+    CauseSubject::parse(kind, name).ok_or_else(|| ParseError::NoSubject(format!("{kind} {name}")))
 }
 
 fn coordinate(text: &str) -> Result<f64, ParseError> {

@@ -87,6 +87,8 @@ pub enum ParseError {
         /// The names of all modes.
         all: String,
     },
+    /// These words do not name a state that can be explained.
+    NoSubject(String),
     /// This word is not a coordinate.
     NoCoordinate(String),
     /// This word is not a voltage.
@@ -144,6 +146,7 @@ impl ParseError {
             Self::NoRow(text) => say::script_no_row(text),
             Self::NoAlarm(text) => say::script_no_alarm_number(text),
             Self::UnknownMode { text, all } => say::script_mode_unknown(text, all),
+            Self::NoSubject(text) => say::script_no_why(text),
             Self::NoCoordinate(text) => say::script_no_coordinate(text),
             Self::NoVoltage(text) => say::script_no_voltage(text),
             Self::NoPulses(text) => say::script_no_pulses(text),

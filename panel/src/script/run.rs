@@ -10,6 +10,7 @@ use crate::emulator::{ConditionWatch, Emulator, EmulatorInput, PRESS_TICKS};
 use crate::keys::Key;
 use crate::pages::POWER_ON_TICKS;
 use crate::panel::KeyEvent;
+use crate::why::{self, BitLog, CauseChain};
 
 /// Number of ticks after which the runner returns to the loop of [`run`].
 const SLICE: u64 = 100_000;
@@ -22,6 +23,8 @@ const TICKS_PER_GRADUATION: u64 = 5;
 pub enum Effect {
     /// Print this text: the rows of the LCD.
     Show(String),
+    /// Print this chain of causes.
+    Explain(CauseChain),
     /// Save a picture of the current state of the LCD or the panel.
     Shot {
         /// Path of the picture file.
@@ -97,6 +100,8 @@ pub struct Runner {
     dnc: bool,
     /// Emulator tick of the partner's last [`Effect::DncRoom`]; `None` before the first.
     last_request: Option<u64>,
+    /// When the bits of the PLC have changed; `None` if no line of the script asks why.
+    log: Option<BitLog>,
 }
 
 /// What the current line waits for.
@@ -141,8 +146,14 @@ enum Next {
 
 impl Runner {
     /// Creates a runner that starts with the first line of the script after the self-test.
-    pub const fn new(script: Script) -> Self {
+    pub fn new(script: Script) -> Self {
+        let explains = script.lines.iter().any(|line| match &line.action {
+            ScriptAction::Why(_) => true,
+            ScriptAction::Expect(expect) => expect.needs_log(),
+            _ => false,
+        });
         Self {
+            log: explains.then(BitLog::default),
             script,
             next: 0,
             origin: 0,
@@ -181,6 +192,10 @@ impl Runner {
                 Next::Tick => {
                     emulator.tick();
                     left -= 1;
+                    let now = emulator.ticks();
+                    if let Some(log) = &mut self.log {
+                        log.follow_tick(emulator.cnc(), now);
+                    }
                 }
                 Next::Recheck => {}
                 Next::Return(progress) => {
@@ -360,13 +375,26 @@ impl Runner {
                 }
             }
             ScriptAction::Expect(expect) => {
-                if let Err(seen) = expect.check(emulator) {
+                let checked = match &self.log {
+                    Some(log) => expect.check_with_log(emulator, log),
+                    None => expect.check(emulator),
+                };
+                if let Err(seen) = checked {
                     return Next::Return(ScriptProgress::Failed(self.failure(seen.message())));
                 }
             }
             ScriptAction::Show => {
                 let text = emulator.screen().text();
                 return Next::Return(ScriptProgress::Effect(Effect::Show(text)));
+            }
+            ScriptAction::Why(subject) => {
+                let chain = self
+                    .log
+                    .as_ref()
+                    .map(|log| why::explain(emulator, subject, log));
+                return Next::Return(ScriptProgress::Effect(Effect::Explain(
+                    chain.unwrap_or_default(),
+                )));
             }
             ScriptAction::Shot { path, panel } => {
                 return Next::Return(ScriptProgress::Effect(Effect::Shot { path, panel }));

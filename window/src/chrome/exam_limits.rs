@@ -31,6 +31,7 @@ impl Window {
             return self.open_closed_views();
         }
         let closed = self.closed_for_exam.get_or_insert_default();
+        self.why.close();
         let layouts = &mut self.settings.layouts;
         for view in VIEWS.iter().map(|row| row.view) {
             if layouts.is_open(view) && !EXAM_VIEWS.contains(&view) {

@@ -96,7 +96,9 @@ impl Window {
                 }
                 // Why a key does nothing is what an examinee has to know.
                 Notice::KeyRefusal(Some(_)) if self.is_in_exam() => {}
-                Notice::KeyRefusal(Some(reason)) => {
+                Notice::Explained(chain) => self.why.take_chain(*chain),
+                Notice::KeyRefusal(Some((key, reason))) => {
+                    self.why.set_refused_key(key);
                     self.message = Some(StatusMessage::KeyRefused(reason));
                 }
                 Notice::KeyRefusal(None) => {

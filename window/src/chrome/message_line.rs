@@ -29,6 +29,7 @@ impl Window {
         self.message_history.record(top.as_ref());
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             self.show_history_button(ui);
+            self.show_why_button(ui);
             let speed = self.snapshot.as_ref().map(|it| it.speed_percent);
             if let Some(speed) = speed.filter(|speed| *speed < 100) {
                 top_bar::show_slow_computer(ui, speed, self.settings.language);

@@ -12,4 +12,5 @@ pub mod timeline;
 pub mod top_bar;
 pub mod top_bar_requests;
 pub mod way_back;
+pub mod why_pane;
 pub mod zoom;

@@ -156,6 +156,7 @@ impl Window {
             self.way_back = self.way_back.and_then(|way| way.follow(picture));
             marked.extend(self.way_back.iter().flat_map(|way| way.keys(picture)));
         }
+        marked.extend(self.why.marked_key);
         for key in marked {
             if let Some(part) = faceplate::part_of(model, key)
                 && let Some(view) = panel_placement::area_of_part(placed, part)

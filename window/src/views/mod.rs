@@ -45,6 +45,7 @@ use crate::widgets::questions::Unsaved;
 use crate::widgets::real_machine_bar;
 use gsk_messages::Language;
 use interface::{ViewFrame, ViewStart};
+use ladder::LadderView;
 use lesson::LessonView;
 use machine::{LatheView, ProgramViewRequest};
 use program::ProgramView;
@@ -144,6 +145,10 @@ impl Views {
     /// The camera of the lathe view for the settings.
     pub fn scene_camera(&self) -> Option<StoredSceneCamera> {
         self.all.scene.stored_camera()
+    }
+
+    pub const fn ladder(&mut self) -> &mut LadderView {
+        &mut self.all.ladder
     }
 
     pub const fn lessons(&mut self) -> &mut LessonView {

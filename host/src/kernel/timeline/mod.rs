@@ -495,6 +495,7 @@ pub(super) const fn changes_machine(command: &Command) -> bool {
         // The window finds the job of the present program some time after it was opened.
         Command::Job(_)
         | Command::TransferFailed
+        | Command::Explain(_)
         | Command::Link(_)
         | Command::Probe(_)
         | Command::Monitor(_)

@@ -139,6 +139,12 @@ impl LadderView {
         }
     }
 
+    /// Shows a rung as soon as it is drawn.
+    pub const fn show_rung(&mut self, number: u32) {
+        self.tab = Tab::Rungs;
+        self.pending_rung = Some(number);
+    }
+
     fn send_request(&self, request: ControlRequest) {
         self.console.send(Command::Request(Box::new(request)));
     }

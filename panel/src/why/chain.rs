@@ -1,0 +1,93 @@
+//! The chain of causes, in both languages.
+
+use gsk_core::plc::address::BitAddress;
+use gsk_messages::{Language, Message};
+
+use crate::keys::Key;
+
+/// Greatest number of links of a chain.
+pub(super) const MAX_LINKS: usize = 80;
+
+/// Where a link of a chain leads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CauseTarget {
+    /// A bit of the PLC, on the diagnosis page.
+    Bit(BitAddress),
+    /// The rung of the ladder with this number.
+    Rung(u32),
+    /// A key of the panel.
+    Key(Key),
+    /// The parameter with this number.
+    Parameter(u16),
+}
+
+/// A fact with its depth: the links after it that are one deeper decide it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CauseLink {
+    /// 0 for the subject itself.
+    pub depth: usize,
+    /// Where the link leads; `None` for a state of the control.
+    pub target: Option<CauseTarget>,
+    chinese: String,
+    english: String,
+}
+
+impl CauseLink {
+    /// The fact in a language.
+    pub fn text(&self, language: Language) -> &str {
+        match language {
+            Language::Zh => &self.chinese,
+            Language::En => &self.english,
+        }
+    }
+}
+
+/// The facts that decide a subject, each before those that decide it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct CauseChain {
+    links: Vec<CauseLink>,
+}
+
+impl CauseChain {
+    /// The links, each before those that decide it.
+    pub fn links(&self) -> &[CauseLink] {
+        &self.links
+    }
+
+    pub(super) fn is_full(&self) -> bool {
+        self.links.len() >= MAX_LINKS
+    }
+
+    /// Adds a fact whose text `message` writes in a language. A full chain stays as it is.
+    pub(super) fn push(
+        &mut self,
+        depth: usize,
+        target: Option<CauseTarget>,
+        message: impl Fn(Language) -> Message,
+    ) {
+        let text = |language| message(language).text(language).trim_end().to_owned();
+        let link = CauseLink {
+            depth,
+            target,
+            chinese: text(Language::Zh),
+            english: text(Language::En),
+        };
+        let is_repeated = (self.links.last()).is_some_and(|last| *last == link);
+        if !is_repeated && !self.is_full() {
+            self.links.push(link);
+        }
+    }
+
+    /// The chain as lines, indented by depth.
+    pub fn text(&self, language: Language) -> String {
+        let mut text = String::new();
+        for link in &self.links {
+            for _ in 0..link.depth {
+                text.push_str("  ");
+            }
+            text.push_str(link.text(language));
+            text.push('\n');
+        }
+        text
+    }
+}
