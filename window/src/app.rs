@@ -333,7 +333,8 @@ impl App {
         context.send_viewport_cmd(ViewportCommand::InnerSize(size));
         context.send_viewport_cmd(ViewportCommand::OuterPosition(corner));
         let is_small = monitor.x <= MAXIMIZED_UP_TO[0] && monitor.y <= MAXIMIZED_UP_TO[1];
-        if stored.is_none() && is_small {
+        let layouts = &self.window.settings().layouts;
+        if layouts.is_maximized.unwrap_or(stored.is_none() && is_small) {
             context.send_viewport_cmd(ViewportCommand::Maximized(true));
         }
     }

@@ -219,6 +219,9 @@ impl Window {
         {
             self.settings.layouts.window = Some(geometry);
         }
+        if let Some(is_maximized) = context.input(|input| input.viewport().maximized) {
+            self.settings.layouts.is_maximized = Some(is_maximized);
+        }
     }
 
     /// Shows `message` on the message line.

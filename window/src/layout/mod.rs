@@ -187,6 +187,8 @@ pub struct Layouts {
     homes: BTreeMap<ViewId, ViewHome>,
     /// Position and size of the main window before it was maximized.
     pub window: Option<WindowGeometry>,
+    /// Whether the main window is maximized; `None` before the first start.
+    pub is_maximized: Option<bool>,
     /// Views in separate windows; empty at the start of the program.
     #[serde(skip)]
     floating: Vec<ViewId>,
