@@ -561,7 +561,7 @@ fn an_opened_program_is_stored_and_never_overwrites_another() {
         assert!(wait_count < 1000, "not opened");
     }
     click(&mut bench, "中文");
-    assert!(is_shown(&bench, "把刀, X "));
+    assert!(is_shown(&bench, "把刀，切削范围 X "));
     click(&mut bench, "English");
 
     let text = |bench: &WindowBench| {
@@ -611,7 +611,7 @@ fn an_opened_program_is_summarized_at_once() {
         })
     };
     bench.open("03-grooved-pin.CNC");
-    let line = ", 2 tools, X 24–36, Z -45–2, no alarm";
+    let line = ", 2 tools, cuts X 24 to 36, Z -45 to 2, no alarm";
     assert!(wait_for_text(&mut bench, line));
     bench.open("faulty/02-no-feed.CNC");
     let failing = ": P/S 011 ";

@@ -74,7 +74,7 @@ fn ci_runs_the_test_command_of_both_readmes() {
     let ci = read_document(".ci/run");
     for (name, heading) in [
         ("README.md", "Run all tests:"),
-        ("README.zh-CN.md", "运行全部测试:"),
+        ("README.zh-CN.md", "运行全部测试："),
     ] {
         let readme = read_document(name);
         let command = command_after(&readme, heading);
