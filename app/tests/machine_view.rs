@@ -168,7 +168,7 @@ fn a_work_zero_set_by_the_program_causes_no_collision() {
 }
 
 #[test]
-fn new_stock_clears_the_collision_message() {
+fn a_crash_remains_until_the_lathe_is_free() {
     let mut bench = open_program(
         "O0007\nG50 X100 Z100\nT0101 M03 S800\nG00 X42 Z2\n\
         G90 X36 Z-30 F300\nG00 X20 Z-10\nG00 X100 Z100\nM30\n",
@@ -186,6 +186,9 @@ fn new_stock_clears_the_collision_message() {
     assert!(is_shown(&bench), "the line of messages says nothing");
     bench.click("New stock");
     bench.run(100);
+    assert!(is_shown(&bench), "its faults remain");
+    bench.click("Free the lathe");
+    bench.run(300);
     assert!(!is_shown(&bench));
 }
 

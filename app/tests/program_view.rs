@@ -107,7 +107,7 @@ fn alarms_are_shown_below_the_text_while_it_is_typed() {
     assert!(is_shown(&bench, "line 3: G01 Z-30"));
     assert!(is_shown(&bench, "Remedy: "));
     type_at_end(&mut bench, " F100\nM30\n");
-    wait_for_text(&mut bench, "1 tool, X 40–40, Z -30–2, no alarm");
+    wait_for_text(&mut bench, "1 tool, cuts X 40 to 40, Z -30 to 2, no alarm");
     assert!(!is_shown(&bench, "P/S 011 "));
     bench.harness.get_by_label("Undo").click();
     bench.run(1);

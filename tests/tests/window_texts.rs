@@ -171,3 +171,41 @@ fn literals_are_found_and_comments_characters_and_lifetimes_are_none() {
     assert_eq!(word_count("{name} came to no end in {seconds} s"), 5);
     assert_eq!(word_count("{:.1} r/min, X {x}"), 0);
 }
+
+/// Messages that the LCD shows as the control writes them.
+const LCD_MESSAGES: [&str; 6] = [
+    "lcd_",
+    "page_",
+    "panel_",
+    "label_",
+    "ladder_compiled",
+    "ladder_not_compiled",
+];
+
+/// The first half-width sign after a Chinese character; `None` without one.
+fn half_width_sign(text: &str) -> Option<char> {
+    let signs: Vec<char> = text.chars().collect();
+    signs.windows(2).find_map(|pair| {
+        let is_chinese = ('\u{4e00}'..='\u{9fff}').contains(&pair[0]);
+        (is_chinese && matches!(pair[1], ',' | ':' | ';' | '?' | '!')).then_some(pair[1])
+    })
+}
+
+#[test]
+fn chinese_messages_have_full_width_punctuation() {
+    assert_eq!(half_width_sign("按 [自动], 再按 [运行]：N10"), None);
+    assert_eq!(half_width_sign("程序: O0001"), Some(':'));
+    let table = repository().join("assets/tables/messages.tsv");
+    let table = fs::read_to_string(table).expect("the table of messages");
+    let faults: Vec<String> = table
+        .lines()
+        .skip(1)
+        .filter(|row| !LCD_MESSAGES.iter().any(|prefix| row.starts_with(prefix)))
+        .filter_map(|row| {
+            let chinese = row.split('\t').nth(2).unwrap_or_default();
+            let sign = half_width_sign(chinese)?;
+            Some(format!("{sign} in {row}"))
+        })
+        .collect();
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}

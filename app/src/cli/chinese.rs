@@ -381,7 +381,7 @@ mod tests {
             ] {
                 let help = translate_clap_text(&help.to_string());
                 assert_eq!(find_english(&help), None, "{words}:\n{help}");
-                assert!(help.contains("用法:"), "{help}");
+                assert!(help.contains("用法："), "{help}");
             }
         }
     }
@@ -466,7 +466,7 @@ mod tests {
     #[test]
     fn reasons_of_this_program_are_chinese() {
         for (line, wanted) in [
-            ("gsk980td check a --start 5", "写成 X,Z, 例如 300,300"),
+            ("gsk980td check a --start 5", "写成 X,Z，例如 300,300"),
             ("gsk980td plot a -o b.png --size 5", "图片"),
             ("gsk980td transfer delete a.b.c", "名称"),
             ("gsk980td mill backlash 2", "写八位"),
@@ -474,7 +474,7 @@ mod tests {
             ("gsk980td transfer list --partition x", "分区只能是"),
         ] {
             let [_, zh] = error_texts(line);
-            assert!(zh.contains("错误:") && zh.contains(wanted), "{zh}");
+            assert!(zh.contains("错误：") && zh.contains(wanted), "{zh}");
         }
     }
 

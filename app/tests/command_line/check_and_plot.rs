@@ -49,10 +49,10 @@ fn check_reports_in_chinese_and_english() {
     assert!(!english.contains(is_foreign), "{english}");
     for line in [
         "P/S 010 \u{6307}\u{4ee4}",
-        ", 第 3 行: G54\n  本系统没有 G54",
+        "，第 3 行: G54\n  本系统没有 G54",
         "另有 P/S 019",
-        "警告: 第 2 行: 切削时主轴没有旋转\n",
-        "警告: 第 4 行: G28 回机床零点, 未给出 --work-zero 时",
+        "警告：第 2 行：切削时主轴没有旋转\n",
+        "警告：第 4 行：G28 回机械零点，未给出 --work-zero 时",
         "第 7 行之后未检查",
         "刀路范围 X 50 … 300",
     ] {
@@ -206,7 +206,7 @@ fn errors_in_files_and_options_use_the_requested_language() {
         (
             vec!["check", program.path()],
             "(first in line 1) are read as ASCII",
-            "(最先在第 1 行) 按 ASCII 读入",
+            "（最先在第 1 行）按 ASCII 读入",
         ),
         (
             vec!["check", &missing],
@@ -252,7 +252,7 @@ fn every_second_of_a_check_belongs_to_a_kind_and_a_tool() {
     assert_eq!(tools[0]["tool"], report["tools"][0].as_str().unwrap());
 
     let (_, zh, _) = run_gsk(&["check", "01-stepped-shaft.CNC", "--lang", "zh"]);
-    assert!(zh.contains("  时间: 快速 "), "{zh}");
+    assert!(zh.contains("  时间：快速 "), "{zh}");
     let (_, en, _) = run_gsk(&["check", "01-stepped-shaft.CNC", "--lang", "en"]);
     assert!(en.contains("  time of T0101: "), "{en}");
 }
@@ -263,7 +263,7 @@ fn run_operate_and_the_tables_are_chinese_on_request() {
     let (code, zh, _) = run_gsk(&["run", program.path(), "--lang", "zh"]);
     assert_eq!(code, 1, "{zh}");
     assert!(zh.contains(": 报警\n") && zh.contains("第 3 行"), "{zh}");
-    assert!(zh.contains("没有指定 R, 也没有指定 I、K"), "{zh}");
+    assert!(zh.contains("没有指定 R，也没有指定 I、K"), "{zh}");
     let (_, en, _) = run_gsk(&["run", program.path()]);
     assert!(en.contains(": ALARM\n") && en.contains("line 3"), "{en}");
 
@@ -404,7 +404,7 @@ fn several_programs_end_with_a_summary() {
         "{english}"
     );
     let chinese = last(&summary(&["--lang", "zh"]));
-    assert!(chinese.contains("7 个有报警, 0 个有碰撞"), "{chinese}");
+    assert!(chinese.contains("7 个有报警，0 个有碰撞"), "{chinese}");
     let json = summary(&["--format", "json"]);
     assert!(json.lines().all(|line| line.starts_with('{')), "{json}");
     assert_eq!(json, summary(&["--json"]));
@@ -458,7 +458,7 @@ fn help_and_errors_use_the_language_of_the_command_or_the_system() {
     ] {
         let texts = match chinese {
             true => [
-                "用法:  gsk980td plot",
+                "用法： gsk980td plot",
                 "画出切去四分之一",
                 "缺少以下参数",
                 "<文件>",
