@@ -39,6 +39,7 @@ use gsk_host::platform::{self, CoursePage};
 use gsk_host::sound::MachineSound;
 use gsk_link::LinkState;
 use gsk_panel::alarm_log::AlarmRecord;
+use gsk_panel::faceplate::PartKind;
 use gsk_panel::keys::Key;
 
 use crate::chrome::exam_limits::ClosedForExam;
@@ -94,6 +95,8 @@ pub struct Window {
     /// The areas of the panel with the positions of the last frame.
     placed_areas: Vec<panel_placement::PlacedArea>,
     pointer_position: Option<Pos2>,
+    /// The part under the pointer that has been pressed or turned; its tip stays hidden.
+    used_part: Option<PartKind>,
     questions: Questions,
     browser: FileBrowser,
     views: Views,
@@ -147,6 +150,7 @@ impl Window {
             help: HelpWindow::default(),
             placed_areas: Vec::new(),
             pointer_position: None,
+            used_part: None,
             questions: Questions::default(),
             browser: FileBrowser::default(),
             views,

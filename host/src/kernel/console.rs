@@ -47,6 +47,14 @@ use crate::job::SelectedJob;
 use crate::kernel::pace::RunSpeed;
 use crate::platform;
 
+/// The setup of the current control for a preview.
+#[derive(Clone, Debug)]
+pub struct PreviewSetup {
+    pub setup: Setup,
+    /// Whether it is that of a practice machine, whose part belongs to its lesson or exercise.
+    pub is_practice: bool,
+}
+
 /// A command of the window to the kernel.
 #[derive(Clone, Debug)]
 pub enum Command {
@@ -127,7 +135,7 @@ pub enum Command {
     /// is not stored.
     Store(String, Sender<Result<u16, NotStored>>),
     /// Send once the setup for a preview of the current control.
-    SendSetup(Sender<Box<Setup>>),
+    SendSetup(Sender<Box<PreviewSetup>>),
     /// Send once the content of the control and the current operation level.
     SendState(Sender<Box<(ProjectState, OperationLevel)>>),
     /// Send once a copy of control and simulated lathe, and of the part in it.
@@ -393,6 +401,11 @@ impl Console {
     /// Returns the setup for a preview of the current control; `None` if the kernel does
     /// not answer within 5 s. It blocks: call it from helper threads only.
     pub fn setup(&self) -> Option<Setup> {
+        self.preview_setup().map(|it| it.setup)
+    }
+
+    /// Returns the setup as [`Self::setup`] does, and whether it is that of a practice machine.
+    pub fn preview_setup(&self) -> Option<PreviewSetup> {
         const ANSWER_TIMEOUT: Duration = Duration::from_secs(5);
         let (to, answer) = bounded(1);
         self.commands.send(Command::SendSetup(to)).ok()?;

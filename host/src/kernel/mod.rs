@@ -59,7 +59,7 @@ use crate::serial::SerialLine;
 use alarm_history::AlarmHistory;
 pub use console::{
     Command, Console, ForcedState, KeysReversed, LinkAction, MachineMotion, NotStored, Notice,
-    OpenedProgram, PanelSnapshot, ProgramPlacement, SpeedRatio, StorePolicy,
+    OpenedProgram, PanelSnapshot, PreviewSetup, ProgramPlacement, SpeedRatio, StorePolicy,
 };
 pub use drive::BoardConnection;
 use drive::Drive;
@@ -575,8 +575,12 @@ impl Kernel {
                 let _ = to.try_send(self.store(&Program::new(text)));
             }
             Command::SendSetup(to) => {
+                let setup = PreviewSetup {
+                    setup: make_preview_setup(self.emulator.simulation()),
+                    is_practice: self.lesson.is_some(),
+                };
                 // The receiver may be gone.
-                let _ = to.try_send(Box::new(make_preview_setup(self.emulator.simulation())));
+                let _ = to.try_send(Box::new(setup));
             }
             Command::SendState(to) => {
                 // The receiver may be gone.

@@ -44,6 +44,12 @@ impl Window {
             if previous.is_none_or(|before| before.screen != snapshot.screen) {
                 platform::publish_screen_text(|| snapshot.screen.text());
             }
+            // A practice machine without a part must not show that of the learner's own lathe.
+            if previous
+                .is_some_and(|it| it.is_at_practice_machine() != snapshot.is_at_practice_machine())
+            {
+                self.views.renew_part();
+            }
             self.views.lessons().take_snapshot(&snapshot);
             self.play_machine(&snapshot);
             self.snapshot = Some(snapshot);

@@ -111,12 +111,16 @@ impl PanelPointer {
                     self.drag_angle = None;
                     result.changes.extend(held.set(KeyHolder::Pointer, None));
                 }
-                Event::MouseWheel { unit, delta, .. }
-                    if self
-                        .mouse_position
-                        .is_some_and(|at| is_panel(at) && wheel_angle(at, placed).is_some()) =>
+                Event::MouseWheel {
+                    unit,
+                    delta,
+                    modifiers,
+                    ..
+                } if self
+                    .mouse_position
+                    .is_some_and(|at| is_panel(at) && wheel_angle(at, placed).is_some()) =>
                 {
-                    self.scroll_wheel(*unit, *delta, &mut result);
+                    self.scroll_wheel(*unit, *delta, modifiers.shift, &mut result);
                 }
                 _ => {}
             }
@@ -183,9 +187,16 @@ impl PanelPointer {
         self.turn_wheel(turned_angle / (2.0 * half_turn) * DETENTS_PER_TURN, result);
     }
 
-    fn scroll_wheel(&mut self, unit: MouseWheelUnit, delta: Vec2, result: &mut PointerResult) {
+    fn scroll_wheel(
+        &mut self,
+        unit: MouseWheelUnit,
+        delta: Vec2,
+        is_tenfold: bool,
+        result: &mut PointerResult,
+    ) {
         // Scrolling up or right turns the wheel clockwise.
         let amount = if delta.y == 0.0 { delta.x } else { delta.y };
+        let amount = if is_tenfold { 10.0 * amount } else { amount };
         self.turn_wheel(
             match unit {
                 MouseWheelUnit::Point => amount / POINTS_PER_DETENT,

@@ -5,8 +5,8 @@ pub mod lcd;
 pub mod tips;
 
 use egui::{
-    Color32, Event, Painter, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Tooltip, TouchPhase, Ui,
-    WidgetInfo, pos2, vec2,
+    Color32, Event, Painter, Pos2, Rect, RectAlign, Response, Role, Sense, Stroke, StrokeKind,
+    Tooltip, TouchPhase, Ui, WidgetInfo, pos2, vec2,
 };
 use gsk_core::model::ModelId;
 use gsk_help::{Subject, Topic, topic, topic_at, topic_of};
@@ -220,7 +220,9 @@ impl Window {
                 let by_screen_reader =
                     response.clicked() && response.interact_pointer_pos().is_none();
                 let reversed = self.reversed_keys;
-                response.on_hover_ui(|ui| tips::show_key_tip(ui, language, row, reversed));
+                self.show_part_tip(&response, part.what, |ui| {
+                    tips::show_key_tip(ui, language, row, reversed);
+                });
                 by_screen_reader.then_some(key)
             }
             PartKind::Strip(index) => {
@@ -241,7 +243,9 @@ impl Window {
                     ..WidgetInfo::labeled(Role::Status, true, &name)
                 });
                 screen_reader::add_state(ui, &response, &state_text.text(language));
-                response.on_hover_ui(|ui| tips::show_lamp_tip(ui, language, lamp, lit));
+                self.show_part_tip(&response, part.what, |ui| {
+                    tips::show_lamp_tip(ui, language, lamp, lit);
+                });
                 None
             }
             PartKind::Handwheel => {
@@ -254,11 +258,41 @@ impl Window {
                         say::window_handwheel().text(language),
                     )
                 });
-                response.on_hover_text(say::window_handwheel_hint().text(language));
+                self.show_part_tip(&response, part.what, |ui| {
+                    ui.label(say::window_handwheel_hint().text(language));
+                });
                 None
             }
             _ => None,
         }
+    }
+
+    /// Shows the tip of a part while the pointer rests on it, unless the operator has pressed or
+    /// turned the part since the pointer arrived. The tip extends to the left: the pane at the
+    /// right of the panel has the text of a lesson.
+    fn show_part_tip(&self, response: &Response, part: PartKind, content: impl FnOnce(&mut Ui)) {
+        if self.used_part == Some(part) {
+            return;
+        }
+        let mut tip = Tooltip::for_enabled(response);
+        let middle = response.ctx.content_rect().center().x;
+        if response.rect.center().x > middle / 2.0 {
+            tip.popup = tip.popup.align(RectAlign::BOTTOM_END);
+        }
+        tip.show(content);
+    }
+
+    /// Stores the part that a press or the wheel uses, until the pointer leaves the part.
+    fn follow_used_part(&mut self, events: &[Event], placed: PlacedPanel<'_>) {
+        let part = self
+            .pointer_position
+            .and_then(|at| panel_placement::to_panel(placed.areas, at))
+            .and_then(|(x, y)| faceplate::part_at(placed.model, x, y))
+            .map(|part| part.what);
+        let is_used = events
+            .iter()
+            .any(|event| matches!(event, Event::MouseWheel { .. }) || pressed_at(event).is_some());
+        self.used_part = part.filter(|_| is_used || self.used_part == part);
     }
 
     /// The help topic about what is at a position in the window: a key, a lamp or a cell of
@@ -351,6 +385,7 @@ impl Window {
         let pointer = ui.input(|input| input.pointer.latest_pos());
         self.pointer_position = pointer.filter(|at| is_panel(*at));
         self.placed_areas = placed.to_vec();
+        self.follow_used_part(&events, panel);
         self.handle_long_press(ui, &events, &is_panel);
         if self.help.is_explaining() {
             events.retain(|event| {

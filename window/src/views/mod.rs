@@ -175,6 +175,15 @@ impl Views {
         self.open_views.iter().any(|view| view.row().is_monitor)
     }
 
+    /// Drops the part that was received last and requests that of the machine that is shown now,
+    /// which may have none.
+    pub fn renew_part(&mut self) {
+        self.part = None;
+        if self.needs_part() {
+            self.console.send(Command::ShowPart(true));
+        }
+    }
+
     /// Whether an open view shows the part.
     fn needs_part(&self) -> bool {
         self.open_views.iter().any(|view| view.row().shows_part)

@@ -16,7 +16,7 @@ use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
 use gsk_core::units::Point;
 use gsk_host::job::{self, SelectedJob};
-use gsk_host::kernel::{Command, Console};
+use gsk_host::kernel::{Command, Console, PreviewSetup};
 use gsk_host::platform;
 use gsk_host::work_limit::WorkLimit;
 use gsk_messages::Message;
@@ -122,6 +122,7 @@ impl PreviewWorker {
             changed_jobs: Arc::clone(changed),
             last_inputs: None,
             job_owner: None,
+            shown_owner: None,
             program_count: 0,
         };
         // Without a thread there is no path in the picture. Nothing else depends on it.
@@ -206,6 +207,8 @@ struct PreviewThread {
     last_inputs: Option<PreviewInputs>,
     /// The program and the file whose job the kernel has; `None` before the first job.
     job_owner: Option<ProgramAndFile>,
+    /// The program and the file whose path the window has; `None` before the first path.
+    shown_owner: Option<ProgramAndFile>,
     program_count: u64,
 }
 
@@ -223,7 +226,7 @@ impl PreviewThread {
     /// Returns `false` when the window's handle is dropped.
     fn run_once(&mut self) -> bool {
         if !self.flags.program_runs.load(Ordering::Relaxed)
-            && let Some(setup) = self.console.setup()
+            && let Some(setup) = self.console.preview_setup()
         {
             self.preview_if_changed(setup);
         }
@@ -248,7 +251,11 @@ impl PreviewThread {
         }
     }
 
-    fn preview_if_changed(&mut self, mut setup: Setup) {
+    fn preview_if_changed(&mut self, current: PreviewSetup) {
+        let PreviewSetup {
+            mut setup,
+            is_practice,
+        } = current;
         let programs = &setup.memory.programs;
         let program = programs
             .selected()
@@ -270,10 +277,13 @@ impl PreviewThread {
         if self.last_inputs.as_ref() == Some(&basis) {
             return;
         }
-        let job_owner = (basis.program.clone(), basis.file.clone());
-        let another = self.job_owner.as_ref() != Some(&job_owner);
+        let shown = (basis.program.clone(), basis.file.clone());
+        let another = self.shown_owner.as_ref() != Some(&shown);
+        // The part of a practice machine belongs to its lesson. The learner's own part keeps its
+        // job, its cuts and its collisions.
+        let needs_job = !is_practice && self.job_owner.as_ref() != Some(&shown);
         let visible = self.flags.visible.load(Ordering::Relaxed);
-        if !another && !visible {
+        if !needs_job && !visible {
             return;
         }
         if another {
@@ -282,21 +292,24 @@ impl PreviewThread {
         self.apply_trial(&mut setup);
         if !visible && let (Some(chosen), _) = job_of_basis(&basis) {
             self.send_job(Some(chosen));
-            self.job_owner = Some(job_owner);
-        } else if self.run_preview(&setup, &basis, another) {
-            self.job_owner = Some(job_owner);
+            self.job_owner = Some(shown);
+        } else if self.run_preview(&setup, &basis, needs_job) {
+            if needs_job {
+                self.job_owner = Some(shown.clone());
+            }
+            self.shown_owner = Some(shown);
             self.last_inputs = Some(basis);
         }
     }
 
     /// Executes a program and sends its path to the window; returns `false` if a newer request
     /// has cancelled it.
-    fn run_preview(&self, setup: &Setup, inputs: &PreviewInputs, is_other_program: bool) -> bool {
+    fn run_preview(&self, setup: &Setup, inputs: &PreviewInputs, needs_job: bool) -> bool {
         let start_count = self.flags.cancel_count.load(Ordering::Relaxed);
         let is_newest = || self.flags.cancel_count.load(Ordering::Relaxed) == start_count;
         let (mut chosen, trouble) = job_of_basis(inputs);
         let machining = chosen.as_ref().map(SelectedJob::create_machining);
-        if is_other_program && let Some(chosen) = &chosen {
+        if needs_job && let Some(chosen) = &chosen {
             self.send_job(Some(chosen.clone()));
         }
         let rates = RapidRates::from_memory(&setup.memory);
@@ -366,7 +379,7 @@ impl PreviewThread {
         }
         self.results.force_push(result);
         self.context.request_repaint();
-        if is_other_program && chosen.is_none() {
+        if needs_job && chosen.is_none() {
             let job = match practice {
                 true => Some(guess::practice_job()),
                 false => guess::guess_job(&first_moves, &setup.memory.offsets, rates),
