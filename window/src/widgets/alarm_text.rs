@@ -89,6 +89,6 @@ mod tests {
             "{en}"
         );
         assert!(en.contains("\nRemedy: "), "{en}");
-        assert!(with_remedy(&alarm, Language::Zh).contains("\n处理: "));
+        assert!(with_remedy(&alarm, Language::Zh).contains("\n处理："));
     }
 }
