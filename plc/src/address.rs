@@ -134,6 +134,12 @@ impl BitAddress {
         BitAddress { area, byte, bit }
     }
 
+    /// Returns the address as operators write it, without leading zeros: `X2.1`.
+    #[must_use]
+    pub fn short_name(self) -> String {
+        format!("{}{}.{}", self.area, self.byte, self.bit)
+    }
+
     /// Returns the address of the byte that contains the bit.
     #[must_use]
     pub(crate) const fn byte_address(self) -> ByteAddress {
@@ -165,6 +171,12 @@ impl ByteAddress {
     #[must_use]
     pub const fn new(area: Area, byte: u16) -> ByteAddress {
         ByteAddress { area, byte }
+    }
+
+    /// Returns the address as operators write it, without leading zeros: `R100`.
+    #[must_use]
+    pub fn short_name(self) -> String {
+        format!("{}{}", self.area, self.byte)
     }
 }
 

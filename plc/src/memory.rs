@@ -166,6 +166,12 @@ impl PlcMemory {
         &self.bytes[Y..G]
     }
 
+    /// Returns all bytes of an area, an entry as four bytes from the lowest.
+    #[must_use]
+    pub fn area(&self, area: Area) -> &[u8] {
+        &self.bytes[area_start(area)..area_end(area)]
+    }
+
     /// Returns the value of a bit.
     #[must_use]
     #[inline]

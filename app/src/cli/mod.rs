@@ -119,9 +119,9 @@ pub struct WindowArgs {
     /// Program to open at the start
     #[arg(long, value_name = "FILE")]
     pub program: Option<PathBuf>,
-    /// Ask the three questions of the first start (language, what for, which lathe) again, or
-    /// do not ask them now [default: asked once, unless this start names a program, a lathe, a
-    /// control model or a port]
+    /// Ask the three questions of the first start (language, purpose, lathe) again, or skip
+    /// them [default: asked once, unless this start names a program, a lathe, a control model or
+    /// a port]
     #[arg(long, value_name = "on|off", num_args = 0..=1, require_equals = true, default_missing_value = "on", value_parser = setup_args::parse_switch)]
     pub first_start: Option<bool>,
     /// Print the time to the first frame and frames a second on standard error

@@ -78,7 +78,7 @@ pub enum Command {
     /// start, new stock; `starts`: 自动 and cycle start are pressed. With a pulse board the
     /// program is opened only.
     OpenSample {
-        /// The sample with its job.
+        /// The sample.
         program: Box<OpenedProgram>,
         /// Whether it starts at once.
         starts: bool,

@@ -23,7 +23,8 @@ pub(super) struct KeyRefusals {
 }
 
 impl KeyRefusals {
-    /// Records a press of `key` at a tick; `None` for a typed character. `press` is the check that follows; `None` for a key without
+    /// Records a press of `key` at a tick; `None` for a typed character. `press` is the check that
+    /// follows; `None` for a key without
     /// one. `refused` is the reason if page, mode or a switch forbids the key. Returns the report
     /// to the window; `None` if there is nothing to report.
     pub(super) fn record_press(

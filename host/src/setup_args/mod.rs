@@ -36,7 +36,7 @@ pub struct SetupArgs {
     /// A parameter: 22=3800, or one bit of it: 1.4=1 (may be repeated)
     #[arg(long = "param", value_name = "N=V|N.B=0|1", allow_hyphen_values = true, value_parser = parse_parameter)]
     pub parameters: Vec<ParameterOption>,
-    /// A tool offset: NN=X,Z,R,T; what is left out at the end is 0 (may be repeated)
+    /// A tool offset: NN=X,Z,R,T; omitted values at the end are 0 (may be repeated)
     #[arg(long = "offset", value_name = "NN=X,Z,R,T", allow_hyphen_values = true, value_parser = parse_offset)]
     pub offsets: Vec<OffsetOption>,
     /// Hold a machine input at a value, for instance X0.4=1 (may be repeated)

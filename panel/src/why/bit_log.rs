@@ -3,27 +3,26 @@
 use std::collections::{BTreeMap, VecDeque};
 
 use gsk_core::cnc::Cnc;
-use gsk_core::plc::PlcAddress;
 use gsk_core::plc::address::{Area, BitAddress, ByteAddress};
+use gsk_core::plc::{PlcAddress, PlcMemory};
 
 /// Time within which a change of an input counts as the trigger of a later change, ticks. By then
 /// the whole ladder has run with the input.
 const TRIGGER_TICKS: u64 = 64;
 
-/// Areas of bytes whose bits are compared. R900 and up have the flags of comparisons, which change
-/// with every one.
-const BYTE_AREAS: [(Area, u16); 7] = [
-    (Area::X, 30),
-    (Area::Y, 20),
-    (Area::F, 256),
-    (Area::G, 256),
-    (Area::R, 900),
-    (Area::A, 25),
-    (Area::K, 30),
+/// Areas whose changes are recorded: the bits of the first ones, and the counters.
+const AREAS: [Area; 8] = [
+    Area::X,
+    Area::Y,
+    Area::F,
+    Area::G,
+    Area::R,
+    Area::A,
+    Area::K,
+    Area::C,
 ];
-
-/// Number of counters whose values are compared.
-const COUNTERS: u16 = 100;
+/// R900 and up have the flags of comparisons, which change with every one.
+const FIRST_FLAG_BYTE: u16 = 900;
 
 /// A change of an input of the ladder: X from the machine and the keys, F from the control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,14 +45,15 @@ struct AddressChange {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BitLog {
     last_tick: u64,
-    bytes: Vec<u8>,
-    counters: Vec<i32>,
+    /// The memory at the last change; `None` before the first call.
+    last_memory: Option<PlcMemory>,
     changes: BTreeMap<PlcAddress, AddressChange>,
     recent_inputs: VecDeque<InputChange>,
 }
 
 impl BitLog {
-    /// Compares the memory of the PLC with the last call. Begins anew if time goes back. `tick` is the time stamp of a change.
+    /// Compares the memory of the PLC with that of the last call; `tick` is the time of what has
+    /// changed. Begins anew if time goes back.
     pub fn follow_tick(&mut self, cnc: &Cnc, tick: u64) {
         if tick < self.last_tick {
             // Another machine, or an earlier moment of it.
@@ -61,40 +61,42 @@ impl BitLog {
         }
         self.last_tick = tick;
         let memory = cnc.plc().memory();
-        let addresses = BYTE_AREAS
-            .iter()
-            .flat_map(|(area, count)| (0..*count).map(|byte| ByteAddress::new(*area, byte)));
-        let is_first = self.bytes.is_empty();
+        let Some(last) = self.last_memory.take() else {
+            self.last_memory = Some(memory.clone());
+            return;
+        };
         while (self.recent_inputs.front()).is_some_and(|it| it.tick + TRIGGER_TICKS < tick) {
             self.recent_inputs.pop_front();
         }
-        for (at, address) in addresses.enumerate() {
-            let now = memory.byte(address);
-            if is_first {
-                self.bytes.push(now);
-                continue;
-            }
-            let Some(before) = self.bytes.get_mut(at) else {
-                return;
-            };
-            let changed = core::mem::replace(before, now) ^ now;
-            for bit in (0..8).filter(|bit| changed >> bit & 1 == 1) {
-                let bit = BitAddress::new(address.area, address.byte, bit);
-                self.record_bit(bit, memory.bit(bit), tick);
+        let mut has_changed = false;
+        for area in AREAS {
+            let (before, now) = (last.area(area), memory.area(area));
+            // Nearly always nothing has changed.
+            if before != now {
+                has_changed = true;
+                self.record_area(area, before, now, tick);
             }
         }
-        for counter in 0..COUNTERS {
-            let now = memory.long(ByteAddress::new(Area::C, counter));
-            if is_first {
-                self.counters.push(now);
+        self.last_memory = Some(match has_changed {
+            true => memory.clone(),
+            false => last,
+        });
+    }
+
+    fn record_area(&mut self, area: Area, before: &[u8], now: &[u8], tick: u64) {
+        let width = if area.is_entry() { 4 } else { 1 };
+        let pairs = before.chunks(width).zip(now.chunks(width));
+        for (number, (before, now)) in (0..).zip(pairs) {
+            if before == now || (area == Area::R && number >= FIRST_FLAG_BYTE) {
                 continue;
             }
-            let Some(before) = self.counters.get_mut(usize::from(counter)) else {
-                return;
+            let (&[before], &[now]) = (before, now) else {
+                self.record_change(PlcAddress::Byte(ByteAddress::new(area, number)), tick);
+                continue;
             };
-            if core::mem::replace(before, now) != now {
-                let address = PlcAddress::Byte(ByteAddress::new(Area::C, counter));
-                self.record_change(address, tick);
+            for bit in (0..8).filter(|bit| (before ^ now) >> bit & 1 == 1) {
+                let bit_address = BitAddress::new(area, number, bit);
+                self.record_bit(bit_address, now >> bit & 1 == 1, tick);
             }
         }
     }

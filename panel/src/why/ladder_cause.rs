@@ -70,12 +70,12 @@ impl<'a> LadderTracer<'a> {
             let meaning = contact_meaning(ladder, bit, language);
             match since {
                 Some(tick) => say::why_bit_since(
-                    bit_name(bit),
+                    bit.short_name(),
                     u8::from(value),
                     tick as f64 / 1000.0,
                     meaning,
                 ),
-                None => say::why_bit(bit_name(bit), u8::from(value), meaning),
+                None => say::why_bit(bit.short_name(), u8::from(value), meaning),
             }
         });
         if !self.enters(PlcAddress::Bit(bit), depth) {
@@ -85,7 +85,7 @@ impl<'a> LadderTracer<'a> {
         if let Some(force) = forces.iter().find(|force| force.bit == bit) {
             let value = u8::from(force.value);
             let target = Some(CauseTarget::Bit(bit));
-            let forced = |_| say::why_forced(bit_name(bit), value);
+            let forced = |_| say::why_forced(bit.short_name(), value);
             return self.chain.push(depth + 1, target, forced);
         }
         if bit.area == Area::F {
@@ -106,8 +106,9 @@ impl<'a> LadderTracer<'a> {
         let target = Some(CauseTarget::Bit(bit));
         if let Some(value) = lathe.forced_input(bit) {
             let value = u8::from(value);
-            self.chain
-                .push(depth, target, |_| say::why_input_set(bit_name(bit), value));
+            self.chain.push(depth, target, |_| {
+                say::why_input_set(bit.short_name(), value)
+            });
         } else if bit == EMERGENCY_INPUT && !lathe.is_emergency_loop_closed() {
             if emulator.panel().emergency_stop() {
                 let key = Some(CauseTarget::Key(Key::EmergencyStop));
@@ -156,9 +157,9 @@ impl<'a> LadderTracer<'a> {
             });
             match since {
                 Some(tick) => {
-                    say::why_bit_since(byte_name(byte), value, tick as f64 / 1000.0, meaning)
+                    say::why_bit_since(byte.short_name(), value, tick as f64 / 1000.0, meaning)
                 }
-                None => say::why_bit(byte_name(byte), value, meaning),
+                None => say::why_bit(byte.short_name(), value, meaning),
             }
         });
         if self.enters(address, depth) && !matches!(byte.area, Area::X | Area::F) {
@@ -346,7 +347,7 @@ impl<'a> LadderTracer<'a> {
         self.chain.push(depth, Some(target), |language| {
             let meaning = contact_meaning(ladder, bit, language);
             say::why_changed(
-                bit_name(bit),
+                bit.short_name(),
                 u8::from(value),
                 tick as f64 / 1000.0,
                 rung,
@@ -457,15 +458,6 @@ fn conducts(element: &Element, flow: &[PowerFlow]) -> bool {
         Element::Series(members) => members.iter().all(|it| conducts(&it.element, flow)),
         Element::Parallel(members) => members.iter().any(|it| conducts(&it.element, flow)),
     }
-}
-
-/// The address of a bit as operators write it, without leading zeros.
-fn bit_name(bit: BitAddress) -> String {
-    format!("{}{}.{}", bit.area.letter(), bit.byte, bit.bit)
-}
-
-fn byte_name(byte: ByteAddress) -> String {
-    format!("{}{}", byte.area.letter(), byte.byte)
 }
 
 fn contact_meaning(ladder: &Ladder, bit: BitAddress, language: Language) -> String {

@@ -21,7 +21,6 @@ const CYCLE_START: BitAddress = BitAddress::new(Area::G, 7, 2);
 const EMERGENCY_SIGNAL: BitAddress = BitAddress::new(Area::G, 8, 4);
 /// G44.1: machine lock.
 const MACHINE_LOCK: BitAddress = BitAddress::new(Area::G, 44, 1);
-
 /// G46.1: single block.
 const SINGLE_BLOCK: BitAddress = BitAddress::new(Area::G, 46, 1);
 
@@ -57,7 +56,7 @@ impl CauseSubject {
 impl core::fmt::Display for CauseSubject {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::Bit(bit) => write!(f, "bit {}{}.{}", bit.area.letter(), bit.byte, bit.bit),
+            Self::Bit(bit) => write!(f, "bit {}", bit.short_name()),
             Self::Key(key) => write!(f, "key {}", key.id()),
             Self::Axis(axis) => write!(f, "axis {axis}"),
             Self::Alarm(number) => write!(f, "alarm {number:03}"),
@@ -147,11 +146,12 @@ fn explain_axis(cnc: &Cnc, axis: Axis, tracer: &mut LadderTracer<'_>) {
 
 fn add_alarm(cnc: &Cnc, alarm: &Alarm, depth: usize, tracer: &mut LadderTracer<'_>) {
     let number = alarm.number;
-    let reason = match &alarm.detail {
-        Some(detail) => detail.clone(),
-        None => say::as_written(alarm),
-    };
-    tracer.add_condition(&say::why_alarm(number, reason), depth);
+    match &alarm.detail {
+        Some(detail) => tracer.add_condition(&say::why_alarm(number, detail.clone()), depth),
+        None => tracer.chain.push(depth, None, |language| {
+            say::why_alarm(number, say::as_written(alarm.text(language)))
+        }),
+    }
     if let Some(source) = alarm.source {
         tracer.add_condition(&say::why_block(source.line), depth + 1);
     }

@@ -189,8 +189,7 @@ impl Window {
                 self.help.toggle(topic(Subject::Parameter(number)));
             }
             Some(CauseTarget::Bit(bit)) => {
-                let address = format!("{}{}.{}", bit.area.letter(), bit.byte, bit.bit);
-                if let Some(topic) = topic(Subject::Signal(&address)) {
+                if let Some(topic) = topic(Subject::Signal(&bit.short_name())) {
                     self.help.toggle(Some(topic));
                 }
             }
