@@ -146,15 +146,6 @@ impl<'de> ValueReader<'de> {
         })
     }
 
-    /// Enters an array or a map.
-    fn enter(&mut self) -> Result<(), ValueError> {
-        self.depth += 1;
-        if self.depth > MAX_DEPTH {
-            return Err(ValueError::TooDeep);
-        }
-        Ok(())
-    }
-
     /// Reads past a value with all its items.
     fn skip(&mut self) -> Result<(), ValueError> {
         let mut values: usize = 1;
@@ -169,33 +160,25 @@ impl<'de> ValueReader<'de> {
         Ok(())
     }
 
-    fn visit_array<V: Visitor<'de>>(
+    /// Lets `visit` read the items of an array or the entries of a map: all of them.
+    fn visit_items<T>(
         &mut self,
-        items: usize,
-        visitor: V,
-    ) -> Result<V::Value, ValueError> {
-        self.enter()?;
-        let mut left = Items {
+        count: usize,
+        visit: impl FnOnce(&mut Items<'_, 'de>) -> Result<T, ValueError>,
+    ) -> Result<T, ValueError> {
+        self.depth += 1;
+        if self.depth > MAX_DEPTH {
+            return Err(ValueError::TooDeep);
+        }
+        let mut items = Items {
             reader: self,
-            left: items,
+            left: count,
         };
-        let value = visitor.visit_seq(&mut left)?;
-        left.finish()?;
-        Ok(value)
-    }
-
-    fn visit_entries<V: Visitor<'de>>(
-        &mut self,
-        entries: usize,
-        visitor: V,
-    ) -> Result<V::Value, ValueError> {
-        self.enter()?;
-        let mut left = Items {
-            reader: self,
-            left: entries,
-        };
-        let value = visitor.visit_map(&mut left)?;
-        left.finish()?;
+        let value = visit(&mut items)?;
+        if items.left > 0 {
+            return Err(ValueError::UnexpectedToken);
+        }
+        self.depth -= 1;
         Ok(value)
     }
 }
@@ -238,8 +221,8 @@ impl<'de> Deserializer<'de> for &mut ValueReader<'de> {
             ValueToken::Double(value) => visitor.visit_f64(value),
             ValueToken::Text(text) => visitor.visit_borrowed_str(text),
             ValueToken::Bytes(bytes) => visitor.visit_borrowed_bytes(bytes),
-            ValueToken::Array(items) => self.visit_array(items, visitor),
-            ValueToken::Map(entries) => self.visit_entries(entries, visitor),
+            ValueToken::Array(items) => self.visit_items(items, |items| visitor.visit_seq(items)),
+            ValueToken::Map(entries) => self.visit_items(entries, |items| visitor.visit_map(items)),
         }
     }
 
@@ -302,7 +285,7 @@ impl<'de> Deserializer<'de> for &mut ValueReader<'de> {
 
     fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, ValueError> {
         match self.token()? {
-            ValueToken::Array(items) => self.visit_array(items, visitor),
+            ValueToken::Array(items) => self.visit_items(items, |items| visitor.visit_seq(items)),
             _ => Err(ValueError::UnexpectedToken),
         }
     }
@@ -326,7 +309,7 @@ impl<'de> Deserializer<'de> for &mut ValueReader<'de> {
 
     fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, ValueError> {
         match self.token()? {
-            ValueToken::Map(entries) => self.visit_entries(entries, visitor),
+            ValueToken::Map(entries) => self.visit_items(entries, |items| visitor.visit_map(items)),
             _ => Err(ValueError::UnexpectedToken),
         }
     }
@@ -348,12 +331,10 @@ impl<'de> Deserializer<'de> for &mut ValueReader<'de> {
     ) -> Result<V::Value, ValueError> {
         match self.token()? {
             ValueToken::Text(name) => visitor.visit_enum(BorrowedStrDeserializer::new(name)),
-            ValueToken::Map(1) => {
-                self.enter()?;
-                let value = visitor.visit_enum(VariantReader(self))?;
-                self.depth -= 1;
-                Ok(value)
-            }
+            ValueToken::Map(1) => self.visit_items(1, |items| {
+                items.left = 0;
+                visitor.visit_enum(VariantReader(items.reader))
+            }),
             _ => Err(ValueError::UnexpectedToken),
         }
     }
@@ -376,15 +357,6 @@ impl Items<'_, '_> {
         let is_left = self.left > 0;
         self.left -= is_left as usize;
         is_left
-    }
-
-    /// Leaves the array or map.
-    fn finish(self) -> Result<(), ValueError> {
-        if self.left > 0 {
-            return Err(ValueError::UnexpectedToken);
-        }
-        self.reader.depth -= 1;
-        Ok(())
     }
 
     /// An upper limit of what can follow: a damaged length reserves no memory.

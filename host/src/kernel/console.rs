@@ -32,7 +32,7 @@ use gsk_runner::machining::live_part::LivePart;
 use gsk_runner::program_summary::ProgramSummary;
 
 use super::exercise::ExerciseAction;
-use super::exercise_run::{ExerciseState, HandedInSolution};
+use super::exercise::run::{ExerciseState, HandedInSolution};
 use super::lesson::LessonAction;
 use super::link_view::LinkView;
 use super::monitor::MachineView;

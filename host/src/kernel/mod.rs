@@ -2,11 +2,11 @@
 //! code runs in its thread and, step by step, in a test.
 
 mod alarm_history;
+mod commands;
 mod console;
 mod drive;
 mod edges;
 mod exercise;
-mod exercise_run;
 mod flight_recording;
 pub mod headless_board;
 mod journal;
@@ -22,6 +22,7 @@ pub mod probe;
 mod program_opening;
 mod program_start;
 mod program_wait;
+mod publishing;
 mod thread;
 pub mod timeline;
 
@@ -31,30 +32,21 @@ use crossbeam::channel::{Receiver, Sender, bounded};
 use crossbeam::queue::ArrayQueue;
 use gsk_core::alarm::Alarm;
 use gsk_core::cnc::{Cnc, ControlRequest, Event};
-use gsk_core::memory::OperationLevel;
 use gsk_core::operation::{OperatingMode, RunState};
-use gsk_core::program::Program;
-use gsk_core::simulation::Simulation;
 use gsk_messages::say;
-use gsk_panel::emulator::{Emulator, EmulatorInput};
-use gsk_panel::keys::Key;
+use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::{KeyEvent, SerialCable};
 use gsk_panel::refusal::KeyPress;
-use gsk_panel::why::{self, BitLog, CauseSubject};
-use gsk_project::ProjectState;
+use gsk_panel::why::BitLog;
 use gsk_runner::machining::Machining;
 use gsk_runner::partner::{PartnerWait, ProgramPartner as _};
 use web_time::Duration;
 
 use crate::flight::FlightRecorder;
 use crate::input_watch::InputWatch;
-use crate::job::SelectedJob;
 use crate::kernel::pace::RunSpeed;
 use crate::mtconnect::AgentFeed;
-use crate::platform;
 use crate::ports::dnc::{DncPartner, DncSource};
-use crate::preview_setup::make_preview_setup;
-use crate::retained;
 use crate::serial::SerialLine;
 use alarm_history::AlarmHistory;
 pub use console::{
@@ -63,9 +55,9 @@ pub use console::{
 };
 pub use drive::BoardConnection;
 use drive::Drive;
-use edges::{KeyEdge, KeyEdgeQueue};
+use edges::KeyEdgeQueue;
 pub use exercise::ExerciseAction;
-pub use exercise_run::{ExamTask, ExerciseState, HandedInSolution};
+pub use exercise::run::{ExamTask, ExerciseState, HandedInSolution};
 use key_refusals::{KeyRefusals, RefusalReport};
 pub use lesson::LessonAction;
 use link_view::LinkView;
@@ -73,7 +65,7 @@ use monitor::MachineView;
 use part::KernelPart;
 pub use practice_session::LessonState;
 use practice_session::PracticeSession;
-use probe::{ActiveProbe, Probe};
+use probe::ActiveProbe;
 use program_opening::LastOpened;
 pub use program_start::StartDistance;
 use program_start::StartWatch;
@@ -365,346 +357,6 @@ impl Kernel {
         let mut events = self.emulator.cnc().events().iter();
         if events.any(|event| matches!(event, Event::BlockStarted(..))) {
             marks.add(tick, TimelineMarkKind::Block);
-        }
-    }
-
-    /// Publishes a snapshot if anything has changed since the last one; returns true if there
-    /// is something new to show.
-    pub fn publish(&mut self) -> bool {
-        let timeline_shown = self.publish_timeline();
-        let views_shown = self.publish_machine() || timeline_shown;
-        self.wait_watch
-            .update(self.tick, self.emulator.simulation());
-        let snapshot = self.snapshot();
-        if self.last_snapshot.as_ref() == Some(&snapshot) {
-            return views_shown;
-        }
-        self.snapshots.force_push(snapshot.clone());
-        self.last_snapshot = Some(snapshot);
-        true
-    }
-
-    /// Publishes the state of machine and PLC if a view shows them, a publication is due and they
-    /// have changed; returns true if so.
-    fn publish_machine(&mut self) -> bool {
-        let hides_faults = self.hides_faults();
-        let Some(monitor) = &mut self.machine_monitor else {
-            return false;
-        };
-        if self.tick < monitor.next_tick {
-            return false;
-        }
-        monitor.next_tick = self.tick + MACHINE_VIEW_TICKS;
-        let shown = self.timeline.past_machine().unwrap_or(&self.emulator);
-        let now = MachineView {
-            hides_faults,
-            ..MachineView::from_emulator(shown)
-        };
-        if monitor.last_view.as_ref() == Some(&now) {
-            return false;
-        }
-        self.machine.force_push(now.clone());
-        monitor.last_view = Some(now);
-        true
-    }
-
-    /// Returns the current state of the panel.
-    pub fn snapshot(&self) -> PanelSnapshot {
-        let shown = self.shown_machine();
-        let (panel, cnc) = (shown.panel(), shown.cnc());
-        let is_present = !self.timeline.shows_past();
-        PanelSnapshot {
-            screen: shown.screen(),
-            translated: self
-                .translate_screen
-                .then(|| Box::new(shown.translated_screen())),
-            page: panel.page(),
-            model: cnc.model().id(),
-            keys_reversed: KeysReversed {
-                x: cnc.parameters().is_up_positive(),
-                z: cnc.parameters().is_left_positive(),
-            },
-            brightness: panel.view().brightness,
-            y_memory: shown.lamps(),
-            pressed: panel.pressed(),
-            wheel: panel.wheel(),
-            speed_percent: self.speed_percent,
-            speed: self.speed,
-            speed_ratio: self.speed_ratio,
-            alarm: active_alarm(cnc),
-            position_unknown: cnc.is_position_unknown(),
-            board: self.drive.as_ref().map(Drive::state),
-            run_state: cnc.run_state(),
-            program_wait: self
-                .wait_watch
-                .report(self.tick, cnc.run_state())
-                .filter(|_| is_present),
-            start_distance: self
-                .start_watch
-                .report(
-                    self.emulator.cnc(),
-                    self.part.is_tool_internal(&self.emulator),
-                )
-                .filter(|_| is_present),
-            resumes_at: self
-                .start_watch
-                .resumes_at(self.emulator.cnc())
-                .filter(|_| is_present),
-            crash: (self.part)
-                .crash_message(&self.emulator)
-                .filter(|_| is_present && !self.hides_faults()),
-            is_moving: (is_present || self.has_real_slides)
-                && (self.emulator.cnc().is_moving() || self.motion().spindle_rpm > 0.0),
-            program: cnc.programs().selected(),
-            lesson: self.lesson.as_ref().and_then(PracticeSession::state),
-            exercise: (self.lesson.as_ref())
-                .and_then(PracticeSession::exercise)
-                .map(|run| run.state(&self.emulator)),
-            alarm_records: self.alarm_history.records(),
-            motion: (self.publish_motion && is_present).then(|| self.motion()),
-            past: self.timeline.past_moment(),
-            forced: ForcedState {
-                forced_bits: cnc.plc().forces().len(),
-                forced_inputs: shown.lathe().forced_input_count(),
-                faults: match self.hides_faults() {
-                    true => 0,
-                    false => shown.lathe().fault_count(),
-                },
-            },
-        }
-    }
-
-    /// Returns slide positions and spindle speed: of the board if one is connected, else of
-    /// the simulated lathe.
-    fn motion(&self) -> MachineMotion {
-        /// Step to which the spindle speed is rounded, r/min.
-        const STEP: f64 = 10.0;
-        let Simulation { cnc, lathe, .. } = self.emulator.simulation();
-        let (slides, spindle) = match cnc.has_board() {
-            true => (cnc.position_machine(), cnc.board_spindle_rpm()),
-            false => (lathe.slide_position(), Some(lathe.spindle_rpm())),
-        };
-        let spindle = spindle.unwrap_or_else(|| cnc.spindle_switched()).abs();
-        MachineMotion {
-            slides,
-            spindle_rpm: (spindle / STEP).round() * STEP,
-        }
-    }
-
-    fn execute_command(&mut self, command: Command) {
-        self.command_count += 1;
-        if self.is_late(&command) {
-            self.notify(Notice::Message(say::key_came_late()));
-            return;
-        }
-        if self.is_refused_in_past(&command) || self.is_settled_in_exercise(&command) {
-            return;
-        }
-        if matches!(
-            command,
-            Command::Key { down: true, .. } | Command::Tap(_) | Command::Type(_) | Command::Turn(_)
-        ) {
-            self.interrupt_demonstration();
-        }
-        match command {
-            Command::Key { key, down: true } => self.press_key(key, KeyEdge::Down(key)),
-            Command::Key { key, down: false } => self.key_edges.push(KeyEdge::Up(key)),
-            Command::Tap(key) => self.press_key(key, KeyEdge::Tap(key)),
-            Command::Type(character) => self.key_edges.push(KeyEdge::Type(character)),
-            Command::Turn(detents) => self.turn_handwheel(detents),
-            Command::Open(opened) => {
-                self.open(*opened);
-            }
-            Command::OpenSample { program, starts } => self.open_sample(*program, starts),
-            Command::Receive(file) => {
-                if let Err(refused) = self.emulator.receive(*file) {
-                    self.notify(Notice::Message(refused.message()));
-                }
-            }
-            Command::TransferFailed => {
-                self.emulator.apply(EmulatorInput::TransferFailed);
-            }
-            Command::FitGraphic { least, greatest } => self.emulator.fit_graphic(least, greatest),
-            Command::Probe(probe) => self.set_probe(probe),
-            Command::Monitor(on) => self.machine_monitor = on.then(MachineMonitor::default),
-            Command::Fault(fault, on) => self.emulator.set_fault(fault, on),
-            Command::Request(request) => {
-                let is_restart = matches!(*request, ControlRequest::Restart(_));
-                if is_restart && let Some(why) = self.emulator.cnc().request_refusal(&request) {
-                    return self.notify(Notice::Message(why));
-                }
-                if let Err(alarm) = self.emulator.request(*request) {
-                    self.notify(Notice::Refused(alarm));
-                } else if is_restart {
-                    // The next cycle start does something else now.
-                    self.notify(Notice::Message(say::restart_start_again()));
-                }
-            }
-            Command::Write(requests) => self.write_all_or_none(requests),
-            Command::Job(chosen) => self.set_job(chosen.map(|chosen| *chosen)),
-            Command::FreshStock => {
-                self.part.fresh_stock();
-                self.notify(Notice::FreshStock);
-            }
-            Command::Timeline(command) => self.execute_timeline_command(command),
-            Command::CrashStops(stops) => self.part.set_crash_stops(stops),
-            Command::ShowPart(visible) => self.show_part(visible),
-            Command::PlugUdisk(files) => self.emulator.plug_udisk(Some(files)),
-            Command::PowerCycle => self.emulator.power_cycle(),
-            Command::ForceInput(address, state) => {
-                self.emulator.force_input(address, state);
-            }
-            Command::ReleaseForcedBits => self.release_forced_bits(),
-            Command::Lesson(order) => self.execute_lesson_command(order),
-            Command::Exercise(action) => self.execute_exercise_command(action),
-            Command::Speed(speed) => self.speed = speed,
-            Command::ClearFaults => {
-                self.emulator.apply(EmulatorInput::ClearFaults);
-            }
-            Command::FreeLathe => {
-                part::end_crash_faults(&mut self.emulator);
-                self.key_edges.push(KeyEdge::Tap(Key::Reset));
-                self.notify(Notice::Message(say::window_lathe_is_free()));
-            }
-            Command::Link(order) => self.execute_link_command(order),
-            Command::Translate(on) => self.translate_screen = on,
-            Command::Explain(subject) => self.explain(subject),
-            Command::PublishMotion(on) => self.publish_motion = on,
-            Command::WatchLink(on) => self.watch_link(on),
-            Command::Store(text, to) => {
-                let _ = to.try_send(self.store(&Program::new(text)));
-            }
-            Command::SendSetup(to) => {
-                let setup = PreviewSetup {
-                    setup: make_preview_setup(self.emulator.simulation()),
-                    is_practice: self.lesson.is_some(),
-                };
-                // The receiver may be gone.
-                let _ = to.try_send(Box::new(setup));
-            }
-            Command::SendState(to) => {
-                // The receiver may be gone.
-                let _ = to.try_send(Box::new(self.project_state()));
-            }
-            Command::SendMachine(to) => {
-                let part = self.part.state().live().cloned();
-                // The receiver may be gone.
-                let _ = to.try_send(Box::new((self.emulator.simulation().clone(), part)));
-            }
-            Command::ReleaseAll => self.release_all_keys(),
-            Command::Alive => {}
-            Command::Quit => self.quit_requested = true,
-        }
-    }
-
-    /// Queues a key event. The emergency stop waits for no other key.
-    fn press_key(&mut self, key: Key, edge: KeyEdge) {
-        match key {
-            Key::EmergencyStop => {
-                self.emulator.key_down(Key::EmergencyStop);
-            }
-            _ => self.key_edges.push(edge),
-        }
-    }
-
-    fn set_probe(&mut self, probe: Option<Probe>) {
-        match (probe, self.active_probe.as_mut()) {
-            (Some(probe), Some(probing)) => probing.replace_probe(probe),
-            (probe, _) => self.active_probe = probe.map(ActiveProbe::new),
-        }
-    }
-
-    /// Sends the chain of causes of a state to the window. A look at the past has no times.
-    fn explain(&self, subject: CauseSubject) {
-        let log = match self.timeline.shows_past() {
-            true => &BitLog::default(),
-            false => &self.bit_log,
-        };
-        let chain = why::explain(self.shown_machine(), subject, log);
-        self.notify(Notice::Explained(Box::new(chain)));
-    }
-
-    fn show_part(&mut self, visible: bool) {
-        self.part.set_visible(visible);
-        self.timeline.set_part_visible(visible);
-    }
-
-    fn set_job(&mut self, chosen: Option<SelectedJob>) {
-        if self.is_job_of_restored_part(chosen.as_ref()) {
-            return;
-        }
-        let part = match &mut self.lesson {
-            Some(lesson) => lesson.own_part(),
-            None => &mut self.part,
-        };
-        part.set_job(chosen);
-    }
-
-    fn release_forced_bits(&mut self) {
-        let forces = self.emulator.cnc().plc().forces().to_vec();
-        for force in forces {
-            self.execute_command(Command::Request(Box::new(ControlRequest::ForceBit(
-                force.bit, None,
-            ))));
-        }
-    }
-
-    fn watch_link(&mut self, on: bool) {
-        self.link_watched = on;
-        if let Some(drive) = &mut self.drive {
-            drive.request_view(on);
-        }
-    }
-
-    /// Returns the state of the learner's own machine that a project stores, and its operation
-    /// level.
-    fn project_state(&self) -> (ProjectState, OperationLevel) {
-        let own = self.own_machine();
-        let level = own.cnc().battery_memory().authority.level();
-        (retained::project::state_of_emulator(own), level)
-    }
-
-    /// Whether the command would move a real machine although the window may have sent it long ago,
-    /// because the display has hung.
-    fn is_late(&mut self, command: &Command) -> bool {
-        let turns = matches!(command, Command::Turn(_));
-        let moves = match command {
-            Command::Key { key, down: true } | Command::Tap(key) => edges::starts_motion(*key),
-            _ => turns,
-        };
-        if !moves || self.drive.is_none() {
-            return false;
-        }
-        let now = platform::time_with_sleep();
-        let late = !self.input_watch.is_fresh(now) || turns && now < self.wheel_rests_until;
-        if turns && late {
-            // A wheel that keeps turning does not take the axis along again.
-            self.wheel_rests_until = now + WHEEL_REST_TIME;
-        }
-        late
-    }
-
-    /// Writes parameters, pitch errors, offsets and variables if the operator is permitted to
-    /// change all of them; otherwise writes none and sends a notice.
-    fn write_all_or_none(&mut self, requests: Vec<ControlRequest>) {
-        let rights = self.emulator.cnc().rights();
-        let taken = |request: &ControlRequest| match request {
-            ControlRequest::SetOffset { .. } => rights.check_offsets(),
-            ControlRequest::SetVariable { .. } | ControlRequest::SetMacroVariable { .. } => {
-                rights.check_variables()
-            }
-            _ => rights.check_parameters(),
-        };
-        if let Err(refusal) = requests.iter().try_for_each(taken) {
-            let why = gsk_project::refusal_message(refusal);
-            self.notify(Notice::Message(say::commission_refused(why)));
-            return;
-        }
-        for request in requests {
-            if let Err(alarm) = self.emulator.request(request) {
-                self.notify(Notice::Refused(alarm));
-                return;
-            }
         }
     }
 

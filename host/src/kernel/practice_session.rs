@@ -4,7 +4,7 @@ use gsk_lesson::{Practice, PracticeView};
 use gsk_panel::emulator::Emulator;
 
 use super::alarm_history::AlarmHistory;
-use super::exercise_run::ExerciseRun;
+use super::exercise::run::ExerciseRun;
 use super::part::KernelPart;
 use super::program_opening::LastOpened;
 use super::timeline::Timeline;
