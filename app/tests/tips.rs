@@ -1,7 +1,9 @@
 //! Tool tips of the panel in the other language, and help by a long press.
 
 use crate::common::WindowBench;
-use egui::{Event, Pos2, TouchDeviceId, TouchId, TouchPhase};
+use egui::{
+    Event, Modifiers, MouseWheelSource, MouseWheelUnit, Pos2, TouchDeviceId, TouchId, TouchPhase,
+};
 use egui_kittest::kittest::Queryable;
 
 fn touch(bench: &mut WindowBench, phase: TouchPhase, pos: Pos2) {
@@ -83,4 +85,43 @@ fn an_axis_key_shows_its_direction() {
         .harness
         .query_by_label_contains("Z-, towards the chuck");
     assert!(tip.is_some());
+}
+
+fn scroll(bench: &mut WindowBench, modifiers: Modifiers) {
+    bench.harness.event(Event::MouseWheel {
+        unit: MouseWheelUnit::Line,
+        delta: egui::vec2(0.0, 1.0),
+        phase: TouchPhase::Move,
+        source: MouseWheelSource::Unknown,
+        modifiers,
+    });
+    bench.run(50);
+}
+
+#[test]
+fn a_notch_turns_one_graduation_and_with_shift_ten_and_hides_the_tip() {
+    let mut bench = WindowBench::new();
+    let place = bench.harness.get_by_label("Handwheel").rect();
+    let edge = place.center() + egui::vec2(place.width() * 0.3, 0.0);
+    bench.harness.event(Event::PointerMoved(edge));
+    let is_tip_shown = |bench: &mut WindowBench| {
+        for _ in 0..20 {
+            bench.run(50);
+        }
+        let mut tips = bench.harness.query_all_by_label_contains("Shift");
+        tips.next().is_some()
+    };
+    assert!(is_tip_shown(&mut bench));
+    let before = bench.kernel.snapshot().wheel;
+    scroll(&mut bench, Modifiers::NONE);
+    assert_eq!(bench.kernel.snapshot().wheel - before, 1);
+    scroll(&mut bench, Modifiers::SHIFT);
+    assert_eq!(bench.kernel.snapshot().wheel - before, 11);
+    assert!(!is_tip_shown(&mut bench), "it covers what is turned");
+    bench
+        .harness
+        .event(Event::PointerMoved(Pos2::new(2.0, 2.0)));
+    bench.run(50);
+    bench.harness.event(Event::PointerMoved(edge));
+    assert!(is_tip_shown(&mut bench), "the pointer has come again");
 }
