@@ -32,15 +32,15 @@ use gsk_runner::machining::live_part::LivePart;
 use gsk_runner::program_summary::ProgramSummary;
 
 use super::exercise::ExerciseAction;
-use super::exercise::run::{ExerciseState, HandedInSolution};
+use super::exercise_run::{ExerciseState, HandedInSolution};
 use super::lesson::LessonAction;
 use super::link_view::LinkView;
 use super::monitor::MachineView;
 use super::part::PartView;
 use super::practice_session::LessonState;
 use super::probe::Probe;
-use super::program_start::StartDistance;
-use super::program_wait::ProgramWait;
+use super::program::start::StartDistance;
+use super::program::wait::ProgramWait;
 use super::timeline::{PastMoment, TimelineCommand, TimelineView};
 use crate::input_watch::InputWatch;
 use crate::job::SelectedJob;

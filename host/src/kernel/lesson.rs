@@ -12,7 +12,7 @@ use gsk_workpiece::stock::Stock;
 
 use super::key_refusals::KeyRefusals;
 use super::practice_session::{OwnState, PracticeSession, PracticeWork};
-use super::program_start::StartWatch;
+use super::program::start::StartWatch;
 use super::{Kernel, Notice};
 use crate::job::SelectedJob;
 

@@ -4,9 +4,9 @@ use gsk_lesson::{Practice, PracticeView};
 use gsk_panel::emulator::Emulator;
 
 use super::alarm_history::AlarmHistory;
-use super::exercise::run::ExerciseRun;
+use super::exercise_run::ExerciseRun;
 use super::part::KernelPart;
-use super::program_opening::LastOpened;
+use super::program::opening::LastOpened;
 use super::timeline::Timeline;
 
 /// The state of the current lesson, for the window.

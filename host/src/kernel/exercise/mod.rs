@@ -1,19 +1,17 @@
 //! Runs exercises: the machine of a task replaces the learner's own machine, and everything that
 //! the learner does at it is recorded until he hands in.
 
-pub(super) mod run;
-
 use std::sync::Arc;
 
 use gsk_exercise::task::ExerciseTask;
 use gsk_history::moment::MachineMoment;
 use gsk_messages::{Message, say};
 
+use super::exercise_run::{ExamTask, ExerciseRun};
 use super::practice_session::{PracticeSession, PracticeWork};
 use super::timeline::changes_machine;
 use super::{Command, Kernel, Notice};
 use crate::flight::join_inputs;
-use run::{ExamTask, ExerciseRun};
 
 /// A command of the window for an exercise.
 #[derive(Clone, Debug)]

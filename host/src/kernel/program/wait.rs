@@ -20,14 +20,14 @@ pub struct ProgramWait {
 
 /// The current wait of the program, and the tick at which it began.
 #[derive(Debug, Default)]
-pub(super) struct WaitWatch {
+pub(in crate::kernel) struct WaitWatch {
     current: Option<ProgramWait>,
     since_tick: u64,
 }
 
 impl WaitWatch {
     /// Stores what the program waits for at `tick`.
-    pub(super) fn update(&mut self, tick: u64, simulation: &Simulation) {
+    pub(in crate::kernel) fn update(&mut self, tick: u64, simulation: &Simulation) {
         let now = simulation.cnc.wait_reason().map(|what| ProgramWait {
             condition: what,
             block: running_block(simulation),
@@ -40,7 +40,7 @@ impl WaitWatch {
 
     /// Returns the wait if it is longer than usual, or at once if the program is held; else
     /// `None`.
-    pub(super) fn report(&self, tick: u64, run: RunState) -> Option<ProgramWait> {
+    pub(in crate::kernel) fn report(&self, tick: u64, run: RunState) -> Option<ProgramWait> {
         let is_long =
             run == RunState::Hold || tick.saturating_sub(self.since_tick) >= USUAL_WAIT_TICKS;
         self.current.clone().filter(|_| is_long)

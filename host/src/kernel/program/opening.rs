@@ -10,14 +10,14 @@ use gsk_panel::emulator::EmulatorInput;
 use gsk_panel::keys::Key;
 use tracing::info;
 
-use super::edges::KeyEdge;
-use super::part::end_crash_faults;
-use super::program_start::g50_start;
-use super::{Kernel, NotStored, Notice, OpenedProgram, ProgramPlacement, StorePolicy};
+use super::start::g50_start;
+use crate::kernel::edges::KeyEdge;
+use crate::kernel::part::end_crash_faults;
+use crate::kernel::{Kernel, NotStored, Notice, OpenedProgram, ProgramPlacement, StorePolicy};
 
 /// The program that was opened last from a file.
 #[derive(Clone, Debug)]
-pub(super) struct LastOpened {
+pub(in crate::kernel) struct LastOpened {
     pub name: String,
     /// The text of the program as it was stored; `None` if it was not stored.
     stored: Option<Program>,
@@ -26,7 +26,7 @@ pub(super) struct LastOpened {
 impl Kernel {
     /// Opens a program and reports the result to the window by a notice; returns true if the
     /// program is selected then.
-    pub(super) fn open(&mut self, opened: OpenedProgram) -> bool {
+    pub(in crate::kernel) fn open(&mut self, opened: OpenedProgram) -> bool {
         let run_state = self.emulator.cnc().run_state();
         if matches!(run_state, RunState::Run | RunState::Hold) {
             let why = say::program_opened_after_reset(&opened.name);
@@ -75,7 +75,7 @@ impl Kernel {
 
     /// Opens a sample and prepares the simulated lathe for it, which may stand anywhere, in a
     /// half-cut bar or after a crash; `starts`: starts it. With a board it is opened only.
-    pub(super) fn open_sample(&mut self, opened: OpenedProgram, starts: bool) {
+    pub(in crate::kernel) fn open_sample(&mut self, opened: OpenedProgram, starts: bool) {
         let zero = g50_start(&opened.program);
         let is_selected = self.open(opened);
         if !is_selected || self.drive.is_some() {
@@ -120,7 +120,7 @@ impl Kernel {
 
     /// Stores a program unless the memory has the same text, and selects it. Returns its number, or
     /// why it is not stored.
-    pub(super) fn store(&mut self, program: &Program) -> Result<u16, NotStored> {
+    pub(in crate::kernel) fn store(&mut self, program: &Program) -> Result<u16, NotStored> {
         let number = program.number().ok_or(NotStored::NoNumber)?;
         let cnc = self.emulator.cnc();
         let existing = cnc.programs().get(ProgramId::Stored(number));

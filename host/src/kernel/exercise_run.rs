@@ -72,7 +72,7 @@ impl PartialEq for HandedInSolution {
 
 /// An exercise under way.
 #[derive(Debug)]
-pub(in crate::kernel) struct ExerciseRun {
+pub(super) struct ExerciseRun {
     task: Arc<ExerciseTask>,
     /// `None` after the solution was handed in.
     recorder: Option<SolutionRecorder>,
@@ -92,7 +92,7 @@ struct ExamRun {
 
 impl ExerciseRun {
     /// Starts a task at a tick of the kernel; returns it with its machine and part.
-    pub(in crate::kernel) fn begin(
+    pub(super) fn begin(
         task: Arc<ExerciseTask>,
         begun_at: u64,
     ) -> Result<(Self, MachineMoment), Message> {
@@ -110,7 +110,7 @@ impl ExerciseRun {
     }
 
     /// Starts or continues an exercise of an exam; returns it with its machine and part.
-    pub(in crate::kernel) fn begin_in_exam(
+    pub(super) fn begin_in_exam(
         exam: &ExamTask,
         begun_at: u64,
     ) -> Result<(Self, MachineMoment), Message> {
@@ -134,7 +134,7 @@ impl ExerciseRun {
     }
 
     /// Returns the state for the window.
-    pub(in crate::kernel) fn state(&self, emulator: &Emulator) -> ExerciseState {
+    pub(super) fn state(&self, emulator: &Emulator) -> ExerciseState {
         let elapsed_s = emulator.ticks().saturating_sub(self.start_tick) / 1000;
         ExerciseState {
             id: self.task.id.clone(),
@@ -148,45 +148,45 @@ impl ExerciseRun {
     }
 
     /// Whether the exercise is part of an exam.
-    pub(in crate::kernel) const fn is_exam(&self) -> bool {
+    pub(super) const fn is_exam(&self) -> bool {
         self.exam.is_some()
     }
 
     /// Whether the instructor has paused the exam.
-    pub(in crate::kernel) fn is_paused(&self) -> bool {
+    pub(super) fn is_paused(&self) -> bool {
         self.exam.as_ref().is_some_and(|exam| exam.is_paused)
     }
 
     /// Pauses or continues an exam.
-    pub(in crate::kernel) const fn set_paused(&mut self, is_paused: bool) {
+    pub(super) const fn set_paused(&mut self, is_paused: bool) {
         if let Some(exam) = &mut self.exam {
             exam.is_paused = is_paused;
         }
     }
 
     /// Whether nothing counts any more.
-    pub(in crate::kernel) const fn is_handed_in(&self) -> bool {
+    pub(super) const fn is_handed_in(&self) -> bool {
         self.recorder.is_none()
     }
 
     /// The tick of the machine at which the exercise began.
-    pub(in crate::kernel) const fn start_tick(&self) -> u64 {
+    pub(super) const fn start_tick(&self) -> u64 {
         self.start_tick
     }
 
     /// Whether the learner has to find a fault.
-    pub(in crate::kernel) fn hides_faults(&self) -> bool {
+    pub(super) fn hides_faults(&self) -> bool {
         !self.task.faults.is_empty()
     }
 
     /// Whether the learner still works, but the time is over.
-    pub(in crate::kernel) fn is_time_over(&self, emulator: &Emulator) -> bool {
+    pub(super) fn is_time_over(&self, emulator: &Emulator) -> bool {
         let end = self.start_tick + self.task.time_limit_ms;
         self.recorder.is_some() && emulator.ticks() >= end
     }
 
     /// Records inputs, and a hash if one is due.
-    pub(in crate::kernel) fn record(
+    pub(super) fn record(
         &mut self,
         emulator: &Emulator,
         inputs: Vec<RecordedInput>,
@@ -207,7 +207,7 @@ impl ExerciseRun {
     }
 
     /// Ends the recording; `None` if it has ended before.
-    pub(in crate::kernel) fn hand_in(
+    pub(super) fn hand_in(
         &mut self,
         emulator: &Emulator,
     ) -> Option<Result<HandedInSolution, Message>> {

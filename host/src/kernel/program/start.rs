@@ -28,7 +28,7 @@ pub struct StartDistance {
 
 /// The last start of a program.
 #[derive(Debug, Default)]
-pub(super) struct StartWatch {
+pub(in crate::kernel) struct StartWatch {
     /// Program and slide position of the last start, machine coordinates, mm; `None` before the
     /// first one.
     last_start: Option<(ProgramId, Point)>,
@@ -43,7 +43,7 @@ pub(super) struct StartWatch {
 
 impl StartWatch {
     /// Records the starts and ends of program runs; call it after every tick.
-    pub(super) fn update(&mut self, cnc: &Cnc) {
+    pub(in crate::kernel) fn update(&mut self, cnc: &Cnc) {
         let now = cnc.run_state();
         let before = self.run_state.replace(now);
         let ended = |event: &Event| matches!(event, Event::ProgramEnded { .. });
@@ -80,7 +80,7 @@ impl StartWatch {
     /// its start in automatic mode and begins with G50; `None` otherwise, or if the slides are
     /// close to that start.
     /// `is_internal`: the tool works in a bore.
-    pub(super) fn report(&self, cnc: &Cnc, is_internal: bool) -> Option<StartDistance> {
+    pub(in crate::kernel) fn report(&self, cnc: &Cnc, is_internal: bool) -> Option<StartDistance> {
         let (program, last) = self.last_start?;
         let waits = cnc.run_state() == RunState::Reset && !cnc.is_position_unknown();
         let is_selected = cnc.programs().selected() == Some(program);
@@ -100,7 +100,7 @@ impl StartWatch {
 
     /// Returns the block at which the selected program, which was reset in the middle, waits in
     /// automatic mode to continue; `None` at its head.
-    pub(super) fn resumes_at(&self, cnc: &Cnc) -> Option<SourcePosition> {
+    pub(in crate::kernel) fn resumes_at(&self, cnc: &Cnc) -> Option<SourcePosition> {
         let waits = cnc.run_state() == RunState::Reset && cnc.mode() == OperatingMode::Auto;
         let program = cnc.programs().selected().filter(|_| waits)?;
         if self.interrupted != Some(program) {
@@ -130,7 +130,7 @@ fn g50_words(program: &Program) -> Option<&str> {
 
 /// The point that a program takes as its start with G50 X Z, work coordinates, mm, X as a radius;
 /// `None` if it sets not both.
-pub(super) fn g50_start(program: &Program) -> Option<Point> {
+pub(in crate::kernel) fn g50_start(program: &Program) -> Option<Point> {
     let words = g50_words(program)?;
     let value = |axis: char| {
         let (_, text) = words.split_once(axis)?;
