@@ -65,7 +65,7 @@ pub use settings::WindowSettings;
 use view::ViewId;
 use views::Views;
 use views::interface::ViewStart;
-pub use views::lathe::SceneDescriber;
+pub use views::lathe::{SceneRecorder, encode_scene};
 pub use views::project::ProjectSelection;
 
 pub use crate::chrome::startup_error;

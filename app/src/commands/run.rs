@@ -126,16 +126,11 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
         spoken,
     )?;
     outputs.agent = None;
-    report.part = job_choice
-        .zip(outputs.live_part.as_ref())
-        .map(|(chosen, live)| {
-            PartReport::new(
-                live.machining(),
-                chosen.file_name(),
-                args.part.measure,
-                None,
-            )
-        });
+    let live_part = outputs.live_part.as_ref();
+    report.part = job_choice.zip(live_part).map(|(chosen, live)| {
+        let (machining, job) = (live.machining(), chosen.file_name());
+        PartReport::new(machining, job, args.part.measure, None)
+    });
     // Each result is written independently: one failure does not affect the others.
     let mut failures = Vec::new();
     if let Some((data, restored)) = memory {
@@ -151,12 +146,17 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
     if !failures.is_empty() {
         return Err(CommandError::several(&failures));
     }
-    Ok(match report.end {
+    Ok(exit_code(&report))
+}
+
+/// The exit code of a run.
+fn exit_code(report: &ProgramReport) -> u8 {
+    match report.end {
         report::RunEnd::Requested => TERMINATED_EXIT_CODE,
         _ if report.has_collision() => EXIT_COLLISION,
         _ if report.has_failed() => EXIT_ALARM,
         _ => EXIT_OK,
-    })
+    }
 }
 
 /// Checks that the picture has a valid name and that no result overwrites an input or another
