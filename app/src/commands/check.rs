@@ -25,18 +25,12 @@ pub fn check(args: &CheckArgs, language: Option<Language>) -> Result<u8, Command
     if args.setup.selected_model().is_mill() {
         return mill::check(args, language);
     }
-    check_programs(
-        (args, language),
-        || {
-            Ok(loading::command_setup(
-                &args.setup,
-                args.look.work_zero,
-                language,
-            )?)
-        },
-        move_output::write_move,
-        check_file,
-    )
+    let create_setup = || {
+        let work_zero = args.look.work_zero;
+        loading::command_setup(&args.setup, work_zero, language).map_err(CommandError::from)
+    };
+    let options = (args, language);
+    check_programs(options, create_setup, move_output::write_move, check_file)
 }
 
 /// Options of the command, and the language of its texts.

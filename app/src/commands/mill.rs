@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use gsk_core::preview::PreviewProgress;
 use gsk_host::files::overwrite_guard::{CommandInputs, check_overwrites};
 use gsk_host::loading::{self, LoadError};
 use gsk_host::setup_args::ModelMismatch;
@@ -50,14 +49,13 @@ fn check_file(
     let programs = &programs.memory.programs;
     let mut watch = output::watch_preview(programs, args.look.limits.start(), is_only);
     let name = file.display().to_string();
-    let mut should_continue = |progress: &PreviewProgress| watch.update_progress(progress);
     Ok(mill::check_program(
         &name,
         setup,
         programs,
         language,
         on_move,
-        &mut should_continue,
+        &mut |progress| watch.update_progress(progress),
     ))
 }
 

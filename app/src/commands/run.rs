@@ -40,7 +40,8 @@ use indicatif::ProgressBar;
 use debugging::{RunDebugger, uses_standard_output};
 
 use super::agent::CommandAgent;
-use super::{CommandError, EXIT_ALARM, EXIT_COLLISION, EXIT_OK, output};
+use super::results::report_exit_code;
+use super::{CommandError, EXIT_ALARM, output};
 use crate::cli::RunArgs;
 use crate::picture::check_name;
 use crate::terminal::StdinOperator;
@@ -146,17 +147,10 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
     if !failures.is_empty() {
         return Err(CommandError::several(&failures));
     }
-    Ok(exit_code(&report))
-}
-
-/// The exit code of a run.
-fn exit_code(report: &ProgramReport) -> u8 {
-    match report.end {
+    Ok(match report.end {
         report::RunEnd::Requested => TERMINATED_EXIT_CODE,
-        _ if report.has_collision() => EXIT_COLLISION,
-        _ if report.has_failed() => EXIT_ALARM,
-        _ => EXIT_OK,
-    }
+        _ => report_exit_code(&report),
+    })
 }
 
 /// Checks that the picture has a valid name and that no result overwrites an input or another
