@@ -15,7 +15,7 @@ use super::probe::{ActiveProbe, Probe};
 use super::{Command, Kernel, MachineMonitor, Notice, PreviewSetup, WHEEL_REST_TIME};
 use crate::job::SelectedJob;
 use crate::platform;
-use crate::preview_setup::make_preview_setup;
+use crate::preview::setup::make_preview_setup;
 use crate::retained;
 
 impl Kernel {
