@@ -364,9 +364,9 @@ const PAGE_FOLDERS: [&str; 9] = [
     "host/src/kernel/",
     "host/src/loading.rs",
     "host/src/retained/",
-    "host/src/transfer.rs",
+    "host/src/preview/",
+    "host/src/transfer/",
     "window/src/",
-    "host/src/work_limit.rs",
 ];
 /// Except boards, which a page does not have.
 const BOARD_FILES: [&str; 2] = [

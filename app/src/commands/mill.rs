@@ -12,8 +12,7 @@ use gsk_plot::mill::{MillDrawing, encode_mill};
 use gsk_runner::mill::{self, MillSetup};
 use gsk_runner::report::ProgramReport;
 
-use super::check::{CheckOptions, check_programs};
-use super::plot::{report_end, report_picture};
+use super::results::{CheckOptions, check_programs, report_end, report_picture};
 use super::run::picture_title;
 use super::{CommandError, output};
 use crate::cli::{CheckArgs, PlotArgs};
@@ -24,7 +23,7 @@ fn lathe_option_error(option: &'static str) -> CommandError {
     LoadError::OfMill(ModelMismatch::LatheOnly(option)).into()
 }
 
-/// Checks programs of a mill, as [`super::check::check`] does. Returns an error for an option
+/// Checks programs of a mill, as `check` does for a lathe. Returns an error for an option
 /// that applies to lathes only, and for a file that cannot be read or written.
 pub fn check(args: &CheckArgs, language: Option<Language>) -> Result<u8, CommandError> {
     if args.part.is_requested() {

@@ -1,21 +1,19 @@
 //! `plot`: draws the toolpath as a picture.
 
-use gsk_core::alarm::Alarm;
-use gsk_core::preview::{CautionKind, PreviewEnd, preview_with_progress};
-use gsk_core::program::ProgramMemory;
+use gsk_core::preview::{CautionKind, preview_with_progress};
 use gsk_core::setup::Setup;
 use gsk_host::files::overwrite_guard::{CommandInputs, check_overwrites};
 use gsk_host::{job, loading};
-use gsk_messages::{Language, Message, say};
+use gsk_messages::Language;
 use gsk_plot::{PathDrawing, PictureFormat};
 use gsk_runner::curves::RapidRates;
 use gsk_runner::machining::Machining;
-use gsk_runner::report::{self, AlarmReport};
-use gsk_runner::text_format::format_time;
+use gsk_runner::report;
 use gsk_window::{SceneRecorder, encode_scene};
 
+use super::results::{report_end, report_picture};
 use super::run::picture_title;
-use super::{CommandError, EXIT_ALARM, EXIT_COLLISION, EXIT_OK, mill, output};
+use super::{CommandError, EXIT_COLLISION, mill, output};
 use crate::cli::PlotArgs;
 use crate::picture::{PictureNameError, check_name};
 
@@ -128,43 +126,6 @@ fn create_recorder(args: &PlotArgs, machining: &Machining, setup: &Setup) -> Sce
         frames as usize,
         time_s,
     )
-}
-
-/// Prints that the picture is written, with the machine time, s, and the message that moves are
-/// missing in it.
-pub(super) fn report_picture(
-    args: &PlotArgs,
-    time_s: f64,
-    shortfall: Option<&Message>,
-    language: Option<Language>,
-) {
-    let drawn = say::plot_written(args.output.display(), format_time(time_s));
-    output::print(&format!("{}\n", report::message_text(&drawn, language)));
-    if let Some(message) = shortfall {
-        complain!("gsk980td: {}", report::message_text(message, language));
-    }
-}
-
-/// Prints the alarm or the limit that ended the program of a picture; returns the exit code.
-pub(super) fn report_end(
-    args: &PlotArgs,
-    end: PreviewEnd,
-    alarm: Option<&Alarm>,
-    programs: &ProgramMemory,
-    language: Option<Language>,
-) -> u8 {
-    if let Some(alarm) = alarm {
-        let alarm = AlarmReport::new(alarm, programs, language);
-        complain!("gsk980td: {}", alarm.sentence(language));
-    }
-    if end == PreviewEnd::Limit {
-        let text = report::message_text(&say::report_limit(), language);
-        complain!("gsk980td: {}: {text}", args.file.display());
-    }
-    match end {
-        PreviewEnd::Alarm | PreviewEnd::Limit => EXIT_ALARM,
-        PreviewEnd::M30 | PreviewEnd::M02 | PreviewEnd::M99 | PreviewEnd::Text => EXIT_OK,
-    }
 }
 
 /// The machine time of the program, s, up to an alarm or a limit.

@@ -1,4 +1,4 @@
-//! Checks several files on all cores and prints the results.
+//! What the commands for lathe and mill share: checks files on all cores and prints the results.
 
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
@@ -7,20 +7,25 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
-use gsk_messages::say;
+use gsk_core::alarm::Alarm;
+use gsk_core::preview::PreviewEnd;
+use gsk_core::program::ProgramMemory;
+use gsk_host::files::folders;
+use gsk_host::files::overwrite_guard::{CommandInputs, check_overwrites, collect_outputs};
+use gsk_messages::{Message, say};
 use gsk_runner::report::annotations::{collect_annotations, to_github_commands, to_sarif_log};
-use gsk_runner::report::{self, ProgramReport};
+use gsk_runner::report::{self, AlarmReport, ProgramReport};
+use gsk_runner::text_format::format_time;
 
 use super::{CommandError, EXIT_ALARM, EXIT_COLLISION, EXIT_OK, EXIT_USAGE, output};
-use crate::cli::{CheckFormat, Language};
+use crate::cli::{CheckArgs, CheckFormat, Language, PlotArgs};
 
 /// Function that checks the file at a path; the flag is true if it is the only file.
-pub(super) type FileCheck<'a> =
-    dyn Fn(&Path, bool) -> Result<ProgramReport, CommandError> + Sync + 'a;
+type FileCheck<'a> = dyn Fn(&Path, bool) -> Result<ProgramReport, CommandError> + Sync + 'a;
 
 /// Checks files on all cores, a single file in this thread. The results keep the order of
 /// the files.
-pub(super) fn check_files(
+fn check_files(
     files: &[PathBuf],
     check: &FileCheck<'_>,
 ) -> Vec<Result<ProgramReport, CommandError>> {
@@ -60,7 +65,7 @@ pub(super) fn check_files(
 
 /// Prints results and returns the highest exit code. `to_stderr` selects standard error, for
 /// use when the moves are on standard output.
-pub(super) fn print_results(
+fn print_results(
     results: &[Result<ProgramReport, CommandError>],
     format: CheckFormat,
     to_stderr: bool,
@@ -126,7 +131,7 @@ pub(super) fn report_exit_code(report: &ProgramReport) -> u8 {
 }
 
 /// Checks a program and writes each move with `write` into the file at `path`.
-pub(super) fn check_into_file<M>(
+fn check_into_file<M>(
     path: &Path,
     write: impl Fn(&mut dyn Write, &M) -> io::Result<()>,
     check_program: impl FnOnce(&mut dyn FnMut(&M)) -> Result<ProgramReport, CommandError>,
@@ -141,5 +146,103 @@ pub(super) fn check_into_file<M>(
     match error.or(out.flush().err()) {
         Some(error) => Err(output::WriteError::new(path, error).into()),
         None => Ok(report),
+    }
+}
+
+/// Options of the command, and the language of its texts.
+pub(super) type CheckOptions<'a> = (&'a CheckArgs, Option<Language>);
+
+/// Checks programs of one kind of machine: with the set-up that `create_setup` makes after the
+/// file names are checked, `check_file` checks a file and passes its moves on, and `write_move`
+/// writes a move as a line of `--moves`. The flag of `check_file` is true for the only file.
+pub(super) fn check_programs<S: Sync, M>(
+    (args, language): CheckOptions<'_>,
+    create_setup: impl FnOnce() -> Result<S, CommandError>,
+    write_move: impl Fn(&mut dyn Write, &M) -> io::Result<()>,
+    check_file: impl Fn(
+        &S,
+        &Path,
+        CheckOptions<'_>,
+        bool,
+        &mut dyn FnMut(&M),
+    ) -> Result<ProgramReport, CommandError>
+    + Sync,
+) -> Result<u8, CommandError> {
+    let (files, mut errors) = folders::find_programs(&args.files);
+    if args.moves.is_some() && files.len() > 1 {
+        return Err(say::command_one_program().into());
+    }
+    if args.part.section.is_some() && files.len() > 1 {
+        return Err(say::command_one_section().into());
+    }
+    // Moves and section belong to one program: an error here would leave them incomplete.
+    if (args.moves.is_some() || args.part.section.is_some())
+        && let Some(error) = errors.pop()
+    {
+        return Err(error.into());
+    }
+    let setup = create_setup()?;
+    // A mill reads nothing from the data directory.
+    let is_mill = args.setup.selected_model().is_mill();
+    let data_dir = args.setup.data.as_ref().filter(|_| !is_mill);
+    let inputs = CommandInputs {
+        files: files
+            .iter()
+            .map(PathBuf::as_path)
+            .chain(args.setup.input_files())
+            .collect(),
+        main_program: files.first().map(PathBuf::as_path),
+        data_dir: data_dir.map(PathBuf::as_path),
+    };
+    let outputs = collect_outputs(&[&args.moves, &args.part.section]);
+    check_overwrites(&inputs, &outputs)?;
+    if let (Some(path), [file]) = (&args.moves, &files[..]) {
+        let report = check_into_file(path, write_move, |on_move| {
+            check_file(&setup, file, (args, language), true, on_move)
+        })?;
+        let aside = output::is_standard_output(Some(path));
+        return print_results(&[Ok(report)], args.format(), aside, language);
+    }
+    let mut results = check_files(&files, &|file, is_only| {
+        check_file(&setup, file, (args, language), is_only, &mut |_| {})
+    });
+    results.extend(errors.into_iter().map(|error| Err(error.into())));
+    print_results(&results, args.format(), false, language)
+}
+
+/// Prints that the picture is written, with the machine time, s, and the message that moves are
+/// missing in it.
+pub(super) fn report_picture(
+    args: &PlotArgs,
+    time_s: f64,
+    shortfall: Option<&Message>,
+    language: Option<Language>,
+) {
+    let drawn = say::plot_written(args.output.display(), format_time(time_s));
+    output::print(&format!("{}\n", report::message_text(&drawn, language)));
+    if let Some(message) = shortfall {
+        complain!("gsk980td: {}", report::message_text(message, language));
+    }
+}
+
+/// Prints the alarm or the limit that ended the program of a picture; returns the exit code.
+pub(super) fn report_end(
+    args: &PlotArgs,
+    end: PreviewEnd,
+    alarm: Option<&Alarm>,
+    programs: &ProgramMemory,
+    language: Option<Language>,
+) -> u8 {
+    if let Some(alarm) = alarm {
+        let alarm = AlarmReport::new(alarm, programs, language);
+        complain!("gsk980td: {}", alarm.sentence(language));
+    }
+    if end == PreviewEnd::Limit {
+        let text = report::message_text(&say::report_limit(), language);
+        complain!("gsk980td: {}: {text}", args.file.display());
+    }
+    match end {
+        PreviewEnd::Alarm | PreviewEnd::Limit => EXIT_ALARM,
+        PreviewEnd::M30 | PreviewEnd::M02 | PreviewEnd::M99 | PreviewEnd::Text => EXIT_OK,
     }
 }

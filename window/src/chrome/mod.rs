@@ -3,6 +3,7 @@
 pub mod exam_limits;
 pub mod first_start;
 pub mod incoming;
+mod key_dispatch;
 pub mod message_history;
 pub mod message_line;
 pub mod pane_area;
