@@ -49,6 +49,7 @@ use ladder::LadderView;
 use lesson::LessonView;
 use machine::{LatheView, ProgramViewRequest};
 use program::ProgramView;
+pub use program::{halt_text, show_halt_buttons};
 use project::ProjectView;
 use registry::AllViews;
 use transfer::TransferView;
