@@ -3270,6 +3270,7 @@ message_rows! {
     window_lamp WindowLamp(name);
     window_lamp_off WindowLampOff();
     window_lamp_on WindowLampOn();
+    window_lamp_why WindowLampWhy();
     window_lathe_is_free WindowLatheIsFree();
     window_layout_instructor WindowLayoutInstructor();
     window_layout_learner WindowLayoutLearner();

@@ -244,9 +244,7 @@ impl ProgramView {
         let (bar, breakpoints) = (&mut self.bar, &mut self.breakpoints);
         let command = tools
             .show(ui, |ui| {
-                let command = bar.show(ui, document, memory, breakpoints, language);
-                breakpoints.show_halt(ui, language);
-                command
+                bar.show(ui, document, memory, breakpoints, language)
             })
             .inner;
         if let Some(command) = command {
@@ -464,8 +462,9 @@ impl ProgramView {
         }
     }
 
-    /// Draws the last message and the findings of the check.
+    /// Draws a halt, the last message and the findings of the check.
     fn show_findings(&mut self, ui: &mut Ui, language: Language) {
+        self.breakpoints.show_halt(ui, language);
         let shown_message = self.message.as_ref().map(|message| match message {
             EditorMessage::Good(message) => (message.text(language), None),
             EditorMessage::Bad(message) => (message.text(language), Some(theme::CODE_ALARM_TEXT)),
