@@ -12,6 +12,5 @@ extern crate gsk_host;
 pub mod cli;
 pub mod commands;
 pub mod picture;
-mod scene_plot;
 pub mod terminal;
 pub mod usage_hint;

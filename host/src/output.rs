@@ -21,7 +21,7 @@ use web_time::{Duration, Instant};
 
 use crate::message_format::describe_io_error;
 use crate::platform;
-use crate::work_limit::WorkLimit;
+use crate::preview::work_limit::WorkLimit;
 
 /// The error for a file that cannot be written, with its path.
 #[derive(Debug, thiserror::Error)]

@@ -81,14 +81,10 @@ pub fn analyse(
     let preview = preview_beyond_alarms(setup, programs, &mut take, keep_going);
     line_times.advance_to(preview.time_s);
     let alarms = preview.alarm.iter().chain(&preview.further.alarms);
-    let mut findings: Vec<ProgramFinding> = alarms
-        .map(|it| alarm_finding(it, programs, language))
-        .collect();
-    findings.extend(limit_finding(preview.end, language));
     let cautions = preview.cautions.iter();
-    findings.extend(cautions.map(|it| caution_finding(it, programs, language)));
+    let warnings = cautions.map(|it| caution_finding(it, programs, language));
     Analysis {
-        findings,
+        findings: list_findings(alarms, preview.end, warnings, programs, language),
         end: preview.end,
         time_s: preview.time_s,
         cutting_s: preview.cutting_s,
@@ -116,17 +112,12 @@ pub fn analyse_mill(
     let preview = preview_while(setup, programs, &mut take, keep_going);
     line_times.advance_to(preview.time_s);
     let alarms = preview.alarm.iter().chain(&preview.further);
-    let mut findings: Vec<ProgramFinding> = alarms
-        .map(|it| alarm_finding(it, programs, language))
-        .collect();
-    findings.extend(limit_finding(preview.end, language));
-    let slips = preview.cautions.iter();
-    findings.extend(slips.map(|it| {
+    let warnings = preview.cautions.iter().map(|it| {
         let text = it.slip.message().text(language);
         warning(it.slip.id(), text, it.source, None, programs)
-    }));
+    });
     Analysis {
-        findings,
+        findings: list_findings(alarms, preview.end, warnings, programs, language),
         end: preview.end,
         time_s: preview.time_s,
         cutting_s: preview.cutting_s,
@@ -140,6 +131,21 @@ pub fn analyse_mill(
             .collect(),
         line_times,
     }
+}
+
+/// The findings of a preview in their order: alarms, the limit, warnings.
+fn list_findings<'a>(
+    alarms: impl Iterator<Item = &'a Alarm>,
+    end: PreviewEnd,
+    warnings: impl Iterator<Item = ProgramFinding>,
+    programs: &ProgramMemory,
+    language: Language,
+) -> Vec<ProgramFinding> {
+    alarms
+        .map(|it| alarm_finding(it, programs, language))
+        .chain(limit_finding(end, language))
+        .chain(warnings)
+        .collect()
 }
 
 /// The warning that the preview reached its limit; `None` if it did not.

@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 
 use gsk_core::alarm::{Alarm, number};
 use gsk_core::command::SourcePosition;
-use gsk_core::interpreter::SystemVariables;
+use gsk_core::interpreter::{ReadError, VariableReader, VariableWriter};
 use gsk_core::memory::{Counters, DayTime, Registers};
 use gsk_messages::say;
 
@@ -307,8 +307,8 @@ fn round_in_range(
     }
 }
 
-impl SystemVariables for VariableContext<'_> {
-    fn read(&self, variable: u32) -> Result<Option<f64>, Alarm> {
+impl VariableReader for VariableContext<'_> {
+    fn read_system(&self, variable: u32) -> Result<Option<f64>, ReadError> {
         if is_common(variable) {
             return Ok(self.variables.common.get(&variable).copied());
         }
@@ -330,10 +330,16 @@ impl SystemVariables for VariableContext<'_> {
             5000..=5999 => self.position(variable),
             _ => None,
         };
-        value.map(Some).ok_or_else(|| unknown(variable))
+        value.map(Some).ok_or_else(|| unknown(variable).into())
     }
 
-    fn write(&mut self, variable: u32, value: Option<f64>) -> Result<(), Alarm> {
+    fn signed_angles(&self) -> bool {
+        self.memory.bit(parameter::ANGLES, 7)
+    }
+}
+
+impl VariableWriter for VariableContext<'_> {
+    fn write_system(&mut self, variable: u32, value: Option<f64>) -> Result<(), ReadError> {
         if is_common(variable) {
             match value {
                 Some(value) => self.variables.common.insert(variable, value),
@@ -351,14 +357,16 @@ impl SystemVariables for VariableContext<'_> {
         }
         let Some(stored) = stored_variable(variable, self.state.axes) else {
             // The variable exists, but is read-only.
-            self.read(variable)?;
+            self.read_system(variable)?;
             let detail = say::variable_of_macro_read_only(variable);
-            return Err(Alarm::new(number::READ_ONLY).with_detail(detail));
+            return Err(Alarm::new(number::READ_ONLY).with_detail(detail).into());
         };
         let length = Length::from_mm(value.unwrap_or(0.0)).rounded();
         match stored {
             StoredVariable::Offset(offset, column) => {
-                return self.memory.set_offset(offset.into(), column, length, false);
+                self.memory
+                    .set_offset(offset.into(), column, length, false)?;
+                return Ok(());
             }
             StoredVariable::External(axis) => self.memory.external.set(axis, length),
             StoredVariable::Zero(zero, axis) => {
@@ -369,9 +377,5 @@ impl SystemVariables for VariableContext<'_> {
         }
         self.state.resync(self.memory);
         Ok(())
-    }
-
-    fn signed_angles(&self) -> bool {
-        self.memory.bit(parameter::ANGLES, 7)
     }
 }

@@ -15,7 +15,8 @@ use gsk_host::platform::DisplayServer;
 use gsk_host::project::{self, ImportRequest, ImportRights};
 use gsk_host::retained::{Keeper, Restored};
 use gsk_host::termination::TerminationFlag;
-use gsk_host::{output, platform, transfer, udisk};
+use gsk_host::transfer::udisk;
+use gsk_host::{output, platform, transfer};
 use gsk_messages::{Message, say};
 use web_time::{Duration, Instant};
 

@@ -26,14 +26,13 @@ mod widgets;
 
 use std::path::PathBuf;
 
-use egui::{Event, Frame, Margin, Panel, Pos2, Ui};
+use egui::{Frame, Margin, Panel, Pos2, Ui};
 use gsk_core::model::ModelId;
 use gsk_core::operation::RunState;
 use gsk_help::{Subject, Topic, topic};
 use gsk_host::files::exams::UnfinishedExam;
 use gsk_host::files::exercises::AvailableExercises;
 use gsk_host::files::lessons::AvailableLessons;
-use gsk_host::input_watch::QUERY_INTERVAL;
 use gsk_host::kernel::{Command, Console, KeysReversed, PanelSnapshot};
 use gsk_host::platform::{self, CoursePage};
 use gsk_host::sound::MachineSound;
@@ -50,11 +49,10 @@ use crate::chrome::timeline::TimelineStrip;
 use crate::chrome::way_back::WayBack;
 use crate::chrome::why_pane::WhyPane;
 use crate::chrome::{top_bar, zoom};
-use crate::input::held_keys::{HeldKeys, PanelKeyChange};
-use crate::input::keyboard::PcAction;
+use crate::input::held_keys::HeldKeys;
+use crate::input::key_map;
 use crate::input::long_press::LongPress;
 use crate::input::panel_pointer::PanelPointer;
-use crate::input::{key_map, keyboard};
 use crate::layout::WindowLayout;
 use crate::panel_view::{faceplate_image, lcd};
 use crate::placement::{panel_placement, stop_key_clearance};
@@ -67,7 +65,7 @@ pub use settings::WindowSettings;
 use view::ViewId;
 use views::Views;
 use views::interface::ViewStart;
-pub use views::lathe::SceneDescriber;
+pub use views::lathe::{SceneRecorder, encode_scene};
 pub use views::project::ProjectSelection;
 
 pub use crate::chrome::startup_error;
@@ -301,17 +299,6 @@ impl Window {
         self.snapshot.as_ref()
     }
 
-    /// Releases all held keys, because the window is hidden or has lost the focus.
-    pub fn release_keys(&mut self) {
-        self.pointing.reset();
-        self.long_press.reset();
-        let changes = self.held_keys.release_all();
-        self.console
-            .input_watch
-            .set_holders(self.held_keys.holders());
-        self.send(&changes);
-    }
-
     /// Draws one frame and handles its input.
     pub fn ui(&mut self, ui: &mut Ui) {
         // Checked here because the key that closes the menu is consumed later.
@@ -377,16 +364,7 @@ impl Window {
             };
         }
         self.show_why_pane(ui.ctx());
-        let picture = self.snapshot.as_ref();
-        match self
-            .help
-            .show(ui.ctx(), language, picture, &self.placed_areas)
-        {
-            Some(help::HelpRequest::Lesson(order)) => self.console.send(Command::Lesson(order)),
-            Some(help::HelpRequest::Block(occurrence)) => self.show_block(*occurrence),
-            Some(help::HelpRequest::OpenLessons) => self.show_view(ViewId::Lesson),
-            None => {}
-        }
+        self.show_help(ui.ctx());
         let picture = self.snapshot.as_ref();
         let unsaved = self.views.first_unsaved();
         self.questions
@@ -414,6 +392,20 @@ impl Window {
             self.release_keys();
         }
         self.renew_held_keys(ui.ctx());
+    }
+
+    /// Shows the help window, and follows its links to lessons and blocks.
+    fn show_help(&mut self, context: &egui::Context) {
+        let (language, picture) = (self.settings.language, self.snapshot.as_ref());
+        let request = self
+            .help
+            .show(context, language, picture, &self.placed_areas);
+        match request {
+            Some(help::HelpRequest::Lesson(order)) => self.console.send(Command::Lesson(order)),
+            Some(help::HelpRequest::Block(occurrence)) => self.show_block(*occurrence),
+            Some(help::HelpRequest::OpenLessons) => self.show_view(ViewId::Lesson),
+            None => {}
+        }
     }
 
     /// Deletes the objects of OpenGL before the window closes.
@@ -456,19 +448,6 @@ impl Window {
         }
     }
 
-    /// Reports to the kernel that the window is alive while keys are held.
-    fn renew_held_keys(&self, context: &egui::Context) {
-        self.console
-            .input_watch
-            .set_holders(self.held_keys.holders());
-        if self.held_keys.has_any() {
-            // The kernel releases all keys when it receives no `Alive` command from the
-            // window, or when the display does not show the keys as held.
-            self.console.send(Command::Alive);
-            context.request_repaint_after(QUERY_INTERVAL);
-        }
-    }
-
     /// Number of segments of the tool path in the machine view.
     pub fn count_path_pieces(&mut self) -> usize {
         self.views.lathe().segment_count()
@@ -480,42 +459,6 @@ impl Window {
             let board = matches!(it.board, Some(LinkState::Moving | LinkState::Homing));
             it.is_moving || board || matches!(it.run_state, RunState::Run | RunState::Hold)
         })
-    }
-
-    /// Handles the keys of the PC keyboard. While a text field has the focus, only the stop
-    /// keys reach the panel. `menu`: a menu was open when the keys arrived.
-    fn handle_keyboard(&mut self, ui: &Ui, menu: bool) {
-        let events: Vec<Event> = ui.input(|input| input.events.clone());
-        if ui.ctx().text_edit_focused() || self.first_start.is_some() {
-            let stops: Vec<Event> = events
-                .into_iter()
-                .filter(keyboard::is_stop_or_release)
-                .collect();
-            self.handle_keys(&stops);
-            return;
-        }
-        zoom::handle_keys(ui.ctx(), &events, &mut self.settings);
-        let mut events = keyboard::filter_for_focus(ui.ctx(), events);
-        if keyboard::remove_axis_keys_in_list(ui.ctx(), &mut events) {
-            self.explain_axis_key_in_list();
-        }
-        if menu {
-            events = keyboard::filter_for_menu(events, self.is_running_or_unknown());
-        }
-        if let Some(view) = view::view_of_pressed_key(&events) {
-            self.settings.layouts.toggle(view);
-        }
-        if let Some(layout) = layout::layout_of_pressed_key(&events) {
-            self.settings.layouts.choose(layout);
-        }
-        self.handle_keys(&events);
-    }
-
-    /// Shows a message that an axis key has moved the cursor of a list, and no axis.
-    fn explain_axis_key_in_list(&mut self) {
-        self.message = Some(StatusMessage::KeyRefused(
-            gsk_messages::say::window_axis_key_in_list(),
-        ));
     }
 
     /// Opens the program view at the block in which an alarm was raised.
@@ -532,46 +475,6 @@ impl Window {
     fn alarm_topic(&self) -> Option<&'static Topic> {
         let alarm = self.snapshot.as_ref()?.alarm.as_ref()?;
         topic(Subject::Alarm(alarm.row()?.number))
-    }
-
-    fn handle_keys(&mut self, events: &[Event]) {
-        for event in events {
-            match keyboard::action_of(event) {
-                Some(PcAction::Help) => {
-                    let about = self
-                        .pointer_position
-                        .and_then(|at| self.topic_at_position(at));
-                    self.help.toggle(about.or_else(|| self.alarm_topic()));
-                }
-                Some(PcAction::Turn(graduations)) => self.console.send(Command::Turn(graduations)),
-                Some(PcAction::Type(character)) => {
-                    self.held_keys.drop_waiting_latch();
-                    self.console.send(Command::Type(character));
-                }
-                Some(PcAction::Press(holder, key)) => {
-                    if key == Key::Reset {
-                        self.message =
-                            Some(StatusMessage::Done(gsk_messages::say::window_reset_by_key()));
-                    }
-                    let changes = self.held_keys.press(holder, key);
-                    self.send(&changes);
-                }
-                Some(PcAction::Release(holder)) => {
-                    let changes = self.held_keys.set(holder, None);
-                    self.send(&changes);
-                }
-                None => {}
-            }
-        }
-    }
-
-    fn send(&self, changes: &[PanelKeyChange<Key>]) {
-        for change in changes {
-            self.console.send(Command::Key {
-                key: change.key,
-                down: change.is_down,
-            });
-        }
     }
 }
 

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use gsk_core::preview::WorkBudget;
 use gsk_host::job::{JobArgs, PartArgs};
+use gsk_host::preview::work_limit::WorkLimit;
 use gsk_host::setup_args::{self, SetupArgs};
-use gsk_host::work_limit::WorkLimit;
 use gsk_scene::camera::CameraPreset;
 use web_time::Duration;
 

@@ -1,5 +1,6 @@
 //! `check`: previews programs without running the machine.
 
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use gsk_core::command::ExecutedMove;
@@ -24,6 +25,33 @@ pub fn check(args: &CheckArgs, language: Option<Language>) -> Result<u8, Command
     if args.setup.selected_model().is_mill() {
         return mill::check(args, language);
     }
+    let create_setup = || {
+        let work_zero = args.look.work_zero;
+        loading::command_setup(&args.setup, work_zero, language).map_err(CommandError::from)
+    };
+    let options = (args, language);
+    check_programs(options, create_setup, move_output::write_move, check_file)
+}
+
+/// Options of the command, and the language of its texts.
+pub(super) type CheckOptions<'a> = (&'a CheckArgs, Option<Language>);
+
+/// Checks programs of one kind of machine: with the set-up that `create_setup` makes after the
+/// file names are checked, `check_file` checks a file and passes its moves on, and `write_move`
+/// writes a move as a line of `--moves`. The flag of `check_file` is true for the only file.
+pub(super) fn check_programs<S: Sync, M>(
+    (args, language): CheckOptions<'_>,
+    create_setup: impl FnOnce() -> Result<S, CommandError>,
+    write_move: impl Fn(&mut dyn Write, &M) -> io::Result<()>,
+    check_file: impl Fn(
+        &S,
+        &Path,
+        CheckOptions<'_>,
+        bool,
+        &mut dyn FnMut(&M),
+    ) -> Result<ProgramReport, CommandError>
+    + Sync,
+) -> Result<u8, CommandError> {
     let (files, mut errors) = folders::find_programs(&args.files);
     if args.moves.is_some() && files.len() > 1 {
         return Err(say::command_one_program().into());
@@ -37,25 +65,30 @@ pub fn check(args: &CheckArgs, language: Option<Language>) -> Result<u8, Command
     {
         return Err(error.into());
     }
-    let setup = loading::command_setup(&args.setup, args.look.work_zero, language)?;
+    let setup = create_setup()?;
+    // A mill reads nothing from the data directory.
+    let is_mill = args.setup.selected_model().is_mill();
+    let data_dir = args.setup.data.as_ref().filter(|_| !is_mill);
     let inputs = CommandInputs {
-        files: (files.iter().map(PathBuf::as_path))
+        files: files
+            .iter()
+            .map(PathBuf::as_path)
             .chain(args.setup.input_files())
             .collect(),
         main_program: files.first().map(PathBuf::as_path),
-        data_dir: args.setup.data.as_deref(),
+        data_dir: data_dir.map(PathBuf::as_path),
     };
     let outputs = collect_outputs(&[&args.moves, &args.part.section]);
     check_overwrites(&inputs, &outputs)?;
     if let (Some(path), [file]) = (&args.moves, &files[..]) {
-        let report = check_into_file(path, move_output::write_move, |on_move| {
+        let report = check_into_file(path, write_move, |on_move| {
             check_file(&setup, file, (args, language), true, on_move)
         })?;
         let aside = output::is_standard_output(Some(path));
         return print_results(&[Ok(report)], args.format(), aside, language);
     }
-    let mut results = check_files(&files, &|file, alone| {
-        check_file(&setup, file, (args, language), alone, &mut |_| {})
+    let mut results = check_files(&files, &|file, is_only| {
+        check_file(&setup, file, (args, language), is_only, &mut |_| {})
     });
     results.extend(errors.into_iter().map(|error| Err(error.into())));
     print_results(&results, args.format(), false, language)
@@ -64,7 +97,7 @@ pub fn check(args: &CheckArgs, language: Option<Language>) -> Result<u8, Command
 fn check_file(
     setup: &Setup,
     file: &Path,
-    (args, language): (&CheckArgs, Option<Language>),
+    (args, language): CheckOptions<'_>,
     is_only: bool,
     on_move: &mut dyn FnMut(&ExecutedMove),
 ) -> Result<ProgramReport, CommandError> {

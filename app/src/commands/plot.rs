@@ -1,20 +1,23 @@
 //! `plot`: draws the toolpath as a picture.
 
+use gsk_core::alarm::Alarm;
 use gsk_core::preview::{CautionKind, PreviewEnd, preview_with_progress};
+use gsk_core::program::ProgramMemory;
 use gsk_core::setup::Setup;
 use gsk_host::files::overwrite_guard::{CommandInputs, check_overwrites};
 use gsk_host::{job, loading};
-use gsk_messages::{Language, say};
+use gsk_messages::{Language, Message, say};
 use gsk_plot::{PathDrawing, PictureFormat};
 use gsk_runner::curves::RapidRates;
+use gsk_runner::machining::Machining;
 use gsk_runner::report::{self, AlarmReport};
 use gsk_runner::text_format::format_time;
+use gsk_window::{SceneRecorder, encode_scene};
 
 use super::run::picture_title;
 use super::{CommandError, EXIT_ALARM, EXIT_COLLISION, EXIT_OK, mill, output};
 use crate::cli::PlotArgs;
 use crate::picture::{PictureNameError, check_name};
-use crate::scene_plot::{SceneRecorder, encode_scene};
 
 /// Draws the toolpath of a program into a picture. The moves before an alarm are drawn as
 /// well.
@@ -53,23 +56,10 @@ pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandEr
         false => None,
     };
     let rear_tool_post = setup.lathe.rear_tool_post;
-    let mut recorder = match &machining {
-        Some(machining) if args.scene.scene => {
-            let frames = args.scene.frames.unwrap_or(1);
-            let time_s = match frames {
-                1 => 0.0,
-                _ => find_duration_s(args, &setup),
-            };
-            let frames = frames as usize;
-            Some(SceneRecorder::new(
-                machining,
-                rear_tool_post,
-                frames,
-                time_s,
-            ))
-        }
-        Some(_) | None => None,
-    };
+    let mut recorder = machining
+        .as_ref()
+        .filter(|_| args.scene.scene)
+        .map(|machining| create_recorder(args, machining, &setup));
     let mut watch = output::watch_preview(&setup.memory.programs, args.look.limits.start(), true);
     let preview = preview_with_progress(
         &setup,
@@ -105,32 +95,76 @@ pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandEr
         }
     };
     target.write(&bytes)?;
-    let drawn = say::plot_written(args.output.display(), format_time(preview.time_s));
-    output::print(&format!("{}\n", report::message_text(&drawn, language)));
-    let drawing_shortfall =
+    let shortfall =
         gsk_plot::missing_moves_message(&drawing).filter(|_| !args.solid && !args.scene.scene);
-    if let Some(message) = drawing_shortfall {
-        complain!("gsk980td: {}", report::message_text(&message, language));
-    }
+    report_picture(args, preview.time_s, shortfall.as_ref(), language);
     let cautions = preview.cautions.iter();
     for caution in cautions.filter(|caution| caution.kind == CautionKind::MachineZero) {
         let text = report::message_text(&caution.message_with_line(), language);
         complain!("gsk980td: {text}");
     }
-    if let Some(alarm) = &preview.alarm {
-        let alarm = AlarmReport::new(alarm, &setup.memory.programs, language);
+    let programs = &setup.memory.programs;
+    let exit_code = report_end(
+        args,
+        preview.end,
+        preview.alarm.as_ref(),
+        programs,
+        language,
+    );
+    let collided = machining.is_some_and(|machining| !machining.findings().is_empty());
+    Ok(if collided { EXIT_COLLISION } else { exit_code })
+}
+
+/// Creates the recorder of the lathe in space.
+fn create_recorder(args: &PlotArgs, machining: &Machining, setup: &Setup) -> SceneRecorder {
+    let frames = args.scene.frames.unwrap_or(1);
+    let time_s = match frames {
+        1 => 0.0,
+        _ => find_duration_s(args, setup),
+    };
+    SceneRecorder::new(
+        machining,
+        setup.lathe.rear_tool_post,
+        frames as usize,
+        time_s,
+    )
+}
+
+/// Prints that the picture is written, with the machine time, s, and the message that moves are
+/// missing in it.
+pub(super) fn report_picture(
+    args: &PlotArgs,
+    time_s: f64,
+    shortfall: Option<&Message>,
+    language: Option<Language>,
+) {
+    let drawn = say::plot_written(args.output.display(), format_time(time_s));
+    output::print(&format!("{}\n", report::message_text(&drawn, language)));
+    if let Some(message) = shortfall {
+        complain!("gsk980td: {}", report::message_text(message, language));
+    }
+}
+
+/// Prints the alarm or the limit that ended the program of a picture; returns the exit code.
+pub(super) fn report_end(
+    args: &PlotArgs,
+    end: PreviewEnd,
+    alarm: Option<&Alarm>,
+    programs: &ProgramMemory,
+    language: Option<Language>,
+) -> u8 {
+    if let Some(alarm) = alarm {
+        let alarm = AlarmReport::new(alarm, programs, language);
         complain!("gsk980td: {}", alarm.sentence(language));
     }
-    if preview.end == PreviewEnd::Limit {
+    if end == PreviewEnd::Limit {
         let text = report::message_text(&say::report_limit(), language);
         complain!("gsk980td: {}: {text}", args.file.display());
     }
-    let collided = machining.is_some_and(|machining| !machining.findings().is_empty());
-    Ok(match preview.end {
-        _ if collided => EXIT_COLLISION,
+    match end {
         PreviewEnd::Alarm | PreviewEnd::Limit => EXIT_ALARM,
         PreviewEnd::M30 | PreviewEnd::M02 | PreviewEnd::M99 | PreviewEnd::Text => EXIT_OK,
-    })
+    }
 }
 
 /// The machine time of the program, s, up to an alarm or a limit.

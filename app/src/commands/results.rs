@@ -111,10 +111,17 @@ pub(super) fn print_results(
 /// The exit code of the result of one file.
 fn exit_code(result: &Result<ProgramReport, CommandError>) -> u8 {
     match result {
-        Ok(report) if report.has_collision() => EXIT_COLLISION,
-        Ok(report) if report.has_failed() => EXIT_ALARM,
-        Ok(_) => EXIT_OK,
+        Ok(report) => report_exit_code(report),
         Err(_) => EXIT_USAGE,
+    }
+}
+
+/// The exit code of a program with this report.
+pub(super) fn report_exit_code(report: &ProgramReport) -> u8 {
+    match report.has_failed() {
+        _ if report.has_collision() => EXIT_COLLISION,
+        true => EXIT_ALARM,
+        false => EXIT_OK,
     }
 }
 

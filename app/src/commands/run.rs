@@ -40,7 +40,8 @@ use indicatif::ProgressBar;
 use debugging::{RunDebugger, uses_standard_output};
 
 use super::agent::CommandAgent;
-use super::{CommandError, EXIT_ALARM, EXIT_COLLISION, EXIT_OK, output};
+use super::results::report_exit_code;
+use super::{CommandError, EXIT_ALARM, output};
 use crate::cli::RunArgs;
 use crate::picture::check_name;
 use crate::terminal::StdinOperator;
@@ -126,16 +127,11 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
         spoken,
     )?;
     outputs.agent = None;
-    report.part = job_choice
-        .zip(outputs.live_part.as_ref())
-        .map(|(chosen, live)| {
-            PartReport::new(
-                live.machining(),
-                chosen.file_name(),
-                args.part.measure,
-                None,
-            )
-        });
+    let live_part = outputs.live_part.as_ref();
+    report.part = job_choice.zip(live_part).map(|(chosen, live)| {
+        let (machining, job) = (live.machining(), chosen.file_name());
+        PartReport::new(machining, job, args.part.measure, None)
+    });
     // Each result is written independently: one failure does not affect the others.
     let mut failures = Vec::new();
     if let Some((data, restored)) = memory {
@@ -153,9 +149,7 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
     }
     Ok(match report.end {
         report::RunEnd::Requested => TERMINATED_EXIT_CODE,
-        _ if report.has_collision() => EXIT_COLLISION,
-        _ if report.has_failed() => EXIT_ALARM,
-        _ => EXIT_OK,
+        _ => report_exit_code(&report),
     })
 }
 

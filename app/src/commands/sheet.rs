@@ -17,8 +17,9 @@ use gsk_runner::sheet::SetupSheet;
 use gsk_workpiece::job::DiameterPoint;
 use sha2::{Digest, Sha256};
 
+use super::results::report_exit_code;
 use super::run::picture_title;
-use super::{CommandError, EXIT_ALARM, EXIT_COLLISION, EXIT_OK, output};
+use super::{CommandError, output};
 use crate::cli::SheetArgs;
 
 /// Writes the setup sheet of a program and returns the exit code of its check. Returns an error if
@@ -67,11 +68,7 @@ pub fn sheet(args: &SheetArgs, language: Option<Language>) -> Result<u8, Command
         path_picture: &path_picture,
     };
     write_sheet(&target, &sheet.render(words), language)?;
-    Ok(match () {
-        () if report.has_collision() => EXIT_COLLISION,
-        () if report.has_failed() => EXIT_ALARM,
-        () => EXIT_OK,
-    })
+    Ok(report_exit_code(&report))
 }
 
 /// `shaft.CNC` has `shaft.sheet.html`.

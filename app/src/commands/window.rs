@@ -150,17 +150,8 @@ impl WindowStarter {
             // Missing or damaged window settings are not reported.
             _ => None,
         };
-        let remembered = || {
-            stored.clone().unwrap_or_else(|| WindowSettings {
-                language: first_window_language(),
-                ..WindowSettings::default()
-            })
-        };
-        let settings = settings.cloned().unwrap_or_else(|| WindowSettings {
-            language: self.language.unwrap_or(remembered().language),
-            first_start: is_new || remembered().first_start,
-            ..remembered()
-        });
+        let settings = settings.cloned();
+        let settings = settings.unwrap_or_else(|| self.first_settings(stored.as_ref(), is_new));
         // The machine file that was selected in the window may have been removed.
         let selected_machine = args.machine.is_none().then(|| settings.machine.clone());
         let selected_machine = selected_machine.flatten();
@@ -241,6 +232,19 @@ impl WindowStarter {
             shows_first_start: false,
             unfinished_exam,
         })
+    }
+
+    /// The settings of a window: the stored ones, or those of the first start.
+    fn first_settings(&self, stored: Option<&WindowSettings>, is_new: bool) -> WindowSettings {
+        let remembered = stored.cloned().unwrap_or_else(|| WindowSettings {
+            language: first_window_language(),
+            ..WindowSettings::default()
+        });
+        WindowSettings {
+            language: self.language.unwrap_or(remembered.language),
+            first_start: is_new || remembered.first_start,
+            ..remembered
+        }
     }
 
     /// Starts the MTConnect agent of a control if an option requests it; the agent of the control

@@ -3,6 +3,7 @@
 use crate::alarm::Alarm;
 use crate::command::{Action, MotionCode, SourcePosition};
 use crate::interpreter::exact::CoordinateRange;
+use crate::interpreter::flow::call_context::CallContext;
 use crate::interpreter::flow::code_calls::CodeCalls;
 use crate::interpreter::flow::program_position::{ProgramCall, ProgramPosition};
 use crate::interpreter::host::machine_codes::MachineCodes;
@@ -16,6 +17,9 @@ use crate::units::PerAxis;
 /// Evaluates the words of a block: updates the state and returns the moves.
 pub(crate) type ProfileBlockPlanner =
     fn(&mut State, &BlockContext<'_>, &SortedWords) -> Result<Vec<Action>, Alarm>;
+
+/// Greatest sequence number that P of M99 can name.
+const LAST_RETURN_TARGET: u32 = 65_535;
 
 /// The data that the evaluation of a block reads besides the words of the block and the state.
 pub(crate) struct BlockContext<'a> {
@@ -58,6 +62,16 @@ impl BlockContext<'_> {
         CoordinateRange {
             x_factor: self.x_factor,
             record: self.model.record(),
+        }
+    }
+
+    /// What calls and returns of the block depend on.
+    pub(crate) const fn call_context(&self) -> CallContext<'_> {
+        CallContext {
+            programs: self.programs,
+            calls: self.calls,
+            position: self.position,
+            last_target: LAST_RETURN_TARGET,
         }
     }
 }

@@ -4,9 +4,10 @@ use crate::alarm::Alarm;
 use crate::command::{ProgramId, SourcePosition};
 use crate::interpreter::flow::program_position::CallKind;
 use crate::interpreter::host::Host;
-use crate::interpreter::macros::formula::{self, FormulaContext};
+use crate::interpreter::macros::formula;
 use crate::interpreter::macros::system::VariableSources;
 use crate::interpreter::macros::variable::ReadError;
+use crate::interpreter::macros::variable_access::with_formula_context;
 use crate::interpreter::reader::Interpreter;
 use crate::program::{MacroCondition, ProgramMemory, WatchFormula};
 
@@ -69,20 +70,21 @@ impl Interpreter {
             state: self.state,
             source,
             has_huaxing_variables: self.has_huaxing_variables,
+            host,
         };
-        let read = |number| sources.read(number, host);
-        let context = FormulaContext::new(&read);
-        let value = match &watch.comparison {
-            None => formula::evaluate_formula(&watch.left, 1.0, context),
-            Some((relation, right)) => {
-                let condition = MacroCondition {
-                    left: watch.left.clone(),
-                    relation: *relation,
-                    right: right.clone(),
-                };
-                formula::is_condition_true(&condition, context).map(|holds| Some(holds.into()))
+        let value = with_formula_context(&self.main.levels, &sources, |context| {
+            match &watch.comparison {
+                None => formula::evaluate_formula(&watch.left, 1.0, context),
+                Some((relation, right)) => {
+                    let condition = MacroCondition {
+                        left: watch.left.clone(),
+                        relation: *relation,
+                        right: right.clone(),
+                    };
+                    formula::is_condition_true(&condition, context).map(|holds| Some(holds.into()))
+                }
             }
-        };
+        });
         match value {
             Ok(value) => Ok(value),
             Err(ReadError::Fault(alarm)) => Err(alarm),

@@ -10,6 +10,7 @@ mod further_alarms;
 mod ladder_messages;
 mod line_words;
 mod moves;
+mod result;
 mod spindle;
 mod start_position;
 #[cfg(test)]
@@ -42,6 +43,7 @@ pub use further_alarms::{FurtherAlarms, MAX_FURTHER_ALARMS};
 use gsk_messages::say;
 use ladder_messages::LadderMessages;
 use moves::ReportedEnd;
+pub use result::{PathLengths, Preview, PreviewEnd, PreviewProgress};
 use spindle::PreviewSpindle;
 pub use spindle::SpindleRotation;
 use start_position::StartPositionCheck;
@@ -54,105 +56,7 @@ const MOTIONLESS_BLOCKS: u64 = 1_500_000;
 const COMMANDS_PER_PROGRESS: u32 = 4096;
 
 /// Simulated machine time after which a preview stops, s: 1000 hours.
-const LONGEST_RUN_S: f64 = 3.6e6;
-
-/// Where a preview ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PreviewEnd {
-    /// At M30.
-    M30,
-    /// At M02, on models that have it.
-    M02,
-    /// At M99 of the main program.
-    M99,
-    /// At the end of the text without M30 or M99.
-    Text,
-    /// At an alarm, which is in [`Preview::alarm`].
-    Alarm,
-    /// At 1000 hours of machine time, or where the caller cancelled the preview.
-    Limit,
-}
-
-/// Lengths of the path by kind of move, mm; a rapid counts as its chord.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PathLengths {
-    /// Length of all rapids, mm.
-    pub rapid: f64,
-    /// Length of all straight cuts, mm.
-    pub feed: f64,
-    /// Length of all clockwise arcs, mm.
-    pub clockwise: f64,
-    /// Length of all counter-clockwise arcs, mm.
-    pub counter_clockwise: f64,
-    /// Length of all threads with their run-outs, and of all taps, mm.
-    pub thread: f64,
-}
-
-/// The result of a preview: what running the program would do. X of points is a radius, mm.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Preview {
-    /// Where the preview ended.
-    pub end: PreviewEnd,
-    /// The alarm at which the program ended; `None` if it ended without one.
-    pub alarm: Option<Alarm>,
-    /// Alarms of the rest of the program. All other fields describe the run up to `alarm`.
-    pub further: FurtherAlarms,
-    /// Estimated machine time, s: motion, M, S, T and dwell.
-    pub time_s: f64,
-    /// Part of [`Self::time_s`] spent in cutting moves, s.
-    pub cutting_s: f64,
-    /// Number of executed blocks.
-    pub blocks: u64,
-    /// Number of moves and dwells, without those of zero length.
-    pub moves: u64,
-    /// Number of executed program stops (M00).
-    pub stops: u32,
-    /// Number of finished parts that the control counts during the program.
-    pub parts: u32,
-    /// Tool and offset number of each T word, in the order of first use; each pair once.
-    pub tools: Vec<(u8, u8)>,
-    /// Bounding box of the path in work coordinates, mm; `None` without motion.
-    pub bounds: Option<PathBounds>,
-    /// Probable mistakes that raise no alarm. Most kinds are listed at their first
-    /// occurrence only.
-    pub cautions: Vec<Caution>,
-    /// Path lengths by kind of move.
-    pub lengths: PathLengths,
-    /// Absolute position (work coordinates) at the end, mm.
-    pub absolute: Point,
-    /// Machine position at the end, mm.
-    pub machine: Point,
-    /// Relative position at the end, mm.
-    pub relative: Point,
-    /// Work zero and tool offset at the end.
-    pub frame: Frame,
-    /// Modal codes and values at the end.
-    pub modal: ModalState,
-    /// Direction of the spindle at the end.
-    pub spindle: SpindleRotation,
-    /// Whether coolant is on at the end.
-    pub coolant: bool,
-    /// Parameters at the end; cycles may have written some of them.
-    pub parameters: ControlParameters,
-}
-
-/// Progress of a running preview, passed to `should_continue`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PreviewProgress {
-    /// Line of the last executed block, from 1; 0 before the first block.
-    pub line: u32,
-    /// Number of executed blocks.
-    pub blocks: u64,
-    /// Number of moves and dwells so far.
-    pub moves: u64,
-    /// Number of blocks read, counted again in loops and subprograms, plus one for each 64
-    /// bytes of parsed text.
-    pub work: u64,
-    /// Number of executed commands since the last move.
-    pub motionless: u64,
-    /// Simulated machine time so far, s.
-    pub time_s: f64,
-}
+pub const LONGEST_RUN_S: f64 = 3.6e6;
 
 /// Interprets the selected program from its first line to its end, or until 1.5 million
 /// consecutive commands have moved nothing. `on_move` receives all moves in order.

@@ -1,6 +1,7 @@
 //! A board at a port without a control: moves bytes and time between the port and the
 //! link.
 
+pub mod host_clock;
 pub mod port_io;
 
 use std::path::Path;

@@ -7,8 +7,8 @@ use std::thread;
 use gsk_link::LinkConfig;
 use web_time::{Duration, Instant};
 
+use crate::board::host_clock::HostClock;
 use crate::guard::{GuardError, Orphan, PortGuard};
-use crate::host_clock::HostClock;
 
 /// Longest time to write the last bytes to a board before the port is closed.
 const CLOSE_TIMEOUT: Duration = Duration::from_millis(500);

@@ -15,7 +15,7 @@ use super::probe::{ActiveProbe, Probe};
 use super::{Command, Kernel, MachineMonitor, Notice, PreviewSetup, WHEEL_REST_TIME};
 use crate::job::SelectedJob;
 use crate::platform;
-use crate::preview_setup::make_preview_setup;
+use crate::preview::setup::make_preview_setup;
 use crate::retained;
 
 impl Kernel {
@@ -59,18 +59,7 @@ impl Kernel {
             Command::Probe(probe) => self.set_probe(probe),
             Command::Monitor(on) => self.machine_monitor = on.then(MachineMonitor::default),
             Command::Fault(fault, on) => self.emulator.set_fault(fault, on),
-            Command::Request(request) => {
-                let is_restart = matches!(*request, ControlRequest::Restart(_));
-                if is_restart && let Some(why) = self.emulator.cnc().request_refusal(&request) {
-                    return self.notify(Notice::Message(why));
-                }
-                if let Err(alarm) = self.emulator.request(*request) {
-                    self.notify(Notice::Refused(alarm));
-                } else if is_restart {
-                    // The next cycle start does something else now.
-                    self.notify(Notice::Message(say::restart_start_again()));
-                }
-            }
+            Command::Request(request) => self.execute_request(*request),
             Command::Write(requests) => self.write_all_or_none(requests),
             Command::Job(chosen) => self.set_job(chosen.map(|chosen| *chosen)),
             Command::FreshStock => {
@@ -126,6 +115,20 @@ impl Kernel {
             Command::ReleaseAll => self.release_all_keys(),
             Command::Alive => {}
             Command::Quit => self.quit_requested = true,
+        }
+    }
+
+    /// Passes a request to the control, and reports why it is refused.
+    fn execute_request(&mut self, request: ControlRequest) {
+        let is_restart = matches!(request, ControlRequest::Restart(_));
+        if is_restart && let Some(why) = self.emulator.cnc().request_refusal(&request) {
+            return self.notify(Notice::Message(why));
+        }
+        if let Err(alarm) = self.emulator.request(request) {
+            self.notify(Notice::Refused(alarm));
+        } else if is_restart {
+            // The next cycle start does something else now.
+            self.notify(Notice::Message(say::restart_start_again()));
         }
     }
 

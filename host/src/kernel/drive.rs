@@ -17,10 +17,10 @@ use web_time::Duration;
 
 use super::PanelSnapshot;
 use super::link_view::{LinkView, PositionCheck};
+use crate::board::host_clock::HostClock;
 use crate::board::port_io::{PortIo, TrafficLine};
 use crate::files::{atomic, time::format_utc};
 use crate::guard::Orphan;
-use crate::host_clock::HostClock;
 use crate::ports;
 
 /// Greatest number of lines of traffic that are stored for the link page.

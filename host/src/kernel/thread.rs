@@ -15,7 +15,8 @@ use crate::kernel::pace::{RunSpeed, TickPacer};
 use crate::platform::{self, TaskHandle};
 use crate::retained::Keeper;
 use crate::termination::{TERMINATED_EXIT_CODE, TerminationFlag};
-use crate::{log, output, transfer, udisk};
+use crate::transfer::udisk;
+use crate::{log, output, transfer};
 
 /// Time between two checks whether the memory of the control needs to be saved.
 const KEEPER_INTERVAL: Duration = Duration::from_millis(100);

@@ -12,7 +12,7 @@ use gsk_core::simulation::Simulation;
 use gsk_mtconnect::{AgentAssets, MachineReading, MachineSource, program_name};
 use gsk_workpiece::job::Job;
 
-use crate::preview_setup::make_preview_setup;
+use crate::preview::setup::make_preview_setup;
 
 /// Ticks of 1 ms between two states.
 const FEED_TICKS: u64 = 20;

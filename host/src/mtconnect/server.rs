@@ -20,7 +20,7 @@ use super::feed::{AgentFeed, FeedQueue, wall_clock_ms};
 use super::http::HttpConnection;
 use super::shared::SharedAgent;
 use crate::platform::{self, TaskHandle};
-use crate::work_limit::WorkLimit;
+use crate::preview::work_limit::WorkLimit;
 
 /// Greatest number of connected clients.
 const MAX_CONNECTIONS: usize = 64;

@@ -309,7 +309,18 @@ impl Runner {
             let seen = say::script_tick_over(now - self.origin);
             return Next::Return(ScriptProgress::Failed(self.failure(seen)));
         }
-        let rest = if timed.is_some() { 0 } else { PRESS_TICKS };
+        self.start_action(action, timed.is_some(), emulator, now)
+    }
+
+    /// Starts the action of a line. `is_timed`: the line names its tick.
+    fn start_action(
+        &mut self,
+        action: ScriptAction,
+        is_timed: bool,
+        emulator: &mut Emulator,
+        now: u64,
+    ) -> Next {
+        let rest = if is_timed { 0 } else { PRESS_TICKS };
         match action {
             ScriptAction::Press(key) => {
                 emulator.key_down(key);
@@ -345,7 +356,7 @@ impl Runner {
             ScriptAction::Power(true) => emulator.power_on(),
             ScriptAction::Power(false) => emulator.power_off(),
             ScriptAction::Fault(fault, on) => emulator.set_fault(fault, on),
-            ScriptAction::Turn(graduations, None) if timed.is_some() => emulator.turn(graduations),
+            ScriptAction::Turn(graduations, None) if is_timed => emulator.turn(graduations),
             ScriptAction::Turn(graduations, time) => {
                 let own = u64::from(graduations.unsigned_abs()) * TICKS_PER_GRADUATION;
                 self.stage = Stage::Turning {

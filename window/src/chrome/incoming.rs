@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use egui::{Context, Ui};
+use gsk_core::command::ProgramId;
 use gsk_core::operation::RunState;
-use gsk_host::kernel::Notice;
+use gsk_host::kernel::{Notice, PanelSnapshot};
 use gsk_host::platform;
 
 use crate::Window;
@@ -13,106 +14,10 @@ use crate::widgets::status_message::StatusMessage;
 impl Window {
     /// Takes the snapshots and notices that the kernel has sent.
     pub(crate) fn receive(&mut self, context: &Context) {
-        // The program that was selected until now.
-        let mut deselected = None;
-        if let Some(snapshot) = self.console.snapshots.pop() {
-            let previous = self.snapshot.as_ref();
-            let alarm = previous.and_then(|it| it.alarm.as_ref());
-            let is_new_alarm = snapshot.alarm.is_some() && snapshot.alarm.as_ref() != alarm;
-            let was_position_known = previous.is_some_and(|it| !it.position_unknown);
-            // The alarm of a crash says less than the crash itself.
-            if (is_new_alarm && snapshot.crash.is_none())
-                || (snapshot.position_unknown && was_position_known)
-            {
-                // The new alarm or the lost position replaces an older message.
-                self.message = None;
-            }
-            // What was shown before a program starts is no longer true in it.
-            let starts = previous.is_some_and(|it| it.run_state == RunState::Reset)
-                && snapshot.run_state == RunState::Run;
-            let is_passing = |message: &mut StatusMessage| {
-                matches!(
-                    message,
-                    StatusMessage::Text(_) | StatusMessage::KeyRefused(_)
-                )
-            };
-            if starts {
-                self.message.take_if(is_passing);
-            }
-            let previous_program = previous.and_then(|it| it.program);
-            deselected = previous_program.filter(|program| snapshot.program != Some(*program));
-            if previous.is_none_or(|before| before.screen != snapshot.screen) {
-                platform::publish_screen_text(|| snapshot.screen.text());
-            }
-            // A practice machine without a part must not show that of the learner's own lathe.
-            if previous
-                .is_some_and(|it| it.is_at_practice_machine() != snapshot.is_at_practice_machine())
-            {
-                self.views.renew_part();
-            }
-            self.views.lessons().take_snapshot(&snapshot);
-            self.views.program().take_snapshot(&snapshot);
-            self.play_machine(&snapshot);
-            self.snapshot = Some(snapshot);
-        }
+        let snapshot = self.console.snapshots.pop();
+        let deselected = snapshot.and_then(|snapshot| self.take_snapshot(snapshot));
         while let Ok(notice) = self.console.notices.try_recv() {
-            match notice {
-                Notice::Message(text) => self.message = Some(StatusMessage::Text(text)),
-                Notice::Collided(what) => self.message = Some(StatusMessage::Collided(what)),
-                Notice::FreshStock => {
-                    self.message
-                        .take_if(|message| matches!(message, StatusMessage::Collided(_)));
-                }
-                Notice::Refused(alarm) => self.message = Some(StatusMessage::Refused(alarm)),
-                Notice::Sent(description) => self.message = Some(StatusMessage::Sent(description)),
-                Notice::NumberTaken(opened, number) => {
-                    self.questions.ask_about_number(opened, number);
-                }
-                Notice::Opened {
-                    name,
-                    path,
-                    placement: storage,
-                } => {
-                    self.views.program().load_opened(path.as_deref(), &storage);
-                    self.views
-                        .lathe()
-                        .report_opened_program(path.as_deref(), &storage);
-                    let file_name = PathBuf::from(name);
-                    let shown = file_name.file_name().unwrap_or_default();
-                    let shown = shown.to_string_lossy().into_owned();
-                    self.message = Some(StatusMessage::for_opened(
-                        self.message.take(),
-                        shown,
-                        storage,
-                    ));
-                    if let Some(path) = path.as_ref().filter(|path| platform::is_persistent(path)) {
-                        self.settings.add_recent(path);
-                    }
-                    self.opened_program = path;
-                }
-                // The result of a preview must not hide a current alarm.
-                Notice::Previewed(..)
-                    if self.snapshot.as_ref().is_some_and(|it| it.alarm.is_some()) => {}
-                Notice::Previewed(file, look) => {
-                    self.message =
-                        Some(StatusMessage::for_preview(self.message.take(), file, look));
-                }
-                Notice::HandedIn(solution) => {
-                    let exercises = self.views.lessons().exercises();
-                    exercises.take_solution(*solution, context);
-                }
-                // Why a key does nothing is what an examinee has to know.
-                Notice::KeyRefusal(Some(_)) if self.is_in_exam() => {}
-                Notice::Explained(chain) => self.why.take_chain(*chain),
-                Notice::KeyRefusal(Some((key, reason))) => {
-                    self.why.set_refused_key(key);
-                    self.message = Some(StatusMessage::KeyRefused(reason));
-                }
-                Notice::KeyRefusal(None) => {
-                    self.message
-                        .take_if(|message| matches!(message, StatusMessage::KeyRefused(_)));
-                }
-            }
+            self.take_notice(notice, context);
         }
         if let (Some(message), Some((file, time_s))) =
             (&mut self.message, self.views.lathe().program_time())
@@ -122,6 +27,108 @@ impl Window {
         // The preview of the newly selected program arrived before this snapshot and stays.
         self.message
             .take_if(|message| deselected.is_some_and(|program| message.is_about(program)));
+    }
+
+    /// Takes a snapshot. Returns the program that was selected until now; `None` if it still is.
+    fn take_snapshot(&mut self, snapshot: PanelSnapshot) -> Option<ProgramId> {
+        let previous = self.snapshot.as_ref();
+        let alarm = previous.and_then(|it| it.alarm.as_ref());
+        let is_new_alarm = snapshot.alarm.is_some() && snapshot.alarm.as_ref() != alarm;
+        let was_position_known = previous.is_some_and(|it| !it.position_unknown);
+        // The alarm of a crash says less than the crash itself.
+        if (is_new_alarm && snapshot.crash.is_none())
+            || (snapshot.position_unknown && was_position_known)
+        {
+            // The new alarm or the lost position replaces an older message.
+            self.message = None;
+        }
+        // What was shown before a program starts is no longer true in it.
+        let starts = previous.is_some_and(|it| it.run_state == RunState::Reset)
+            && snapshot.run_state == RunState::Run;
+        let is_passing = |message: &mut StatusMessage| {
+            matches!(
+                message,
+                StatusMessage::Text(_) | StatusMessage::KeyRefused(_)
+            )
+        };
+        if starts {
+            self.message.take_if(is_passing);
+        }
+        let previous_program = previous.and_then(|it| it.program);
+        let deselected = previous_program.filter(|program| snapshot.program != Some(*program));
+        if previous.is_none_or(|before| before.screen != snapshot.screen) {
+            platform::publish_screen_text(|| snapshot.screen.text());
+        }
+        // A practice machine without a part must not show that of the learner's own lathe.
+        if previous
+            .is_some_and(|it| it.is_at_practice_machine() != snapshot.is_at_practice_machine())
+        {
+            self.views.renew_part();
+        }
+        self.views.lessons().take_snapshot(&snapshot);
+        self.views.program().take_snapshot(&snapshot);
+        self.play_machine(&snapshot);
+        self.snapshot = Some(snapshot);
+        deselected
+    }
+
+    fn take_notice(&mut self, notice: Notice, context: &Context) {
+        match notice {
+            Notice::Message(text) => self.message = Some(StatusMessage::Text(text)),
+            Notice::Collided(what) => self.message = Some(StatusMessage::Collided(what)),
+            Notice::FreshStock => {
+                self.message
+                    .take_if(|message| matches!(message, StatusMessage::Collided(_)));
+            }
+            Notice::Refused(alarm) => self.message = Some(StatusMessage::Refused(alarm)),
+            Notice::Sent(description) => self.message = Some(StatusMessage::Sent(description)),
+            Notice::NumberTaken(opened, number) => {
+                self.questions.ask_about_number(opened, number);
+            }
+            Notice::Opened {
+                name,
+                path,
+                placement: storage,
+            } => {
+                self.views.program().load_opened(path.as_deref(), &storage);
+                self.views
+                    .lathe()
+                    .report_opened_program(path.as_deref(), &storage);
+                let file_name = PathBuf::from(name);
+                let shown = file_name.file_name().unwrap_or_default();
+                let shown = shown.to_string_lossy().into_owned();
+                self.message = Some(StatusMessage::for_opened(
+                    self.message.take(),
+                    shown,
+                    storage,
+                ));
+                if let Some(path) = path.as_ref().filter(|path| platform::is_persistent(path)) {
+                    self.settings.add_recent(path);
+                }
+                self.opened_program = path;
+            }
+            // The result of a preview must not hide a current alarm.
+            Notice::Previewed(..)
+                if self.snapshot.as_ref().is_some_and(|it| it.alarm.is_some()) => {}
+            Notice::Previewed(file, look) => {
+                self.message = Some(StatusMessage::for_preview(self.message.take(), file, look));
+            }
+            Notice::HandedIn(solution) => {
+                let exercises = self.views.lessons().exercises();
+                exercises.take_solution(*solution, context);
+            }
+            // Why a key does nothing is what an examinee has to know.
+            Notice::KeyRefusal(Some(_)) if self.is_in_exam() => {}
+            Notice::Explained(chain) => self.why.take_chain(*chain),
+            Notice::KeyRefusal(Some((key, reason))) => {
+                self.why.set_refused_key(key);
+                self.message = Some(StatusMessage::KeyRefused(reason));
+            }
+            Notice::KeyRefusal(None) => {
+                self.message
+                    .take_if(|message| matches!(message, StatusMessage::KeyRefused(_)));
+            }
+        }
     }
 
     /// Opens files that were dropped on the window, and shows a hint while files are dragged

@@ -12,7 +12,7 @@ use gsk_core::program::ProgramMemory;
 use gsk_core::setup::Setup;
 use gsk_host::kernel::{Command, Console, Notice, OpenedProgram, StorePolicy};
 use gsk_host::loading::LoadError;
-use gsk_host::work_limit::WorkLimit;
+use gsk_host::preview::work_limit::WorkLimit;
 use gsk_host::{loading, transfer};
 use gsk_panel::emulator::number_of_name;
 use gsk_runner::program_summary;

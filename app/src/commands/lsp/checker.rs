@@ -12,7 +12,7 @@ use gsk_core::preview::{PreviewEnd, WorkBudget};
 use gsk_core::program::Program;
 use gsk_host::files::subprograms::{FoundSubprogram, SubprogramCalls};
 use gsk_host::loading;
-use gsk_host::work_limit::WorkLimit;
+use gsk_host::preview::work_limit::WorkLimit;
 use gsk_language::{
     Analysis, LineTimes, ProgramFinding, Severity, Structure, TextDocument, analyse, analyse_mill,
 };

@@ -174,7 +174,7 @@ fn plan_special(
     plan: &mut Plan,
 ) -> Result<(), Alarm> {
     check_call(state, context, plan.motion.is_contour())?;
-    plan.flow = subprogram::plan_special_call(context, call)?;
+    plan.flow = subprogram::plan_special_call(&context.call_context(), call)?;
     // A call alone in its block is no stop of single block, as with M98.
     plan.is_stop = words.count > 1;
     if plan.is_stop && plan.is_done() {
@@ -403,7 +403,7 @@ fn plan_block_call(
             returns: comes_back,
         } => block_call::plan_repeat(context, words, comes_back)?,
         OneShot::EndlessLoop => block_call::plan_endless_jump(context, words)?,
-        OneShot::SubprogramEnd => subprogram::plan_return(context, None)?,
+        OneShot::SubprogramEnd => subprogram::plan_return(&context.call_context(), None)?,
         // The return runs without nose radius compensation.
         OneShot::StartReturn(_) => {
             plan.is_uncompensated = true;
@@ -413,7 +413,7 @@ fn plan_block_call(
     };
     check_call(state, context, plan.motion.is_contour())?;
     plan.is_stop = false;
-    if subprogram::is_restart(context, &plan.flow) {
+    if subprogram::is_restart(&context.call_context(), &plan.flow) {
         plan.after = Some(Action::Repeat);
     }
     Ok(())
@@ -444,16 +444,16 @@ fn plan_flow(
         }
         Some(MCodeFunction::Call) => {
             check_call(state, context, plan.motion.is_contour())?;
-            plan.flow = subprogram::plan_call(context, p)?;
+            plan.flow = subprogram::plan_call(&context.call_context(), p)?;
             plan.is_stop = !words.is_bare_call();
         }
         Some(MCodeFunction::Return) => {
             if !context.calls.is_empty() {
                 check_call(state, context, plan.motion.is_contour())?;
             }
-            plan.flow = subprogram::plan_return(context, p)?;
+            plan.flow = subprogram::plan_return(&context.call_context(), p)?;
             plan.is_stop = !words.is_bare_call();
-            if subprogram::is_restart(context, &plan.flow) {
+            if subprogram::is_restart(&context.call_context(), &plan.flow) {
                 plan.after = Some(Action::Repeat);
             }
         }

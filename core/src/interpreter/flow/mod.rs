@@ -1,5 +1,6 @@
 //! Which block the reader reads after a block.
 
+pub(super) mod call_context;
 pub(super) mod code_calls;
 pub(super) mod program_position;
 

@@ -24,17 +24,7 @@ pub(crate) struct FormulaContext<'a> {
     pub(crate) signed_angles: bool,
 }
 
-impl<'a> FormulaContext<'a> {
-    /// A context whose functions give angles from 0 to 360 degrees.
-    pub(crate) const fn new(
-        read_variable: &'a dyn Fn(u32) -> Result<FormulaValue, ReadError>,
-    ) -> Self {
-        Self {
-            read_variable,
-            signed_angles: false,
-        }
-    }
-
+impl FormulaContext<'_> {
     fn normalize_angle(self, degrees: f64) -> f64 {
         if self.signed_angles {
             degrees

@@ -22,7 +22,7 @@ pub(crate) struct LookaheadReader<'a, H> {
     pub(crate) is_skipping: bool,
     pub(crate) host: &'a H,
     /// The sources of variables for formulas of macro B; `None` without macro B.
-    pub(crate) sources: Option<&'a VariableSources<'a>>,
+    pub(crate) sources: Option<&'a VariableSources<'a, H>>,
 }
 
 /// The alarm of a block read ahead. A wait becomes an alarm, too: the planner of a cycle waits
@@ -63,7 +63,7 @@ impl<H: Host> LookaheadReader<'_, H> {
             return Err(Alarm::new(number::PROFILE_CODE).with_detail(rule).into());
         }
         if let (Some(formulas), Some(known)) = (block.formulas(), self.sources) {
-            block = known.evaluate_words(&block, formulas, self.syntax, self.host)?;
+            block = known.evaluate_words(&block, formulas, self.syntax)?;
         }
         if block.has_g(65) {
             return Err(ReadError::Fault(

@@ -3,7 +3,8 @@
 //!
 //! ```text
 //!   macro A   macro_block --> arithmetic          variable (#200 …, signals)
-//!   macro B   statement   --> formula --> system --> levels (#1–#33), variable
+//!   macro B   statement   --> formula --> variable_access --> levels (#1–#33)
+//!                                                      --> system, variable; the mill's
 //! ```
 
 pub(super) mod arithmetic;
@@ -14,3 +15,4 @@ pub(super) mod macro_block;
 pub(super) mod statement;
 pub(super) mod system;
 pub(super) mod variable;
+pub(super) mod variable_access;

@@ -30,39 +30,44 @@ use crate::command::{ProgramId, SourcePosition};
 use crate::interpreter::exact::ExactPoint;
 use crate::interpreter::host::Host;
 use crate::interpreter::macros::formula::{self, FormulaValue};
-use crate::interpreter::macros::levels::{LAST_LOCAL, Levels};
+use crate::interpreter::macros::levels::Levels;
 use crate::interpreter::macros::variable::{MacroVariable, ReadError};
+use crate::interpreter::macros::variable_access::{
+    VariableReader, VariableWriter, with_formula_context,
+};
 use crate::interpreter::state::State;
 use crate::memory::{Counters, Registers, SwitchedOff, Variables};
 use crate::program::{FormulaCode, Program, ProgramBlock, Syntax};
 
-/// Where the variables come from that the host does not store: local variables, modal state
-/// and program.
-pub(crate) struct VariableSources<'a> {
+/// Where the variables come from that formulas read: local variables, modal state, program and
+/// host.
+pub(crate) struct VariableSources<'a, H> {
     pub(crate) levels: &'a Levels,
     /// The state after the previous block.
     pub(crate) state: State,
     pub(crate) source: SourcePosition,
     /// Whether only the variables #1 to #99 of the Huaxing lathes exist.
     pub(crate) has_huaxing_variables: bool,
+    pub(crate) host: &'a H,
 }
 
-impl VariableSources<'_> {
-    /// Reads the variable with the number `number`; `None` is null.
-    ///
-    /// # Errors
-    /// 115 for an unknown number, or a wait for a variable that cannot be read yet.
-    pub(crate) fn read(&self, number: u32, host: &impl Host) -> Result<FormulaValue, ReadError> {
+/// The variables of the host, to write.
+pub(crate) struct HostVariables<'a, H> {
+    /// Whether only the variables #1 to #99 of the Huaxing lathes exist.
+    pub(crate) has_huaxing_variables: bool,
+    pub(crate) host: &'a mut H,
+}
+
+impl<H: Host> VariableReader for VariableSources<'_, H> {
+    fn read_system(&self, number: u32) -> Result<FormulaValue, ReadError> {
+        let host = self.host;
         if self.has_huaxing_variables {
             return match u16::try_from(number) {
-                Ok(0) => Ok(None),
                 Ok(number @ 1..=99) => Ok(host.variables().huaxing_value(number)),
                 _ => Err(unknown_huaxing_alarm(number)),
             };
         }
         match number {
-            0 => Ok(None),
-            1..=LAST_LOCAL => Ok(self.levels.get(number as u8)),
             1000..=1133 => {
                 let slot = MacroVariable::find(number as u16, host)?;
                 Ok(Some(slot.read(host)? as f64))
@@ -70,14 +75,33 @@ impl VariableSources<'_> {
             2000..=2999 => read_offset(number, host).map(Some),
             3000..=3999 => read_machine(number, host).map(Some),
             4000..=4999 => self
-                .read_modal(number, host)
+                .read_modal(number)
                 .ok_or_else(|| unknown_variable_alarm(number))
                 .map(Some),
-            5000..=5999 => self.read_position(number, host).map(Some),
+            5000..=5999 => self.read_position(number).map(Some),
             _ => Ok(host.variables().real_value(check_common(number)?)),
         }
     }
 
+    fn has_local_variables(&self) -> bool {
+        !self.has_huaxing_variables
+    }
+}
+
+impl<H: Host> VariableWriter for HostVariables<'_, H> {
+    fn write_system(&mut self, number: u32, value: FormulaValue) -> Result<(), ReadError> {
+        match self.has_huaxing_variables {
+            true => write_huaxing(number, value, self.host),
+            false => write_host(number, value, self.host),
+        }
+    }
+
+    fn has_local_variables(&self) -> bool {
+        !self.has_huaxing_variables
+    }
+}
+
+impl<H: Host> VariableSources<'_, H> {
     /// Copies a block with values in place of its formulas. Returns an error if a formula has no
     /// value or must wait, or if a value is out of range.
     pub(crate) fn evaluate_words(
@@ -85,11 +109,10 @@ impl VariableSources<'_> {
         block: &ProgramBlock,
         formulas: &[FormulaCode],
         syntax: Syntax,
-        host: &impl Host,
     ) -> Result<ProgramBlock, ReadError> {
-        let read = |number| self.read(number, host);
-        let block =
-            formula::evaluate_words(block, formulas, syntax, formula::FormulaContext::new(&read))?;
+        let block = with_formula_context(self.levels, self, |context| {
+            formula::evaluate_words(block, formulas, syntax, context)
+        })?;
         if block.has_g(65) {
             let detail = say::macro_code_from_variable();
             return Err(Alarm::new(number::BAD_IN_MACRO).with_detail(detail).into());
@@ -97,7 +120,7 @@ impl VariableSources<'_> {
         Ok(block)
     }
 
-    fn read_modal(&self, number: u32, host: &impl Host) -> Option<f64> {
+    fn read_modal(&self, number: u32) -> Option<f64> {
         let modal = &self.state.modal;
         Some(match number {
             4001 => modal.motion.number().into(),
@@ -122,7 +145,7 @@ impl VariableSources<'_> {
             4115 => match self.source.program {
                 ProgramId::Stored(number) => number.into(),
                 _ => {
-                    let program = host.programs().get(self.source.program);
+                    let program = self.host.programs().get(self.source.program);
                     program.and_then(Program::number).unwrap_or(0).into()
                 }
             },
@@ -132,8 +155,8 @@ impl VariableSources<'_> {
         })
     }
 
-    fn read_position(&self, number: u32, host: &impl Host) -> Result<f64, ReadError> {
-        let state = &self.state;
+    fn read_position(&self, number: u32) -> Result<f64, ReadError> {
+        let (state, host) = (&self.state, self.host);
         let machine = || match host.is_settled() {
             true => Ok(ExactPoint::from_point(host.machine_position())),
             false => Err(ReadError::Wait),
@@ -170,23 +193,11 @@ pub(crate) fn unknown_huaxing_alarm(number: u32) -> ReadError {
         .into()
 }
 
-/// Sets a variable of the Huaxing lathes; `None` makes it null.
-///
-/// # Errors
-/// 115 for an unknown number, 116 for #0.
-pub(crate) fn write_huaxing(
-    number: u32,
-    value: FormulaValue,
-    host: &mut impl Host,
-) -> Result<(), ReadError> {
+/// Sets a variable of the Huaxing lathes. Returns an alarm as error for an unknown number.
+fn write_huaxing(number: u32, value: FormulaValue, host: &mut impl Host) -> Result<(), ReadError> {
     match u16::try_from(number) {
-        Ok(0) => {
-            let detail = say::variable_of_macro_read_only(number);
-            Err(Alarm::new(number::READ_ONLY).with_detail(detail).into())
-        }
         Ok(number @ 1..=99) => {
-            let stored = value.map(formula::round_to_stored);
-            host.variables_mut().set_huaxing_value(number, stored)?;
+            host.variables_mut().set_huaxing_value(number, value)?;
             Ok(())
         }
         _ => Err(unknown_huaxing_alarm(number)),
@@ -199,23 +210,13 @@ fn unknown_variable_alarm(number: u32) -> ReadError {
         .into()
 }
 
-/// Sets the variable with the number `number`; a `value` of `None` makes the variable null.
-///
-/// # Errors
-/// 111 for a value that the variable cannot hold, 115 for an unknown number, 116 for one that
-/// is read-only; or a wait, for an output of the ladder before every earlier command is
-/// finished.
-pub(crate) fn write_variable(
-    number: u32,
-    value: FormulaValue,
-    levels: &mut Levels,
-    host: &mut impl Host,
-) -> Result<(), ReadError> {
-    let value = value.map(formula::round_to_stored);
+/// Sets a variable above #33. Returns an alarm as error for a value that the variable cannot
+/// hold, for an unknown number and for a read-only variable; or a wait, for an output of the
+/// ladder before every earlier command is finished.
+fn write_host(number: u32, value: FormulaValue, host: &mut impl Host) -> Result<(), ReadError> {
     match number {
-        1..=LAST_LOCAL => levels.set(number as u8, value),
         2000..=2999 => write_offset(number, value, host)?,
-        0 | 3011 | 3012 | 4000..=5999 => {
+        3011 | 3012 | 4000..=5999 => {
             let detail = say::variable_of_macro_read_only(number);
             return Err(Alarm::new(number::READ_ONLY).with_detail(detail).into());
         }

@@ -15,9 +15,9 @@ use crate::interpreter::host::Host;
 use crate::memory::Variables;
 use crate::program::{BlockError, ProgramBlock, Syntax, VariableReference};
 
-/// Why a block cannot be read now.
+/// Why a block cannot be read, or a variable not read or written, now.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum ReadError {
+pub enum ReadError {
     /// The block must wait until every earlier command is finished.
     Wait,
     /// The block raises this alarm.

@@ -1,6 +1,6 @@
 //! Reads blocks, as far as the host and the compensation allow.
 
-use gsk_messages::{Message, say};
+use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
 use crate::command::{Action, ControlCommand, SourcePosition};
@@ -12,17 +12,20 @@ use crate::interpreter::flow::Flow;
 use crate::interpreter::flow::code_calls::{self, PlainCall};
 use crate::interpreter::host::Host;
 use crate::interpreter::macros::lookahead::LookaheadReader;
+use crate::interpreter::macros::statement::StatementEffect;
 use crate::interpreter::macros::system::VariableSources;
+use crate::interpreter::macros::variable::ReadError;
 use crate::interpreter::plain_move::{MoveContext, PlainMove};
 use crate::interpreter::plan::Plan;
 use crate::interpreter::reader::run::InterpreterRun;
 use crate::interpreter::words::SortedWords;
 use crate::model::ModelRecord;
-use crate::program::{BlockCache, BlockError, Program, ProgramBlock, further_foreign_words};
+use crate::program::{BlockCache, MacroStatement, Program, ProgramBlock};
 
 use super::block_evaluation::{BlockEvaluation, build_context, x_factor};
 use super::block_read::{BlockRead, missing_program_alarm};
 use super::pending_block::{PendingBlock, ReadObstacle, TextBoundary};
+use super::statements::huaxing_alarm;
 use super::{AdvanceResult, Interpreter, MdiRun};
 
 /// Greatest number of blocks without a command that one call reads.
@@ -95,33 +98,6 @@ impl Interpreter {
         }
     }
 
-    /// Adds messages about the other foreign words of the block to the alarm of a code that
-    /// the model does not have.
-    #[cold]
-    fn with_foreign_words<H: Host>(&self, mut alarm: Alarm, host: &H) -> Alarm {
-        let position = self.current_run().position;
-        let program = match &self.mdi {
-            Some(mdi) => Some(&mdi.program),
-            None => host.programs().get(position.program),
-        };
-        let further =
-            program.map(|program| self.find_further_foreign_words(program, position.block));
-        alarm.detail = match (alarm.detail, further) {
-            (Some(detail), Some(also)) => Some(append_further(detail, also)),
-            (detail, _) => detail,
-        };
-        alarm
-    }
-
-    /// Messages about the words of a block, after the first such word, that the model does not
-    /// have.
-    #[cold]
-    fn find_further_foreign_words(&self, program: &Program, block: u32) -> Vec<Message> {
-        let record = self.record();
-        let has_m = |code| self.machine_codes.contains(code) || record.m_function(code).is_some();
-        further_foreign_words(program.block(block), record, &has_m)
-    }
-
     fn read_block<H: Host>(
         &mut self,
         recent: &mut BlockCache,
@@ -140,9 +116,10 @@ impl Interpreter {
         if let Some(calls) = code_calls
             && let Some(call) = pending.find_code_call(calls)?
         {
-            let effect = pending.evaluate_code_call(&call, self.state, &*host);
+            let sources = pending.variable_sources(self.state, false, &*host);
+            let effect = pending.evaluate_code_call(&call, host.programs(), &sources);
             let source = pending.source;
-            return self.execute_statement(effect, source, position, host);
+            return self.execute_statement(effect, source, host);
         }
         let block = match recent.read(program, position.block, syntax) {
             Ok(block) => block,
@@ -177,10 +154,10 @@ impl Interpreter {
                 return Ok(self.command_plain_move(action, from, source));
             }
         }
-        let sources = self.variable_sources(&pending);
+        let sources = self.variable_sources(&pending, &*host);
         if let (Some(statement), Some(known)) = (block.macro_statement(), &sources) {
-            let effect = pending.evaluate_statement(statement, known, &*host);
-            return self.execute_statement(effect, source, position, host);
+            let effect = self.evaluate_statement(statement, &pending, known);
+            return self.execute_statement(effect, source, host);
         }
         let motion = self.state.modal.motion;
         let converted = match pending.convert(block, sources.as_ref(), motion, &*host) {
@@ -218,8 +195,7 @@ impl Interpreter {
         }
         set_t_variable(t_call, host).map_err(|alarm| alarm.with_source(source))?;
         self.set_compensation_start(&before);
-        self.record_source(source);
-        Ok(self.store_plan(plan))
+        Ok(self.record_plan(plan))
     }
 
     /// Handles the end of a text, of a profile or of the blocks that have arrived.
@@ -237,32 +213,9 @@ impl Interpreter {
                 let mut plan = Plan::return_from_profile(&finishing, &mut self.state);
                 plan.holds_at_move_end = true;
                 self.current_run_mut().finishing = None;
-                self.record_source(plan.source);
-                Ok(self.store_plan(plan))
+                Ok(self.record_plan(plan))
             }
         }
-    }
-
-    /// Returns the source position of a block that cannot be parsed, if block skip skips the
-    /// block.
-    ///
-    /// # Errors
-    /// The alarm of the block, with messages about its other foreign words.
-    #[cold]
-    fn skip_unparsed(
-        &self,
-        mut error: BlockError,
-        pending: &mut PendingBlock<'_>,
-    ) -> Result<SourcePosition, Alarm> {
-        pending.locate_unparsed();
-        if pending.is_unparsed_skipped() {
-            return Ok(pending.source);
-        }
-        if error.alarm == number::BAD_ADDRESS {
-            let further = self.find_further_foreign_words(pending.program, pending.position.block);
-            error.detail = append_further(error.detail, further);
-        }
-        Err(Alarm::from(error).with_source(pending.source))
     }
 
     /// Reads the move of a block that only moves; `None` for other blocks, and for a run in
@@ -296,12 +249,32 @@ impl Interpreter {
 
     /// The variables that formulas of the block read; `None` if the syntax has no formulas.
     #[inline]
-    fn variable_sources<'a>(&self, pending: &PendingBlock<'a>) -> Option<VariableSources<'a>> {
+    fn variable_sources<'a, H: Host>(
+        &self,
+        pending: &PendingBlock<'a>,
+        host: &'a H,
+    ) -> Option<VariableSources<'a, H>> {
         // The state is large: copy it only for formulas.
         match pending.syntax.macro_b {
-            true => Some(pending.variable_sources(self.state, self.has_huaxing_variables)),
+            true => Some(pending.variable_sources(self.state, self.has_huaxing_variables, host)),
             false => None,
         }
+    }
+
+    /// Evaluates a statement of macro B without changing anything. Returns an error if the model
+    /// does not have the statement, or if a formula has no value or must wait.
+    fn evaluate_statement<H: Host>(
+        &self,
+        statement: &MacroStatement,
+        pending: &PendingBlock<'_>,
+        sources: &VariableSources<'_, H>,
+    ) -> Result<StatementEffect, ReadError> {
+        if self.has_huaxing_variables
+            && let Some(alarm) = huaxing_alarm(statement)
+        {
+            return Err(alarm.into());
+        }
+        pending.evaluate_statement(statement, sources.host.programs(), sources)
     }
 
     /// Sorts the words of a block into the empty `words`. Returns the words of the next block
@@ -383,7 +356,7 @@ impl Interpreter {
             };
             check_call(&self.state, &context, plan.motion.is_contour())
                 .map_err(|alarm| alarm.with_source(source))?;
-            plan.flow = subprogram::plan_return(&context, None)?;
+            plan.flow = subprogram::plan_return(&context.call_context(), None)?;
             return Ok(self.store_plan(plan));
         }
         if !host.is_settled() {
@@ -410,6 +383,13 @@ impl Interpreter {
         BlockRead::Planned
     }
 
+    /// Stores the plan of a block, and its source as that of the block read last.
+    #[inline]
+    pub(super) fn record_plan(&mut self, plan: Plan) -> BlockRead {
+        self.record_source(plan.source);
+        self.store_plan(plan)
+    }
+
     fn skip_block(&mut self, source: SourcePosition) -> BlockRead {
         self.record_source(source);
         BlockRead::Skipped
@@ -419,15 +399,6 @@ impl Interpreter {
         let run = self.current_run_mut();
         run.source = Some(source);
         run.sequence = source.sequence;
-    }
-}
-
-/// Appends the messages about other errors of the block, if any, to the message of the first
-/// one.
-fn append_further(rule: Message, further: Vec<Message>) -> Message {
-    match further.is_empty() {
-        true => rule,
-        false => say::several([rule, say::block_also(further)]),
     }
 }
 

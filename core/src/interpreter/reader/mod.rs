@@ -1,4 +1,10 @@
-//! The interpreter: reads blocks as far as it may and gives their commands one at a time.
+//! Reads blocks. The interpreter of the lathe reads as far as it may and gives the commands of
+//! blocks one at a time; the walker gives the blocks of other models one at a time.
+//!
+//! ```text
+//!   Interpreter --+--> PendingBlock --> StatementEffect, Flow --> InterpreterRun
+//!   Walker -------+                                               position, calls, loops
+//! ```
 
 use serde::{Deserialize, Serialize};
 
@@ -25,10 +31,12 @@ use crate::units::{Axis, Point};
 mod block_evaluation;
 mod block_read;
 mod block_reader;
+mod foreign_words;
 mod pass_explanation;
 mod pending_block;
 pub(crate) mod run;
 mod statements;
+pub(crate) mod walker;
 pub(crate) mod word_audit;
 
 /// Turns blocks into commands. The interpreter is plain data that can be saved and restored at

@@ -9,19 +9,19 @@ use crate::interpreter::flow::Finishing;
 use crate::interpreter::flow::code_calls::{self, CodeCalls};
 use crate::interpreter::flow::program_position::ProgramPosition;
 use crate::interpreter::host::Host;
-use crate::interpreter::macros::formula::FormulaContext;
 use crate::interpreter::macros::lookahead::LookaheadReader;
 use crate::interpreter::macros::statement::{self, StatementContext, StatementEffect};
 use crate::interpreter::macros::system::VariableSources;
 use crate::interpreter::macros::variable::ReadError;
+use crate::interpreter::macros::variable_access::{VariableReader, with_formula_context};
 use crate::interpreter::reader::run::InterpreterRun;
 use crate::interpreter::reader::word_audit::{BlockRemark, WordAudit};
 use crate::interpreter::state::State;
 use crate::interpreter::words::SortedWords;
-use crate::program::{CodeCall, MacroStatement, Program, ProgramBlock, Syntax};
+use crate::program::{CodeCall, MacroStatement, Program, ProgramBlock, ProgramMemory, Syntax};
 
 use super::block_read::BlockRead;
-use super::statements::{huaxing_alarm, resolve_block};
+use super::statements::resolve_block;
 
 /// The next block of a run, before it is parsed and evaluated.
 pub(super) struct PendingBlock<'a> {
@@ -214,45 +214,41 @@ impl<'a> PendingBlock<'a> {
     ///
     /// # Errors
     /// The alarm of an argument, or a variable that cannot be read yet.
-    pub(super) fn evaluate_code_call<H: Host>(
+    pub(super) fn evaluate_code_call(
         &self,
         call: &CodeCall,
-        state: State,
-        host: &H,
+        programs: &ProgramMemory,
+        variables: &impl VariableReader,
     ) -> Result<StatementEffect, ReadError> {
-        let sources = self.variable_sources(state, false);
         let context = StatementContext {
             current_loop: None,
-            ..self.statement_context(host)
+            ..self.statement_context(programs)
         };
-        let read_variable = |it| sources.read(it, host);
-        statement::evaluate_code_call(call, &context, FormulaContext::new(&read_variable))
+        with_formula_context(&self.run.levels, variables, |formula_context| {
+            statement::evaluate_code_call(call, &context, formula_context)
+        })
     }
 
     /// Evaluates a statement of macro B without changing anything.
     ///
     /// # Errors
     /// The alarm of the statement, or a variable that cannot be read yet.
-    pub(super) fn evaluate_statement<H: Host>(
+    pub(super) fn evaluate_statement(
         &self,
         statement: &MacroStatement,
-        sources: &VariableSources<'_>,
-        host: &H,
+        programs: &ProgramMemory,
+        variables: &impl VariableReader,
     ) -> Result<StatementEffect, ReadError> {
-        if sources.has_huaxing_variables
-            && let Some(alarm) = huaxing_alarm(statement)
-        {
-            return Err(alarm.into());
-        }
-        let context = self.statement_context(host);
-        let read_variable = |it| sources.read(it, host);
-        statement::evaluate_statement(statement, &context, FormulaContext::new(&read_variable))
+        let context = self.statement_context(programs);
+        with_formula_context(&self.run.levels, variables, |formula_context| {
+            statement::evaluate_statement(statement, &context, formula_context)
+        })
     }
 
-    fn statement_context<'s, H: Host>(&'s self, host: &'s H) -> StatementContext<'s> {
+    fn statement_context<'s>(&'s self, programs: &'s ProgramMemory) -> StatementContext<'s> {
         StatementContext {
             program: self.program,
-            programs: host.programs(),
+            programs,
             position: self.position,
             calls: &self.run.calls,
             syntax: self.syntax,
@@ -263,16 +259,21 @@ impl<'a> PendingBlock<'a> {
     /// The sources of the variables that formulas of the block read. `state` is the state
     /// after the previous block.
     #[inline]
-    pub(super) fn variable_sources(
+    pub(super) fn variable_sources<'s, H: Host>(
         &self,
         state: State,
         has_huaxing_variables: bool,
-    ) -> VariableSources<'a> {
+        host: &'s H,
+    ) -> VariableSources<'s, H>
+    where
+        'a: 's,
+    {
         VariableSources {
             levels: &self.run.levels,
             state,
             source: self.source,
             has_huaxing_variables,
+            host,
         }
     }
 
@@ -280,7 +281,7 @@ impl<'a> PendingBlock<'a> {
     #[inline]
     pub(super) fn lookahead_reader<'s, H>(
         &self,
-        sources: Option<&'s VariableSources<'s>>,
+        sources: Option<&'s VariableSources<'s, H>>,
         host: &'s H,
     ) -> LookaheadReader<'s, H>
     where
@@ -304,7 +305,7 @@ impl<'a> PendingBlock<'a> {
     pub(super) fn convert<H: Host>(
         &self,
         block: &ProgramBlock,
-        sources: Option<&VariableSources<'_>>,
+        sources: Option<&VariableSources<'_, H>>,
         motion: MotionCode,
         host: &H,
     ) -> Result<Option<ProgramBlock>, ReadError> {

@@ -1,12 +1,17 @@
 //! The state of a run over programs: the next block, the running calls, and the remaining
 //! commands of the block read last.
 
+use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
+use crate::alarm::{Alarm, number};
 use crate::command::{ControlCommand, ProgramId, SequenceNumber, SourcePosition};
 use crate::interpreter::flow::program_position::{CallKind, ProgramCall, ProgramPosition};
 use crate::interpreter::flow::{Finishing, Flow, MacroEntry};
 use crate::interpreter::macros::levels::Levels;
+use crate::interpreter::macros::statement::{MAX_MACRO_DEPTH, StatementEffect};
+use crate::interpreter::macros::variable::ReadError;
+use crate::interpreter::macros::variable_access::{VariableWriter, write_variable};
 use crate::interpreter::moves::explanation::PassNote;
 use crate::interpreter::plan::Plan;
 
@@ -114,7 +119,45 @@ impl InterpreterRun {
         Flow::MacroCall(Box::new(MacroEntry { call, arguments }))
     }
 
-    fn apply_flow(&mut self, flow: Flow) {
+    /// Carries out the effect of a statement in the block at the position of the run: assigns,
+    /// or changes loops and modal calls. Returns the flow after the statement. `find_target`
+    /// finds the index of the block with a sequence number, for GOTO.
+    ///
+    /// # Errors
+    /// The alarm of the variable or of the jump, or a variable that cannot be written yet.
+    pub(crate) fn apply_effect<V: VariableWriter>(
+        &mut self,
+        effect: StatementEffect,
+        variables: &mut V,
+        find_target: impl FnOnce(&V, i64) -> Result<u32, Alarm>,
+    ) -> Result<Flow, ReadError> {
+        let position = self.position;
+        let jump_to = |block| Flow::Jump(ProgramPosition { block, ..position });
+        match effect {
+            StatementEffect::Nothing => {}
+            StatementEffect::Assign(number, value) => {
+                write_variable(number, value, &mut self.levels, variables)?;
+            }
+            StatementEffect::Enter(entered) => self.levels.enter_loop(entered),
+            StatementEffect::Repeat(first) => return Ok(jump_to(first)),
+            StatementEffect::Leave(last) => return Ok(jump_to(last.saturating_add(1))),
+            StatementEffect::Jump(number) => return Ok(jump_to(find_target(variables, number)?)),
+            StatementEffect::Call(call, arguments) => {
+                return Ok(Flow::MacroCall(Box::new(MacroEntry { call, arguments })));
+            }
+            StatementEffect::Modal(modal) => {
+                if !self.levels.add_modal_call(modal, MAX_MACRO_DEPTH) {
+                    let detail = say::modal_calls_too_many(MAX_MACRO_DEPTH);
+                    return Err(Alarm::new(number::MODAL_CALLS).with_detail(detail).into());
+                }
+            }
+            StatementEffect::CancelModal => self.levels.cancel_modal_call(),
+        }
+        Ok(Flow::Next)
+    }
+
+    /// Continues after a block as `flow` states.
+    pub(crate) fn apply_flow(&mut self, flow: Flow) {
         match flow {
             Flow::Next => self.position = self.position.next_block(),
             Flow::Jump(place) => {

@@ -5,21 +5,22 @@ use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
 use crate::command::{Action, ProgramId, SourcePosition};
+use crate::interpreter::calls::jump::JumpTargets;
 use crate::interpreter::codes::nose_radius;
 use crate::interpreter::context::CompensationMode;
+use crate::interpreter::flow::Flow;
 use crate::interpreter::flow::program_position::ProgramPosition;
-use crate::interpreter::flow::{Flow, MacroEntry};
 use crate::interpreter::host::Host;
 use crate::interpreter::macros::macro_block;
-use crate::interpreter::macros::statement::{MAX_MACRO_DEPTH, StatementEffect};
-use crate::interpreter::macros::system::{self, VariableSources};
+use crate::interpreter::macros::statement::StatementEffect;
+use crate::interpreter::macros::system::{self, HostVariables, VariableSources};
 use crate::interpreter::macros::variable;
 use crate::interpreter::macros::variable::ReadError;
 use crate::interpreter::plan::Plan;
-use crate::program::{MacroStatement, ProgramBlock, Syntax};
+use crate::program::{MacroStatement, Program, ProgramBlock, Syntax};
 
-use super::Interpreter;
 use super::block_read::{BlockRead, missing_program_alarm};
+use super::{Interpreter, MdiRun};
 
 impl Interpreter {
     /// Carries out a statement of macro B at once, while the reader reads the block, and plans
@@ -28,10 +29,9 @@ impl Interpreter {
         &mut self,
         effect: Result<StatementEffect, ReadError>,
         source: SourcePosition,
-        position: ProgramPosition,
         host: &mut H,
     ) -> Result<BlockRead, Alarm> {
-        let flow = effect.and_then(|outcome| self.apply_effect(outcome, position, host));
+        let flow = effect.and_then(|outcome| self.apply_effect(outcome, host));
         let flow = match flow {
             Ok(flow) => flow,
             Err(ReadError::Wait) => return Ok(BlockRead::Wait),
@@ -41,51 +41,38 @@ impl Interpreter {
         plan.after = Some(Action::Macro);
         plan.is_stop = host.parameters().macro_blocks_stop();
         plan.flow = flow;
-        self.record_source(source);
-        Ok(self.store_plan(plan))
+        Ok(self.record_plan(plan))
     }
 
-    /// Carries out the effect of a statement: assigns, or changes loops and modal calls.
-    /// Returns the flow after the statement.
+    /// Carries out the effect of a statement and returns the flow after it.
     fn apply_effect<H: Host>(
         &mut self,
         effect: StatementEffect,
-        position: ProgramPosition,
         host: &mut H,
     ) -> Result<Flow, ReadError> {
-        let jump_to = |block| Flow::Jump(ProgramPosition { block, ..position });
-        let has_huaxing_variables = self.has_huaxing_variables;
-        let levels = &mut self.current_run_mut().levels;
-        match effect {
-            StatementEffect::Nothing => {}
-            StatementEffect::Assign(number, value) if has_huaxing_variables => {
-                system::write_huaxing(number, value, host)?;
-            }
-            StatementEffect::Assign(number, value) => {
-                system::write_variable(number, value, levels, host)?;
-                if number == system::SETTINGS_VARIABLE {
-                    self.set_inch_input(host.settings().inch);
-                }
-            }
-            StatementEffect::Enter(entered) => levels.enter_loop(entered),
-            StatementEffect::Repeat(first) => return Ok(jump_to(first)),
-            StatementEffect::Leave(last) => return Ok(jump_to(last.saturating_add(1))),
-            StatementEffect::Jump(number) => {
-                return Ok(jump_to(self.find_jump_target(position, number, host)?));
-            }
-            StatementEffect::Call(call, arguments) => {
-                self.check_macro_call()?;
-                return Ok(Flow::MacroCall(Box::new(MacroEntry { call, arguments })));
-            }
-            StatementEffect::Modal(modal) => {
-                if !levels.add_modal_call(modal, MAX_MACRO_DEPTH) {
-                    let detail = say::modal_calls_too_many(MAX_MACRO_DEPTH);
-                    return Err(Alarm::new(number::MODAL_CALLS).with_detail(detail).into());
-                }
-            }
-            StatementEffect::CancelModal => levels.cancel_modal_call(),
+        if matches!(effect, StatementEffect::Call(..)) {
+            self.check_macro_call()?;
         }
-        Ok(Flow::Next)
+        let sets_inch = matches!(
+            effect,
+            StatementEffect::Assign(system::SETTINGS_VARIABLE, _)
+        );
+        let (run, mdi) = match &mut self.mdi {
+            Some(MdiRun { program, run }) => (run, Some(&*program)),
+            None => (&mut self.main, None),
+        };
+        let (jumps, position) = (&mut self.jumps, run.position);
+        let mut variables = HostVariables {
+            has_huaxing_variables: self.has_huaxing_variables,
+            host: &mut *host,
+        };
+        let flow = run.apply_effect(effect, &mut variables, |variables, number| {
+            find_jump_target(jumps, mdi, position, number, variables.host)
+        })?;
+        if sets_inch {
+            self.set_inch_input(host.settings().inch);
+        }
+        Ok(flow)
     }
 
     /// Checks that nose radius compensation is off for a macro call; alarm 036 if not.
@@ -93,27 +80,6 @@ impl Interpreter {
         match self.compensation_mode() {
             CompensationMode::On => Err(nose_radius::call_alarm()),
             CompensationMode::Off | CompensationMode::Never => Ok(()),
-        }
-    }
-
-    /// Finds the index of the block that a jump to the sequence number `p` leads to. Returns an
-    /// alarm as error if it is missing.
-    fn find_jump_target<H: Host>(
-        &mut self,
-        position: ProgramPosition,
-        p: i64,
-        host: &H,
-    ) -> Result<u32, Alarm> {
-        let program = match &self.mdi {
-            Some(mdi) => &mdi.program,
-            None => host
-                .programs()
-                .get(position.program)
-                .ok_or_else(|| missing_program_alarm(position.program))?,
-        };
-        match position.program {
-            ProgramId::Dnc => Err(Alarm::new(number::BAD_JUMP).with_detail(say::jump_in_dnc())),
-            _ => self.jumps.find_target(program, position, p),
         }
     }
 
@@ -141,14 +107,37 @@ impl Interpreter {
                     .map_err(|alarm| alarm.with_source(source))?;
             }
             macro_block::MacroBlockEffect::Jump(p) => {
-                let target = self.find_jump_target(position, p, host);
+                let mdi = self.mdi.as_ref().map(|mdi| &mdi.program);
+                let target = find_jump_target(&mut self.jumps, mdi, position, p, host);
                 let block = target.map_err(|alarm| alarm.with_source(source))?;
                 plan.flow = Flow::Jump(ProgramPosition { block, ..position });
             }
         }
         self.state.cycle.clear_end();
-        self.record_source(source);
-        Ok(self.store_plan(plan))
+        Ok(self.record_plan(plan))
+    }
+}
+
+/// Finds the index of the block that a jump from `position` to the sequence number `p` leads to.
+/// `mdi` is the text of the MDI block, if the jump is in it. Returns an alarm as error if the
+/// block is missing.
+fn find_jump_target<H: Host>(
+    jumps: &mut JumpTargets,
+    mdi: Option<&Program>,
+    position: ProgramPosition,
+    p: i64,
+    host: &H,
+) -> Result<u32, Alarm> {
+    let program = match mdi {
+        Some(program) => program,
+        None => host
+            .programs()
+            .get(position.program)
+            .ok_or_else(|| missing_program_alarm(position.program))?,
+    };
+    match position.program {
+        ProgramId::Dnc => Err(Alarm::new(number::BAD_JUMP).with_detail(say::jump_in_dnc())),
+        _ => jumps.find_target(program, position, p),
     }
 }
 
@@ -172,14 +161,12 @@ pub(super) fn huaxing_alarm(statement: &MacroStatement) -> Option<Alarm> {
 /// numbers. Returns an error if a variable or formula has no value or must wait.
 pub(super) fn resolve_block<H: Host>(
     block: &ProgramBlock,
-    sources: Option<&VariableSources<'_>>,
+    sources: Option<&VariableSources<'_, H>>,
     syntax: Syntax,
     host: &H,
 ) -> Result<Option<ProgramBlock>, ReadError> {
     match (block.formulas(), sources) {
-        (Some(formulas), Some(known)) => known
-            .evaluate_words(block, formulas, syntax, host)
-            .map(Some),
+        (Some(formulas), Some(known)) => known.evaluate_words(block, formulas, syntax).map(Some),
         _ if block.has_variables() => {
             if syntax.model.record().own_variables
                 && let Some(number) = block.first_variable()

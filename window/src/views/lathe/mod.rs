@@ -6,6 +6,7 @@ mod description;
 mod jolt;
 mod path;
 mod picture;
+mod recorder;
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -26,9 +27,10 @@ use super::{bar_frame, plain_frame};
 use crate::settings::StoredSceneCamera;
 use crate::theme;
 use camera_control::CameraControl;
-pub use description::SceneDescriber;
+use description::SceneDescriber;
 use jolt::PictureJolt;
 use picture::ScenePicture;
+pub use recorder::{SceneRecorder, encode_scene};
 
 /// Time between two pictures while something moves, s.
 const FRAME_INTERVAL_S: f64 = 1.0 / 30.0;

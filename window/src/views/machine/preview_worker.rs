@@ -18,7 +18,7 @@ use gsk_core::units::Point;
 use gsk_host::job::{self, SelectedJob};
 use gsk_host::kernel::{Command, Console, PreviewSetup};
 use gsk_host::platform;
-use gsk_host::work_limit::WorkLimit;
+use gsk_host::preview::work_limit::WorkLimit;
 use gsk_messages::Message;
 use gsk_runner::curves::RapidRates;
 use gsk_runner::machining::part_comparison::{self, PartComparison};

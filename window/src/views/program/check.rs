@@ -14,7 +14,7 @@ use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
 use gsk_host::kernel::Console;
 use gsk_host::platform;
-use gsk_host::work_limit::WorkLimit;
+use gsk_host::preview::work_limit::WorkLimit;
 use gsk_language::locate_alarm;
 use gsk_messages::{Language, Message};
 use gsk_runner::program_summary::{self, ProgramSummary};

@@ -1,11 +1,14 @@
 //! Runs a whole program without ticks, for `check` and `plot`.
 
+mod further_alarms;
+
 use gsk_core::alarm::{Alarm, number};
 use gsk_core::command::{ProgramId, SourcePosition};
 use gsk_core::compensation::cutter::CutterSide;
-use gsk_core::interpreter::{PlainCall, ReturnEffect, T_VARIABLE, WalkedBlock, Walker};
+use gsk_core::interpreter::{PlainCall, T_VARIABLE, WalkedBlock, Walker};
 use gsk_core::memory::{Counters, DayTime};
 use gsk_core::model::{ControlModel, ModelId};
+use gsk_core::preview::LONGEST_RUN_S;
 use gsk_core::program::{Program, ProgramBlock, ProgramMemory, Syntax, WordNumber};
 use gsk_messages::say;
 
@@ -29,16 +32,10 @@ use crate::words::BlockWords;
 
 /// Number of blocks between two progress callbacks.
 const BLOCKS_PER_CALLBACK: u64 = 1024;
-/// Machine time after which the preview gives up, s: 1000 hours.
-const MAX_TIME_S: f64 = 3.6e6;
-/// Greatest number of alarms that are listed after the first.
-const MAX_FURTHER_ALARMS: usize = 20;
 /// Greatest number of warnings that are listed.
 const MAX_CAUTIONS: usize = 50;
 /// Greatest number of runs of a subprogram call.
 const MAX_RUNS: u16 = 9999;
-/// Number of blocks that are searched for further alarms.
-const MAX_FURTHER_BLOCKS: u64 = 100_000;
 
 /// What a program finds when it starts: memory, position, settings.
 #[derive(Clone, Debug, PartialEq)]
@@ -206,7 +203,7 @@ impl<'a> Run<'a> {
         Self {
             programs,
             main: program,
-            walker: Walker::new(program).with_code_calls(&memory.model),
+            walker: Walker::new(program, &memory.model),
             state,
             cutter: CutterStream::new(start),
             tracker: Tracker::new(&memory, start, on_move),
@@ -228,7 +225,7 @@ impl<'a> Run<'a> {
         on_progress: &mut dyn FnMut(&PreviewProgress) -> bool,
     ) -> Result<PreviewEnd, Alarm> {
         for count in 1_u64.. {
-            if self.tracker.now >= MAX_TIME_S {
+            if self.tracker.now >= LONGEST_RUN_S {
                 break;
             }
             if count % BLOCKS_PER_CALLBACK == 0 && !on_progress(&self.progress()) {
@@ -238,7 +235,7 @@ impl<'a> Run<'a> {
             self.work = count;
             let block = match self.read()? {
                 WalkedBlock::Words(block) => block,
-                WalkedBlock::Nothing | WalkedBlock::Returned => {
+                WalkedBlock::Nothing => {
                     self.motionless += 1;
                     continue;
                 }
@@ -344,7 +341,6 @@ impl<'a> Run<'a> {
         }
         match block_result.flow {
             BlockFlow::Next if block_result.moved => self.walker.call_modal_macro(),
-            BlockFlow::Next => {}
             BlockFlow::Stop => self.stops += 1,
             BlockFlow::End => {
                 self.finish_part();
@@ -355,6 +351,20 @@ impl<'a> Run<'a> {
                     _ => PreviewEnd::M30,
                 }));
             }
+            flow => {
+                if self.follow(flow, block)? {
+                    self.finish_part();
+                    return Ok(Some(PreviewEnd::M99));
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// Makes the call or the return of a block. Returns whether the main program restarts.
+    fn follow(&mut self, flow: BlockFlow, block: &ProgramBlock) -> Result<bool, Alarm> {
+        match flow {
+            BlockFlow::Next | BlockFlow::Stop | BlockFlow::End => {}
             BlockFlow::Call {
                 program,
                 runs,
@@ -369,15 +379,9 @@ impl<'a> Run<'a> {
                 self.walker
                     .call_macro(self.programs, program, runs, &name, words)?;
             }
-            BlockFlow::Back(p) => match self.walker.execute_return(self.programs, p)? {
-                ReturnEffect::Returned | ReturnEffect::Jumped => {}
-                ReturnEffect::Restarted => {
-                    self.finish_part();
-                    return Ok(Some(PreviewEnd::M99));
-                }
-            },
+            BlockFlow::Back(p) => return self.walker.plan_return(self.programs, p),
         }
-        Ok(None)
+        Ok(false)
     }
 
     /// Returns the program that M or T of a block calls by 240 to 242 or 040.5, with its
@@ -476,88 +480,5 @@ impl<'a> Run<'a> {
             machine: self.tracker.machine,
             modal: self.state.modal,
         }
-    }
-
-    /// Searches the blocks after an alarm for further ones that are refused regardless of the
-    /// tool's position.
-    fn find_further_alarms(
-        &mut self,
-        first: Option<&Alarm>,
-        on_progress: &mut ProgressCallback<'_>,
-    ) -> Vec<Alarm> {
-        let mut lines: Vec<SourcePosition> =
-            first.and_then(|alarm| alarm.source).into_iter().collect();
-        let mut further = Vec::new();
-        for count in 1..=MAX_FURTHER_BLOCKS {
-            let progress = || PreviewProgress {
-                blocks: self.blocks + count,
-                ..self.progress()
-            };
-            if count % BLOCKS_PER_CALLBACK == 0 && !on_progress(&progress()) {
-                break;
-            }
-            let alarm = match self.read() {
-                Ok(WalkedBlock::Ended) => break,
-                Ok(WalkedBlock::Nothing | WalkedBlock::Returned) => continue,
-                Ok(WalkedBlock::Words(block)) => {
-                    let source = self.source();
-                    match self.check_words(&block) {
-                        Ok(true) => break,
-                        Ok(false) => continue,
-                        Err(alarm) => alarm.with_source(source),
-                    }
-                }
-                Err(alarm) => alarm,
-            };
-            let Some(source) = alarm.source else { break };
-            if lines.contains(&source) {
-                break;
-            }
-            lines.push(source);
-            further.push(alarm);
-            if further.len() >= MAX_FURTHER_ALARMS {
-                break;
-            }
-        }
-        further
-    }
-
-    /// Checks a block by its words alone, without motion. Returns whether the program ends
-    /// with it.
-    fn check_words(&mut self, block: &ProgramBlock) -> Result<bool, Alarm> {
-        let mut words = BlockWords::parse(block, self.memory.model.record(), self.state.axes)?;
-        let called = self.take_call(&mut words)?;
-        words.check()?;
-        let flow = block::block_flow(&words, &self.memory)?;
-        if !matches!(flow, BlockFlow::Macro { .. }) {
-            words.check_axes()?;
-        }
-        self.state.modal.inch = words.inch.unwrap_or(self.state.modal.inch);
-        if let Some(call) = called {
-            return self.enter_called(&call, &flow).map(|()| false);
-        }
-        match flow {
-            BlockFlow::End => return Ok(true),
-            BlockFlow::Back(p) => {
-                let back = self.walker.execute_return(self.programs, p)?;
-                return Ok(back == ReturnEffect::Restarted);
-            }
-            BlockFlow::Call {
-                program,
-                runs,
-                name,
-            } => self.walker.call(self.programs, program, runs, &name)?,
-            BlockFlow::Macro {
-                program,
-                runs,
-                name,
-            } => {
-                let words = block::arguments(block);
-                self.walker
-                    .call_macro(self.programs, program, runs, &name, words)?;
-            }
-            BlockFlow::Next | BlockFlow::Stop => {}
-        }
-        Ok(false)
     }
 }

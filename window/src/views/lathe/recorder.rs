@@ -1,4 +1,4 @@
-//! `plot --scene`: draws the lathe in space, as one picture or as an animation.
+//! Draws the lathe in space without a window, as one picture or as an animation.
 
 use std::sync::Arc;
 
@@ -11,9 +11,10 @@ use gsk_runner::machining::Machining;
 use gsk_scene::camera::{CameraPreset, OrbitCamera};
 use gsk_scene::description::{LatheDescription, SceneTheme};
 use gsk_scene::software::{SoftwareQuality, SoftwareRenderer};
-use gsk_window::SceneDescriber;
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
+
+use super::SceneDescriber;
 
 /// Time from one picture of an animation to the next, ms.
 const INTERVAL_MS: u16 = 80;
@@ -141,6 +142,9 @@ impl SceneRecorder {
 }
 
 /// Draws the moments as a picture file: as an animation if there are several.
+///
+/// # Errors
+/// The picture cannot be encoded.
 pub fn encode_scene(
     lathes: &[LatheDescription],
     preset: CameraPreset,

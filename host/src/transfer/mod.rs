@@ -1,6 +1,8 @@
 //! The partner at the control's serial port: a folder of the data directory takes the
 //! files that the control sends; the user chooses the files to receive.
 
+pub mod udisk;
+
 use std::io;
 use std::path::{Path, PathBuf};
 
