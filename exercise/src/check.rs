@@ -42,6 +42,8 @@ impl SolutionFile {
 pub struct TaskCheck {
     /// The report of each solution that could be judged, by the name of its file.
     pub reports: Vec<(String, ExerciseReport)>,
+    /// What the author should know, but what is no fault.
+    pub notes: Vec<Message>,
     /// What is wrong with the task or its solutions.
     pub faults: Vec<Message>,
 }
@@ -58,7 +60,10 @@ pub fn judge_script(task: &ExerciseTask, text: &str) -> Result<ExerciseReport, M
 
 /// Plays the solutions of a task.
 pub fn check_task(task: &ExerciseTask, solutions: &[SolutionFile]) -> TaskCheck {
+    let stop_keys = task.unlisted_stop_keys.join(" ");
+    let note = (!stop_keys.is_empty()).then(|| say::exercise_stop_keys_stay(stop_keys));
     let mut check = TaskCheck {
+        notes: Vec::from_iter(note),
         faults: check_outline(task),
         ..TaskCheck::default()
     };

@@ -166,6 +166,7 @@ impl<'a> SolutionJudge<'a> {
             max_points: task.max_points(),
             duration_ms: end.ticks().saturating_sub(self.start_tick),
             verdicts,
+            refused: self.log.refused,
         }
     }
 

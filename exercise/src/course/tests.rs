@@ -111,6 +111,7 @@ fn the_platform_gets_score_state_and_attempt() {
         max_points: task.max_points(),
         duration_ms: 3_723_456,
         verdicts: Vec::new(),
+        refused: None,
     };
     let values = platform_values(&progress, &report, 1);
     let stored = &values["values"];

@@ -4,6 +4,7 @@
 
 mod alterations;
 mod drafts;
+mod limits;
 mod shipped;
 
 use std::fs;

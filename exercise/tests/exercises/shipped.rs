@@ -40,7 +40,9 @@ fn check(name: &str) -> Vec<String> {
         Err(error) => return vec![error.to_string()],
     };
     let solutions = solutions(name);
-    let TaskCheck { faults, reports } = check_task(&task, &solutions);
+    let TaskCheck {
+        faults, reports, ..
+    } = check_task(&task, &solutions);
     let mut problems: Vec<String> = faults
         .iter()
         .map(|fault| format!("{name}: {fault}"))

@@ -73,6 +73,9 @@ pub(super) fn check(path: &Path, language: Language) -> Result<u8, CommandError>
         output::print_message(&line);
         print_verdicts(&task, report, language, |verdict| !verdict.is_met);
     }
+    for note in &check.notes {
+        output::print_message(note);
+    }
     for fault in &check.faults {
         output::report_error(fault);
     }
@@ -114,6 +117,9 @@ fn solve(args: &ExerciseSolveArgs, language: Option<Language>) -> Result<u8, Com
     let bytes = write_result(author, report.clone(), &recording, &key)?;
     target.write(&bytes)?;
     print_verdicts(&task, &report, language.unwrap_or(Language::En), |_| true);
+    if let Some(refused) = &report.refused {
+        output::print_message(&refused.message());
+    }
     let (file, most) = (args.output.display(), report.max_points);
     output::print_message(&say::exercise_solved(file, report.points, most));
     Ok(EXIT_OK)

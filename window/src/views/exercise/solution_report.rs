@@ -231,6 +231,10 @@ fn show_marks(ui: &mut Ui, language: Language, marked: &MarkedSolution) -> Optio
             }
         });
     }
+    if let Some(refused) = &marked.report.refused {
+        let refused = RichText::new(refused.message().text(language));
+        ui.label(refused.color(theme::NOTE_TEXT));
+    }
     chosen
 }
 
