@@ -169,6 +169,7 @@ impl ExerciseTask {
             unlisted_stop_keys: raw.keys.as_ref().map_or_else(Vec::new, unlisted_stop_keys),
             job: raw.job,
             outline,
+            drawing: None,
         })
     }
 }

@@ -3,6 +3,7 @@
 mod file;
 
 use core::fmt;
+use std::sync::Arc;
 
 use blake2::{Blake2b256, Digest};
 use gsk_core::machine::LatheFault;
@@ -45,6 +46,8 @@ pub struct ExerciseTask {
     pub(crate) job: Option<Job>,
     /// The finished part, for the drawing.
     pub(crate) outline: Option<TaskOutline>,
+    /// A hand-made drawing beside the file, PNG; it is shown instead of that of the outline.
+    pub drawing: Option<Arc<[u8]>>,
 }
 
 /// A hint and the points that it costs.

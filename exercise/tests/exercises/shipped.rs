@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
-use gsk_exercise::check::{SolutionFile, TaskCheck, check_task};
+use gsk_exercise::check::{SolutionContent, SolutionFile, TaskCheck, check_task};
 use gsk_exercise::library::EXERCISES;
 use gsk_exercise::task::ExerciseTask;
 
@@ -28,7 +28,7 @@ fn solutions(name: &str) -> Vec<SolutionFile> {
                 .expect("name")
                 .to_string_lossy()
                 .into_owned(),
-            text: fs::read_to_string(path).expect("a script"),
+            content: SolutionContent::Script(fs::read_to_string(path).expect("a script")),
         })
         .collect()
 }
