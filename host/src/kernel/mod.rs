@@ -391,7 +391,13 @@ impl Kernel {
             KeyEvent::Type(_) => Some(None),
             _ => None,
         };
+        let cnc = self.emulator.cnc();
+        let by_exercise = self.emulator.panel().limit_refusal(event, cnc);
         let refused = self.emulator.key(event);
+        // The window shows no refusals of keys in an exam, but what its task refuses.
+        if let Some(why) = by_exercise.filter(|_| self.is_in_exam()) {
+            self.notify(Notice::Message(why));
+        }
         if let Some(press) = pressed {
             let verdict = self
                 .key_refusals

@@ -174,16 +174,16 @@ impl LessonView {
                                 self.exercises.show_task(ui, language, part);
                             }
                             None if self.exercises.is_course() => {
-                                self.exercises.show_list(ui, language);
+                                self.exercises.show_list(ui, language, part);
                             }
-                            None => self.list(ui, language),
+                            None => self.list(ui, language, part),
                         }
                         focus::scroll_to_focus(ui);
                     });
             });
     }
 
-    fn list(&mut self, ui: &mut Ui, language: Language) {
+    fn list(&mut self, ui: &mut Ui, language: Language, part: Option<&Arc<PartView>>) {
         let heading = say::lesson_samples().text(language);
         card::show_heading(ui, Icon::SAMPLE, &heading);
         let samples: Vec<_> = good_samples().collect();
@@ -231,7 +231,7 @@ impl LessonView {
             ui.add_space(4.0);
             ui.label(RichText::new(error.text(language)).color(theme::ERROR_TEXT));
         }
-        self.exercises.show_list(ui, language);
+        self.exercises.show_list(ui, language, part);
     }
 
     fn show_lesson(&mut self, ui: &mut Ui, language: Language, lesson: &Arc<Lesson>) {

@@ -87,6 +87,8 @@ impl Views {
     /// machine state and the part, and receives the newest ones.
     pub fn follow(&mut self, context: &Context, layouts: &Layouts) {
         self.all.lathe.receive(context);
+        let picked = self.all.lathe.kept_feature();
+        self.all.lessons.exercises().set_picked_feature(picked);
         let was_monitoring = self.needs_machine_state();
         let was_showing_part = self.needs_part();
         for row in &VIEWS {

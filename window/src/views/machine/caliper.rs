@@ -82,6 +82,11 @@ impl Caliper {
         };
     }
 
+    /// The feature that was clicked; `None` without one.
+    pub fn kept(&self) -> Option<Feature> {
+        self.kept.as_ref().map(|kept| kept.feature)
+    }
+
     /// Describes the measurements: the feature under the pointer, the kept one, and the
     /// distance between them.
     pub fn messages(&self) -> Vec<Message> {

@@ -31,6 +31,8 @@ use gsk_core::units::Point;
 use gsk_host::kernel::part::PartView;
 use gsk_host::kernel::{Console, ProgramPlacement};
 use gsk_messages::Language;
+use gsk_workpiece::grid::from_grid;
+use gsk_workpiece::measure::Feature;
 
 use super::interface::{View, ViewFrame, ViewStart};
 use super::program::{ProgramDocument, TextOrigin, with_line_feeds};
@@ -190,6 +192,12 @@ impl LatheView {
             instruments: Instruments::default(),
             changed_jobs: preview_worker::ChangedJobs::default(),
         }
+    }
+
+    /// The feature of the part that was clicked with the caliper; `None` without one.
+    pub fn kept_feature(&self) -> Option<Feature> {
+        let is_measuring = self.instruments.selected == Instrument::Caliper;
+        self.instruments.caliper.kept().filter(|_| is_measuring)
     }
 
     /// Number of segments of the drawn path.
