@@ -57,10 +57,10 @@ message_rows! {
     bench_mend_all_hint BenchMendAllHint();
     bench_no_alarms BenchNoAlarms();
     bench_sensor BenchSensor();
+    bench_slides BenchSlides(x: "{:.3}", z: "{:.3}");
     bench_station BenchStation(station);
     bench_tailstock_forward BenchTailstockForward();
     bench_tool_post_not_clamped BenchToolPostNotClamped();
-    bench_x_as_radius BenchXAsRadius(x: "{:.3}");
     block_also BlockAlso(words: messages);
     block_begins_with_variable BlockBeginsWithVariable();
     block_call_backwards BlockCallBackwards(to, from);
@@ -1039,7 +1039,11 @@ message_rows! {
     job_place_x JobPlaceX();
     job_place_z JobPlaceZ();
     job_save JobSave();
+    job_save_as JobSaveAs();
+    job_save_as_hint JobSaveAsHint();
     job_save_hint JobSaveHint();
+    job_set_unknown JobSetUnknown();
+    job_set_unknown_hint JobSetUnknownHint();
     job_stock JobStock();
     job_tool_add JobToolAdd();
     job_tool_missing JobToolMissing(number: "{:02}");
@@ -1048,7 +1052,7 @@ message_rows! {
     job_view JobView();
     job_view_hint JobViewHint();
     job_while_running JobWhileRunning();
-    job_without_program_file JobWithoutProgramFile();
+    job_without_program JobWithoutProgram();
     job_work_zero JobWorkZero(x, z);
     job_zero JobZero();
     job_zero_hint JobZeroHint();
@@ -1303,6 +1307,8 @@ message_rows! {
     ladder_write_row LadderWriteRow();
     ladder_write_row_hint LadderWriteRowHint();
     ladder_written LadderWritten();
+    lathe_axis_x LatheAxisX();
+    lathe_axis_z LatheAxisZ();
     lathe_changed LatheChanged();
     lathe_chuck_clamped LatheChuckClamped();
     lathe_chuck_open LatheChuckOpen();
@@ -1322,6 +1328,7 @@ message_rows! {
     lathe_new_stock_hint LatheNewStockHint();
     lathe_no_path LatheNoPath();
     lathe_nothing_cut LatheNothingCut();
+    lathe_open_space_hint LatheOpenSpaceHint();
     lathe_path LathePath();
     lathe_path_ends LathePathEnds(alarm);
     lathe_path_hint LathePathHint();
@@ -1561,6 +1568,7 @@ message_rows! {
     lesson_again LessonAgain();
     lesson_again_hint LessonAgainHint();
     lesson_alarm LessonAlarm(alarm);
+    lesson_alarm_detail LessonAlarmDetail(alarm, detail: message);
     lesson_back LessonBack();
     lesson_back_here LessonBackHere(why: message);
     lesson_back_hint LessonBackHint();

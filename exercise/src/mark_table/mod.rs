@@ -250,7 +250,7 @@ pub fn verdict_sentence(
         }
         false => &criterion.no,
     };
-    text.in_language(language).to_owned()
+    text.in_language(language).into_owned()
 }
 
 /// Returns what decided a criterion in brackets, as `[12.3 s, O0001:12, 39.700]`; an empty text if

@@ -164,7 +164,7 @@ impl Window {
                 });
             }
         }
-        let mut marked = self.views.lessons().marked_keys();
+        let mut marked = Vec::from_iter(self.views.lessons().next_key());
         if let Some(picture) = &snapshot {
             self.way_back = self.way_back.and_then(|way| way.follow(picture));
             marked.extend(self.way_back.iter().flat_map(|way| way.keys(picture)));

@@ -216,6 +216,9 @@ impl Views {
             self.all.lathe.try_typed_text(document);
         }
         self.handle_program_request();
+        if self.all.lathe.take_space_request() {
+            self.view_to_open = Some(ViewId::Lathe);
+        }
         if self.all.commission.take_scope_request() && !self.open_views.contains(&ViewId::Scope) {
             self.view_to_open = Some(ViewId::Scope);
         }

@@ -23,7 +23,7 @@ pub fn draw(args: &ExerciseDrawingArgs, language: Language) -> Result<u8, Comman
     let task = exercises::find(&args.task, args.data.as_deref())?;
     let drawing = draw_task(&task, WIDTH, TEXT_HEIGHT);
     let drawing = drawing.ok_or_else(|| say::exercise_drawing_none(&task.id))?;
-    let svg = write_svg(&drawing, task.title.in_language(language));
+    let svg = write_svg(&drawing, &task.title.in_language(language));
     output::reserve_file(&args.output)?.write(svg.as_bytes())?;
     Ok(EXIT_OK)
 }

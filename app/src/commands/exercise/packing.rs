@@ -25,7 +25,7 @@ pub fn pack(args: &ExercisePackArgs, language: Language) -> Result<u8, CommandEr
     })?;
     if args.title.is_none() {
         course.title = match course.tasks.as_slice() {
-            [task] => task.title.in_language(language).to_owned(),
+            [task] => task.title.in_language(language).into_owned(),
             _ => say::course_default_title().text(language),
         };
     }

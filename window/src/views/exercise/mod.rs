@@ -235,7 +235,7 @@ impl ExercisePane {
             .iter()
             .map(|task| Card {
                 picture: CardPicture::Icon(task_icon(task)),
-                title: task.title.in_language(language).to_owned(),
+                title: task.title.in_language(language).into_owned(),
                 detail: describe_length(task, best(task)).text(language),
                 is_marked: is_solved(task),
             })
@@ -275,7 +275,7 @@ impl ExercisePane {
         let about = task.text.in_language(language);
         match &self.course {
             Some(course) => format!("{about}\n{}", course.describe_attempts(&task.id, language)),
-            None => about.to_owned(),
+            None => about.into_owned(),
         }
     }
 

@@ -108,7 +108,7 @@ impl Caliper {
             let words = RichText::new(message.text(language)).monospace();
             let job = egui::WidgetText::from(words).into_galley(
                 ui,
-                Some(egui::TextWrapMode::Truncate),
+                Some(egui::TextWrapMode::Wrap),
                 (rect.right() - bottom.x - 8.0).max(40.0),
                 egui::TextStyle::Body,
             );
