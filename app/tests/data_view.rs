@@ -109,7 +109,7 @@ fn a_check_box_changes_its_bit_and_the_value_and_both_are_written_and_undone() {
     assert!(is_shown(&bench, "the control takes these values now"));
     press(&mut bench, "Write 1");
     assert_eq!(cnc(&bench).parameters().byte(1), 0b0001_0000);
-    assert!(is_shown(&bench, "differs from delivery"));
+    assert!(is_shown(&bench, "changed from the factory value"));
     press(&mut bench, "Undo: No.001 = 16");
     assert_eq!(cnc(&bench).parameters().byte(1), 0);
     assert!(!is_shown(&bench, "Undo: "));
@@ -161,16 +161,19 @@ fn parameters_are_found_by_words_and_by_function_and_kept_in_their_range() {
     );
     fill(&mut bench, "Search the parameters", " ");
     press(&mut bench, "All parameters");
-    press(&mut bench, "Only what differs from delivery");
+    press(&mut bench, "Only values changed from the factory settings");
     assert!(is_shown(
         &bench,
         &format!("{} found", changed_numbers.len())
     ));
-    assert!(is_shown(&bench, "022 RPDFX 3000 differs from delivery"));
+    assert!(is_shown(
+        &bench,
+        "022 RPDFX 3000 changed from the factory value"
+    ));
     assert!(!is_shown(&bench, "035 BKLZ"));
     // A parameter that takes effect after power-on has a note.
     fill(&mut bench, "Search the parameters", "No. 005");
-    press(&mut bench, "Only what differs from delivery");
+    press(&mut bench, "Only values changed from the factory settings");
     choose(&mut bench, "Spindle gear, M30");
     assert!(is_shown(&bench, "when the power is switched on again"));
 }

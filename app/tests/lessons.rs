@@ -330,10 +330,11 @@ fn course_page() -> CoursePage {
     let course = CourseFile {
         title: "Course of the school".to_owned(),
         mastery_per_cent: Some(60),
-        tasks: vec![CourseTaskFile {
-            id: id.to_owned(),
-            text: text.replace("time_limit: 300", "attempts: 1, time_limit: 300"),
-        }],
+        tasks: vec![CourseTaskFile::new(
+            id.to_owned(),
+            text.replace("time_limit: 300", "attempts: 1, time_limit: 300"),
+            None,
+        )],
     };
     CoursePage {
         file: serde_json::to_vec(&course).expect("a course"),

@@ -13,6 +13,7 @@ mod common;
 
 mod crash;
 mod data_view;
+mod exercise_from_part;
 mod first_start;
 mod focus;
 mod layouts;

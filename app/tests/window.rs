@@ -430,7 +430,10 @@ fn after_an_alarm_the_hint_names_the_start_key() {
         bench.click(key);
     }
     bench.run(500);
-    assert!(is_shown(&bench, "Press [自动] AUTO, then [运行] START"));
+    assert!(is_shown(
+        &bench,
+        "Press [Auto 自动], then [Cycle start 运行]"
+    ));
     assert!(!is_shown(&bench, "Open a program, press"));
 }
 

@@ -4,34 +4,80 @@
 use std::collections::BTreeSet;
 
 use gsk_messages::{Message, say};
+use gsk_workpiece::region::Region;
 
 use crate::drawing::check_outline;
-use crate::judge::judge;
+use crate::judge::{JudgeError, judge};
 use crate::report::ExerciseReport;
-use crate::solve::{SolutionScript, record_solution};
+use crate::solution_replay::replay_solution;
+use crate::solve::{SolutionScript, make_part, record_solution};
 use crate::task::ExerciseTask;
 
 /// Begins the comment in a wrong solution that names the criteria which it does not meet.
 const FAILS: &str = "# fails:";
 
-/// A script beside the file of a task.
+/// Name of the script that gets all points.
+pub const REFERENCE_SCRIPT: &str = "reference.txt";
+/// Name of the recording that gets all points.
+pub const REFERENCE_RECORDING: &str = "reference.gskrec";
+
+/// A solution beside the file of a task.
 #[derive(Clone, Debug)]
 pub struct SolutionFile {
     /// Name of the file, as `wrong-1.txt`.
     pub name: String,
-    /// Its text.
-    pub text: String,
+    /// What it contains.
+    pub content: SolutionContent,
+}
+
+/// The content of a solution.
+#[derive(Clone, Debug)]
+pub enum SolutionContent {
+    /// An operator script.
+    Script(String),
+    /// A recording that was made in the window.
+    Recording(Vec<u8>),
 }
 
 impl SolutionFile {
     /// Returns whether the file is the reference solution.
     pub fn is_reference(&self) -> bool {
-        self.name == "reference.txt"
+        self.name == REFERENCE_SCRIPT || self.name == REFERENCE_RECORDING
+    }
+
+    /// Judges the solution.
+    ///
+    /// # Errors
+    /// The script cannot be played, or the recording is refused.
+    pub fn judge(&self, task: &ExerciseTask) -> Result<ExerciseReport, Message> {
+        match &self.content {
+            SolutionContent::Script(text) => judge_script(task, text),
+            SolutionContent::Recording(recording) => {
+                judge(task, recording).map_err(|error| error.message())
+            }
+        }
+    }
+
+    /// Plays the solution and returns the half section of the part that it makes; `None` if the
+    /// task has no part.
+    ///
+    /// # Errors
+    /// The script cannot be played, or the recording is refused.
+    pub fn make_part(&self, task: &ExerciseTask) -> Result<Option<Region>, Message> {
+        match &self.content {
+            SolutionContent::Script(text) => make_part(task, &SolutionScript::read(text)?),
+            SolutionContent::Recording(recording) => {
+                replay_part(task, recording).map_err(|error| error.message())
+            }
+        }
     }
 
     /// Returns the criteria that the solution names as not met; `None` without the comment.
     fn stated_failures(&self) -> Option<BTreeSet<&str>> {
-        let mut lines = self.text.lines();
+        let SolutionContent::Script(text) = &self.content else {
+            return None;
+        };
+        let mut lines = text.lines();
         let stated = lines.find_map(|line| line.trim().strip_prefix(FAILS))?;
         Some(stated.split_whitespace().collect())
     }
@@ -42,6 +88,8 @@ impl SolutionFile {
 pub struct TaskCheck {
     /// The report of each solution that could be judged, by the name of its file.
     pub reports: Vec<(String, ExerciseReport)>,
+    /// What the author should know, but what is no fault.
+    pub notes: Vec<Message>,
     /// What is wrong with the task or its solutions.
     pub faults: Vec<Message>,
 }
@@ -56,9 +104,21 @@ pub fn judge_script(task: &ExerciseTask, text: &str) -> Result<ExerciseReport, M
     judge(task, &recording).map_err(|error| error.message())
 }
 
+/// Replays a recording and returns the half section of the part; `None` without a part.
+fn replay_part(task: &ExerciseTask, recording: &[u8]) -> Result<Option<Region>, JudgeError> {
+    let start = task.create_start().map_err(JudgeError::Start)?;
+    let end = replay_solution(start, (), recording)?.end;
+    let end = end.ok_or(JudgeError::Incomplete)?;
+    let machining = end.part.machining();
+    Ok(machining.map(|it| it.scene().part().section().clone()))
+}
+
 /// Plays the solutions of a task.
 pub fn check_task(task: &ExerciseTask, solutions: &[SolutionFile]) -> TaskCheck {
+    let stop_keys = task.unlisted_stop_keys.join(" ");
+    let note = (!stop_keys.is_empty()).then(|| say::exercise_stop_keys_stay(stop_keys));
     let mut check = TaskCheck {
+        notes: Vec::from_iter(note),
         faults: check_outline(task),
         ..TaskCheck::default()
     };
@@ -68,7 +128,7 @@ pub fn check_task(task: &ExerciseTask, solutions: &[SolutionFile]) -> TaskCheck 
     let mut failed: BTreeSet<String> = BTreeSet::new();
     for solution in solutions {
         let named = |message: Message| say::subject_reason(&solution.name, message);
-        match judge_script(task, &solution.text) {
+        match solution.judge(task) {
             Ok(report) => {
                 let fault = match solution.is_reference() {
                     true => check_reference(&report),

@@ -1,6 +1,9 @@
 //! Judges a solution: replays its recording from the start state of the task, follows the machine
 //! tick by tick, and gives points.
 
+use std::ops::Deref;
+use std::sync::Arc;
+
 use gsk_core::machine::LatheFault;
 use gsk_history::moment::{MachineMoment, RecordedInput};
 use gsk_messages::{Message, say};
@@ -11,7 +14,7 @@ use crate::part_size::measure_dimension;
 use crate::procedure::{ProcedureLog, alarm_message};
 use crate::report::{CriterionVerdict, ExerciseReport, MarkEvidence};
 pub use crate::solution_replay::JudgeError;
-use crate::solution_replay::{SolutionFollower, replay_solution};
+use crate::solution_replay::{ReplayedSolution, SlicedSolution, SolutionFollower, replay_solution};
 use crate::task::ExerciseTask;
 
 /// Interval between two checks of the conditions, ticks.
@@ -24,7 +27,12 @@ const CHECK_INTERVAL_TICKS: u64 = 20;
 pub fn judge(task: &ExerciseTask, recording: &[u8]) -> Result<ExerciseReport, JudgeError> {
     let start = task.create_start().map_err(JudgeError::Start)?;
     let judge = SolutionJudge::new(task, &start);
-    let replayed = replay_solution(start, judge, recording)?;
+    give_points(replay_solution(start, judge, recording)?)
+}
+
+fn give_points<T: Deref<Target = ExerciseTask>>(
+    replayed: ReplayedSolution<SolutionJudge<T>>,
+) -> Result<ExerciseReport, JudgeError> {
     // A solution that exceeds the time limit is not replayed to its end.
     let is_over_limit = replayed.judge.is_over();
     match replayed.end {
@@ -33,10 +41,44 @@ pub fn judge(task: &ExerciseTask, recording: &[u8]) -> Result<ExerciseReport, Ju
     }
 }
 
+/// Judges a recording in slices, between which a page of a browser can be drawn.
+#[derive(Debug)]
+pub struct SlicedJudging(SlicedSolution<SolutionJudge<Arc<ExerciseTask>>>);
+
+impl SlicedJudging {
+    /// Starts to judge a recording.
+    ///
+    /// # Errors
+    /// The recording is damaged.
+    pub fn new(task: &Arc<ExerciseTask>, recording: &[u8]) -> Result<Self, JudgeError> {
+        let start = task.create_start().map_err(JudgeError::Start)?;
+        let judge = SolutionJudge::new(Arc::clone(task), &start);
+        SlicedSolution::new(start, judge, recording).map(Self)
+    }
+
+    /// Replays at most `ticks` ticks; returns whether the replay has ended.
+    pub fn advance(&mut self, ticks: u64) -> bool {
+        self.0.advance(ticks)
+    }
+
+    /// Returns the report after the end of the replay.
+    ///
+    /// # Errors
+    /// The recording is damaged or was not made by an operator on the machine of the task.
+    pub fn finish(self) -> Result<ExerciseReport, JudgeError> {
+        self.0.finish().and_then(give_points)
+    }
+
+    /// Returns the share of the solution that is replayed, 0 to 1.
+    pub fn progress(&self) -> f32 {
+        self.0.progress()
+    }
+}
+
 /// Follows one solution and gives its points.
 #[derive(Clone, Debug)]
-pub struct SolutionJudge<'a> {
-    task: &'a ExerciseTask,
+pub struct SolutionJudge<T> {
+    task: T,
     start_tick: u64,
     log: ProcedureLog,
     watches: Vec<ConditionProgress>,
@@ -52,14 +94,14 @@ struct ConditionProgress {
     decided: Option<MarkEvidence>,
 }
 
-impl<'a> SolutionJudge<'a> {
+impl<T: Deref<Target = ExerciseTask>> SolutionJudge<T> {
     /// Starts at the start state of the task.
-    pub fn new(task: &'a ExerciseTask, start: &MachineMoment) -> Self {
+    pub fn new(task: T, start: &MachineMoment) -> Self {
         let mut judge = Self {
-            task,
             start_tick: start.ticks(),
             log: ProcedureLog::new(start),
             watches: vec![ConditionProgress::default(); task.criteria.len()],
+            task,
             is_over: false,
         };
         judge.check_conditions(start);
@@ -130,7 +172,7 @@ impl<'a> SolutionJudge<'a> {
     /// Gives the points when the solution has ended in a state.
     pub fn finish(mut self, end: &MachineMoment) -> ExerciseReport {
         self.check_conditions(end);
-        let task = self.task;
+        let task = &*self.task;
         let mut results: Vec<(bool, MarkEvidence)> = task
             .criteria
             .iter()
@@ -166,6 +208,7 @@ impl<'a> SolutionJudge<'a> {
             max_points: task.max_points(),
             duration_ms: end.ticks().saturating_sub(self.start_tick),
             verdicts,
+            refused: self.log.refused,
         }
     }
 
@@ -319,7 +362,7 @@ fn first_unmet(conditions: &[MachineCondition], moment: &MachineMoment) -> Optio
     })
 }
 
-impl SolutionFollower for SolutionJudge<'_> {
+impl<T: Deref<Target = ExerciseTask>> SolutionFollower for SolutionJudge<T> {
     fn before_input(&mut self, moment: &MachineMoment, recorded: &RecordedInput) {
         self.note_input(moment, recorded);
     }

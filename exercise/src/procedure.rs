@@ -16,7 +16,7 @@ use gsk_panel::panel::KeyEvent;
 use gsk_runner::machining::CollisionFinding;
 use gsk_runner::machining::live_part::running_block;
 
-use crate::report::MarkEvidence;
+use crate::report::{MarkEvidence, RefusedPresses};
 
 /// A repaired fault and the moment of the repair.
 #[derive(Clone, Debug)]
@@ -55,6 +55,8 @@ pub struct ProcedureLog {
     pub ignored_alarm: Option<MarkEvidence>,
     /// The repairs, the first one first.
     pub repairs: Vec<FaultRepair>,
+    /// Presses of keys that the task has refused.
+    pub refused: Option<RefusedPresses>,
 }
 
 impl ProcedureLog {
@@ -96,6 +98,9 @@ impl ProcedureLog {
 
     /// Notes an input before it acts.
     pub fn before_input(&mut self, moment: &MachineMoment, input: &HistoryInput) {
+        if let HistoryInput::Machine(EmulatorInput::Key(event)) = input {
+            self.note_refusal(moment, *event);
+        }
         match input {
             HistoryInput::Machine(EmulatorInput::Fault(fault, false)) => {
                 let evidence = self.evidence_of(moment, fault.row().label());
@@ -112,6 +117,20 @@ impl ProcedureLog {
             }
             _ => {}
         }
+    }
+
+    fn note_refusal(&mut self, moment: &MachineMoment, event: KeyEvent) {
+        let emulator = &moment.emulator;
+        let Some(why) = emulator.panel().limit_refusal(event, emulator.cnc()) else {
+            return;
+        };
+        let first_tick = moment.ticks().saturating_sub(self.start_tick);
+        let refused = self.refused.get_or_insert(RefusedPresses {
+            count: 0,
+            first_tick,
+            first: why,
+        });
+        refused.count += 1;
     }
 
     /// Notes what a tick has changed.

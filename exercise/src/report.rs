@@ -1,6 +1,6 @@
 //! The report of a judge: points for each criterion with the evidence.
 
-use gsk_messages::Message;
+use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 /// The marks of one solution.
@@ -18,6 +18,28 @@ pub struct ExerciseReport {
     pub duration_ms: u64,
     /// The result of each criterion, in the order of the task.
     pub verdicts: Vec<CriterionVerdict>,
+    /// Presses of keys that the task has refused; `None` without any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub refused: Option<RefusedPresses>,
+}
+
+/// Presses of keys that a task has refused.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RefusedPresses {
+    /// Number of presses.
+    pub count: u32,
+    /// Machine time of the first one since the start of the solution, ms.
+    pub first_tick: u64,
+    /// Why the first one was refused.
+    pub first: Message,
+}
+
+impl RefusedPresses {
+    /// Returns the presses as a message.
+    pub fn message(&self) -> Message {
+        let at = self.first_tick as f64 / 1000.0;
+        say::exercise_refused_presses(self.count, at, self.first.clone())
+    }
 }
 
 /// The result of one criterion.

@@ -2,7 +2,7 @@
 
 use gsk_history::moment::{MachineMoment, RecordedInput};
 use gsk_history::recording::RecordingError;
-use gsk_history::replay::{ReplayObserver, replay_observed};
+use gsk_history::replay::{Replay, ReplayObserver, SlicedReplay, replay_observed};
 use gsk_messages::{Message, say};
 use gsk_runner::machining::CollisionFinding;
 
@@ -77,32 +77,79 @@ pub fn replay_solution<J: SolutionFollower>(
     judge: J,
     recording: &[u8],
 ) -> Result<ReplayedSolution<J>, JudgeError> {
-    let mut observer = RecordingObserver {
-        judge,
-        start,
-        has_begun: false,
-        collided: None,
-        flaw: None,
-        end: None,
-    };
+    let mut observer = RecordingObserver::new(start, judge);
     let replayed = replay_observed(recording, &mut observer).map_err(JudgeError::Recording)?;
-    if let Some(flaw) = observer.flaw {
-        return Err(flaw);
+    observer.finish(replayed)
+}
+
+/// The replay of a solution in slices.
+#[derive(Debug)]
+pub struct SlicedSolution<J>(SlicedReplay<RecordingObserver<J>>);
+
+impl<J: SolutionFollower> SlicedSolution<J> {
+    /// Reads a recording that begins in the state `start`.
+    ///
+    /// # Errors
+    /// The bytes are no recording.
+    pub fn new(start: MachineMoment, judge: J, recording: &[u8]) -> Result<Self, JudgeError> {
+        let observer = RecordingObserver::new(start, judge);
+        let replay = SlicedReplay::new(recording, observer).map_err(JudgeError::Recording)?;
+        Ok(Self(replay))
     }
-    if let Some(error) = replayed.error {
-        return Err(JudgeError::Recording(error));
+
+    /// Replays at most `ticks` ticks; returns whether the replay has ended.
+    pub fn advance(&mut self, ticks: u64) -> bool {
+        self.0.advance(ticks)
     }
-    if let Some(difference) = replayed.difference {
-        return Err(JudgeError::Differs(difference.tick));
+
+    /// Returns the solution after the end of the replay.
+    ///
+    /// # Errors
+    /// The recording is damaged or was not made by an operator in the state of the start.
+    pub fn finish(self) -> Result<ReplayedSolution<J>, JudgeError> {
+        let (replayed, observer) = self.0.finish();
+        observer.finish(replayed)
     }
-    Ok(ReplayedSolution {
-        judge: observer.judge,
-        end: observer.end,
-        is_whole: replayed.is_complete && replayed.equal_hashes > 0,
-    })
+
+    /// Returns the share of the machine time that is replayed, 0 to 1.
+    pub fn progress(&self) -> f32 {
+        self.0.progress()
+    }
+}
+
+impl<J> RecordingObserver<J> {
+    const fn new(start: MachineMoment, judge: J) -> Self {
+        Self {
+            judge,
+            start,
+            has_begun: false,
+            collided: None,
+            flaw: None,
+            end: None,
+        }
+    }
+
+    /// Returns the solution after its replay.
+    fn finish(self, replayed: Replay) -> Result<ReplayedSolution<J>, JudgeError> {
+        if let Some(flaw) = self.flaw {
+            return Err(flaw);
+        }
+        if let Some(error) = replayed.error {
+            return Err(JudgeError::Recording(error));
+        }
+        if let Some(difference) = replayed.difference {
+            return Err(JudgeError::Differs(difference.tick));
+        }
+        Ok(ReplayedSolution {
+            judge: self.judge,
+            end: self.end,
+            is_whole: replayed.is_complete && replayed.equal_hashes > 0,
+        })
+    }
 }
 
 /// Passes a replay on, and refuses what is no work of an operator.
+#[derive(Debug)]
 struct RecordingObserver<J> {
     judge: J,
     start: MachineMoment,

@@ -1,8 +1,9 @@
 //! Builds the article of a topic: heading, rule, facts of the tables, example and source.
 
 use core::fmt;
+use std::borrow::Cow;
 
-use gsk_messages::{Language, say};
+use gsk_messages::{Language, add_key_names, say};
 
 use crate::facts::{facts, subject_name};
 use crate::subject::Subject;
@@ -16,11 +17,11 @@ pub struct Article {
     pub heading: String,
     /// What the topic's subject is for and what it does; empty if the tables contain
     /// everything.
-    pub rule: &'static str,
+    pub rule: Cow<'static, str>,
     /// What the control's tables contain about the topic's subject. Each entry is a sentence.
     pub facts: Vec<String>,
     /// A worked example; empty if there is none.
-    pub example: &'static str,
+    pub example: Cow<'static, str>,
     /// A sentence that names the section of the manual. Empty for features that only this
     /// program has.
     pub source: String,
@@ -35,13 +36,27 @@ pub fn article(topic: &Topic, language: Language) -> Article {
             true => designation,
             false => format!("{designation}  {name}"),
         },
-        rule: topic.rule(language),
-        facts: facts(topic.subject, language),
-        example: topic.example(language),
+        rule: name_keys(topic.rule(language), language),
+        facts: facts(topic.subject, language)
+            .into_iter()
+            .map(|fact| match language {
+                Language::Zh => fact,
+                Language::En => add_key_names(&fact).into_owned(),
+            })
+            .collect(),
+        example: name_keys(topic.example(language), language),
         source: match topic.source() {
             "" => String::new(),
             section => say::help_source(section).text(language),
         },
+    }
+}
+
+/// Adds the English names of the keys to an English text of the help.
+fn name_keys(text: &'static str, language: Language) -> Cow<'static, str> {
+    match language {
+        Language::Zh => Cow::Borrowed(text),
+        Language::En => add_key_names(text),
     }
 }
 
@@ -84,7 +99,7 @@ impl fmt::Display for Article {
         for fact in &self.facts {
             writeln!(f, "{fact}")?;
         }
-        for text in [self.example, &self.source] {
+        for text in [self.example.as_ref(), &self.source] {
             if !text.is_empty() {
                 writeln!(f, "{text}")?;
             }

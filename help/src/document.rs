@@ -68,11 +68,11 @@ pub fn document(language: Language) -> String {
         for topic in topics().iter().filter(|topic| belongs(topic.subject)) {
             let it = article(topic, language);
             let _ = writeln!(page, "<section><h3>{}</h3>", escaped(&it.heading));
-            paragraph(&mut page, "rule", it.rule);
+            paragraph(&mut page, "rule", &it.rule);
             for fact in &it.facts {
                 paragraph(&mut page, "fact", fact);
             }
-            paragraph(&mut page, "example", it.example);
+            paragraph(&mut page, "example", &it.example);
             paragraph(&mut page, "source", &it.source);
             page.push_str("</section>\n");
         }

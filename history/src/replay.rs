@@ -1,5 +1,7 @@
 //! Replays a recording: simulates it from its states and inputs, and compares the hashes.
 
+use std::collections::VecDeque;
+
 use gsk_runner::machining::CollisionFinding;
 
 use crate::history::{DEFAULT_BUDGET_BYTES, History};
@@ -56,6 +58,24 @@ pub trait ReplayObserver {
     fn end(&mut self, moment: MachineMoment);
 }
 
+impl<O: ReplayObserver + ?Sized> ReplayObserver for &mut O {
+    fn begin(&mut self, moment: &MachineMoment) -> bool {
+        (**self).begin(moment)
+    }
+
+    fn before_input(&mut self, moment: &MachineMoment, recorded: &RecordedInput) -> bool {
+        (**self).before_input(moment, recorded)
+    }
+
+    fn after_tick(&mut self, moment: &MachineMoment, collision: Option<&CollisionFinding>) -> bool {
+        (**self).after_tick(moment, collision)
+    }
+
+    fn end(&mut self, moment: MachineMoment) {
+        (**self).end(moment);
+    }
+}
+
 /// Replays a recording up to its end or to the first damage, and stores its history.
 ///
 /// # Errors
@@ -80,32 +100,95 @@ pub fn replay_observed(
 ) -> Result<Replay, RecordingError> {
     let mut reader = RecordingReader::new(bytes)?;
     let mut player = Player::new(observer);
+    let mut budget = u64::MAX;
     let error = loop {
         let offset = reader.offset();
         match reader.next_event() {
-            Ok(Some(event)) => match player.play(event) {
-                Some(true) => {}
-                Some(false) => break None,
-                None => break Some(RecordingError::OutOfOrder(offset)),
+            Ok(Some(event)) => match player.play(event, &mut budget) {
+                PlayedEvent::Done => {}
+                PlayedEvent::Stopped | PlayedEvent::Waiting(_) => break None,
+                PlayedEvent::OutOfOrder => break Some(RecordingError::OutOfOrder(offset)),
             },
             Ok(None) => break None,
             Err(newer @ RecordingError::NewerFormat(_)) => return Err(newer),
             Err(error) => break Some(error),
         }
     };
-    if let Some(moment) = player.moment.take() {
-        player.observer.end(moment);
+    Ok(player.finish(error))
+}
+
+/// A replay in slices. Its events are in memory, which fits a recording of this computer.
+#[derive(Debug)]
+pub struct SlicedReplay<O> {
+    player: Player<O>,
+    /// The events that have not been played, with their positions in the recording.
+    events: VecDeque<(usize, RecordingEvent)>,
+    /// Why the rest of the recording is not played; `None` if all of it is.
+    error: Option<RecordingError>,
+    /// Ticks of the last event.
+    end: u64,
+}
+
+impl<O: ReplayObserver> SlicedReplay<O> {
+    /// Reads a recording.
+    ///
+    /// # Errors
+    /// The bytes are no recording, or one of a newer format.
+    pub fn new(bytes: &[u8], observer: O) -> Result<Self, RecordingError> {
+        let mut reader = RecordingReader::new(bytes)?;
+        let (mut events, mut end) = (VecDeque::new(), 0);
+        let error = loop {
+            let offset = reader.offset();
+            match reader.next_event() {
+                Ok(Some(event)) => {
+                    end = event_tick(&event).unwrap_or(end);
+                    events.push_back((offset, event));
+                }
+                Ok(None) => break None,
+                Err(newer @ RecordingError::NewerFormat(_)) => return Err(newer),
+                Err(error) => break Some(error),
+            }
+        };
+        Ok(Self {
+            player: Player::new(observer),
+            events,
+            error,
+            end,
+        })
     }
-    Ok(Replay {
-        program: player.program,
-        input_count: player.input_count,
-        replayed_ticks: player.replayed_ticks,
-        equal_hashes: player.equal_hashes,
-        difference: player.difference,
-        is_complete: player.is_complete,
-        error,
-        history: None,
-    })
+
+    /// Replays at most `budget` ticks; returns whether the replay has ended.
+    pub fn advance(&mut self, mut budget: u64) -> bool {
+        while let Some((offset, event)) = self.events.pop_front() {
+            self.error = match self.player.play(event, &mut budget) {
+                PlayedEvent::Done => continue,
+                PlayedEvent::Stopped => None,
+                PlayedEvent::OutOfOrder => Some(RecordingError::OutOfOrder(offset)),
+                PlayedEvent::Waiting(event) => {
+                    self.events.push_front((offset, event));
+                    return false;
+                }
+            };
+            self.events.clear();
+        }
+        true
+    }
+
+    /// Returns the replay and its observer after its end.
+    pub fn finish(mut self) -> (Replay, O) {
+        let replay = self.player.finish(self.error);
+        (replay, self.player.observer)
+    }
+
+    /// Returns the share of the machine time that is replayed, 0 to 1.
+    pub fn progress(&self) -> f32 {
+        let Some(moment) = &self.player.moment else {
+            return 0.0;
+        };
+        let replayed = self.player.replayed_ticks as f32;
+        let left = self.end.saturating_sub(moment.ticks()) as f32;
+        replayed / (replayed + left).max(1.0)
+    }
 }
 
 /// Stores the history of the replayed session since its last state.
@@ -138,8 +221,9 @@ impl ReplayObserver for HistoryKeeper {
     fn end(&mut self, _: MachineMoment) {}
 }
 
-struct Player<'a> {
-    observer: &'a mut dyn ReplayObserver,
+#[derive(Debug)]
+struct Player<O> {
+    observer: O,
     program: String,
     input_count: usize,
     replayed_ticks: u64,
@@ -151,8 +235,40 @@ struct Player<'a> {
     moment: Option<MachineMoment>,
 }
 
-impl<'a> Player<'a> {
-    const fn new(observer: &'a mut dyn ReplayObserver) -> Self {
+/// What has happened to an event.
+enum PlayedEvent {
+    /// It has acted.
+    Done,
+    /// The observer has stopped the replay.
+    Stopped,
+    /// It is out of order.
+    OutOfOrder,
+    /// The budget was used before the machine reached it.
+    Waiting(RecordingEvent),
+}
+
+/// How far the machine has run.
+enum RunEnd {
+    Reached,
+    Stopped,
+    OutOfOrder,
+    OverBudget,
+}
+
+/// The tick before which an event acts; `None` if it acts at once.
+fn event_tick(event: &RecordingEvent) -> Option<u64> {
+    match event {
+        RecordingEvent::Start { .. } | RecordingEvent::State { .. } => None,
+        RecordingEvent::Input(recorded) => Some(recorded.tick),
+        RecordingEvent::Reached(tick)
+        | RecordingEvent::BoardLinked(tick)
+        | RecordingEvent::Hash { tick, .. }
+        | RecordingEvent::End(tick) => Some(*tick),
+    }
+}
+
+impl<O: ReplayObserver> Player<O> {
+    const fn new(observer: O) -> Self {
         Self {
             observer,
             program: String::new(),
@@ -166,14 +282,26 @@ impl<'a> Player<'a> {
         }
     }
 
-    /// Plays an event and returns whether the replay continues; `None` if the event is out of
-    /// order.
-    fn play(&mut self, event: RecordingEvent) -> Option<bool> {
-        match event {
-            RecordingEvent::Start { program, .. } => {
-                self.program = program;
-                Some(true)
+    /// Runs the machine to an event, at most `budget` ticks, and plays it.
+    fn play(&mut self, event: RecordingEvent, budget: &mut u64) -> PlayedEvent {
+        if let Some(tick) = event_tick(&event) {
+            match self.run_until(tick, budget) {
+                RunEnd::Reached => {}
+                RunEnd::Stopped => return PlayedEvent::Stopped,
+                RunEnd::OutOfOrder => return PlayedEvent::OutOfOrder,
+                RunEnd::OverBudget => return PlayedEvent::Waiting(event),
             }
+        }
+        match self.act(event) {
+            true => PlayedEvent::Done,
+            false => PlayedEvent::Stopped,
+        }
+    }
+
+    /// Plays an event that is due and returns whether the replay continues.
+    fn act(&mut self, event: RecordingEvent) -> bool {
+        match event {
+            RecordingEvent::Start { program, .. } => self.program = program,
             RecordingEvent::State { emulator, part } => {
                 let mut moment = MachineMoment {
                     emulator: *emulator,
@@ -182,35 +310,25 @@ impl<'a> Player<'a> {
                 part.into_iter().for_each(|input| moment.part.apply(input));
                 let continues = self.observer.begin(&moment);
                 self.moment = Some(moment);
-                Some(continues)
+                return continues;
             }
             RecordingEvent::Input(recorded) => {
-                if !self.run_until(recorded.tick)? {
-                    return Some(false);
+                if let Some(moment) = &mut self.moment {
+                    let continues = self.observer.before_input(moment, &recorded);
+                    moment.apply(recorded.input);
+                    self.input_count += 1;
+                    return continues;
                 }
-                let moment = self.moment.as_mut()?;
-                let continues = self.observer.before_input(moment, &recorded);
-                moment.apply(recorded.input);
-                self.input_count += 1;
-                Some(continues)
             }
-            RecordingEvent::Reached(tick) | RecordingEvent::BoardLinked(tick) => {
-                self.run_until(tick)
-            }
+            RecordingEvent::Reached(_) | RecordingEvent::BoardLinked(_) => {}
             RecordingEvent::Hash { tick, hash } => {
-                let continues = self.run_until(tick)?;
-                if continues {
-                    let moment = self.moment.as_ref()?;
-                    self.compare(tick, state_hash(&moment.emulator) == Some(hash));
-                }
-                Some(continues)
+                let emulator = self.moment.as_ref().map(|moment| &moment.emulator);
+                let is_equal = emulator.and_then(state_hash) == Some(hash);
+                self.compare(tick, is_equal);
             }
-            RecordingEvent::End(tick) => {
-                let continues = self.run_until(tick)?;
-                self.is_complete = continues;
-                Some(continues)
-            }
+            RecordingEvent::End(_) => self.is_complete = true,
         }
+        true
     }
 
     fn compare(&mut self, tick: u64, is_equal: bool) {
@@ -225,21 +343,44 @@ impl<'a> Player<'a> {
         }
     }
 
-    /// Runs the machine to a tick and returns whether the replay continues; `None` without a
-    /// state, or if the tick is in the past or too far ahead.
-    fn run_until(&mut self, tick: u64) -> Option<bool> {
-        let moment = self.moment.as_mut()?;
-        let gap = tick.checked_sub(moment.ticks())?;
-        if gap > MAX_GAP_TICKS {
-            return None;
+    /// Runs the machine to a tick. It is out of order without a state, or if the tick is in the
+    /// past or too far ahead.
+    fn run_until(&mut self, tick: u64, budget: &mut u64) -> RunEnd {
+        let Some(moment) = &mut self.moment else {
+            return RunEnd::OutOfOrder;
+        };
+        let gap = tick.checked_sub(moment.ticks());
+        if gap.is_none_or(|gap| gap > MAX_GAP_TICKS) {
+            return RunEnd::OutOfOrder;
         }
         while moment.ticks() < tick {
+            if *budget == 0 {
+                return RunEnd::OverBudget;
+            }
+            *budget -= 1;
             let collision = moment.tick();
             self.replayed_ticks += 1;
             if !self.observer.after_tick(moment, collision.as_ref()) {
-                return Some(false);
+                return RunEnd::Stopped;
             }
         }
-        Some(true)
+        RunEnd::Reached
+    }
+
+    /// Shows the observer where the replay has ended, and returns the result.
+    fn finish(&mut self, error: Option<RecordingError>) -> Replay {
+        if let Some(moment) = self.moment.take() {
+            self.observer.end(moment);
+        }
+        Replay {
+            program: core::mem::take(&mut self.program),
+            input_count: self.input_count,
+            replayed_ticks: self.replayed_ticks,
+            equal_hashes: self.equal_hashes,
+            difference: self.difference,
+            is_complete: self.is_complete,
+            error,
+            history: None,
+        }
     }
 }

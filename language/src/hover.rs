@@ -147,7 +147,7 @@ fn article_markdown(topic: &Topic, meaning: Option<&str>, language: Language) ->
     let heading = meaning.unwrap_or(&article.heading);
     let mut parts = vec![format!("**{}**", escape_markdown(heading))];
     if !article.rule.is_empty() {
-        parts.push(escape_markdown(article.rule));
+        parts.push(escape_markdown(&article.rule));
     }
     let facts = article
         .facts
@@ -156,7 +156,7 @@ fn article_markdown(topic: &Topic, meaning: Option<&str>, language: Language) ->
     let facts = facts.collect::<Vec<_>>().join("\n");
     parts.extend(Some(facts).filter(|facts| !facts.is_empty()));
     if !article.example.is_empty() {
-        parts.push(format!("> {}", escape_markdown(article.example)));
+        parts.push(format!("> {}", escape_markdown(&article.example)));
     }
     if !article.source.is_empty() {
         parts.push(format!("*{}*", escape_markdown(&article.source)));

@@ -7,13 +7,16 @@
 
 mod demonstration_file;
 mod file;
+mod key_cue;
 mod library;
 mod practice;
 mod practice_machine;
 mod progress;
 pub mod solution_player;
 
-use gsk_messages::{Language, Message, say};
+use std::borrow::Cow;
+
+use gsk_messages::{Language, Message, add_key_names, say};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
 use gsk_panel::script::{Expectation, Script, UnmetExpectation};
@@ -40,11 +43,11 @@ pub struct LessonText {
 }
 
 impl LessonText {
-    /// The version of the text in `language`.
-    pub fn in_language(&self, language: Language) -> &str {
+    /// The version of the text in `language`. English adds the names of the keys.
+    pub fn in_language(&self, language: Language) -> Cow<'_, str> {
         match language {
-            Language::Zh => &self.zh,
-            Language::En => &self.en,
+            Language::Zh => Cow::Borrowed(&self.zh),
+            Language::En => add_key_names(&self.en),
         }
     }
 }
@@ -60,10 +63,23 @@ pub struct Lesson {
     pub about: LessonText,
     /// Initial state of the practice machine.
     pub start: LessonStart,
-    /// Stock and tools of the practice machine; `None` for a lesson without cutting.
+    /// Stock and tools of the practice machine; `None` for the usual bar and tools.
     pub job: Option<Job>,
     /// The steps in their order, at least one.
     pub steps: Vec<LessonStep>,
+}
+
+impl Lesson {
+    /// Stock and tools of the practice machine, at a known place: those of the lesson, or the
+    /// usual ones.
+    pub fn stock_and_tools(&self) -> Job {
+        let own = self.job.clone();
+        let job = own.unwrap_or_else(practice_machine::usual_job);
+        Job {
+            zero: job.zero.or_else(|| Some(self.start.part_zero())),
+            ..job
+        }
+    }
 }
 
 /// A step of a lesson.
@@ -73,7 +89,7 @@ pub struct LessonStep {
     pub text: LessonText,
     /// Help for a learner who does not complete the step.
     pub hint: LessonText,
-    /// Keys that the panel marks during the step.
+    /// Keys of the step. The panel marks the one to press next.
     pub keys: Vec<Key>,
     /// Conditions that must hold during the step. If one of them does not hold, the learner
     /// goes back to the step that establishes it.

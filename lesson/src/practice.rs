@@ -5,9 +5,11 @@ use std::sync::Arc;
 
 use gsk_messages::Message;
 use gsk_panel::emulator::Emulator;
+use gsk_panel::keys::Key;
 use gsk_panel::panel::KeyEvent;
 use gsk_panel::script::{Runner, Script, ScriptAction, ScriptLine, ScriptProgress};
 
+use crate::key_cue::KeyCue;
 use crate::progress::CHECK_INTERVAL_TICKS;
 use crate::solution_player::{self, STEP_SETTLE_MS};
 use crate::{Lesson, LessonProgress, LessonRemark, are_all_met};
@@ -25,6 +27,8 @@ pub struct PracticeView {
     pub step: usize,
     /// What to show about the learner's state besides the step.
     pub remark: LessonRemark,
+    /// The key to press or to release now; `None` if the learner waits or turns the handwheel.
+    pub next_key: Option<Key>,
     /// The requirement of a later step that was lost, so the learner was sent back to this
     /// one; `None` if he was not sent back.
     pub sent_back: Option<Message>,
@@ -53,6 +57,7 @@ struct StepDemonstration {
 pub struct Practice {
     lesson: Arc<Lesson>,
     progress: LessonProgress,
+    cue: KeyCue,
     /// The machine at the beginning of each step, up to the current one.
     step_starts: Vec<Emulator>,
     showing: Option<StepDemonstration>,
@@ -71,6 +76,7 @@ impl Practice {
         let machine = lesson.start.create_machine()?;
         let practice = Self {
             progress: LessonProgress::new(Arc::clone(&lesson)),
+            cue: KeyCue::begin(lesson.steps.first(), machine.panel()),
             lesson,
             step_starts: vec![machine.clone()],
             showing: None,
@@ -101,6 +107,7 @@ impl Practice {
         PracticeView {
             step: self.progress.step(),
             remark: self.progress.remark(),
+            next_key: self.cue.next_key(),
             sent_back: self.progress.sent_back().cloned(),
             showing: self.showing.is_some(),
             replaced: self.replaced,
@@ -124,6 +131,7 @@ impl Practice {
             }
             _ => emulator.tick(),
         }
+        self.cue.follow(emulator.panel());
         if emulator.ticks().is_multiple_of(CHECK_INTERVAL_TICKS) {
             self.update_progress(emulator);
         }
@@ -139,6 +147,7 @@ impl Practice {
             self.step_starts.truncate(now + 1);
             self.step_starts.resize_with(now + 1, || emulator.clone());
             self.replaced &= self.showing.is_some();
+            self.begin_cue(emulator);
         }
         let Some(showing) = &self.showing else {
             return;
@@ -184,8 +193,13 @@ impl Practice {
             *emulator = machine;
             self.progress.set_step(step);
             self.replaced = true;
+            self.begin_cue(emulator);
         }
         self.start_showing(true);
+    }
+
+    fn begin_cue(&mut self, emulator: &Emulator) {
+        self.cue = KeyCue::begin(self.progress.current(), emulator.panel());
     }
 
     fn start_showing(&mut self, uses_lesson_state: bool) {
@@ -227,6 +241,7 @@ impl Practice {
             emulator.key(KeyEvent::ReleaseAll);
         }
         self.progress.set_step(step);
+        self.begin_cue(emulator);
         self.replaced = false;
     }
 }

@@ -10,6 +10,9 @@ use gsk_messages::{Message, say};
 use gsk_panel::emulator::{Emulator, WaitCondition};
 use gsk_panel::pages::POWER_ON_TICKS;
 use gsk_panel::script::{Runner, Script, ScriptAction, ScriptError, ScriptProgress};
+use gsk_workpiece::job::{DiameterPoint, Job};
+use gsk_workpiece::stock::Stock;
+use gsk_workpiece::tool::Tool;
 use serde::Deserialize;
 
 /// The largest coordinate of the control, mm.
@@ -113,6 +116,15 @@ impl LessonStart {
         })
     }
 
+    /// Position of the slides, machine coordinates, at which the tip of a tool of length 0 is at
+    /// the zero of the part. The absolute position that the lesson begins with is true; without
+    /// one the tip begins at X 100 Z 100.
+    pub(crate) fn part_zero(&self) -> DiameterPoint {
+        let tip = Point::from_diameter(Diameter(100.0), 100.0);
+        let slides = self.setup.start.unwrap_or_default();
+        (slides - self.setup.absolute.unwrap_or(tip)).into()
+    }
+
     /// Creates the machine and runs the preparation script on it, so that it is ready for the
     /// first step.
     ///
@@ -133,6 +145,19 @@ impl LessonStart {
             }
         }
     }
+}
+
+/// Creates the stock and tools of a lesson that has no job of its own: a bar and four tools.
+pub(crate) fn usual_job() -> Job {
+    let mut job = Job::new(Stock::bar(50.0, 0.0, 60.0));
+    let tools = [
+        Tool::turning(),
+        Tool::grooving(3.0),
+        Tool::threading(60.0),
+        Tool::boring(),
+    ];
+    job.tools = (1..).zip(tools).collect();
+    job
 }
 
 fn split_assignment(word: &str) -> Result<(&str, &str), Message> {

@@ -17,6 +17,7 @@
 mod help_columns;
 #[macro_use]
 mod ids;
+mod key_names;
 mod rows;
 mod template;
 mod texts;
@@ -26,6 +27,7 @@ use core::fmt;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 pub use help_columns::HelpColumns;
+pub use key_names::add_key_names;
 use rows::{IDS, ROWS};
 pub use rows::{Id, say};
 use template::{TemplatePiece, split_template};
@@ -128,6 +130,9 @@ impl Message {
         pieces
             .into_iter()
             .map(|piece| match piece {
+                TemplatePiece::Text(text) if language == Language::En => {
+                    add_key_names(text).into_owned()
+                }
                 TemplatePiece::Text(text) => text.to_owned(),
                 TemplatePiece::Value { name, .. } => self.value_text(row, name, language, written),
             })

@@ -3,6 +3,7 @@
 
 mod entry;
 mod graphic;
+mod limited_keys;
 mod navigation;
 mod program_text;
 mod refusal;
@@ -28,6 +29,7 @@ pub use transfer::{
 
 use crate::face::face_of;
 use crate::keys::{Key, KeyRole, all_rows};
+use crate::limits::PanelLimits;
 use crate::pages::{self, GraphicSettings, POWER_ON_TICKS, PageId, PageKey, PageView};
 use crate::screen::Screen;
 
@@ -102,6 +104,9 @@ pub struct Panel {
     stops: u64,
     wheel: i32,
     transfer: Transfer,
+    /// What an exercise refuses.
+    #[serde(default, skip_serializing_if = "PanelLimits::is_empty")]
+    limits: PanelLimits,
 }
 
 /// A held key that repeats, and the clock tick of the next repetition.
@@ -142,6 +147,7 @@ impl Panel {
             stops: 0,
             wheel: 0,
             transfer: Transfer::default(),
+            limits: PanelLimits::default(),
         }
     }
 
@@ -153,6 +159,7 @@ impl Panel {
         new.emergency_stop = self.emergency_stop;
         new.wheel = self.wheel;
         new.transfer = self.transfer.after_power_on();
+        new.limits = core::mem::take(&mut self.limits);
         new.clock = self.clock;
         new.picture_until = Some(self.clock + POWER_ON_TICKS);
         new.picture_waits = cnc.parameters().waits_at_power_on();
@@ -285,7 +292,7 @@ impl Panel {
                 }
             }
             KeyEvent::Type(character) => {
-                if self.is_awake() {
+                if self.is_awake() && self.limits.character_refusal(character).is_none() {
                     self.type_character(character, cnc, &mut requests);
                 }
             }
@@ -304,7 +311,8 @@ impl Panel {
         if self.is_held(key) || !(self.powered || key == Key::OvertravelRelease) {
             return;
         }
-        if face_of(cnc.model().id()).key(key).is_none() {
+        let is_on_panel = face_of(cnc.model().id()).key(key).is_some();
+        if !is_on_panel || self.limits.key_refusal(key).is_some() {
             return;
         }
         let in_key_matrix = |key: &&Key| **key != Key::OvertravelRelease;
@@ -339,6 +347,12 @@ impl Panel {
 
     /// Carries out what a key does on the display; `requests` receives those to the control.
     fn act(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
+        if self.refused_page(key, cnc).is_none() {
+            self.act_unlimited(key, cnc, requests);
+        }
+    }
+
+    fn act_unlimited(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         self.clear_transfer_error();
         let compound = self.compound.take();
         let flashing = self.view.flashing.take();

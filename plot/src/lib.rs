@@ -16,6 +16,7 @@ mod number_placement;
 mod path_pieces;
 mod pens;
 mod png_file;
+mod png_reader;
 mod scenery;
 pub mod solid;
 mod solid_picture;
@@ -32,6 +33,7 @@ use gsk_panel::screen::Screen;
 pub use animation::encode_animation;
 pub use drawing::{DrawingOptions, PathDrawing};
 pub use extent::{InvalidPictureSize, PictureSize};
+pub use png_reader::{DecodedPicture, decode_png};
 pub use solid_picture::encode_solid;
 
 /// Pixels per LCD dot, along each side, in a picture of the LCD.

@@ -117,7 +117,7 @@ def outside_passes(part, manner):
     """Steps of a shaft, roughed and finished in one of several manners."""
     pick = part.pick
     steps = turned_steps(part)
-    part.tool(1, TURN)
+    part.tool(1, TURN.replace("entering: 95", "entering: 90") if manner == "rapid" else TURN)
     facing_z(part, pick.choice([0.0, 0.5]))
     start = part.bar + 2
     if manner == "g90":
@@ -143,9 +143,10 @@ def outside_passes(part, manner):
         upper = part.bar
         for diameter, z in reversed(steps):
             cut = upper
+            back = f"G00 X{upper + 2}" if manner == "rapid" else f"X{upper + 2}"
             while cut > diameter:
                 cut = max(cut - 5, diameter)
-                part.add(f"G00 X{cut} Z2", f"G01 Z{z} F100", f"X{upper + 2}", "G00 Z2")
+                part.add(f"G00 X{cut} Z2", f"G01 Z{z} F100", back, "G00 Z2")
             upper = diameter
         part.away()
     part.outline = outline_of_steps(steps)
@@ -272,7 +273,8 @@ def bored(part, manner, drilled):
     else:
         part.bore = hole
     diameter = hole + pick.choice([4, 6, 8])
-    part.tool(2, BORE)
+    square = manner in ("rapid", "steps")
+    part.tool(2, BORE.replace("entering: 93", "entering: 90") if square else BORE)
     part.add(f"G00 X{hole} Z3")
     if manner == "g90":
         part.add(f"G90 X{hole + 2} Z{-depth} F80")
@@ -285,6 +287,14 @@ def bored(part, manner, drilled):
             "G71 U1 R0.5", "G71 P30 Q40 U-0.4 W0.1 F80", f"N30 G00 X{diameter}",
             f"G01 Z{-depth} F60", f"N40 X{hole}", "G70 P30 Q40",
         )
+    elif square:
+        # A rapid towards the axis leaves each shoulder, as textbooks have it.
+        cut = hole
+        while cut < diameter:
+            cut = min(cut + 3, diameter)
+            part.add(f"G00 X{cut}", f"G01 Z{-depth} F80", f"G00 X{hole}", "Z3")
+        if manner == "steps":
+            part.add(f"G00 X{diameter + 4}", f"G01 Z{-depth / 2:g} F80", f"G00 X{hole + 1}", "Z3")
     else:
         cut = hole
         while cut < diameter:
@@ -294,6 +304,9 @@ def bored(part, manner, drilled):
     part.away()
     part.outline = box(-depth, diameter / 2, 0, part.bar / 2)
     part.compared = box(-depth, 0, 0, diameter / 2 + 2)
+    if manner == "steps":
+        part.outline = part.outline.difference(box(-depth / 2, 0, 0, diameter / 2 + 2))
+        part.compared = box(-depth, 0, 0, diameter / 2 + 3)
     return hole, diameter, depth
 
 
@@ -436,13 +449,13 @@ def make_tube_face(part, _manner):
 
 
 KINDS = [
-    (make_outside, ["g90", "g71", "g01"]),
+    (make_outside, ["g90", "g71", "g01", "rapid"]),
     (make_facing, ["g94", "g72", "g01"]),
     (make_face_groove, ["g74", "g74wide", "g01"]),
     (make_groove, ["g75", "g75wide", "g01"]),
     (make_parting, [""]),
     (make_drill, ["g74", "g01"]),
-    (make_bore, [f"{hole} {cycle}" for hole in ("drilled", "tube") for cycle in ("g90", "g71", "g01")]),
+    (make_bore, [f"{hole} {cycle}" for hole in ("drilled", "tube") for cycle in ("g90", "g71", "g01", "rapid", "steps")]),
     (make_inside_groove, ["drilled", "tube"]),
     (make_inside_thread, ["drilled g92", "drilled g76", "tube g92", "tube g76"]),
     (make_thread, ["straight", "taper", "high"]),

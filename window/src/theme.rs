@@ -145,6 +145,8 @@ pub const CODE_GROUND: Color32 = Color32::from_gray(22);
 pub const CODE_ALARM_GROUND: Color32 = Color32::from_rgb(70, 28, 26);
 /// Text of words that raise an alarm, and of characters that belong to no word.
 pub const CODE_ALARM_TEXT: Color32 = Color32::from_rgb(255, 110, 96);
+/// A breakpoint beside its line number.
+pub const BREAKPOINT: Color32 = CODE_ALARM_TEXT;
 pub const LINE_NUMBER_GROUND: Color32 = Color32::from_gray(30);
 pub const LINE_NUMBER_TEXT: Color32 = Color32::from_gray(140);
 /// Text of block and program numbers.

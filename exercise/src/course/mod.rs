@@ -9,6 +9,9 @@
 pub mod scorm;
 mod zip_archive;
 
+use std::sync::Arc;
+
+use base64ct::{Base64, Encoding};
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
@@ -39,6 +42,32 @@ pub struct CourseTaskFile {
     pub id: String,
     /// The text of its `task.ron`.
     pub text: String,
+    /// A hand-made drawing, PNG in base64; `None` without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    drawing: Option<String>,
+}
+
+impl CourseTaskFile {
+    /// Creates a task from the text of its file and its drawing.
+    pub fn new(id: String, text: String, drawing: Option<&[u8]>) -> Self {
+        let drawing = drawing.map(Base64::encode_string);
+        Self { id, text, drawing }
+    }
+
+    /// Reads the task. Messages call its file `file`.
+    ///
+    /// # Errors
+    /// The task breaks a rule, or its drawing is damaged.
+    pub fn read_task(&self, file: &str) -> Result<ExerciseTask, Message> {
+        let task = ExerciseTask::read(&self.id, file, &self.text);
+        let mut task = task.map_err(|error| error.message())?;
+        if let Some(drawing) = &self.drawing {
+            let drawing = Base64::decode_vec(drawing);
+            let drawing = drawing.map_err(|_| say::exercise_drawing_damaged(&self.id))?;
+            task.drawing = Some(Arc::from(drawing));
+        }
+        Ok(task)
+    }
 }
 
 /// A course whose tasks were read without errors.
@@ -50,6 +79,8 @@ pub struct Course {
     pub mastery_per_cent: Option<u32>,
     /// The exercises in their order, at least one.
     pub tasks: Vec<ExerciseTask>,
+    /// The files of the exercises.
+    sources: Vec<CourseTaskFile>,
 }
 
 impl Course {
@@ -61,7 +92,7 @@ impl Course {
         let damaged = |reason: Message| say::subject_reason(COURSE_FILE, reason);
         let file: CourseFile =
             serde_json::from_slice(bytes).map_err(|error| damaged(say::as_written(error)))?;
-        Self::read(&file)
+        Self::read(file)
     }
 
     /// Reads the tasks of a course.
@@ -69,22 +100,20 @@ impl Course {
     /// # Errors
     /// A task breaks a rule or is there twice, there is none, or their progress is too long for
     /// a platform.
-    pub fn read(file: &CourseFile) -> Result<Self, Message> {
+    pub fn read(file: CourseFile) -> Result<Self, Message> {
         let mut tasks: Vec<ExerciseTask> = Vec::new();
-        for CourseTaskFile { id, text } in &file.tasks {
-            let task = ExerciseTask::read(id, id, text).map_err(|error| error.message())?;
-            if tasks
-                .iter()
-                .any(|known| task_key(&known.id) == task_key(id))
-            {
-                return Err(say::course_task_twice(id));
+        for source in &file.tasks {
+            let key = task_key(&source.id);
+            if tasks.iter().any(|known| task_key(&known.id) == key) {
+                return Err(say::course_task_twice(&source.id));
             }
-            tasks.push(task);
+            tasks.push(source.read_task(&source.id)?);
         }
         let course = Self {
-            title: file.title.clone(),
+            title: file.title,
             mastery_per_cent: file.mastery_per_cent,
             tasks,
+            sources: file.tasks,
         };
         let longest = CourseProgress::start(&course).longest_text();
         if course.tasks.is_empty() || longest > scorm::MAX_SUSPEND_CHARACTERS {
@@ -96,6 +125,17 @@ impl Course {
             ));
         }
         Ok(course)
+    }
+}
+
+impl Course {
+    /// Returns the course as its file.
+    fn to_file(&self) -> CourseFile {
+        CourseFile {
+            title: self.title.clone(),
+            mastery_per_cent: self.mastery_per_cent,
+            tasks: self.sources.clone(),
+        }
     }
 }
 

@@ -6,7 +6,7 @@ use gsk_messages::{Message, say};
 use serde_json::{Value, json};
 
 use super::zip_archive::write_zip;
-use super::{COURSE_FILE, Course, CourseFile, CourseProgress, CourseState};
+use super::{COURSE_FILE, Course, CourseProgress, CourseState};
 use crate::drawing::escape_markup;
 use crate::report::ExerciseReport;
 use crate::task::TaskHash;
@@ -26,10 +26,9 @@ const MANIFEST_FILE: &str = "imsmanifest.xml";
 /// Makes a package from a course and the files of the page for browsers.
 ///
 /// # Errors
-/// A task breaks a rule, or the files are no page.
-pub fn write_package(file: &CourseFile, page: Vec<(String, Vec<u8>)>) -> Result<Vec<u8>, Message> {
-    let course = Course::read(file)?;
-    let json = serde_json::to_vec(file).map_err(say::as_written)?;
+/// The files are no page, or are too large for a package.
+pub fn write_package(course: &Course, page: Vec<(String, Vec<u8>)>) -> Result<Vec<u8>, Message> {
+    let json = serde_json::to_vec(&course.to_file()).map_err(say::as_written)?;
     let identifier = TaskHash::from_bytes(&json).to_string();
     let mut files = Vec::new();
     let mut has_page = false;

@@ -93,6 +93,8 @@ impl MarkTable<'_> {
             states.push(self.say(&say::exercise_state_valid()));
         }
         states.extend(mark.exam.map(|exam| self.say(&exam.message())));
+        let refused = mark.report.as_ref().and_then(|it| it.refused.as_ref());
+        states.extend(refused.map(|refused| self.say(&refused.message())));
         states.join("; ")
     }
 
@@ -148,6 +150,7 @@ impl MarkTable<'_> {
                     })
                 })
                 .collect();
+            let refused = mark.report.as_ref().and_then(|it| it.refused.as_ref());
             json!({
                 "file": mark.file,
                 "learner": mark.learner,
@@ -161,6 +164,7 @@ impl MarkTable<'_> {
                 "exam": mark.exam,
                 "valid": mark.flags.is_empty(),
                 "flags": flags,
+                "refused": refused.map(|refused| refused.count),
                 "criteria": criteria,
             })
         });
@@ -246,7 +250,7 @@ pub fn verdict_sentence(
         }
         false => &criterion.no,
     };
-    text.in_language(language).to_owned()
+    text.in_language(language).into_owned()
 }
 
 /// Returns what decided a criterion in brackets, as `[12.3 s, O0001:12, 39.700]`; an empty text if

@@ -3,6 +3,7 @@
 use gsk_core::units::{NonFinite, find_non_finite};
 use gsk_lesson::{LessonStart, LessonStartFile, LessonText};
 use gsk_messages::{Message, say};
+use gsk_panel::limits::{NameFault, PanelLimits, PermittedNames, unlisted_stop_keys};
 use gsk_workpiece::job::Job;
 use serde::Deserialize;
 
@@ -56,6 +57,10 @@ struct TaskFile {
     #[serde(default)]
     faults: Vec<String>,
     #[serde(default)]
+    keys: Option<PermittedNames>,
+    #[serde(default)]
+    pages: Option<PermittedNames>,
+    #[serde(default)]
     time_limit: Option<f64>,
     #[serde(default)]
     attempts: Option<u32>,
@@ -106,6 +111,19 @@ impl ExerciseTask {
         let faults = faults
             .collect::<Result<_, _>>()
             .map_err(|rule| in_field("faults", rule))?;
+        let mut limits = PanelLimits::default();
+        let at_name = |field: &str, fault: NameFault| {
+            let line = line_of_name(text, field, &fault.name);
+            error(line, Some(field), fault.rule)
+        };
+        if let Some(keys) = &raw.keys {
+            limits.limit_keys(keys).map_err(|it| at_name("keys", it))?;
+        }
+        if let Some(pages) = &raw.pages {
+            limits
+                .limit_pages(pages)
+                .map_err(|it| at_name("pages", it))?;
+        }
         let time_limit_ms = read_time_ms(raw.time_limit.unwrap_or(DEFAULT_TIME_LIMIT_S))
             .map_err(|rule| in_field("time_limit", rule))?;
         let attempts = raw.attempts.unwrap_or(DEFAULT_ATTEMPTS);
@@ -147,8 +165,11 @@ impl ExerciseTask {
             criteria,
             hash: TaskHash::from_text(text),
             start,
+            limits,
+            unlisted_stop_keys: raw.keys.as_ref().map_or_else(Vec::new, unlisted_stop_keys),
             job: raw.job,
             outline,
+            drawing: None,
         })
     }
 }
@@ -160,6 +181,16 @@ fn line_of_field(text: &str, field: &str) -> usize {
         rest.is_some_and(|rest| rest.trim_start().starts_with(':'))
     };
     text.lines().position(is_field).map_or(1, |index| index + 1)
+}
+
+/// The first line with a quoted name in the list of a field; the line of the field if there is
+/// none.
+fn line_of_name(text: &str, field: &str, name: &str) -> usize {
+    let first = line_of_field(text, field);
+    let mut lines = text.lines().skip(first - 1);
+    let quoted = format!("\"{name}\"").to_ascii_lowercase();
+    let offset = lines.position(|line| line.to_ascii_lowercase().contains(&quoted));
+    first + offset.unwrap_or(0)
 }
 
 /// The last line with the name of a criterion: an error about a repeated name is about the

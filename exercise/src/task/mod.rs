@@ -3,6 +3,7 @@
 mod file;
 
 use core::fmt;
+use std::sync::Arc;
 
 use blake2::{Blake2b256, Digest};
 use gsk_core::machine::LatheFault;
@@ -10,6 +11,7 @@ use gsk_history::machine_part::{MachinePart, NamedJob, PartInput};
 use gsk_history::moment::MachineMoment;
 use gsk_lesson::{LessonStart, LessonText};
 use gsk_messages::{Message, say};
+use gsk_panel::limits::PanelLimits;
 use gsk_workpiece::job::Job;
 
 use crate::criterion::ExerciseCriterion;
@@ -37,9 +39,15 @@ pub struct ExerciseTask {
     /// Hash of the task's file.
     pub hash: TaskHash,
     pub(crate) start: LessonStart,
+    /// The keys and pages that the task refuses.
+    pub(crate) limits: PanelLimits,
+    /// Keys that the list of permitted keys leaves out, but that no task can refuse.
+    pub(crate) unlisted_stop_keys: Vec<&'static str>,
     pub(crate) job: Option<Job>,
     /// The finished part, for the drawing.
     pub(crate) outline: Option<TaskOutline>,
+    /// A hand-made drawing beside the file, PNG; it is shown instead of that of the outline.
+    pub drawing: Option<Arc<[u8]>>,
 }
 
 /// A hint and the points that it costs.
@@ -82,6 +90,9 @@ impl ExerciseTask {
         let mut emulator = self.start.create_machine()?;
         for fault in &self.faults {
             emulator.set_fault(*fault, true);
+        }
+        if !self.limits.is_empty() {
+            emulator.limit_panel(&self.limits);
         }
         let mut part = MachinePart::default();
         for input in self.part_inputs() {

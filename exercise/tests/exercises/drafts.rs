@@ -2,7 +2,7 @@
 
 use gsk_core::command::ProgramId;
 use gsk_core::setup::Setup;
-use gsk_exercise::check::{SolutionFile, check_task};
+use gsk_exercise::check::{SolutionContent, SolutionFile, check_task};
 use gsk_exercise::draft::{ExerciseDraft, draft_exercise};
 use gsk_exercise::task::ExerciseTask;
 use gsk_workpiece::job::Job;
@@ -33,7 +33,7 @@ fn a_program_becomes_an_exercise_that_its_own_check_accepts() {
     let task = ExerciseTask::read("shaft", "task.ron", &draft.task).expect("a task");
     let solution = |name: &str, text: &str| SolutionFile {
         name: name.to_owned(),
-        text: text.to_owned(),
+        content: SolutionContent::Script(text.to_owned()),
     };
     let solutions = [
         solution("reference.txt", &draft.reference),

@@ -4,6 +4,8 @@
 
 mod alterations;
 mod drafts;
+mod limits;
+mod part_drafts;
 mod shipped;
 
 use std::fs;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
-use gsk_exercise::check::{SolutionFile, TaskCheck, check_task};
+use gsk_exercise::check::{SolutionContent, SolutionFile, TaskCheck, check_task};
 use gsk_exercise::library::EXERCISES;
 use gsk_exercise::task::ExerciseTask;
 
@@ -28,7 +28,7 @@ fn solutions(name: &str) -> Vec<SolutionFile> {
                 .expect("name")
                 .to_string_lossy()
                 .into_owned(),
-            text: fs::read_to_string(path).expect("a script"),
+            content: SolutionContent::Script(fs::read_to_string(path).expect("a script")),
         })
         .collect()
 }
@@ -40,7 +40,9 @@ fn check(name: &str) -> Vec<String> {
         Err(error) => return vec![error.to_string()],
     };
     let solutions = solutions(name);
-    let TaskCheck { faults, reports } = check_task(&task, &solutions);
+    let TaskCheck {
+        faults, reports, ..
+    } = check_task(&task, &solutions);
     let mut problems: Vec<String> = faults
         .iter()
         .map(|fault| format!("{name}: {fault}"))

@@ -25,7 +25,10 @@ impl Kernel {
             self.notify(Notice::Message(say::key_came_late()));
             return;
         }
-        if self.is_refused_in_past(&command) || self.is_settled_in_exercise(&command) {
+        if self.is_refused_in_past(&command)
+            || self.is_settled_in_exercise(&command)
+            || self.is_settled_in_halt(&command)
+        {
             return;
         }
         if matches!(
@@ -64,6 +67,7 @@ impl Kernel {
                 self.notify(Notice::FreshStock);
             }
             Command::Timeline(command) => self.execute_timeline_command(command),
+            Command::Breakpoints(command) => self.execute_breakpoint_command(command),
             Command::CrashStops(stops) => self.part.set_crash_stops(stops),
             Command::ShowPart(visible) => self.show_part(visible),
             Command::PlugUdisk(files) => self.emulator.plug_udisk(Some(files)),

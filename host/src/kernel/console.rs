@@ -39,6 +39,7 @@ use super::monitor::MachineView;
 use super::part::PartView;
 use super::practice_session::LessonState;
 use super::probe::Probe;
+use super::program::breakpoints::{BreakpointCommand, BreakpointHalt};
 use super::program::start::StartDistance;
 use super::program::wait::ProgramWait;
 use super::timeline::{PastMoment, TimelineCommand, TimelineView};
@@ -149,6 +150,8 @@ pub enum Command {
     CrashStops(bool),
     /// Publish, show or change the time line.
     Timeline(TimelineCommand),
+    /// Set the breakpoints, or end the halt at one of them.
+    Breakpoints(BreakpointCommand),
     /// Publish the part with the snapshots (true), or stop publishing it. The part is cut in either
     /// case.
     ShowPart(bool),
@@ -297,6 +300,10 @@ pub struct PanelSnapshot {
     pub board: Option<LinkState>,
     /// Whether a program runs or is held.
     pub run_state: RunState,
+    /// The block in execution; `None` without one.
+    pub running_block: Option<SourcePosition>,
+    /// The breakpoint at which machine time stands still; `None` while it runs.
+    pub halt: Option<BreakpointHalt>,
     /// What the running program waits for; `None` unless that takes longer than usual.
     pub program_wait: Option<ProgramWait>,
     /// The distance of the slides from the last start of the selected program, if its G50 would now

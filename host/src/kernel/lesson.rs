@@ -7,8 +7,6 @@ use gsk_core::operation::RunState;
 use gsk_lesson::{Lesson, Practice, find_demonstration};
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
-use gsk_workpiece::job::Job;
-use gsk_workpiece::stock::Stock;
 
 use super::key_refusals::KeyRefusals;
 use super::practice_session::{OwnState, PracticeSession, PracticeWork};
@@ -83,8 +81,7 @@ impl Kernel {
         if let Some(why) = self.practice_refusal() {
             return self.notify(Notice::Message(why));
         }
-        let job = lesson.job.clone();
-        self.start_practice(Practice::begin(lesson), job);
+        self.start_practice(Practice::begin(lesson));
     }
 
     /// Starts a demonstration. If the learner is in a lesson, a board is connected or a program
@@ -103,8 +100,7 @@ impl Kernel {
         if self.is_own_machine_running() {
             return self.notify(Notice::Message(say::shown_not_while_running()));
         }
-        let job = lesson.job.clone();
-        self.start_practice(Practice::demonstrate(lesson), job);
+        self.start_practice(Practice::demonstrate(lesson));
     }
 
     fn is_own_machine_running(&self) -> bool {
@@ -113,19 +109,19 @@ impl Kernel {
     }
 
     /// Replaces the learner's own machine with a practice machine, or notifies the window why the
-    /// practice did not begin. `job` is the job of the lesson; `None` for a usual bar.
-    fn start_practice(&mut self, begun: Result<(Practice, Emulator), Message>, job: Option<Job>) {
+    /// practice did not begin.
+    fn start_practice(&mut self, begun: Result<(Practice, Emulator), Message>) {
         let (practice, machine) = match begun {
             Ok(begun) => begun,
             Err(why) => return self.notify(Notice::Message(why)),
         };
-        let name = practice.lesson().name.clone();
+        let lesson = practice.lesson();
+        let chosen = SelectedJob {
+            job: lesson.stock_and_tools(),
+            file: Some(format!("{}.ron", lesson.name).into()),
+        };
         self.start_session(PracticeWork::Lesson(Box::new(practice)), machine);
-        let file = job.is_some().then(|| format!("{name}.ron").into());
-        self.part.set_job(Some(SelectedJob {
-            job: job.unwrap_or_else(|| Job::new(Stock::bar(50.0, 0.0, 60.0))),
-            file,
-        }));
+        self.part.set_job(Some(chosen));
     }
 
     /// Replaces the learner's own machine, with its part, by a practice machine without a part.

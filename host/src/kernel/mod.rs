@@ -65,6 +65,8 @@ use part::KernelPart;
 pub use practice_session::LessonState;
 use practice_session::PracticeSession;
 use probe::ActiveProbe;
+use program::breakpoints::ProgramBreakpoints;
+pub use program::breakpoints::{BreakpointCommand, BreakpointHalt};
 use program::opening::LastOpened;
 pub use program::start::StartDistance;
 use program::start::StartWatch;
@@ -130,6 +132,7 @@ pub struct Kernel {
     bit_log: BitLog,
     wait_watch: WaitWatch,
     start_watch: StartWatch,
+    program_breakpoints: ProgramBreakpoints,
     tick: u64,
     last_snapshot: Option<PanelSnapshot>,
     speed_percent: u32,
@@ -190,6 +193,7 @@ impl Kernel {
             bit_log: BitLog::default(),
             wait_watch: WaitWatch::default(),
             start_watch: StartWatch::default(),
+            program_breakpoints: ProgramBreakpoints::default(),
             tick: 0,
             last_snapshot: None,
             speed_percent: 100,
@@ -265,6 +269,9 @@ impl Kernel {
             return;
         }
         for _ in 0..ticks {
+            if self.program_breakpoints.is_halted() {
+                return;
+            }
             self.tick();
         }
     }
@@ -289,8 +296,9 @@ impl Kernel {
             None => self.emulator.tick(),
         }
         self.tick += 1;
-        self.cut_part();
+        let has_collided = self.cut_part();
         self.mark_events();
+        self.follow_breakpoints(has_collided);
         self.start_watch.update(self.emulator.cnc());
         if let Some(serial) = &mut self.serial {
             // Files are exchanged with the learner's own machine, also during a lesson.
@@ -325,17 +333,19 @@ impl Kernel {
     }
 
     /// Cuts the part after a tick of the machine, before anything else changes the machine: a
-    /// replay has the same order.
-    fn cut_part(&mut self) {
+    /// replay has the same order. Returns whether the tool has collided.
+    fn cut_part(&mut self) -> bool {
         let simulated = !self.has_real_slides;
-        if let Some((finding, stops)) = self.part.after_tick(&mut self.emulator, simulated) {
-            let message = part::collision_message(&finding.collision, stops);
-            self.notify(Notice::Collided(message));
-            if self.has_timeline() {
-                let tick = self.emulator.ticks();
-                self.timeline.marks().add(tick, TimelineMarkKind::Collision);
-            }
+        let Some((finding, stops)) = self.part.after_tick(&mut self.emulator, simulated) else {
+            return false;
+        };
+        let message = part::collision_message(&finding.collision, stops);
+        self.notify(Notice::Collided(message));
+        if self.has_timeline() {
+            let tick = self.emulator.ticks();
+            self.timeline.marks().add(tick, TimelineMarkKind::Collision);
         }
+        true
     }
 
     /// Collects the alarms and the blocks of a tick. With a board a new alarm ends a look at
@@ -381,7 +391,13 @@ impl Kernel {
             KeyEvent::Type(_) => Some(None),
             _ => None,
         };
+        let cnc = self.emulator.cnc();
+        let by_exercise = self.emulator.panel().limit_refusal(event, cnc);
         let refused = self.emulator.key(event);
+        // The window shows no refusals of keys in an exam, but what its task refuses.
+        if let Some(why) = by_exercise.filter(|_| self.is_in_exam()) {
+            self.notify(Notice::Message(why));
+        }
         if let Some(press) = pressed {
             let verdict = self
                 .key_refusals

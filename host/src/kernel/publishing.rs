@@ -1,6 +1,7 @@
 //! Publishes what the window shows: snapshots of the panel, of machine and PLC, the part.
 
 use gsk_core::simulation::Simulation;
+use gsk_runner::machining::live_part::running_block;
 
 use super::drive::Drive;
 use super::monitor::MachineView;
@@ -78,6 +79,8 @@ impl Kernel {
             position_unknown: cnc.is_position_unknown(),
             board: self.drive.as_ref().map(Drive::state),
             run_state: cnc.run_state(),
+            running_block: running_block(shown.simulation()),
+            halt: self.program_breakpoints.halt().filter(|_| is_present),
             program_wait: self
                 .wait_watch
                 .report(self.tick, cnc.run_state())

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Emulator;
 use super::serial::PortRequest;
+use crate::limits::PanelLimits;
 use crate::pages::{Communication, PageId, UdiskFile};
 use crate::panel::{FileRefusal, KeyEvent, PanelRetained, ReceiveError, SerialCable, SerialFile};
 
@@ -71,6 +72,8 @@ pub enum EmulatorInput {
     PlugUdisk(Option<Vec<UdiskFile>>),
     /// Takes the files that the control has stored on the U disk.
     TakeUdiskFiles,
+    /// An exercise refuses these keys and pages.
+    LimitPanel(PanelLimits),
 }
 
 /// What an [`EmulatorInput`] has led to.
@@ -202,6 +205,7 @@ impl Emulator {
             EmulatorInput::RestorePanel(retained) => self.panel.restore(retained),
             EmulatorInput::StoreEdited => self.store_edited_text(),
             EmulatorInput::PlugUdisk(files) => self.panel.plug_udisk(files.clone()),
+            EmulatorInput::LimitPanel(limits) => self.panel.set_limits(limits.clone()),
             _ => {}
         }
         InputAnswer::Applied
@@ -261,6 +265,11 @@ impl Emulator {
             return Vec::new();
         }
         self.take_files(EmulatorInput::TakeSent)
+    }
+
+    /// Refuses keys and pages, for an exercise.
+    pub fn limit_panel(&mut self, limits: &PanelLimits) {
+        self.apply(EmulatorInput::LimitPanel(limits.clone()));
     }
 
     /// Plugs a U disk with these files into the control; `None` pulls it out.

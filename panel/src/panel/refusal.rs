@@ -5,7 +5,7 @@ use gsk_core::command::ProgramId;
 use gsk_core::operation::OperatingMode;
 use gsk_messages::{Message, say};
 
-use super::Panel;
+use super::{KeyEvent, Panel};
 use crate::face::face_of;
 use crate::keys::{Key, KeyRole};
 use crate::pages::PageId;
@@ -18,6 +18,9 @@ impl Panel {
             return (key != Key::EmergencyStop && key != Key::OvertravelRelease)
                 .then(say::key_power_off);
         }
+        if let Some(why) = self.limit_refusal(KeyEvent::Down(key), cnc) {
+            return Some(why);
+        }
         if self.in_self_test() {
             return None;
         }
@@ -28,7 +31,7 @@ impl Panel {
             (_, Key::Input | Key::Delete) if self.is_teaching(cnc) => {
                 cnc.is_moving().then(say::key_teaches_at_rest)
             }
-            (KeyRole::Character(first, _), _) => self.refuses_character(first, cnc),
+            (KeyRole::Character(first, _), _) => self.refuses_entry(first, cnc),
             (_, Key::Input | Key::Output) if self.page() == PageId::Udisk => None,
             (_, Key::Insert | Key::Delete) if self.page() != PageId::Prg => {
                 Some(say::key_edits_programs())
@@ -46,6 +49,11 @@ impl Panel {
 
     /// Returns why a character of the PC keyboard would have no effect now; `None` if it acts.
     pub(crate) fn refuses_character(&self, character: char, cnc: &Cnc) -> Option<Message> {
+        let by_exercise = self.limit_refusal(KeyEvent::Type(character), cnc);
+        by_exercise.or_else(|| self.refuses_entry(character, cnc))
+    }
+
+    fn refuses_entry(&self, character: char, cnc: &Cnc) -> Option<Message> {
         if !self.powered() || self.in_self_test() || self.is_held(Key::Cancel) {
             return None;
         }

@@ -48,11 +48,17 @@ pub(super) fn find_parameters(text: &str) -> Vec<(u16, Option<u8>)> {
     found
 }
 
-/// The first key that a text names in brackets; `None` without one.
+/// The first key that a text names in brackets, by its legend alone or after its English name;
+/// `None` without one.
 pub(super) fn find_key(text: &str) -> Option<Key> {
     let (_, rest) = text.split_once('[')?;
     let (name, _) = rest.split_once(']')?;
-    let found = all_rows().find(|row| row.name_zh == name || row.legend.concat() == name);
+    let is_named = |legend: &str| match name.strip_suffix(legend) {
+        Some("") => true,
+        Some(english) => english.ends_with(' '),
+        None => false,
+    };
+    let found = all_rows().find(|row| is_named(row.name_zh) || is_named(&row.legend.concat()));
     found.map(|row| row.key)
 }
 
@@ -71,6 +77,7 @@ mod tests {
         assert_eq!(find_bits(text), bits);
         assert_eq!(find_parameters(text), [(172, Some(5))]);
         assert_eq!(find_key(text), Some(Key::FeedHold));
+        assert_eq!(find_key("press [Jog 手动]"), Some(Key::Jog));
     }
 
     #[test]

@@ -265,7 +265,7 @@ type GuessedPart = (
 
 const HEAD: &str = "G50 X120 Z80\nM03 S500\n";
 
-const GUESSED: [GuessedPart; 20] = [
+const GUESSED: [GuessedPart; 21] = [
     (
         "facing with G94",
         "T0101\nG00 X52 Z2\nG94 X20 Z-2 F100\nZ-4\nZ-6\nZ-8\nG00 X100 Z80",
@@ -380,6 +380,12 @@ const GUESSED: [GuessedPart; 20] = [
         "T0101\nG00 X46 Z2\nG01 Z-30 F100\nG00 X52\nZ2\nX40\nG01 Z-20\nG00 X52\nX100 Z80",
         &[(39.0, -10.0), (45.0, -25.0), (47.0, -31.0)],
         &[(41.0, -10.0), (47.0, -20.0)],
+    ),
+    (
+        "rapids away from the shoulders of a bore",
+        "T0202\nG00 X20 Z2\nG01 Z-50 F60\nG00 X18\nZ2\nX26\nG01 Z-20\nG00 X19\nZ2\nX100 Z80",
+        &[(26.5, -10.0), (21.0, -40.0), (21.0, -21.0)],
+        &[(25.0, -10.0), (19.5, -40.0)],
     ),
     (
         "rapids away from faced steps",

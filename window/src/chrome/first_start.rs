@@ -237,7 +237,6 @@ impl FirstStart {
             let begin = RichText::new(text(say::first_begin())).size(theme::LARGE_SIZE);
             let begin = Button::new(begin).min_size(vec2(MIN_ANSWER_WIDTH, ANSWER_HEIGHT));
             let begin = ui.add_enabled(self.purpose.is_some(), begin);
-            let begin = begin.on_disabled_hover_text(text(say::first_answer_all()));
             if let (true, Some(purpose)) = (begin.clicked(), self.purpose) {
                 end = Some(FirstStartEnd::Answered(FirstStartAnswers {
                     purpose,
@@ -249,6 +248,10 @@ impl FirstStart {
                 .min_size(vec2(MIN_ANSWER_WIDTH, ANSWER_HEIGHT));
             if ui.add(skip).clicked() {
                 end = Some(FirstStartEnd::Skipped);
+            }
+            if self.purpose.is_none() {
+                let missing = RichText::new(text(say::first_answer_all()));
+                ui.label(missing.color(theme::WARNING));
             }
         });
         ui.weak(text(say::first_again()));

@@ -66,6 +66,7 @@ impl Window {
             self.views.renew_part();
         }
         self.views.lessons().take_snapshot(&snapshot);
+        self.views.program().take_snapshot(&snapshot);
         self.play_machine(&snapshot);
         self.snapshot = Some(snapshot);
         deselected

@@ -14,6 +14,7 @@ use crate::focus;
 use crate::fonts;
 use crate::theme;
 use crate::view::ViewId;
+use crate::views::{halt_text, show_halt_buttons};
 use crate::widgets::alarm_text;
 use crate::widgets::severity::MessageSeverity;
 use crate::widgets::status_message::StatusMessage;
@@ -72,7 +73,12 @@ impl Window {
             }
             return;
         }
-        if self.is_start_hint(*severity) {
+        let is_halted = self.snapshot.as_ref().is_some_and(|it| it.halt.is_some());
+        if is_halted && *severity == MessageSeverity::Hint {
+            if let Some(command) = show_halt_buttons(ui, language) {
+                self.console.send(Command::Breakpoints(command));
+            }
+        } else if self.is_start_hint(*severity) {
             self.show_way_back_button(ui);
         }
         let words = text.text(language);
@@ -206,6 +212,9 @@ impl Window {
             return hint(MessageSeverity::Hint, say::window_hint_list());
         }
         let snapshot = self.snapshot.as_ref()?;
+        if let Some(halt) = &snapshot.halt {
+            return hint(MessageSeverity::Hint, halt_text(halt, language));
+        }
         if let Some(waits) = &snapshot.program_wait {
             let block = waits.block.as_ref();
             let place = block.map(|it| alarm_text::source_text(it, language));

@@ -3,6 +3,7 @@
 
 use egui::{Align, Button, Layout, Ui, UiBuilder};
 use gsk_messages::say;
+use gsk_panel::why::CauseSubject;
 
 use crate::focus;
 use crate::layout::{self, PaneTabs, WindowPane};
@@ -50,6 +51,9 @@ impl Window {
                 Some(header::HeaderAction::Close) => self.settings.layouts.toggle(view),
                 Some(header::HeaderAction::Dock) | None => {}
             }
+        }
+        if let Some(bit) = self.views.ladder().take_bit_to_explain() {
+            self.explain_subject(CauseSubject::Bit(bit));
         }
         if let Some(view) = self.views.take_view_to_open() {
             self.show_view(view);

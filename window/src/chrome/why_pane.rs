@@ -2,10 +2,11 @@
 //! link leads to its rung, key, parameter or signal.
 
 use egui::{Context, Key as PcKey, RichText, ScrollArea, TextEdit, Ui};
+use gsk_core::plc::address::{Area, BitAddress};
 use gsk_help::{Subject, topic};
 use gsk_host::kernel::{Command, Console};
 use gsk_messages::{Language, say};
-use gsk_panel::keys::Key;
+use gsk_panel::keys::{Bit, Key};
 use gsk_panel::why::{CauseChain, CauseLink, CauseSubject, CauseTarget};
 
 use crate::Window;
@@ -155,6 +156,22 @@ impl Window {
             .on_hover_text(say::window_why_hint().text(language))
             .clicked()
         {
+            self.why.open(subject, &self.console);
+        }
+    }
+
+    /// Opens the pane *Why?* for the Y bit of a lamp; not in an exam.
+    pub(crate) fn explain_bit(&mut self, lamp: Bit) {
+        self.explain_subject(CauseSubject::Bit(BitAddress::new(
+            Area::Y,
+            lamp.byte,
+            lamp.bit,
+        )));
+    }
+
+    /// Opens the pane *Why?*; not in an exam.
+    pub(crate) fn explain_subject(&mut self, subject: CauseSubject) {
+        if !self.is_in_exam() {
             self.why.open(subject, &self.console);
         }
     }

@@ -12,7 +12,7 @@ use gsk_core::model::ModelId;
 use gsk_help::{Subject, Topic, topic, topic_at, topic_of};
 use gsk_panel::face::face_of;
 use gsk_panel::faceplate::{self, FaceState, Outline, PanelColour, PanelPart, PartKind};
-use gsk_panel::keys::{Key, STRIP};
+use gsk_panel::keys::{Bit, Key, STRIP};
 use gsk_panel::screen::{COLUMNS, ROWS};
 
 use super::{Command, StatusMessage, Window, theme};
@@ -20,6 +20,14 @@ use crate::input::panel_pointer::PlacedPanel;
 use crate::placement::panel_placement::{self, PlacedArea};
 use crate::screen_reader;
 use gsk_messages::{Language, say};
+
+/// What the user wants of a part of the panel through its widget.
+enum PartRequest {
+    /// A screen reader presses the key.
+    Tap(Key),
+    /// Why the lamp of this Y bit is lit or not.
+    Explain(Bit),
+}
 
 /// Draws a coloured ring around a key.
 fn draw_ring(painter: &Painter, placed: PlacedArea, part: &PanelPart, colour: Color32) {
@@ -110,15 +118,20 @@ impl Window {
         };
         let model = state.model;
         self.faceplate.paint(&painter, placed, &state);
-        let mut tapped_keys = Vec::new();
+        let mut requests = Vec::new();
         for view in placed {
             for part in view.area.parts(state.model) {
-                tapped_keys.extend(self.add_part_widget(ui, &part, *view, &state));
+                requests.extend(self.add_part_widget(ui, &part, *view, &state));
             }
         }
-        for key in tapped_keys {
-            self.held_keys.drop_waiting_latch();
-            self.console.send(Command::Tap(key));
+        for request in requests {
+            match request {
+                PartRequest::Tap(key) => {
+                    self.held_keys.drop_waiting_latch();
+                    self.console.send(Command::Tap(key));
+                }
+                PartRequest::Explain(lamp) => self.explain_bit(lamp),
+            }
         }
         let lcd = faceplate::lcd();
         let screen = placed.iter().find(|view| view.area.rect.encloses(&lcd));
@@ -151,7 +164,7 @@ impl Window {
                 });
             }
         }
-        let mut marked = self.views.lessons().marked_keys();
+        let mut marked = Vec::from_iter(self.views.lessons().next_key());
         if let Some(picture) = &snapshot {
             self.way_back = self.way_back.and_then(|way| way.follow(picture));
             marked.extend(self.way_back.iter().flat_map(|way| way.keys(picture)));
@@ -173,15 +186,15 @@ impl Window {
         self.snapshot = snapshot;
     }
 
-    /// Adds the accessible name and the tool tip of a part. Returns its key if a screen reader
-    /// has pressed it.
+    /// Adds the accessible name and the tool tip of a part. Returns a tap of its key by a screen
+    /// reader, or the question why its lamp is lit or not.
     fn add_part_widget(
         &self,
         ui: &Ui,
         part: &PanelPart,
         placed: PlacedArea,
         state: &FaceState<'_>,
-    ) -> Option<Key> {
+    ) -> Option<PartRequest> {
         let language = self.settings.language;
         let rect = placed.to_window(part.rect);
         match part.what {
@@ -223,11 +236,11 @@ impl Window {
                 self.show_part_tip(&response, part.what, |ui| {
                     tips::show_key_tip(ui, language, row, reversed);
                 });
-                by_screen_reader.then_some(key)
+                by_screen_reader.then_some(PartRequest::Tap(key))
             }
             PartKind::Strip(index) => {
                 let lamp = STRIP.get(index).filter(|lamp| lamp.fitted)?;
-                let response = ui.interact(rect, ui.scope_id().with(lamp.id), Sense::HOVER);
+                let response = ui.interact(rect, ui.scope_id().with(lamp.id), Sense::CLICK);
                 let name = match language {
                     Language::Zh => lamp.name_zh,
                     Language::En => lamp.name_en,
@@ -246,7 +259,7 @@ impl Window {
                 self.show_part_tip(&response, part.what, |ui| {
                     tips::show_lamp_tip(ui, language, lamp, lit);
                 });
-                None
+                (response.clicked()).then_some(PartRequest::Explain(lamp.lamp))
             }
             PartKind::Handwheel => {
                 let response = ui.interact(rect, ui.scope_id().with("handwheel"), Sense::DRAG);

@@ -51,6 +51,7 @@ pub fn show_lamp_tip(ui: &mut Ui, language: Language, lamp: &StripLamp, lit: boo
     };
     let names = both_names(language, lamp.name_zh, lamp.name_en);
     ui.label(format!("{names}   {}", state.text(language)));
+    ui.weak(say::window_lamp_why().text(language));
 }
 
 /// The text of a row of the LCD without the frame and extra spaces; empty if there is only a

@@ -211,7 +211,7 @@ fn texts_on_grounds() -> Vec<(&'static str, Vec<Color32>, Vec<Color32>)> {
         ("marks of blocks", vec![CODE_MARK], vec![CODE_GROUND]),
         (
             "line numbers",
-            vec![LINE_NUMBER_TEXT],
+            vec![LINE_NUMBER_TEXT, BREAKPOINT],
             vec![LINE_NUMBER_GROUND],
         ),
         ("times", times, bars.clone()),

@@ -8,8 +8,8 @@ use egui::{CentralPanel, Panel, RichText, ScrollArea, Ui};
 use gsk_help::{Subject, article, topic};
 use gsk_host::kernel::part::PartView;
 use gsk_host::kernel::{Command, Console, LessonAction, LessonState, PanelSnapshot};
-use gsk_lesson::{Lesson, LessonRemark, LessonStep, built_in_lessons, find_demonstration};
-use gsk_messages::{Language, Message, say};
+use gsk_lesson::{Lesson, LessonRemark, LessonStep, built_in_lessons};
+use gsk_messages::{Language, Message, add_key_names, say};
 use gsk_panel::keys::Key;
 
 use super::exercise::ExercisePane;
@@ -35,6 +35,8 @@ pub struct LessonView {
     /// Names of the lessons that were completed.
     finished: BTreeSet<String>,
     state: Option<LessonState>,
+    /// What the active alarm adds to its text; `None` without one.
+    alarm_detail: Option<Message>,
     /// Start of the current step, seconds of the window's clock; `None` until the first frame
     /// of the step.
     step_start_s: Option<f64>,
@@ -67,6 +69,7 @@ impl LessonView {
             load_errors: Vec::new(),
             finished: settings.lessons.clone(),
             state: None,
+            alarm_detail: None,
             step_start_s: None,
             hint_requested: false,
             sample: None,
@@ -114,6 +117,8 @@ impl LessonView {
         let name = |state: &Option<LessonState>| state.as_ref().map(|state| state.name.clone());
         self.has_begun |= snapshot.lesson.is_some() && name(&self.state) != name(&snapshot.lesson);
         self.state.clone_from(&snapshot.lesson);
+        let alarm = snapshot.alarm.as_ref();
+        self.alarm_detail = alarm.and_then(|alarm| alarm.further_detail().cloned());
         self.has_begun |= self.exercises.take_snapshot(snapshot);
         if let Some((lesson, state)) = self.current_lesson()
             && state.view.step == lesson.steps.len()
@@ -130,17 +135,9 @@ impl LessonView {
         Some((lesson, state))
     }
 
-    /// The keys that the panel marks: those of the current step of a lesson or demonstration.
-    pub fn marked_keys(&self) -> Vec<Key> {
-        let demonstration = self.state.as_ref().and_then(|state| {
-            let demonstration = find_demonstration(&state.name)?;
-            Some((&demonstration.lesson, state))
-        });
-        let step = self
-            .current_lesson()
-            .or(demonstration)
-            .and_then(|(lesson, state)| lesson.steps.get(state.view.step));
-        step.map(|step| step.keys.clone()).unwrap_or_default()
+    /// The key that the panel marks: the next one of the lesson or demonstration.
+    pub fn next_key(&self) -> Option<Key> {
+        self.state.as_ref()?.view.next_key
     }
 
     fn send_order(&self, order: LessonAction) {
@@ -174,16 +171,16 @@ impl LessonView {
                                 self.exercises.show_task(ui, language, part);
                             }
                             None if self.exercises.is_course() => {
-                                self.exercises.show_list(ui, language);
+                                self.exercises.show_list(ui, language, part);
                             }
-                            None => self.list(ui, language),
+                            None => self.list(ui, language, part),
                         }
                         focus::scroll_to_focus(ui);
                     });
             });
     }
 
-    fn list(&mut self, ui: &mut Ui, language: Language) {
+    fn list(&mut self, ui: &mut Ui, language: Language, part: Option<&Arc<PartView>>) {
         let heading = say::lesson_samples().text(language);
         card::show_heading(ui, Icon::SAMPLE, &heading);
         let samples: Vec<_> = good_samples().collect();
@@ -216,7 +213,7 @@ impl LessonView {
             .iter()
             .map(|lesson| Card {
                 picture: CardPicture::Icon(lesson_icon(lesson)),
-                title: lesson.title.in_language(language).to_owned(),
+                title: lesson.title.in_language(language).into_owned(),
                 detail: describe_length(lesson, language),
                 is_marked: is_done(lesson),
             })
@@ -231,7 +228,7 @@ impl LessonView {
             ui.add_space(4.0);
             ui.label(RichText::new(error.text(language)).color(theme::ERROR_TEXT));
         }
-        self.exercises.show_list(ui, language);
+        self.exercises.show_list(ui, language, part);
     }
 
     fn show_lesson(&mut self, ui: &mut Ui, language: Language, lesson: &Arc<Lesson>) {
@@ -269,6 +266,10 @@ impl LessonView {
         if !step.keys.is_empty() {
             let keys = step.keys.iter().map(|key| format_key_legend(*key));
             let keys = keys.collect::<Vec<_>>().join("  ");
+            let keys = match language {
+                Language::Zh => keys,
+                Language::En => add_key_names(&keys).into_owned(),
+            };
             ui.add_space(4.0);
             let words = say::lesson_keys(keys).text(language);
             ui.label(
@@ -286,7 +287,7 @@ impl LessonView {
                     .color(theme::ERROR_TEXT),
             );
         }
-        if let Some(remark_text) = describe_remark(step, view.remark, language) {
+        if let Some(remark_text) = self.describe_remark(step, view.remark, language) {
             ui.add_space(6.0);
             ui.label(
                 RichText::new(remark_text)
@@ -366,11 +367,44 @@ impl LessonView {
         });
     }
 
+    /// Formats the remark about the state of the machine; `None` if there is none.
+    fn describe_remark(
+        &self,
+        step: &LessonStep,
+        remark: LessonRemark,
+        language: Language,
+    ) -> Option<String> {
+        let message = match remark {
+            LessonRemark::None => return None,
+            LessonRemark::Mistake(index) => {
+                return Some(
+                    step.mistakes
+                        .get(index)?
+                        .text
+                        .in_language(language)
+                        .into_owned(),
+                );
+            }
+            LessonRemark::PowerOff => say::lesson_power_off(),
+            LessonRemark::EmergencyStop => say::lesson_emergency_stop(),
+            LessonRemark::Alarm(number) => {
+                let about = topic(Subject::Alarm(number));
+                let about = about.map(|topic| article(topic, language).heading);
+                let about = about.unwrap_or_else(|| number.to_string());
+                match &self.alarm_detail {
+                    Some(detail) => say::lesson_alarm_detail(about, detail.clone()),
+                    None => say::lesson_alarm(about),
+                }
+            }
+            LessonRemark::Stuck => say::lesson_stuck(),
+        };
+        Some(message.text(language))
+    }
+
     /// Draws the end of a lesson whose steps are all done, with a button for the next lesson.
     fn show_end(&self, ui: &mut Ui, language: Language, lesson: &Arc<Lesson>) {
         let done = RichText::new(say::lesson_done().text(language));
         ui.label(done.size(theme::LESSON_END_SIZE).color(theme::SUCCESS));
-        ui.label(lesson.about.in_language(language));
         ui.add_space(10.0);
         let at = self.lessons.iter().position(|it| it.name == lesson.name);
         let next = at.and_then(|at| self.lessons.get(at + 1));
@@ -418,32 +452,7 @@ fn format_key_legend(key: Key) -> String {
         .iter()
         .filter(|line| is_ascii_only || !english(line))
         .copied();
-    let lines: Vec<&str> = lines.collect();
+    let lines: Vec<&str> = lines.map(|line| line.trim_end_matches(" //")).collect();
     let needs_blank = lines.iter().any(|line| line.len() == 1);
     format!("[{}]", lines.join(if needs_blank { " " } else { "" }))
-}
-
-/// Formats the remark about the state of the machine; `None` if there is none.
-fn describe_remark(step: &LessonStep, remark: LessonRemark, language: Language) -> Option<String> {
-    let message = match remark {
-        LessonRemark::None => return None,
-        LessonRemark::Mistake(index) => {
-            return Some(
-                step.mistakes
-                    .get(index)?
-                    .text
-                    .in_language(language)
-                    .to_owned(),
-            );
-        }
-        LessonRemark::PowerOff => say::lesson_power_off(),
-        LessonRemark::EmergencyStop => say::lesson_emergency_stop(),
-        LessonRemark::Alarm(number) => {
-            let about = topic(Subject::Alarm(number));
-            let about = about.map(|topic| article(topic, language).heading);
-            say::lesson_alarm(about.unwrap_or_else(|| number.to_string()))
-        }
-        LessonRemark::Stuck => say::lesson_stuck(),
-    };
-    Some(message.text(language))
 }

@@ -49,6 +49,7 @@ use ladder::LadderView;
 use lesson::LessonView;
 use machine::{LatheView, ProgramViewRequest};
 use program::ProgramView;
+pub use program::{halt_text, show_halt_buttons};
 use project::ProjectView;
 use registry::AllViews;
 use transfer::TransferView;
@@ -86,6 +87,8 @@ impl Views {
     /// machine state and the part, and receives the newest ones.
     pub fn follow(&mut self, context: &Context, layouts: &Layouts) {
         self.all.lathe.receive(context);
+        let picked = self.all.lathe.kept_feature();
+        self.all.lessons.exercises().set_picked_feature(picked);
         let was_monitoring = self.needs_machine_state();
         let was_showing_part = self.needs_part();
         for row in &VIEWS {
@@ -213,6 +216,9 @@ impl Views {
             self.all.lathe.try_typed_text(document);
         }
         self.handle_program_request();
+        if self.all.lathe.take_space_request() {
+            self.view_to_open = Some(ViewId::Lathe);
+        }
         if self.all.commission.take_scope_request() && !self.open_views.contains(&ViewId::Scope) {
             self.view_to_open = Some(ViewId::Scope);
         }

@@ -2,10 +2,8 @@
 
 use std::path::Path;
 
-use gsk_exercise::check::SolutionFile;
 use gsk_exercise::drawing::{draw_task, write_svg};
 use gsk_exercise::outline_writer::write_outline;
-use gsk_exercise::solve::{SolutionScript, make_part};
 use gsk_host::files::exercises;
 use gsk_messages::{Language, Message, say};
 
@@ -25,7 +23,7 @@ pub fn draw(args: &ExerciseDrawingArgs, language: Language) -> Result<u8, Comman
     let task = exercises::find(&args.task, args.data.as_deref())?;
     let drawing = draw_task(&task, WIDTH, TEXT_HEIGHT);
     let drawing = drawing.ok_or_else(|| say::exercise_drawing_none(&task.id))?;
-    let svg = write_svg(&drawing, task.title.in_language(language));
+    let svg = write_svg(&drawing, &task.title.in_language(language));
     output::reserve_file(&args.output)?.write(svg.as_bytes())?;
     Ok(EXIT_OK)
 }
@@ -39,10 +37,8 @@ pub fn print_outline(path: &Path) -> Result<u8, CommandError> {
     let solutions = exercises::read_solutions(path)?;
     let reference = solutions.iter().find(|it| it.is_reference());
     let reference = reference.ok_or_else(say::exercise_no_reference)?;
-    let SolutionFile { name, text } = reference;
-    let in_file = |message: Message| say::subject_reason(name, message);
-    let script = SolutionScript::read(text).map_err(in_file)?;
-    let part = make_part(&task, &script).map_err(in_file)?;
+    let in_file = |message: Message| say::subject_reason(&reference.name, message);
+    let part = reference.make_part(&task).map_err(in_file)?;
     let part = part.ok_or_else(say::exercise_outline_no_part)?;
     output::print(&write_outline(&part));
     Ok(EXIT_OK)

@@ -17,6 +17,7 @@ use gsk_exercise::task::ExerciseTask;
 use gsk_host::files::data_dir::default_data_path;
 use gsk_host::files::{exercise_key, exercises, program_file};
 use gsk_messages::{Language, say};
+use gsk_plot::decode_png;
 use gsk_runner::report;
 
 use super::{CommandError, EXIT_ALARM, EXIT_OK, output};
@@ -73,10 +74,20 @@ pub(super) fn check(path: &Path, language: Language) -> Result<u8, CommandError>
         output::print_message(&line);
         print_verdicts(&task, report, language, |verdict| !verdict.is_met);
     }
+    for note in &check.notes {
+        output::print_message(note);
+    }
     for fault in &check.faults {
         output::report_error(fault);
     }
-    if !check.faults.is_empty() {
+    let is_drawing_damaged = task
+        .drawing
+        .as_deref()
+        .is_some_and(|it| decode_png(it).is_none());
+    if is_drawing_damaged {
+        output::report_error(&say::exercise_drawing_damaged(&task.id));
+    }
+    if !check.faults.is_empty() || is_drawing_damaged {
         return Ok(EXIT_ALARM);
     }
     output::print_message(&say::exercise_check_ok(&task.id, solutions.len()));
@@ -114,6 +125,9 @@ fn solve(args: &ExerciseSolveArgs, language: Option<Language>) -> Result<u8, Com
     let bytes = write_result(author, report.clone(), &recording, &key)?;
     target.write(&bytes)?;
     print_verdicts(&task, &report, language.unwrap_or(Language::En), |_| true);
+    if let Some(refused) = &report.refused {
+        output::print_message(&refused.message());
+    }
     let (file, most) = (args.output.display(), report.max_points);
     output::print_message(&say::exercise_solved(file, report.points, most));
     Ok(EXIT_OK)

@@ -16,22 +16,21 @@ use crate::cli::ExercisePackArgs;
 /// # Errors
 /// An exercise is unknown or breaks a rule, the folder has no page, or the file cannot be written.
 pub fn pack(args: &ExercisePackArgs, language: Language) -> Result<u8, CommandError> {
-    let texts = args.tasks.iter();
-    let texts = texts.map(|task| exercises::find_text(task, args.data.as_deref()));
-    let mut file = CourseFile {
+    let sources = args.tasks.iter();
+    let sources = sources.map(|task| exercises::find_source(task, args.data.as_deref()));
+    let mut course = Course::read(CourseFile {
         title: args.title.clone().unwrap_or_default(),
         mastery_per_cent: args.mastery,
-        tasks: texts.collect::<Result<_, _>>()?,
-    };
-    let course = Course::read(&file)?;
+        tasks: sources.collect::<Result<_, _>>()?,
+    })?;
     if args.title.is_none() {
-        file.title = match course.tasks.as_slice() {
-            [task] => task.title.in_language(language).to_owned(),
+        course.title = match course.tasks.as_slice() {
+            [task] => task.title.in_language(language).into_owned(),
             _ => say::course_default_title().text(language),
         };
     }
     let target = output::reserve_file(&args.output)?;
-    let package = write_package(&file, read_page(&args.page)?)?;
+    let package = write_package(&course, read_page(&args.page)?)?;
     target.write(&package)?;
     let (path, size) = (args.output.display(), package.len() / 1000);
     output::print_message(&say::course_packed(path, course.tasks.len(), size));

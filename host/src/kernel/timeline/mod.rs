@@ -462,6 +462,8 @@ impl Kernel {
         self.key_refusals = KeyRefusals::default();
         self.start_watch = StartWatch::default();
         self.wait_watch = WaitWatch::default();
+        self.program_breakpoints.release();
+        self.resync_breakpoints();
         self.last_opened = None;
         self.refresh_monitor();
     }
@@ -508,6 +510,7 @@ pub(super) const fn changes_machine(command: &Command) -> bool {
         | Command::SendState(_)
         | Command::ShowPart(_)
         | Command::Timeline(_)
+        | Command::Breakpoints(_)
         | Command::Alive
         | Command::ReleaseAll
         | Command::Quit => false,

@@ -23,6 +23,10 @@ const EXTRA_REACH_MM: f64 = 2.0;
 const BAR_TO_HOLE_RATIO: f64 = 0.7;
 /// Entering angle of an insert that finishes a shoulder, degrees.
 const SHOULDER_ANGLE_DEG: f64 = 90.0;
+/// Entering angle of the usual insert of a boring bar, degrees.
+const BORING_ANGLE_DEG: f64 = 93.0;
+/// Ratio of the longest insert of a boring bar to the usual one.
+const LONG_EDGE_RATIO: f64 = 4.0;
 /// Depth of an internal groove, mm, if the program does not show it.
 const DEFAULT_INSIDE_GROOVE_DEPTH_MM: f64 = 3.0;
 
@@ -229,19 +233,28 @@ impl ToolKnowledge<'_> {
         let mut tool = Tool::boring();
         // The hole must also have space for the insert.
         let hole = 2.0 * used.nearest_mm.unwrap_or(f64::INFINITY).max(1.0);
-        let scale = match slimness {
-            0 => (hole / 15.0).min(1.0),
-            slim => (hole / 15.0).min(1.0) / f64::from(1_u32 << slim.min(8)),
+        let scale = (hole / 15.0).min(1.0);
+        // A right-angled edge leaves nothing on a shoulder for the rapid away from it, a long
+        // one finishes the shoulder in one pass.
+        let (new_letter, angle, scale) = match slimness {
+            0 => (InsertLetter::D, BORING_ANGLE_DEG, scale),
+            1 | 3 => (InsertLetter::D, SHOULDER_ANGLE_DEG, scale),
+            SQUARE_BLADE_LEVEL => (InsertLetter::V, SHOULDER_ANGLE_DEG, scale / 4.0),
+            4 => (InsertLetter::D, SHOULDER_ANGLE_DEG, LONG_EDGE_RATIO),
+            5 => (InsertLetter::V, SHOULDER_ANGLE_DEG, LONG_EDGE_RATIO),
+            _ => (InsertLetter::V, BORING_ANGLE_DEG, 0.0),
         };
         if let Insert::Turning {
-            size, nose, letter, ..
+            size,
+            nose,
+            letter,
+            entering,
         } = &mut tool.insert
         {
             *size = (*size * scale).max(2.0);
             *nose = nose.min(*size / 4.0);
-            if slimness > 1 {
-                *letter = InsertLetter::V;
-            }
+            *letter = new_letter;
+            *entering = angle;
             tool.holder = self.build_bar(used, *size / 2.0, slimness);
         }
         tool

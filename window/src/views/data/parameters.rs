@@ -1,9 +1,10 @@
 //! Shows the parameters: a list by number or by function, and the selected parameter with its
 //! value, bits and help topic.
 
+use egui::text::LayoutJob;
 use egui::{
     CentralPanel, Color32, Grid, Label, Panel, Response, RichText, Role, ScrollArea, Sense,
-    TextEdit, TextStyle, TextWrapMode, Ui, WidgetInfo, WidgetText, pos2, vec2,
+    TextEdit, TextStyle, Ui, WidgetInfo, pos2, vec2,
 };
 use gsk_core::memory::{self, EffectiveTime, ElectronicDisk, ParameterRow};
 use gsk_help::{Subject, Topic, search_among, subject_name, topic};
@@ -18,6 +19,10 @@ use crate::theme;
 
 /// Height of a row of the list, points.
 const ROW_HEIGHT: f32 = 22.0;
+/// Width of a list below which a long meaning takes two lines, points.
+const TWO_LINE_WIDTH: f32 = 760.0;
+/// Height of a row in a narrow list, where a long meaning takes two lines, points.
+const NARROW_ROW_HEIGHT: f32 = 38.0;
 /// Widths of the columns, points: mark, number, name, value, delivered value. The meaning
 /// takes the rest.
 const COLUMN_WIDTHS: [f32; 5] = [14.0, 52.0, 118.0, 78.0, 78.0];
@@ -182,11 +187,12 @@ impl ParameterSheet {
         if let Some(row) = list.moved_row().and_then(|at| rows.get(at)) {
             self.selected = Some(key_of(row));
         }
+        let height = row_height(ui.available_width());
         ScrollArea::vertical()
             .id_salt("parameters")
             .auto_shrink([false, false])
-            .show_rows(ui, ROW_HEIGHT, rows.len(), |ui, shown| {
-                list.scroll_to_cursor(ui, shown.start, ROW_HEIGHT);
+            .show_rows(ui, height, rows.len(), |ui, shown| {
+                list.scroll_to_cursor(ui, shown.start, height);
                 let rows = rows.iter().copied().enumerate();
                 for (at, row) in rows.skip(shown.start).take(shown.len()) {
                     let response = self.show_row(ui, language, machine, drafts, row);
@@ -225,8 +231,9 @@ impl ParameterSheet {
             None => format!("{:03}", row.number),
         };
         let meaning = meaning(row, language);
+        let width = ui.available_width();
         let (bounds, response) =
-            ui.allocate_exact_size(vec2(ui.available_width(), ROW_HEIGHT), focus::ROW_SENSE);
+            ui.allocate_exact_size(vec2(width, row_height(width)), focus::ROW_SENSE);
         let is_selected = self.selected == Some(key);
         let description = match is_changed {
             true => format!(
@@ -402,7 +409,16 @@ fn is_changed(row: &ParameterRow, machine: &DataValues<'_>) -> bool {
     value != row.factory_value(ElectronicDisk::N0)
 }
 
-/// Draws the texts of a row in its columns. A text that does not fit ends in an ellipsis.
+/// Height of a row in a list of this width.
+const fn row_height(width: f32) -> f32 {
+    match width < TWO_LINE_WIDTH {
+        true => NARROW_ROW_HEIGHT,
+        false => ROW_HEIGHT,
+    }
+}
+
+/// Draws the texts of a row in its columns. The meaning, which is last, takes as many lines as
+/// the row has. A text that does not fit ends in an ellipsis.
 fn show_cells(ui: &Ui, bounds: egui::Rect, cells: [(String, Color32); 6]) {
     let mut left = bounds.left() + 2.0;
     let columns = match bounds.width() < NARROW_WIDTH {
@@ -413,9 +429,15 @@ fn show_cells(ui: &Ui, bounds: egui::Rect, cells: [(String, Color32); 6]) {
     for ((text, colour), width) in cells.into_iter().zip(widths) {
         let width_left = width.min(bounds.right() - left) - 6.0;
         if width_left > 8.0 && !text.is_empty() {
-            let text = WidgetText::from(RichText::new(text).color(colour));
-            let wrap = Some(TextWrapMode::Truncate);
-            let galley = text.into_galley(ui, wrap, width_left, TextStyle::Body);
+            let font = TextStyle::Body.resolve(ui.style());
+            let mut job = LayoutJob::simple(text, font, colour, width_left);
+            let is_meaning = width.is_infinite();
+            job.wrap.max_rows = match is_meaning && bounds.height() >= NARROW_ROW_HEIGHT {
+                true => 2,
+                false => 1,
+            };
+            job.wrap.break_anywhere = !is_meaning;
+            let galley = ui.fonts_mut(|fonts| fonts.layout_job(job));
             let top = bounds.center().y - galley.size().y / 2.0;
             ui.painter().galley(pos2(left, top), galley, colour);
         }

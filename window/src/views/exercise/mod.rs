@@ -2,6 +2,7 @@
 
 mod course_pane;
 mod exam_pane;
+mod part_exercise;
 mod solution_report;
 mod task_drawing;
 
@@ -24,7 +25,9 @@ use gsk_host::kernel::{
 };
 use gsk_host::platform::{self, CoursePage};
 use gsk_messages::{Language, Message, say};
+use gsk_workpiece::measure::Feature;
 use gsk_workpiece::region::Region;
+use part_exercise::PartExercisePane;
 use solution_report::SolutionReport;
 use task_drawing::DrawingPane;
 
@@ -47,6 +50,10 @@ pub struct ExercisePane {
     read_hints: BTreeSet<u32>,
     report: SolutionReport,
     exam: ExamPane,
+    /// The form for a new exercise from the part in the lathe.
+    part_exercise: PartExercisePane,
+    /// Names of the exercises of a teacher without a reference solution.
+    without_reference: BTreeSet<String>,
     /// The course of a learning platform; `None` outside platforms.
     course: Option<CoursePane>,
     /// Whether the time line is to open for a moment of the solution, or to close again.
@@ -64,6 +71,8 @@ impl ExercisePane {
         Self {
             report: SolutionReport::new(console.clone(), learner),
             exam: ExamPane::new(console.clone()),
+            part_exercise: PartExercisePane::new(console.clone()),
+            without_reference: BTreeSet::new(),
             course: None,
             console,
             tasks: Vec::new(),
@@ -86,10 +95,21 @@ impl ExercisePane {
         data: PathBuf,
         unfinished: UnfinishedExam,
     ) {
+        self.list_exercises(found);
+        self.report.set_data(data.clone());
+        self.part_exercise.set_data(data.clone());
+        self.exam.set_data(data, unfinished, &self.tasks);
+    }
+
+    fn list_exercises(&mut self, found: AvailableExercises) {
         self.tasks = found.tasks.into_iter().map(Arc::new).collect();
         self.load_errors = found.errors;
-        self.report.set_data(data.clone());
-        self.exam.set_data(data, unfinished, &self.tasks);
+        self.without_reference = found.without_reference;
+    }
+
+    /// Sets the surface of the part that is clicked with the caliper.
+    pub const fn set_picked_feature(&mut self, picked: Option<Feature>) {
+        self.part_exercise.set_picked(picked);
     }
 
     /// Lists only the exercises of a course. Results are sealed with a key in the data folder
@@ -175,6 +195,12 @@ impl ExercisePane {
     /// Takes the marks that have arrived.
     pub fn receive_marks(&mut self) {
         self.exam.receive();
+        if let Some(found) = self.part_exercise.receive() {
+            self.list_exercises(found);
+        }
+        if let Some(id) = self.report.take_referenced() {
+            self.without_reference.remove(&id);
+        }
         if let Some((report, points)) = self.report.receive() {
             if let Some(course) = &mut self.course {
                 course.record(&report, points);
@@ -190,7 +216,7 @@ impl ExercisePane {
     }
 
     /// Draws the cards of the exercises.
-    pub fn show_list(&mut self, ui: &mut Ui, language: Language) {
+    pub fn show_list(&mut self, ui: &mut Ui, language: Language, part: Option<&Arc<PartView>>) {
         ui.add_space(8.0);
         let best = |task: &ExerciseTask| self.best.get(&task.id).copied();
         let is_solved = |task: &ExerciseTask| best(task) == Some(task.max_points());
@@ -209,7 +235,7 @@ impl ExercisePane {
             .iter()
             .map(|task| Card {
                 picture: CardPicture::Icon(task_icon(task)),
-                title: task.title.in_language(language).to_owned(),
+                title: task.title.in_language(language).into_owned(),
                 detail: describe_length(task, best(task)).text(language),
                 is_marked: is_solved(task),
             })
@@ -228,6 +254,7 @@ impl ExercisePane {
         }
         if platform::has_folders() && self.course.is_none() {
             self.exam.show_form(ui, language, &self.tasks);
+            self.part_exercise.show(ui, language, part);
         }
         for error in &self.load_errors {
             ui.add_space(4.0);
@@ -248,7 +275,7 @@ impl ExercisePane {
         let about = task.text.in_language(language);
         match &self.course {
             Some(course) => format!("{about}\n{}", course.describe_attempts(&task.id, language)),
-            None => about.to_owned(),
+            None => about.into_owned(),
         }
     }
 
@@ -281,7 +308,8 @@ impl ExercisePane {
             if let Some(course) = &self.course {
                 course.show_message(ui, language);
             }
-            if self.report.show(ui, language) {
+            let lacks_reference = self.without_reference.contains(&task.id);
+            if self.report.show(ui, language, lacks_reference) {
                 self.wants_timeline = Some(true);
                 self.has_opened_timeline = true;
             }

@@ -5,15 +5,17 @@ use std::sync::Arc;
 
 use crossbeam::channel::{Receiver, Sender, unbounded};
 use egui::{Context, RichText, TextEdit, Ui};
-use gsk_exercise::judge::judge;
+use gsk_exercise::judge::{JudgeError, SlicedJudging};
 use gsk_exercise::mark_table::{describe_evidence, verdict_sentence};
 use gsk_exercise::report::ExerciseReport;
 use gsk_exercise::result_file::{RESULT_EXTENSION, ResultAuthor, write_result};
 use gsk_exercise::task::ExerciseTask;
-use gsk_host::files::{atomic, exercise_key};
+use gsk_host::files::{atomic, exercise_key, exercises};
 use gsk_host::kernel::{Command, Console, ExerciseAction, HandedInSolution};
 use gsk_host::output::WriteError;
+use gsk_host::platform;
 use gsk_messages::{Language, Message, say};
+use web_time::{Duration, Instant};
 
 use crate::theme;
 use crate::widgets::files::{FileChoice, choose_file, run_in_thread};
@@ -21,6 +23,11 @@ use crate::widgets::mark;
 
 /// Width of the field for the name of the learner, points.
 const NAME_WIDTH: f32 = 180.0;
+
+/// Time of a turn of marking: a page of a browser is drawn after it.
+const TURN_TIME: Duration = Duration::from_millis(25);
+/// Ticks that are replayed between two looks at the clock.
+const TURN_TICKS: u64 = 200;
 
 /// A solution with its marks.
 #[derive(Clone, Debug)]
@@ -43,7 +50,8 @@ impl MarkedSolution {
 enum ReportContent {
     #[default]
     Nothing,
-    Marking,
+    /// The share of the solution that is replayed, 0 to 1.
+    Marking(f32),
     Marked(Box<MarkedSolution>),
     Failed(Message),
 }
@@ -54,8 +62,10 @@ pub struct SolutionReport {
     learner: String,
     data: Option<PathBuf>,
     content: ReportContent,
-    sender: Sender<Result<MarkedSolution, Message>>,
-    receiver: Receiver<Result<MarkedSolution, Message>>,
+    sender: Sender<MarkingStep>,
+    receiver: Receiver<MarkingStep>,
+    /// Names of exercises whose reference solution was saved.
+    referenced: (Sender<String>, Receiver<String>),
 }
 
 impl SolutionReport {
@@ -68,6 +78,7 @@ impl SolutionReport {
             content: ReportContent::Nothing,
             sender,
             receiver,
+            referenced: unbounded(),
         }
     }
 
@@ -92,28 +103,42 @@ impl SolutionReport {
         self.content = ReportContent::Nothing;
     }
 
-    /// Marks a solution in a thread. `hints`: numbers of the hints that the learner has read.
+    /// Marks a solution in a task beside the window. `hints`: numbers of the hints that the
+    /// learner has read.
     pub fn mark(&mut self, solution: HandedInSolution, hints: Vec<u32>, context: &Context) {
-        self.content = ReportContent::Marking;
+        self.content = ReportContent::Marking(0.0);
         let to = self.sender.clone();
-        run_in_thread(context, &self.console.notice_sender, move || {
-            let marked = mark_solution(solution, hints);
+        let mut marking = Some(MarkingTask::Begins(solution, hints));
+        let context = context.clone();
+        let started = platform::start_task("marking", move || {
+            let (step, rest) = marking.take().map_or((None, None), MarkingTask::take_turn);
+            marking = rest;
             // The send fails when the window is gone. No window needs the marks then.
-            let _ = to.send(marked);
-            None
+            let is_shown = step.is_some_and(|step| to.send(step).is_ok());
+            context.request_repaint();
+            is_shown && marking.is_some()
         });
+        if let Err(error) = started {
+            self.content = ReportContent::Failed(say::as_written(error));
+        }
     }
 
     /// Takes marks that have arrived; returns the report and the points.
     pub fn receive(&mut self) -> Option<(ExerciseReport, u32)> {
-        let marked = self.receiver.try_iter().last()?;
-        match marked {
-            Ok(marked) => {
+        match self.receiver.try_iter().last()? {
+            MarkingStep::Replayed(share) => {
+                // Another attempt may have begun meanwhile.
+                if let ReportContent::Marking(shown) = &mut self.content {
+                    *shown = share;
+                }
+                None
+            }
+            MarkingStep::Done(Ok(marked)) => {
                 let points = (marked.report.clone(), marked.points());
                 self.content = ReportContent::Marked(Box::new(marked));
                 Some(points)
             }
-            Err(why) => {
+            MarkingStep::Done(Err(why)) => {
                 self.content = ReportContent::Failed(why);
                 None
             }
@@ -121,15 +146,14 @@ impl SolutionReport {
     }
 
     /// Draws the report; returns whether a moment of the solution was chosen, which is then shown.
-    pub fn show(&mut self, ui: &mut Ui, language: Language) -> bool {
+    /// `lacks_reference`: the exercise is that of a teacher and has no reference solution yet.
+    pub fn show(&mut self, ui: &mut Ui, language: Language, lacks_reference: bool) -> bool {
         let mut chosen = None;
         match &self.content {
             ReportContent::Nothing => {}
-            ReportContent::Marking => {
-                ui.horizontal(|ui| {
-                    ui.spinner();
-                    ui.label(say::exercise_marking().text(language));
-                });
+            ReportContent::Marking(share) => {
+                ui.label(say::exercise_marking().text(language));
+                ui.add(egui::ProgressBar::new(*share).show_percentage());
             }
             ReportContent::Failed(why) => {
                 ui.label(RichText::new(why.text(language)).color(theme::ERROR_TEXT));
@@ -140,6 +164,9 @@ impl SolutionReport {
                 if show_save(ui, language, &mut self.learner) {
                     self.save(marked, language, ui.ctx());
                 }
+                if lacks_reference && show_save_reference(ui, language, marked) {
+                    self.save_reference(marked, ui.ctx());
+                }
             }
         }
         if let Some(elapsed_ms) = chosen {
@@ -147,6 +174,30 @@ impl SolutionReport {
             self.console.send(Command::Exercise(action));
         }
         chosen.is_some()
+    }
+
+    /// Saves the recording as the reference solution of its exercise, in a thread.
+    fn save_reference(&self, marked: &MarkedSolution, context: &Context) {
+        let Some(data) = self.data.clone() else {
+            return;
+        };
+        let (solution, to) = (Arc::clone(&marked.solution), self.referenced.0.clone());
+        run_in_thread(context, &self.console.notice_sender, move || {
+            let id = &solution.task.id;
+            match exercises::save_reference(&data, id, &solution.recording) {
+                Ok(message) => {
+                    // The send fails when the window is gone: the file is written.
+                    let _ = to.send(id.clone());
+                    Some(message)
+                }
+                Err(why) => Some(why),
+            }
+        });
+    }
+
+    /// The exercise whose reference solution was saved since the last call; `None` without one.
+    pub fn take_referenced(&self) -> Option<String> {
+        self.referenced.1.try_iter().last()
     }
 
     /// Seals the result and writes it where the learner chooses.
@@ -178,11 +229,73 @@ fn show_save(ui: &mut Ui, language: Language, learner: &mut String) -> bool {
     row.inner
 }
 
-/// Replays and marks a solution.
-fn mark_solution(solution: HandedInSolution, hints: Vec<u32>) -> Result<MarkedSolution, Message> {
-    let task = &solution.task;
-    let report = judge(task, &solution.recording).map_err(|error| error.message())?;
-    let hint_cost = task.hint_cost(&hints)?;
+/// Draws the button that saves the reference solution; returns whether it was clicked.
+fn show_save_reference(ui: &mut Ui, language: Language, marked: &MarkedSolution) -> bool {
+    let is_full = marked.report.points == marked.report.max_points;
+    let save = egui::Button::new(say::exercise_reference_save().text(language));
+    let hint = say::exercise_reference_hint().text(language);
+    let save = ui.add_enabled(is_full, save);
+    save.on_hover_text(&hint)
+        .on_disabled_hover_text(&hint)
+        .clicked()
+}
+
+/// How far a solution is marked.
+enum MarkingStep {
+    /// This share of it is replayed, 0 to 1.
+    Replayed(f32),
+    /// It is marked, or why it cannot be.
+    Done(Result<MarkedSolution, Message>),
+}
+
+/// A solution that is being marked in turns: a page of a browser is drawn between two of them.
+enum MarkingTask {
+    Begins(HandedInSolution, Vec<u32>),
+    Replays(HandedInSolution, Vec<u32>, Box<SlicedJudging>),
+}
+
+impl MarkingTask {
+    /// Takes one turn and returns the rest of the task; `None` after its last turn.
+    fn take_turn(self) -> (Option<MarkingStep>, Option<Self>) {
+        let failed = |error: JudgeError| (Some(MarkingStep::Done(Err(error.message()))), None);
+        match self {
+            Self::Begins(solution, hints) => {
+                match SlicedJudging::new(&solution.task, &solution.recording) {
+                    Ok(judging) => {
+                        let rest = Self::Replays(solution, hints, Box::new(judging));
+                        (Some(MarkingStep::Replayed(0.0)), Some(rest))
+                    }
+                    Err(error) => failed(error),
+                }
+            }
+            Self::Replays(solution, hints, mut judging) => {
+                let until = Instant::now() + TURN_TIME;
+                let mut has_ended = false;
+                while !has_ended && Instant::now() < until {
+                    has_ended = judging.advance(TURN_TICKS);
+                }
+                if !has_ended {
+                    let step = MarkingStep::Replayed(judging.progress());
+                    return (Some(step), Some(Self::Replays(solution, hints, judging)));
+                }
+                match judging.finish() {
+                    Ok(report) => {
+                        let marked = give_marks(solution, report, hints);
+                        (Some(MarkingStep::Done(marked)), None)
+                    }
+                    Err(error) => failed(error),
+                }
+            }
+        }
+    }
+}
+
+fn give_marks(
+    solution: HandedInSolution,
+    report: ExerciseReport,
+    hints: Vec<u32>,
+) -> Result<MarkedSolution, Message> {
+    let hint_cost = solution.task.hint_cost(&hints)?;
     Ok(MarkedSolution {
         solution: Arc::new(solution),
         report,
@@ -230,6 +343,10 @@ fn show_marks(ui: &mut Ui, language: Language, marked: &MarkedSolution) -> Optio
                 }
             }
         });
+    }
+    if let Some(refused) = &marked.report.refused {
+        let refused = RichText::new(refused.message().text(language));
+        ui.label(refused.color(theme::NOTE_TEXT));
     }
     chosen
 }

@@ -1,10 +1,16 @@
 //! Paints the drawing of a task, each dimension in the colour of its state on the part.
 
-use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
+use std::sync::Arc;
+
+use egui::{
+    Align2, Color32, ColorImage, FontId, Pos2, Rect, Sense, Shape, Stroke, TextureHandle,
+    TextureOptions, Ui, pos2, vec2,
+};
 use gsk_exercise::drawing::{DrawingPen, PaperPoint, TaskDrawing, draw_task};
 use gsk_exercise::part_size::MeasuredSize;
 use gsk_exercise::task::{ExerciseTask, TaskHash};
 use gsk_messages::{Language, say};
+use gsk_plot::decode_png;
 
 use crate::theme;
 
@@ -12,6 +18,8 @@ use crate::theme;
 const TEXT_HEIGHT: f64 = 12.0;
 /// Greatest width of the drawing, points.
 const MAX_WIDTH: f32 = 440.0;
+/// Greatest width of a hand-made drawing, points.
+const MAX_HAND_MADE_WIDTH: f32 = 900.0;
 /// Lengths of the dashes and gaps of the axis, points.
 const DASHES: [f32; 2] = [10.0, 3.0];
 const GAPS: [f32; 2] = [3.0, 3.0];
@@ -21,6 +29,8 @@ const GAPS: [f32; 2] = [3.0, 3.0];
 pub struct DrawingPane {
     /// The task and the width of the drawing, and the drawing; no drawing if the task has none.
     laid_out: Option<(TaskHash, f32, Option<TaskDrawing>)>,
+    /// The file of a hand-made drawing and its picture; no picture if it is damaged.
+    hand_made: Option<(Arc<[u8]>, Option<TextureHandle>)>,
 }
 
 impl DrawingPane {
@@ -33,6 +43,11 @@ impl DrawingPane {
         task: &ExerciseTask,
         sizes: &[MeasuredSize],
     ) {
+        if let Some(drawing) = &task.drawing
+            && let Some(picture) = self.load(ui, drawing)
+        {
+            return show_hand_made(ui, language, picture);
+        }
         let width = ui.available_width().min(MAX_WIDTH);
         let is_current =
             |it: &(TaskHash, f32, Option<TaskDrawing>)| it.0 == task.hash && it.1 == width;
@@ -44,6 +59,31 @@ impl DrawingPane {
             paint(ui, language, drawing, sizes);
         }
     }
+
+    /// Returns the picture of a hand-made drawing, read once; `None` if it is damaged.
+    fn load(&mut self, ui: &Ui, drawing: &Arc<[u8]>) -> Option<&TextureHandle> {
+        let is_loaded = |it: &(Arc<[u8]>, Option<TextureHandle>)| Arc::ptr_eq(&it.0, drawing);
+        if !self.hand_made.as_ref().is_some_and(is_loaded) {
+            let picture = decode_png(drawing).map(|picture| {
+                let image = ColorImage::from_rgba_unmultiplied(picture.size, &picture.rgba);
+                let options = TextureOptions::LINEAR;
+                ui.ctx().load_texture("hand-made drawing", image, options)
+            });
+            self.hand_made = Some((Arc::clone(drawing), picture));
+        }
+        self.hand_made.as_ref()?.1.as_ref()
+    }
+}
+
+/// Shows the picture of a hand-made drawing, at most in its own size.
+fn show_hand_made(ui: &mut Ui, language: Language, picture: &TextureHandle) {
+    ui.strong(say::exercise_drawing().text(language));
+    let size = picture.size_vec2();
+    let width = ui.available_width().min(MAX_HAND_MADE_WIDTH);
+    let size = size * (width / size.x.max(1.0)).min(1.0);
+    ui.add(egui::Image::new((picture.id(), size)).fit_to_exact_size(size))
+        .on_hover_text(say::exercise_drawing_hand_made().text(language));
+    ui.add_space(6.0);
 }
 
 fn paint(ui: &mut Ui, language: Language, drawing: &TaskDrawing, sizes: &[MeasuredSize]) {

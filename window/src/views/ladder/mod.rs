@@ -98,6 +98,8 @@ pub struct LadderView {
     refusal: Option<WriteRefusal>,
     /// Queue for an instruction list that was read from a file.
     opened_lists: Arc<ArrayQueue<String>>,
+    /// The bit whose value the user wants explained; `None` without a request.
+    bit_to_explain: Option<BitAddress>,
 }
 
 impl View for LadderView {
@@ -115,6 +117,11 @@ impl View for LadderView {
 }
 
 impl LadderView {
+    /// Takes the bit that the user wants explained, if any.
+    pub const fn take_bit_to_explain(&mut self) -> Option<BitAddress> {
+        self.bit_to_explain.take()
+    }
+
     /// Creates the view, scrolled to the first rung.
     pub fn new(console: Console) -> Self {
         Self {
@@ -136,6 +143,7 @@ impl LadderView {
             pending_line: None,
             refusal: None,
             opened_lists: Arc::new(ArrayQueue::new(1)),
+            bit_to_explain: None,
         }
     }
 

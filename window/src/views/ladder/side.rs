@@ -73,6 +73,13 @@ impl LadderView {
                 if symbol != "-" {
                     ui.label(RichText::new(symbol).weak());
                 }
+                let why = ui.small_button(say::window_why().text(language));
+                if why
+                    .on_hover_text(say::window_why_hint().text(language))
+                    .clicked()
+                {
+                    self.bit_to_explain = Some(bit);
+                }
             }
         });
         let words = address_comment(ladder, subject, language);

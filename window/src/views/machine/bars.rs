@@ -101,7 +101,15 @@ impl LatheView {
             ],
             instruments.collect(),
         ];
-        match icons::show_groups(ui, &groups) {
+        let clicked = ui.horizontal_wrapped(|ui| {
+            let clicked = icons::show_groups(ui, &groups);
+            // Its name is always visible: no icon says what it opens.
+            let space = ui.button(say::window_view_lathe().text(language));
+            let hint = say::lathe_open_space_hint().text(language);
+            self.picture.requests_space |= space.on_hover_text(hint).clicked();
+            clicked
+        });
+        match clicked.inner {
             Some((0, 0)) => {
                 self.picture.camera = None;
                 self.picture.follows_tool = false;

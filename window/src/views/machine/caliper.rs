@@ -82,6 +82,11 @@ impl Caliper {
         };
     }
 
+    /// The feature that was clicked; `None` without one.
+    pub fn kept(&self) -> Option<Feature> {
+        self.kept.as_ref().map(|kept| kept.feature)
+    }
+
     /// Describes the measurements: the feature under the pointer, the kept one, and the
     /// distance between them.
     pub fn messages(&self) -> Vec<Message> {
@@ -103,7 +108,7 @@ impl Caliper {
             let words = RichText::new(message.text(language)).monospace();
             let job = egui::WidgetText::from(words).into_galley(
                 ui,
-                Some(egui::TextWrapMode::Truncate),
+                Some(egui::TextWrapMode::Wrap),
                 (rect.right() - bottom.x - 8.0).max(40.0),
                 egui::TextStyle::Body,
             );

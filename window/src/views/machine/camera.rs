@@ -26,6 +26,8 @@ pub struct PictureState {
     pub follows_tool: bool,
     /// True to show the part as a solid, false for a half section.
     pub is_solid: bool,
+    /// Whether the user has requested the lathe in space, until the window takes the request.
+    pub requests_space: bool,
 }
 
 /// Position, scale and direction of the view on the part. Part coordinates: x is Z, y is X as

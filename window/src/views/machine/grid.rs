@@ -4,9 +4,14 @@ use egui::{Align2, FontId, Painter, Pos2, Shape, Stroke, pos2, vec2};
 
 use super::camera::Camera;
 use crate::theme;
+use gsk_messages::{Language, say};
 
 /// Minimum distance between two grid lines, points.
 const MIN_LINE_DISTANCE: f32 = 56.0;
+/// Width of the scale of X at the left edge of the picture, points.
+pub const X_SCALE_WIDTH: f32 = 48.0;
+/// Height of the name of X above its scale, points.
+pub const X_NAME_HEIGHT: f32 = 18.0;
 
 /// Draws the grid lines below the picture.
 pub fn draw_lines(painter: &Painter, camera: &Camera) {
@@ -23,8 +28,9 @@ pub fn draw_lines(painter: &Painter, camera: &Camera) {
     }
 }
 
-/// Draws the axis of the spindle, and the coordinates of the grid lines, over the picture.
-pub fn draw_figures(painter: &Painter, camera: &Camera) {
+/// Draws the axis of the spindle, the coordinates of the grid lines and the names of both axes,
+/// over the picture.
+pub fn draw_figures(painter: &Painter, camera: &Camera, language: Language) {
     let (room, seen) = (camera.rect, camera.visible_bounds());
     let axis = camera.screen_position(Pos2::ZERO).y;
     let ends = [pos2(room.left(), axis), pos2(room.right(), axis)];
@@ -35,8 +41,7 @@ pub fn draw_figures(painter: &Painter, camera: &Camera) {
     }
     let step = round_step(MIN_LINE_DISTANCE / camera.points_per_mm);
     let font = FontId::monospace(theme::SCALE_SIZE);
-    let text = |at: Pos2, align: Align2, value: f32| {
-        let text = format_figure(value, step);
+    let label = |at: Pos2, align: Align2, text: String, font: &FontId| {
         let galley = painter.layout_no_wrap(text, font.clone(), theme::GRID_TEXT);
         let rect = align.anchor_size(at, galley.size());
         painter.rect_filled(
@@ -45,22 +50,33 @@ pub fn draw_figures(painter: &Painter, camera: &Camera) {
             theme::PICTURE_LABEL_GROUND,
         );
         painter.galley(rect.min, galley, theme::GRID_TEXT);
+        rect
     };
+    let name_font = FontId::proportional(theme::SCALE_SIZE);
+    let name = say::lathe_axis_x().text(language);
+    label(
+        room.left_top() + vec2(4.0, 2.0),
+        Align2::LEFT_TOP,
+        name,
+        &name_font,
+    );
+    let name = say::lathe_axis_z().text(language);
+    let corner = room.right_bottom() + vec2(-6.0, -2.0);
+    let z_name = label(corner, Align2::RIGHT_BOTTOM, name, &name_font);
     for z in multiples(seen.left(), seen.right(), step) {
         let x = camera.screen_position(pos2(z, 0.0)).x;
-        if x > room.left() + 44.0 {
-            text(pos2(x, room.bottom() - 2.0), Align2::CENTER_BOTTOM, z);
+        if x > room.left() + X_SCALE_WIDTH && x < z_name.left() - 24.0 {
+            let at = pos2(x, room.bottom() - 2.0);
+            label(at, Align2::CENTER_BOTTOM, format_figure(z, step), &font);
         }
     }
     // X figures are diameters: they have the step of Z, on both sides of the axis.
     for x in multiples(seen.top(), seen.bottom(), step / 2.0) {
         let y = camera.screen_position(pos2(0.0, x)).y;
-        if y < room.bottom() - 22.0 {
-            text(
-                pos2(room.left() + 4.0, y),
-                Align2::LEFT_CENTER,
-                (x * 2.0).abs(),
-            );
+        if y < room.bottom() - 22.0 && y > room.top() + X_NAME_HEIGHT + 6.0 {
+            let at = pos2(room.left() + 4.0, y);
+            let figure = format_figure((x * 2.0).abs(), step);
+            label(at, Align2::LEFT_CENTER, figure, &font);
         }
     }
 }

@@ -31,6 +31,7 @@ use gsk_core::units::Point;
 use gsk_host::kernel::part::PartView;
 use gsk_host::kernel::{Console, ProgramPlacement};
 use gsk_messages::Language;
+use gsk_workpiece::measure::Feature;
 
 use super::interface::{View, ViewFrame, ViewStart};
 use super::program::{ProgramDocument, TextOrigin, with_line_feeds};
@@ -192,6 +193,12 @@ impl LatheView {
         }
     }
 
+    /// The feature of the part that was clicked with the caliper; `None` without one.
+    pub fn kept_feature(&self) -> Option<Feature> {
+        let is_measuring = self.instruments.selected == Instrument::Caliper;
+        self.instruments.caliper.kept().filter(|_| is_measuring)
+    }
+
     /// Number of segments of the drawn path.
     pub fn segment_count(&self) -> usize {
         self.preview.path.segment_count()
@@ -272,7 +279,10 @@ impl LatheView {
         let selected = self.preview.path.programs.selected();
         let file = self.program_text.file.as_ref();
         let file = file.filter(|(program, _)| selected == Some(*program));
+        let programs = &self.preview.path.programs;
         let lathe = job::JobContext {
+            program: selected.and_then(|id| Some((id, programs.get(id)?))),
+            console: &self.console,
             job: &part.job,
             is_guessed: part.job_name.is_none(),
             program_file: file.map(|(_, path)| path.as_path()),
@@ -293,6 +303,12 @@ impl LatheView {
             .inner;
         if let (Some(job), Some(worker)) = (clamped, &self.worker) {
             worker.clamp(job);
+        }
+        if let Some((program, file)) = self.instruments.job.take_saved_program() {
+            if let Some(worker) = &self.worker {
+                worker.report_opened_file(program, file.clone());
+            }
+            self.program_text.file = Some((program, file));
         }
     }
 
@@ -381,6 +397,11 @@ impl LatheView {
                 }
             }
         }
+    }
+
+    /// Whether the user has requested the lathe in space since the last call.
+    pub const fn take_space_request(&mut self) -> bool {
+        core::mem::replace(&mut self.picture.requests_space, false)
     }
 
     /// Takes the request to the program view, if there is one.

@@ -6,6 +6,7 @@ use gsk_messages::{Language, Message, say};
 use gsk_runner::times::TimeUse;
 
 use super::camera::Camera;
+use super::grid::{X_NAME_HEIGHT, X_SCALE_WIDTH};
 use super::to_pos2;
 use crate::theme;
 
@@ -35,7 +36,8 @@ pub fn draw_states(painter: &Painter, rect: Rect, part: &PartView, language: Lan
 /// colour of its path.
 pub fn draw_legend(painter: &Painter, rect: Rect, language: Language) {
     let font = FontId::proportional(theme::SCALE_SIZE);
-    let mut at = rect.left_top() + vec2(8.0, 6.0);
+    // Beside the scale of X, which is at the left edge, and below its name.
+    let mut at = rect.left_top() + vec2(X_SCALE_WIDTH, X_NAME_HEIGHT + 4.0);
     for (what, color) in [
         (TimeUse::Rapid, theme::RAPID_PATH),
         (TimeUse::Feed, theme::FEED_PATH),

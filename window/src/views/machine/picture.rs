@@ -97,7 +97,7 @@ impl LatheView {
             self.instruments.caliper.show_readings(ui, rect, language);
         }
         if solid.is_none() {
-            grid::draw_figures(&painter, &camera);
+            grid::draw_figures(&painter, &camera, language);
         }
         if self.instruments.selected != Instrument::Microscope {
             overlay::draw_legend(&painter, rect, language);

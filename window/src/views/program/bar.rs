@@ -6,6 +6,7 @@ use egui::{
 use gsk_messages::{Language, Message, say};
 
 use super::TextToLoad;
+use super::breakpoints::BreakpointList;
 use super::document::{ProgramDocument, TextOrigin};
 use crate::placement::stop_key_clearance;
 
@@ -54,6 +55,7 @@ impl ProgramBar {
         ui: &mut Ui,
         document: &ProgramDocument,
         memory: &[u16],
+        breakpoints: &mut BreakpointList,
         language: Language,
     ) -> Option<EditorCommand> {
         let mut command = None;
@@ -90,6 +92,8 @@ impl ProgramBar {
                     command = Some(what);
                 }
             }
+            ui.separator();
+            breakpoints.show_menu(ui, language);
         });
         ui.horizontal(|ui| {
             if self.show_field(ui, "find", &say::program_find(), "Ctrl+F", language) {

@@ -7,12 +7,13 @@ use egui::text::{CCursor, CCursorRange, LayoutJob};
 use egui::text_edit::TextEditState;
 use egui::{
     Align, Align2, Context, FontId, Frame, Galley, Id, Margin, Pos2, Rect, Response, ScrollArea,
-    TextEdit, Ui, pos2, vec2,
+    Shape, Stroke, TextEdit, Ui, pos2, vec2,
 };
 use gsk_language::meaning::word_meaning;
 use gsk_language::words::{spans, word_of};
 use gsk_messages::{Language, say};
 
+use super::breakpoints::MarginMarks;
 use super::check::TextFinding;
 use super::document::ProgramDocument;
 use super::paint::{self, TextColorizer, find_alarm_ranges};
@@ -23,12 +24,18 @@ use crate::theme;
 /// numbers.
 const DIGIT_WIDTH: f32 = 9.0;
 const NUMBERS_MARGIN: f32 = 14.0;
+/// Size of a mark beside the line numbers, points.
+const MARK_SIZE: f32 = 9.0;
 
 /// What the text field draws.
 pub struct EditorInputs<'a> {
     pub document: &'a mut ProgramDocument,
     /// The revision of the text that was checked, and the findings of that check.
     pub marks: (Option<u64>, &'a [TextFinding]),
+    /// What the margin shows.
+    pub margin: MarginMarks,
+    /// Whether to scroll to the line in execution.
+    pub shows_running_line: bool,
     /// The language of the hover texts.
     pub language: Language,
 }
@@ -42,6 +49,8 @@ pub struct EditorResponse {
     pub clicked_target: Option<(JumpTarget, usize)>,
     /// The line, from 1, at whose block the user requests a restart; `None` without a request.
     pub restart_line: Option<u32>,
+    /// The line, from 1, whose breakpoint the user sets or removes; `None` without a request.
+    pub breakpoint_line: Option<u32>,
 }
 
 /// The widget id of the text field.
@@ -98,6 +107,8 @@ pub fn show_editable(
     let EditorInputs {
         document,
         marks,
+        margin: margin_marks,
+        shows_running_line,
         language,
     } = sheet;
     ui.painter()
@@ -129,6 +140,7 @@ pub fn show_editable(
         let name = say::program_text().text(language);
         response
             .widget_info(|| egui::WidgetInfo::labeled(egui::Role::MultilineTextInput, true, &name));
+        let menu = show_menu(document, &response, language);
         let done = EditorResponse {
             is_changed: response.changed(),
             clicked_target: find_clicked_target(
@@ -138,7 +150,16 @@ pub fn show_editable(
                 &output.galley,
                 output.galley_pos,
             ),
-            restart_line: show_menu(document, &response, language),
+            restart_line: menu.restart_line,
+            breakpoint_line: draw_margin(
+                ui,
+                &output.galley,
+                output.galley_pos,
+                numbers_width,
+                &margin_marks,
+                language,
+            )
+            .or(menu.breakpoint_line),
         };
         if done.is_changed {
             document.update_after_change();
@@ -157,7 +178,15 @@ pub fn show_editable(
                 Some(Align::Center),
             );
         }
-        draw_line_numbers(ui, &output.galley, output.galley_pos, numbers_width);
+        if shows_running_line && let Some(line) = margin_marks.running_line {
+            let start = document.line_start(line.saturating_sub(1) as usize);
+            let cursor = CCursor::new(document.character_at_byte(start));
+            let at = output.galley.pos_from_cursor(cursor);
+            ui.scroll_to_rect(
+                at.translate(output.galley_pos.to_vec2()),
+                Some(Align::Center),
+            );
+        }
         show_hover_text(
             document,
             marks.1,
@@ -172,8 +201,8 @@ pub fn show_editable(
 }
 
 /// Draws a read-only text, of which it lays out only the visible lines. `jump`: a line to
-/// scroll to.
-pub fn show_read_only(ui: &mut Ui, sheet: &EditorInputs<'_>, jump: Option<usize>) {
+/// scroll to. Returns the line, from 1, whose number was clicked.
+pub fn show_read_only(ui: &mut Ui, sheet: &EditorInputs<'_>, jump: Option<usize>) -> Option<u32> {
     let font = FontId::monospace(theme::READING_SIZE);
     let count = sheet.document.line_count();
     let numbers_width = line_numbers_width(count);
@@ -184,7 +213,10 @@ pub fn show_read_only(ui: &mut Ui, sheet: &EditorInputs<'_>, jump: Option<usize>
     let mut area = ScrollArea::both()
         .auto_shrink([false, false])
         .id_salt("lines");
-    if let Some(line) = jump {
+    let running_line = (sheet.margin.running_line).filter(|_| sheet.shows_running_line);
+    let running_index = running_line.map(|line| line.saturating_sub(1) as usize);
+    let mut clicked_line = None;
+    if let Some(line) = jump.or(running_index) {
         let above = ui.available_height() / 2.0;
         area = area.vertical_scroll_offset((line as f32 * height - above).max(0.0));
     }
@@ -198,42 +230,59 @@ pub fn show_read_only(ui: &mut Ui, sheet: &EditorInputs<'_>, jump: Option<usize>
             let (rect, _) = ui.allocate_exact_size(size, egui::Sense::HOVER);
             let at = rect.left_top() + vec2(numbers_width, 0.0);
             ui.painter().galley(at, galley, theme::BRIGHT_TEXT);
-            draw_line_number(
-                ui,
-                index + 1,
-                pos2(
-                    rect.left() + numbers_width - NUMBERS_MARGIN / 2.0,
-                    rect.top(),
-                ),
-            );
+            let column = Rect::from_min_size(rect.min, vec2(numbers_width - 4.0, height));
+            draw_line_number(ui, index + 1, column, &sheet.margin);
+            let id = ui.scope_id().with(("line number", index));
+            if ui.interact(column, id, egui::Sense::CLICK).clicked() {
+                clicked_line = Some(index as u32 + 1);
+            }
         }
     });
+    clicked_line
 }
 
-/// The context menu of the text. Returns the line of the cursor, from 1, if the user requests a
-/// restart at its block.
-fn show_menu(document: &ProgramDocument, response: &Response, language: Language) -> Option<u32> {
-    let mut line = None;
+/// The lines, from 1, for which the user has chosen an entry of the context menu.
+#[derive(Default)]
+struct MenuChoice {
+    restart_line: Option<u32>,
+    breakpoint_line: Option<u32>,
+}
+
+/// The context menu of the text, for the line of the cursor.
+fn show_menu(document: &ProgramDocument, response: &Response, language: Language) -> MenuChoice {
+    let mut choice = MenuChoice::default();
     response.context_menu(|ui| {
         let cursor = cursor_range(ui.ctx()).map_or(0, |range| range.start);
-        let at = document.line_at(document.byte_of_character(cursor)) as u32 + 1;
-        let name = say::restart_menu(at).text(language);
-        if ui.button(name).clicked() {
-            line = Some(at);
-            ui.close();
+        let line = document.line_at(document.byte_of_character(cursor)) as u32 + 1;
+        let entries = [
+            (say::restart_menu(line), &mut choice.restart_line),
+            (say::breakpoint_at_line(line), &mut choice.breakpoint_line),
+        ];
+        for (name, chosen) in entries {
+            if ui.button(name.text(language)).clicked() {
+                *chosen = Some(line);
+                ui.close();
+            }
         }
     });
-    line
+    choice
 }
 
 fn line_numbers_width(lines: usize) -> f32 {
     let digits = lines.max(100).to_string().len();
-    DIGIT_WIDTH * digits as f32 + NUMBERS_MARGIN
+    DIGIT_WIDTH * digits as f32 + NUMBERS_MARGIN + 2.0 * MARK_SIZE
 }
 
-/// Draws line numbers beside the visible rows. The numbers do not move when long lines are
-/// scrolled.
-fn draw_line_numbers(ui: &Ui, galley: &Galley, origin: Pos2, width: f32) {
+/// Draws line numbers and marks beside the visible rows. They do not move when long lines are
+/// scrolled. Returns the line, from 1, whose number was clicked.
+fn draw_margin(
+    ui: &Ui,
+    galley: &Galley,
+    origin: Pos2,
+    width: f32,
+    marks: &MarginMarks,
+    language: Language,
+) -> Option<u32> {
     let clip = ui.clip_rect();
     let column = Rect::from_min_max(
         clip.left_top(),
@@ -241,6 +290,17 @@ fn draw_line_numbers(ui: &Ui, galley: &Galley, origin: Pos2, width: f32) {
     );
     ui.painter()
         .rect_filled(column, 0.0, theme::LINE_NUMBER_GROUND);
+    let response = ui.interact(
+        column,
+        ui.scope_id().with("line numbers"),
+        egui::Sense::CLICK,
+    );
+    let clicked_y = (response.clicked())
+        .then(|| response.interact_pointer_pos())
+        .flatten()
+        .map(|at| at.y);
+    response.on_hover_text(say::breakpoint_margin_hint().text(language));
+    let mut clicked_line = None;
     let mut line = 1;
     for row in &galley.rows {
         let top = origin.y + row.pos.y;
@@ -248,16 +308,36 @@ fn draw_line_numbers(ui: &Ui, galley: &Galley, origin: Pos2, width: f32) {
             break;
         }
         if top + row.size.y >= clip.top() {
-            draw_line_number(ui, line, pos2(column.right() - NUMBERS_MARGIN / 2.0, top));
+            let bottom = top + row.size.y;
+            if clicked_y.is_some_and(|y| (top..bottom).contains(&y)) {
+                clicked_line = Some(line as u32);
+            }
+            let cell = Rect::from_x_y_ranges(column.x_range(), top..=bottom);
+            draw_line_number(ui, line, cell, marks);
         }
         line += usize::from(row.ends_with_newline);
     }
+    clicked_line
 }
 
-fn draw_line_number(ui: &Ui, line: usize, at: Pos2) {
+/// Draws a line number into its cell of the margin: a disc marks a breakpoint, an arrow the line
+/// in execution.
+fn draw_line_number(ui: &Ui, line: usize, cell: Rect, marks: &MarginMarks) {
+    let number = line as u32;
+    let painter = ui.painter();
+    let center = pos2(cell.left() + MARK_SIZE, cell.center().y);
+    if marks.breakpoints.contains(&number) {
+        painter.circle_filled(center, MARK_SIZE / 2.0, theme::BREAKPOINT);
+    }
+    if marks.running_line == Some(number) {
+        let half = MARK_SIZE / 2.0;
+        let tip = center + vec2(MARK_SIZE + half, 0.0);
+        let arrow = vec![tip + vec2(-half, -half), tip, tip + vec2(-half, half)];
+        painter.add(Shape::convex_polygon(arrow, theme::ACCENT, Stroke::NONE));
+    }
     let font = FontId::monospace(theme::LABEL_SIZE);
-    ui.painter()
-        .text(at, Align2::RIGHT_TOP, line, font, theme::LINE_NUMBER_TEXT);
+    let at = pos2(cell.right() - NUMBERS_MARGIN / 2.0, cell.top());
+    painter.text(at, Align2::RIGHT_TOP, line, font, theme::LINE_NUMBER_TEXT);
 }
 
 /// Index of the character at the position `at` in the window; `origin` is that of the text.

@@ -2,6 +2,7 @@
 //! while it is typed, and the meaning of its words. The control's edit page is separate.
 
 mod bar;
+mod breakpoints;
 mod check;
 mod document;
 mod document_store;
@@ -14,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 use egui::{Context, Panel, RichText, ScrollArea, Ui};
 use gsk_core::command::ProgramId;
-use gsk_host::kernel::{Console, ProgramPlacement};
+use gsk_host::kernel::{Console, PanelSnapshot, ProgramPlacement};
 use gsk_messages::{Language, Message, say};
 
 use super::interface::{View, ViewFrame, ViewStart};
@@ -24,6 +25,8 @@ use crate::theme;
 use crate::widgets::questions::Unsaved;
 use crate::widgets::status_message::not_stored_reason;
 use bar::{EditorCommand, ProgramBar};
+use breakpoints::BreakpointList;
+pub use breakpoints::{halt_text, show_halt_buttons};
 use check::{TextCheck, TextChecker};
 use document::file_name;
 pub use document::{ProgramDocument, TextOrigin, with_line_feeds};
@@ -52,6 +55,9 @@ pub struct ProgramView {
     last_check: Option<TextCheck>,
     painter: TextColorizer,
     restart: RestartDialog,
+    breakpoints: BreakpointList,
+    /// Whether the line of a new halt is shown in the next frame.
+    shows_running_line: bool,
     bar: ProgramBar,
     /// The range of characters to select and scroll to in the next frame; `None`: none.
     selection_to_show: Option<Range<usize>>,
@@ -124,6 +130,8 @@ impl ProgramView {
             document: ProgramDocument::new(TextOrigin::New, ""),
             checker: TextChecker::new(&console),
             restart: RestartDialog::new(console.clone()),
+            breakpoints: BreakpointList::new(console.clone()),
+            shows_running_line: false,
             document_store: DocumentStore::new(console),
             last_check: None,
             painter: TextColorizer::default(),
@@ -145,6 +153,21 @@ impl ProgramView {
             (None, ProgramPlacement::Stored(number)) => TextToLoad::Memory(Some(*number)),
             (None, ProgramPlacement::OnlyRun(_)) => return,
         });
+    }
+
+    /// Stores the state of the program that runs. At a new halt its program is shown, unless a
+    /// text is unsaved.
+    pub fn take_snapshot(&mut self, snapshot: &PanelSnapshot) {
+        let Some(block) = self.breakpoints.take_snapshot(snapshot) else {
+            return;
+        };
+        self.shows_running_line = true;
+        if let ProgramId::Stored(number) = block.program
+            && !BreakpointList::is_program(&self.document, block.program)
+            && !self.document.is_unsaved()
+        {
+            self.text_to_load = Some(TextToLoad::Memory(Some(number)));
+        }
     }
 
     /// Returns the document if its revision has changed since the last call; else `None`.
@@ -218,8 +241,11 @@ impl ProgramView {
             .as_ref()
             .map_or(&[][..], |checked| &checked.stored_programs);
         let tools = Panel::top("program bar").frame(bar_frame());
+        let (bar, breakpoints) = (&mut self.bar, &mut self.breakpoints);
         let command = tools
-            .show(ui, |ui| self.bar.show(ui, document, memory, language))
+            .show(ui, |ui| {
+                bar.show(ui, document, memory, breakpoints, language)
+            })
             .inner;
         if let Some(command) = command {
             self.execute(command, ui.ctx(), language);
@@ -252,18 +278,27 @@ impl ProgramView {
                 .line_at(self.document.byte_of_character(range.start))
         });
         let edited = self.document.is_editable();
+        let margin = self.breakpoints.margin_marks(&self.document);
         let sheet = EditorInputs {
             document: &mut self.document,
             marks,
+            margin,
+            shows_running_line: std::mem::take(&mut self.shows_running_line),
             language,
         };
         if !edited {
             self.selection_to_show = None;
-            return editor::show_read_only(ui, &sheet, line);
+            if let Some(line) = editor::show_read_only(ui, &sheet, line) {
+                self.breakpoints.toggle_line(&self.document, line);
+            }
+            return;
         }
         let done = editor::show_editable(ui, sheet, &mut self.painter, &mut self.selection_to_show);
         if done.is_changed {
             self.message = None;
+        }
+        if let Some(line) = done.breakpoint_line {
+            self.breakpoints.toggle_line(&self.document, line);
         }
         if let Some(line) = done.restart_line {
             let text = self.document.text.clone();
@@ -427,8 +462,9 @@ impl ProgramView {
         }
     }
 
-    /// Draws the last message and the findings of the check.
+    /// Draws a halt, the last message and the findings of the check.
     fn show_findings(&mut self, ui: &mut Ui, language: Language) {
+        self.breakpoints.show_halt(ui, language);
         let shown_message = self.message.as_ref().map(|message| match message {
             EditorMessage::Good(message) => (message.text(language), None),
             EditorMessage::Bad(message) => (message.text(language), Some(theme::CODE_ALARM_TEXT)),

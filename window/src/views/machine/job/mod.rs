@@ -2,13 +2,18 @@
 //! saved as the job file of the program.
 
 mod fields;
+mod program_saver;
 mod tool_drawing;
+mod unknown_setting;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use egui::{Color32, ScrollArea, Ui};
+use gsk_core::command::ProgramId;
+use gsk_core::program::Program;
 use gsk_host::job;
+use gsk_host::kernel::Console;
 use gsk_messages::{Language, Message, say};
 use gsk_runner::text_format::short_description;
 use gsk_workpiece::job::Job;
@@ -16,6 +21,7 @@ use gsk_workpiece::tool::Tool;
 
 use crate::focus;
 use crate::theme;
+use program_saver::ProgramSaver;
 
 /// The highest T number of a tool.
 const MAX_TOOL_NUMBER: u8 = 99;
@@ -45,6 +51,8 @@ pub struct JobContext<'a> {
     pub job: &'a Arc<Job>,
     /// Whether the job was guessed from the program.
     pub is_guessed: bool,
+    /// The selected program; `None` without one.
+    pub program: Option<(ProgramId, &'a Program)>,
     /// The file of the program; `None` if the program has none.
     pub program_file: Option<&'a Path>,
     /// The T numbers that the program uses.
@@ -52,6 +60,7 @@ pub struct JobContext<'a> {
     pub is_running: bool,
     /// Why the job file on the disk cannot be used; `None` if it can.
     pub file_error: Option<&'a Message>,
+    pub console: &'a Console,
 }
 
 /// The panel in which the user edits stock and tools.
@@ -71,6 +80,7 @@ pub struct JobPanel {
     /// The job file that was read or written last, and its contents; `None` before that.
     saved: Option<(PathBuf, Job)>,
     message: Option<(Message, Color32)>,
+    program_saver: ProgramSaver,
 }
 
 impl JobPanel {
@@ -90,7 +100,7 @@ impl JobPanel {
             self.job_file = path;
         }
         let mut job = self.draft.take()?;
-        self.show_origin(ui, context, &job, language);
+        self.show_origin(ui, context, &mut job, language);
         if context.is_running {
             let words = say::job_while_running().text(language);
             ui.colored_label(theme::WARNING, words);
@@ -129,6 +139,11 @@ impl JobPanel {
         jobs.is_some_and(|(draft, kept)| draft != kept)
     }
 
+    /// Takes a program that had no file and was saved together with its job; `None` without one.
+    pub fn take_saved_program(&self) -> Option<(ProgramId, PathBuf)> {
+        self.program_saver.take_saved()
+    }
+
     /// Whether `job` was edited in this panel and then clamped.
     pub fn is_own_change(&self, job: &Job) -> bool {
         self.original_job.as_ref() != Some(job) && self.clamped.as_ref() == Some(job)
@@ -157,8 +172,15 @@ impl JobPanel {
         }
     }
 
-    /// Draws the origin of the job (file or guess) and the button that saves it.
-    fn show_origin(&mut self, ui: &mut Ui, lathe: &JobContext<'_>, job: &Job, language: Language) {
+    /// Draws the origin of the job (file or guess), the button that saves it, and the one that
+    /// makes zero and tools unknown.
+    fn show_origin(
+        &mut self,
+        ui: &mut Ui,
+        lathe: &JobContext<'_>,
+        job: &mut Job,
+        language: Language,
+    ) {
         let file = self.saved.as_ref().map(|(path, _)| file_name(path));
         let is_saved = self.saved.as_ref().is_some_and(|(_, saved)| saved == job);
         let (words, color) = match file {
@@ -171,16 +193,26 @@ impl JobPanel {
         ui.colored_label(color, words.text(language));
         let rule = job.check().err();
         ui.horizontal_wrapped(|ui| {
-            let can_save = rule.is_none() && !is_saved;
-            let button =
-                ui.add_enabled(can_save, egui::Button::new(say::job_save().text(language)));
-            if button
-                .on_hover_text(say::job_save_hint().text(language))
-                .clicked()
-            {
-                self.save(lathe, job);
+            let can_save = rule.is_none() && !is_saved && lathe.program.is_some();
+            let (name, hint) = match lathe.program_file {
+                Some(_) => (say::job_save(), say::job_save_hint()),
+                None => (say::job_save_as(), say::job_save_as_hint()),
+            };
+            let button = ui.add_enabled(can_save, egui::Button::new(name.text(language)));
+            let button = button.on_hover_text(hint.text(language));
+            if button.clicked() {
+                self.save(ui, lathe, job, language);
+            }
+            let unknown = egui::Button::new(say::job_set_unknown().text(language));
+            let unknown = ui.add_enabled(!lathe.is_running, unknown);
+            let hint = say::job_set_unknown_hint().text(language);
+            if unknown.on_hover_text(hint).clicked() {
+                unknown_setting::make_unknown(job);
             }
         });
+        if lathe.program.is_none() {
+            ui.weak(say::job_without_program().text(language));
+        }
         if let Some(rule) = rule {
             ui.colored_label(theme::JOB_ERROR, rule.text(language));
         } else if let Some((message, color)) = &self.message {
@@ -189,9 +221,13 @@ impl JobPanel {
         ui.separator();
     }
 
-    fn save(&mut self, lathe: &JobContext<'_>, job: &Job) {
-        let Some(program) = lathe.program_file else {
-            self.message = Some((say::job_without_program_file(), theme::JOB_ERROR));
+    /// Saves the job beside the program, or both under a new name if the program has no file.
+    fn save(&mut self, ui: &Ui, lathe: &JobContext<'_>, job: &Job, language: Language) {
+        let Some(file) = lathe.program_file else {
+            if let Some(program) = lathe.program {
+                let saver = &self.program_saver;
+                saver.save(program, job, lathe.console, ui.ctx(), language);
+            }
             return;
         };
         if let Some(error) = lathe.file_error {
@@ -199,7 +235,7 @@ impl JobPanel {
             self.message = Some((say::job_file_in_trouble(error.clone()), theme::JOB_ERROR));
             return;
         }
-        let path = job::job_path(program);
+        let path = job::job_path(file);
         self.message = Some(match job::write(&path, job) {
             Ok(()) => {
                 let message = say::window_saved(path.display());

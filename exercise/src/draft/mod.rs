@@ -1,18 +1,21 @@
 //! Drafts an exercise from a program and its job: the learner writes the program for the part
 //! that it makes. The dimensions of the part become criteria.
 
-use std::collections::BTreeMap;
+mod from_part;
+mod head;
+
 use std::fmt::Write as _;
 
-use gsk_core::memory::ToolOffset;
+pub use from_part::{PartDraft, PickedDimension};
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::units::{Diameter, Point, parse_finite};
-use gsk_messages::{Language, Message, say};
+use gsk_messages::{Message, say};
 use gsk_workpiece::job::{DiameterPoint, Job};
 use gsk_workpiece::measure::{Feature, SectionSide, measure_features};
 use gsk_workpiece::region::Region;
-use gsk_workpiece::stock::StockForm;
+use head::{TaskHead, figure, in_both_languages, write_text};
+pub use head::{propose_text, propose_title};
 
 use crate::outline_writer::write_outline;
 use crate::part_size::nominal_front;
@@ -52,7 +55,19 @@ pub fn draft_exercise(setup: &Setup, job: &Job) -> Result<ExerciseDraft, Message
         .number()
         .ok_or_else(say::lesson_program_without_number)?;
     let start = find_start(program.text());
-    let head = write_head(setup, &place_job(job), start, number)?;
+    let job = place_job(job);
+    // The learner writes the program itself; its subprograms are there.
+    let subprograms = setup.memory.programs.iter().filter(|(it, _)| *it != number);
+    let head = TaskHead {
+        title: propose_title(number),
+        text: propose_text(number, &job, start),
+        setup,
+        job: &job,
+        slides: WORK_ZERO + start,
+        absolute: start,
+        programs: subprograms.map(|(_, it)| it.text()).collect(),
+    };
+    let head = head.write()?;
     let reference = type_program(program);
     let task = |outline: &str, criteria: &str| {
         format!("{head}{outline}    time_limit: 3600,\n    criteria: [\n{criteria}    ],\n)\n")
@@ -82,68 +97,6 @@ pub fn draft_exercise(setup: &Setup, job: &Job) -> Result<ExerciseDraft, Message
     })
 }
 
-/// Writes texts, start state and job.
-fn write_head(setup: &Setup, job: &Job, absolute: Point, number: u16) -> Result<String, Message> {
-    let options =
-        ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
-    let pretty = ron::ser::PrettyConfig::new()
-        .depth_limit(2)
-        .indentor("    ");
-    let job_text = options.to_string_pretty(job, pretty);
-    let job_text = job_text.map_err(say::as_written)?.replace('\n', "\n    ");
-    let title = say::exercise_draft_title(number);
-    let tools: Vec<String> = job.tools.keys().map(|it| format!("T{it:02}")).collect();
-    let text = say::exercise_draft_text(
-        number,
-        describe_stock(job),
-        tools.join(" "),
-        absolute.diameter().0,
-        absolute.z,
-    );
-    let start = WORK_ZERO + absolute;
-    let offsets = setup.memory.offsets.iter();
-    let offsets: Vec<String> = offsets
-        .filter(|(number, row)| *number > 0 && **row != ToolOffset::default())
-        .map(|(number, row)| format!("\"{number}={},{},{},{}\"", row.x, row.z, row.r, row.t))
-        .collect();
-    let delivered: BTreeMap<u16, i32> = Setup::delivered().memory.parameters.iter().collect();
-    let parameters = setup.memory.parameters.iter();
-    let parameters: Vec<String> = parameters
-        .filter(|(number, value)| delivered.get(number) != Some(value))
-        .map(|(number, value)| format!("\"{number}={value}\""))
-        .collect();
-    // The learner writes the program itself; its subprograms are there.
-    let others = setup.memory.programs.iter().filter(|(it, _)| *it != number);
-    let subprograms: Vec<String> = others.map(|(_, it)| format!("{:?}", it.text())).collect();
-    let pair = |x: f64, z: f64| format!("({x}, {z})");
-    Ok(format!(
-        "(\n    title: {},\n    text: {},\n    begins: (\n        referenced: true,\n        \
-         slides: {},\n        absolute: {},\n        params: [{}],\n        offsets: [{}],\n        \
-         programs: [{}],\n    ),\n    job: {job_text},\n",
-        both_languages(&title),
-        both_languages(&text),
-        pair(start.diameter().0, start.z),
-        pair(absolute.diameter().0, absolute.z),
-        parameters.join(", "),
-        offsets.join(", "),
-        subprograms.join(", "),
-    ))
-}
-
-/// The diameters of the stock, as `⌀50` or `⌀50/⌀20`.
-fn describe_stock(job: &Job) -> String {
-    match &job.stock.form {
-        StockForm::Bar { diameter } => format!("⌀{}", figure(diameter.0)),
-        StockForm::Tube { diameter, bore } => {
-            format!("⌀{}/⌀{}", figure(diameter.0), figure(bore.0))
-        }
-        StockForm::Contour { corners, .. } => {
-            let most = corners.iter().map(|(x, _)| x.0).fold(0.0, f64::max);
-            format!("⌀{}", figure(most))
-        }
-    }
-}
-
 /// Gives the job the work zero of the start state, and the tools their place at it.
 fn place_job(job: &Job) -> Job {
     let mut job = job.clone();
@@ -170,11 +123,6 @@ fn find_start(program: &str) -> Point {
         Some(Point::from_diameter(Diameter(value('X')?), value('Z')?))
     });
     set.unwrap_or(USUAL_START)
-}
-
-fn both_languages(message: &Message) -> String {
-    let (zh, en) = (message.text(Language::Zh), message.text(Language::En));
-    format!("(zh: {zh:?}, en: {en:?})")
 }
 
 /// Writes the keys that enter a program and run it.
@@ -315,7 +263,7 @@ impl DraftedCriteria {
     }
 
     fn push(&mut self, id: &str, [yes, no]: &[Message; 2], rule: &str) {
-        let (yes, no) = (both_languages(yes), both_languages(no));
+        let [yes, no] = [yes, no].map(|it| write_text(&in_both_languages(it)));
         let _ = writeln!(
             self.text,
             "        (\n            id: \"{id}\", points: 2,\n            yes: {yes},\n            \
@@ -323,10 +271,4 @@ impl DraftedCriteria {
         );
         self.ids.push(id.to_owned());
     }
-}
-
-/// Rounds a size as a drawing has it.
-fn figure(value: f64) -> String {
-    // No negative zero.
-    format!("{}", (value * 1000.0).round() / 1000.0 + 0.0)
 }

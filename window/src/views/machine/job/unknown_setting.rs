@@ -1,0 +1,68 @@
+//! Gives a job a zero and tool lengths that the control does not know, so that the tools must be
+//! set by trial cuts.
+
+use gsk_core::units::Diameter;
+use gsk_workpiece::job::{DiameterPoint, Job};
+
+/// Distance of the tip from the bar at the usual start of the slides, X -100 Z -150 in machine
+/// coordinates, mm.
+const START_DISTANCE: DiameterPoint = DiameterPoint {
+    x: Diameter(41.3),
+    z: 36.7,
+};
+/// Machine coordinates of the usual start of the slides.
+const START: DiameterPoint = DiameterPoint {
+    x: Diameter(-100.0),
+    z: -150.0,
+};
+/// Lengths of the tools in the order of their numbers, X as a diameter, mm; further tools begin
+/// again. The first tool is the reference.
+const LENGTHS: [(f64, f64); 6] = [
+    (0.0, 0.0),
+    (-2.37, 1.46),
+    (6.42, -2.73),
+    (-3.18, 4.11),
+    (9.64, -7.25),
+    (-11.3, 5.92),
+];
+
+/// Sets zero and tool lengths. The same job always gets the same values.
+pub fn make_unknown(job: &mut Job) {
+    let outside = 2.0 * job.stock.radius();
+    job.zero = Some(DiameterPoint {
+        x: Diameter(START.x.0 - outside - START_DISTANCE.x.0),
+        z: START.z - job.stock.front() - START_DISTANCE.z,
+    });
+    job.lengths = (job.tools.keys().copied())
+        .zip(LENGTHS.into_iter().cycle())
+        .map(|(tool, (x, z))| {
+            let x = Diameter(x);
+            (tool, DiameterPoint { x, z })
+        })
+        .collect();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gsk_workpiece::stock::Stock;
+    use gsk_workpiece::tool::Tool;
+
+    #[test]
+    fn every_tool_has_a_length_of_its_own_and_begins_outside_of_the_bar() {
+        let mut job = Job::new(Stock::bar(50.0, 1.0, 81.0));
+        job.tools = (1..=4).map(|number| (number, Tool::turning())).collect();
+        make_unknown(&mut job);
+        job.check().expect("a valid job");
+        let zero = job.zero.expect("a zero").point();
+        let mut seen = Vec::new();
+        for length in job.lengths.values() {
+            assert!(!seen.contains(length), "{length:?}");
+            seen.push(*length);
+            let tip = START.point() - zero - length.point();
+            assert!(tip.x > job.stock.radius() + 10.0, "{tip:?}");
+            assert!(tip.z > job.stock.front() + 10.0, "{tip:?}");
+        }
+        assert_eq!(seen.len(), 4);
+    }
+}
