@@ -148,11 +148,9 @@ fn pitch(args: &PitchArgs, language: Option<Language>) -> Result<u8, CommandErro
 fn check_export_target(source: Option<&Path>, target: &Path) -> Result<(), CommandError> {
     let inputs = CommandInputs {
         files: source.into_iter().collect(),
-        main_program: None,
-        data_dir: None,
+        ..CommandInputs::default()
     };
-    check_overwrites(&inputs, &[target])?;
-    Ok(())
+    Ok(check_overwrites(&inputs, &[target])?)
 }
 
 /// Adds the values of a Renishaw file to `table`. Returns the axis that the file names and its

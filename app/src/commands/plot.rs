@@ -1,5 +1,7 @@
 //! `plot`: draws the toolpath as a picture.
 
+use core::iter;
+
 use gsk_core::preview::{CautionKind, preview_with_progress};
 use gsk_core::setup::Setup;
 use gsk_host::files::overwrite_guard::{CommandInputs, check_overwrites};
@@ -30,9 +32,7 @@ pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandEr
     }
     let main = args.file.as_path();
     let inputs = CommandInputs {
-        files: core::iter::once(main)
-            .chain(args.setup.input_files())
-            .collect(),
+        files: iter::once(main).chain(args.setup.input_files()).collect(),
         main_program: Some(main),
         data_dir: args.setup.data.as_deref(),
     };
@@ -65,10 +65,8 @@ pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandEr
         &mut |executed| {
             drawing.add_move(executed, rates);
             match (&mut machining, &mut recorder) {
-                (Some(machining), Some(recorder)) => {
-                    recorder.execute_move(machining, executed, rates);
-                }
-                (Some(machining), None) => machining.execute_move(executed, rates),
+                (Some(part), Some(recorder)) => recorder.execute_move(part, executed, rates),
+                (Some(part), None) => part.execute_move(executed, rates),
                 (None, _) => {}
             }
         },

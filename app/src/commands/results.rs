@@ -183,16 +183,13 @@ pub(super) fn check_programs<S: Sync, M>(
     }
     let setup = create_setup()?;
     // A mill reads nothing from the data directory.
-    let is_mill = args.setup.selected_model().is_mill();
-    let data_dir = args.setup.data.as_ref().filter(|_| !is_mill);
+    let is_lathe = !args.setup.selected_model().is_mill();
     let inputs = CommandInputs {
-        files: files
-            .iter()
-            .map(PathBuf::as_path)
+        files: (files.iter().map(PathBuf::as_path))
             .chain(args.setup.input_files())
             .collect(),
         main_program: files.first().map(PathBuf::as_path),
-        data_dir: data_dir.map(PathBuf::as_path),
+        data_dir: args.setup.data.as_deref().filter(|_| is_lathe),
     };
     let outputs = collect_outputs(&[&args.moves, &args.part.section]);
     check_overwrites(&inputs, &outputs)?;

@@ -114,9 +114,7 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
     }
     let agent_job = job_choice.as_ref().map(|chosen| chosen.job.clone());
     outputs.agent = CommandAgent::start(&args.mtconnect, &simulation, agent_job, board.is_some())?;
-    let partner = partner
-        .as_mut()
-        .map(|partner| partner as &mut dyn ProgramPartner);
+    let partner = partner.as_mut().map(|it| it as &mut dyn ProgramPartner);
     let (mut report, simulation) = execution::execute(
         &name,
         simulation,
