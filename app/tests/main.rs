@@ -15,6 +15,7 @@ mod crash;
 mod data_view;
 mod first_start;
 mod focus;
+mod lathe_view;
 mod layouts;
 mod lease;
 mod lessons;
