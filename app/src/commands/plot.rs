@@ -61,12 +61,7 @@ pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandEr
                 _ => find_duration_s(args, &setup),
             };
             let frames = frames as usize;
-            Some(SceneRecorder::new(
-                machining,
-                rear_tool_post,
-                frames,
-                time_s,
-            ))
+            Some(SceneRecorder::new(machining, &setup.lathe, frames, time_s))
         }
         Some(_) | None => None,
     };
