@@ -1336,6 +1336,7 @@ message_rows! {
     lathe_picture LathePicture();
     lathe_pointer LathePointer(x: "{:.3}", z: "{:.3}");
     lathe_practice LathePractice();
+    lathe_scene_camera LatheSceneCamera();
     lathe_scene_chuck LatheSceneChuck();
     lathe_scene_coarse LatheSceneCoarse();
     lathe_scene_cut_hint LatheSceneCutHint();
@@ -1347,9 +1348,11 @@ message_rows! {
     lathe_scene_keys LatheSceneKeys();
     lathe_scene_level LatheSceneLevel(level, megabytes: "{:.0}");
     lathe_scene_medium LatheSceneMedium();
+    lathe_scene_menu_hint LatheSceneMenuHint();
+    lathe_scene_moved LatheSceneMoved();
+    lathe_scene_name LatheSceneName(camera: message, keys: message);
     lathe_scene_operator LatheSceneOperator();
     lathe_scene_path_hint LatheScenePathHint();
-    lathe_scene_picture LatheScenePicture();
     lathe_scene_processor LatheSceneProcessor();
     lathe_scene_quarter LatheSceneQuarter();
     lathe_scene_section LatheSceneSection();
@@ -1829,6 +1832,7 @@ message_rows! {
     m_needs_gear_change MNeedsGearChange(code);
     m_unknown MUnknown(code: "{:02}");
     machine_backlash_wrong MachineBacklashWrong(backlash);
+    machine_construction_wrong MachineConstructionWrong();
     machine_dog_beyond_limits MachineDogBeyondLimits(from, to, minus, plus);
     machine_dog_beyond_slide MachineDogBeyondSlide(from, to, slide: message);
     machine_dog_reversed MachineDogReversed(from, to);
@@ -1839,6 +1843,7 @@ message_rows! {
     machine_file_line MachineFileLine(path, line, error: message);
     machine_file_no_lathe MachineFileNoLathe(path, rules: message);
     machine_gain_wrong MachineGainWrong(gain);
+    machine_lamp_wrong MachineLampWrong(address);
     machine_length_wrong MachineLengthWrong(value);
     machine_limits_beyond_slide MachineLimitsBeyondSlide(minus, plus, slide: message);
     machine_motor_turn_wrong MachineMotorTurnWrong(turn);
@@ -1854,6 +1859,7 @@ message_rows! {
     machine_station_wrong MachineStationWrong(station, stations);
     machine_stations_of_code MachineStationsOfCode();
     machine_stations_of_contacts MachineStationsOfContacts();
+    machine_steady_rest_wrong MachineSteadyRestWrong(distance, most);
     machine_time_wrong MachineTimeWrong(ms, least, most);
     machine_too_many_stations MachineTooManyStations(stations, most, rule: message);
     machine_window_wrong MachineWindowWrong(window);
@@ -2899,6 +2905,13 @@ message_rows! {
     stock_corner_remove StockCornerRemove();
     stock_corners_back StockCornersBack();
     stock_few_corners StockFewCorners();
+    stock_material StockMaterial();
+    stock_material_aluminium StockMaterialAluminium();
+    stock_material_brass StockMaterialBrass();
+    stock_material_cast_iron StockMaterialCastIron();
+    stock_material_plastic StockMaterialPlastic();
+    stock_material_stainless StockMaterialStainless();
+    stock_material_steel StockMaterialSteel();
     stock_tailstock StockTailstock();
     stock_tube StockTube();
     stock_word_bore StockWordBore();

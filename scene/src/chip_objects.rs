@@ -4,9 +4,10 @@ use core::f32::consts::TAU;
 
 use glam::{Mat4, Vec3, vec3};
 
-use crate::chips::{ChipShape, ChipState};
+use crate::chips::ChipState;
 use crate::device::{Device, GpuMesh, SceneError, VertexLayout};
 use crate::mesh::{SceneMaterial, SceneMesh};
+use crate::part_material::ChipShape;
 
 /// Sides of the wire of a chip.
 const WIRE_SIDES: u32 = 4;
@@ -49,7 +50,7 @@ fn build_chip(shape: ChipShape) -> SceneMesh {
 }
 
 /// Builds the mesh of all chips.
-fn build_mesh(chips: &[ChipState]) -> SceneMesh {
+pub fn build_mesh(chips: &[ChipState]) -> SceneMesh {
     let mut mesh = SceneMesh::default();
     let shapes = [
         ChipShape::Needle,
@@ -113,6 +114,7 @@ impl ChipObjects {
 mod tests {
     use super::*;
     use crate::chips::{ChipFlow, ChipSource, MAX_CHIPS};
+    use crate::part_material::PartMaterial;
 
     #[test]
     fn the_mesh_of_all_chips_is_bounded() {
@@ -123,6 +125,7 @@ mod tests {
                 away: Vec3::Z,
                 feed: 0.2,
                 speed: 100.0,
+                material: PartMaterial::Steel,
                 tray_y: -100.0,
             };
             flow.advance(0.05, Some(&cut));

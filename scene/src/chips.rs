@@ -6,32 +6,16 @@ use std::collections::VecDeque;
 
 use glam::{Quat, Vec3, vec3};
 
+use crate::part_material::{ChipShape, PartMaterial};
+
 /// Greatest number of chips, flying or in the tray.
 pub const MAX_CHIPS: usize = 140;
 /// Time between two chips, s.
 const CHIP_INTERVAL_S: f32 = 0.045;
 /// Acceleration of a fall, mm/s²: slower than real, so that the eye follows.
 const GRAVITY: f32 = 2200.0;
-/// Feeds below which chips are ribbons, and above which they break to needles, mm per turn.
-const RIBBON_FEED: f32 = 0.08;
-const NEEDLE_FEED: f32 = 0.32;
-/// Cutting speed above which a cut throws sparks, m/min.
-const SPARK_SPEED: f32 = 450.0;
 /// Life of a spark, s.
 const SPARK_LIFE_S: f32 = 0.35;
-
-/// Form of a chip.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ChipShape {
-    /// A short piece of a heavy cut.
-    Needle,
-    /// A coil.
-    Curl,
-    /// A long wavy piece of a fine cut.
-    Ribbon,
-    /// A glowing particle.
-    Spark,
-}
 
 /// A cut that makes chips.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,29 +28,10 @@ pub struct ChipSource {
     pub feed: f32,
     /// Cutting speed, m/min.
     pub speed: f32,
+    /// What is cut.
+    pub material: PartMaterial,
     /// Height at which chips come to rest, mm.
     pub tray_y: f32,
-}
-
-impl ChipSource {
-    /// The form of the chips.
-    pub fn shape(&self) -> ChipShape {
-        match self.feed {
-            feed if feed < RIBBON_FEED => ChipShape::Ribbon,
-            feed if feed > NEEDLE_FEED => ChipShape::Needle,
-            _ => ChipShape::Curl,
-        }
-    }
-
-    /// The colour of steel chips, which heat tempers: bright, straw, brown, blue.
-    pub fn color(&self) -> [u8; 3] {
-        match self.speed {
-            speed if speed < 70.0 => [190, 194, 200],
-            speed if speed < 140.0 => [206, 178, 104],
-            speed if speed < 220.0 => [138, 88, 84],
-            _ => [70, 92, 158],
-        }
-    }
 }
 
 /// A chip at one moment.
@@ -135,9 +100,10 @@ impl ChipFlow {
             return;
         };
         while self.next_s <= self.now_s {
-            let shape = source.shape();
-            self.throw(source, shape, source.color());
-            if source.speed > SPARK_SPEED {
+            let material = source.material;
+            let shape = material.chip_shape(source.feed);
+            self.throw(source, shape, material.chip_color(source.speed));
+            if material.spark_speed().is_some_and(|it| source.speed > it) {
                 for _ in 0..2 {
                     self.throw(source, ChipShape::Spark, [255, 214, 120]);
                 }
@@ -216,19 +182,9 @@ mod tests {
             away: Vec3::Z,
             feed,
             speed,
+            material: PartMaterial::Steel,
             tray_y: -250.0,
         }
-    }
-
-    #[test]
-    fn shape_and_colour_follow_feed_and_speed() {
-        let shapes = [0.02, 0.2, 0.5].map(|feed| source(feed, 100.0).shape());
-        assert_eq!(
-            shapes,
-            [ChipShape::Ribbon, ChipShape::Curl, ChipShape::Needle]
-        );
-        let colors = [20.0, 100.0, 180.0, 300.0].map(|speed| source(0.1, speed).color());
-        assert!(colors.windows(2).all(|pair| pair[0] != pair[1]));
     }
 
     #[test]
@@ -275,6 +231,12 @@ mod tests {
         flow.advance(0.2, Some(&source(0.2, 600.0)));
         assert!(has_spark(&flow));
         flow.advance(0.5, None);
+        assert!(!has_spark(&flow));
+        let brass = ChipSource {
+            material: PartMaterial::Brass,
+            ..source(0.2, 600.0)
+        };
+        flow.advance(0.2, Some(&brass));
         assert!(!has_spark(&flow));
     }
 }

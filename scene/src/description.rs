@@ -43,6 +43,8 @@ pub struct LatheDimensions {
     pub jaw_length: f32,
     /// Radial height of a jaw.
     pub jaw_height: f32,
+    /// Distance of the steady rest from the front of the chuck's body; `None`: there is none.
+    pub steady_rest: Option<f32>,
 }
 
 impl Default for LatheDimensions {
@@ -54,6 +56,7 @@ impl Default for LatheDimensions {
             chuck_length: 75.0,
             jaw_length: 34.0,
             jaw_height: 36.0,
+            steady_rest: None,
         }
     }
 }
@@ -69,13 +72,16 @@ impl LatheDimensions {
         };
         let chuck_diameter = check(self.chuck_diameter, usual.chuck_diameter, 20.0, 1500.0);
         let centre_height = check(self.centre_height, usual.centre_height, 40.0, 1500.0);
+        let bed_length = check(self.bed_length, usual.bed_length, 150.0, 8000.0);
+        let steady_rest = self.steady_rest.filter(|it| it.is_finite());
         Self {
-            bed_length: check(self.bed_length, usual.bed_length, 150.0, 8000.0),
+            bed_length,
             centre_height: centre_height.max(chuck_diameter * 0.5 + 15.0),
             chuck_diameter,
             chuck_length: check(self.chuck_length, usual.chuck_length, 10.0, 500.0),
             jaw_length: check(self.jaw_length, usual.jaw_length, 1.0, 300.0),
             jaw_height: check(self.jaw_height, usual.jaw_height, 1.0, 300.0),
+            steady_rest: steady_rest.map(|it| it.clamp(0.0, bed_length)),
         }
     }
 }
@@ -121,6 +127,22 @@ pub struct QuillDescription {
     pub retraction: f32,
 }
 
+/// A lamp of the signal tower, from below.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TowerLamp {
+    /// A program runs.
+    Green,
+    /// The machine waits.
+    Yellow,
+    /// An alarm.
+    Red,
+}
+
+impl TowerLamp {
+    /// All lamps, from below.
+    pub const ALL: [Self; 3] = [Self::Green, Self::Yellow, Self::Red];
+}
+
 /// What happens beside the motion of the axes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SceneEffects {
@@ -134,6 +156,10 @@ pub struct SceneEffects {
     pub is_spindle_blurred: bool,
     /// Positions of collisions as (x, radius), mm.
     pub marks: Vec<[f32; 2]>,
+    /// Which lamps of the signal tower are lit, from below: green, yellow, red.
+    pub lit_lamps: [bool; 3],
+    /// Detents of the electronic hand wheel, clockwise positive.
+    pub wheel_detents: i32,
 }
 
 /// The sector that is cut out of the part. A cut part does not turn.

@@ -31,6 +31,8 @@ pub struct FrameInputs {
     pub sky: f32,
     pub rows: f32,
     pub has_coolant: bool,
+    /// Which lamps of the tower are lit, from below.
+    pub lit_lamps: [bool; 3],
     /// Whether the jaws are drawn as a haze.
     pub is_spindle_blurred: bool,
 }
@@ -74,6 +76,7 @@ impl FrameInputs {
             sky,
             rows: height,
             has_coolant: lathe.has_coolant,
+            lit_lamps: lathe.effects.lit_lamps,
             is_spindle_blurred: lathe.effects.is_spindle_blurred,
         }
     }
@@ -95,7 +98,7 @@ impl FrameInputs {
     pub fn models(&self, group: MeshGroup) -> Vec<Mat4> {
         let placement = &self.placement;
         match group {
-            MeshGroup::Floor | MeshGroup::Fixed => vec![Mat4::IDENTITY],
+            MeshGroup::Floor | MeshGroup::Fixed | MeshGroup::SteadyRest => vec![Mat4::IDENTITY],
             MeshGroup::Chuck => vec![placement.spindle],
             MeshGroup::Jaw if self.is_spindle_blurred => Vec::new(),
             MeshGroup::Jaw => placement.jaws.to_vec(),
@@ -104,6 +107,13 @@ impl FrameInputs {
             MeshGroup::Carrier => vec![placement.carrier],
             MeshGroup::Tailstock => vec![placement.tailstock],
             MeshGroup::Quill => vec![placement.quill],
+            MeshGroup::CarriageWheel => placement.wheels.carriage.into_iter().collect(),
+            MeshGroup::CrossWheel => placement.wheels.cross_slide.into_iter().collect(),
+            MeshGroup::TailstockWheel => placement.wheels.tailstock.into_iter().collect(),
+            MeshGroup::PanelWheel => placement.wheels.panel.into_iter().collect(),
+            MeshGroup::SteadyJaw => placement.steady_jaws.into_iter().flatten().collect(),
+            MeshGroup::Lamp(lamp) if self.lit_lamps[lamp as usize] => vec![Mat4::IDENTITY],
+            MeshGroup::Lamp(_) => Vec::new(),
             MeshGroup::Door | MeshGroup::Pane => vec![placement.door],
             MeshGroup::Coolant if self.has_coolant => vec![placement.coolant],
             MeshGroup::Coolant => Vec::new(),

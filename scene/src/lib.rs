@@ -25,6 +25,7 @@ pub mod mesh;
 mod objects;
 pub mod occlusion;
 mod overlay_objects;
+pub mod part_material;
 mod part_objects;
 pub mod part_outline;
 pub mod part_threads;

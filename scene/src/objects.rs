@@ -24,14 +24,15 @@ pub const PANE_ALPHA: f32 = 0.10;
 /// Opacity of coolant, 0–1.
 pub const COOLANT_ALPHA: f32 = 0.42;
 /// Opacity of a jaw of a fast spindle, 0–1.
-const HAZE_ALPHA: f32 = 0.13;
+pub const HAZE_ALPHA: f32 = 0.13;
 
 /// The groups that stand still while a program runs.
-pub const STILL_GROUPS: [MeshGroup; 5] = [
+pub const STILL_GROUPS: [MeshGroup; 6] = [
     MeshGroup::Floor,
     MeshGroup::Fixed,
     MeshGroup::Tailstock,
     MeshGroup::Quill,
+    MeshGroup::SteadyRest,
     MeshGroup::Door,
 ];
 

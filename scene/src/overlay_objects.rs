@@ -3,6 +3,8 @@
 use core::f32::consts::TAU;
 use std::sync::Arc;
 
+use glam::{Vec3, vec3};
+
 use crate::device::{Device, GpuMesh, SceneError, VertexLayout};
 use crate::tool_path::ToolPath;
 
@@ -15,7 +17,7 @@ const MARK_WIDTH_MM: f32 = 0.8;
 /// Distance of a ring from the surface, mm.
 const MARK_LIFT_MM: f32 = 0.4;
 /// Colour of a mark as sRGB bytes, with an unused byte.
-const MARK_COLOR: [u8; 4] = [255, 60, 50, 255];
+pub const MARK_COLOR: [u8; 4] = [255, 60, 50, 255];
 
 /// The lines of a path; nothing while it is hidden.
 #[derive(Debug, Default)]
@@ -66,25 +68,35 @@ pub struct MarkObjects {
     lines: Option<GpuMesh>,
 }
 
+/// The rings of all marks as closed lines.
+pub fn mark_rings(marks: &[[f32; 2]]) -> Vec<[Vec3; MARK_SIDES as usize]> {
+    let drawable = marks.iter().filter(|it| it.iter().all(|it| it.is_finite()));
+    let rings = drawable.take(MAX_MARKS).flat_map(|&[x, radius]| {
+        let radius = radius.max(0.5) + MARK_LIFT_MM;
+        [-MARK_WIDTH_MM, 0.0, MARK_WIDTH_MM].map(|shift| {
+            core::array::from_fn(|side| {
+                let angle = side as f32 / MARK_SIDES as f32 * TAU;
+                vec3(x + shift, angle.cos() * radius, angle.sin() * radius)
+            })
+        })
+    });
+    rings.collect()
+}
+
 /// The ends of the lines of all marks, and their indices.
 fn mark_bytes(marks: &[[f32; 2]]) -> [Vec<u8>; 2] {
     let (mut vertices, mut indices) = (Vec::new(), Vec::new());
     let mut first = 0_u32;
-    let drawable = marks.iter().filter(|it| it.iter().all(|it| it.is_finite()));
-    for &[x, radius] in drawable.take(MAX_MARKS) {
-        for shift in [-MARK_WIDTH_MM, 0.0, MARK_WIDTH_MM] {
-            for side in 0..MARK_SIDES {
-                let angle = side as f32 / MARK_SIDES as f32 * TAU;
-                let radius = radius.max(0.5) + MARK_LIFT_MM;
-                for length in [x + shift, angle.cos() * radius, angle.sin() * radius] {
-                    vertices.extend_from_slice(&length.to_ne_bytes());
-                }
-                vertices.extend_from_slice(&MARK_COLOR);
-                let ends = [first + side, first + (side + 1) % MARK_SIDES];
-                indices.extend(ends.into_iter().flat_map(u32::to_ne_bytes));
+    for ring in mark_rings(marks) {
+        for (at, side) in ring.into_iter().zip(0..) {
+            for length in at.to_array() {
+                vertices.extend_from_slice(&length.to_ne_bytes());
             }
-            first += MARK_SIDES;
+            vertices.extend_from_slice(&MARK_COLOR);
+            let ends = [first + side, first + (side + 1) % MARK_SIDES];
+            indices.extend(ends.into_iter().flat_map(u32::to_ne_bytes));
         }
+        first += MARK_SIDES;
     }
     [vertices, indices]
 }

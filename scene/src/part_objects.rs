@@ -47,7 +47,7 @@ pub fn part_model(lathe: &LatheDescription, placement: &LathePlacement) -> Mat4 
 }
 
 /// Builds threads and cut faces of a part.
-fn build_details(outline: &PartOutline, kind: LatheKind, cut: SectionCut) -> SceneMesh {
+pub fn build_details(outline: &PartOutline, kind: LatheKind, cut: SectionCut) -> SceneMesh {
     let mut mesh = SceneMesh::default();
     let [start, extent] = kept_sweep(kind, cut);
     for thread in outline.threads() {
@@ -137,6 +137,11 @@ impl PartObjects {
         device.set_pair(program, "u_sweep", kept_sweep(self.cut.0, self.cut.1));
         let marks = if self.has_marks { 1.0 } else { 0.0 };
         device.set_number(program, "u_marks", marks);
+        let material = self.outline.material();
+        let [cut, skin] = material.colors();
+        device.set_vector(program, "u_cut", cut);
+        device.set_vector(program, "u_skin", skin);
+        device.set_number(program, "u_metal", material.metal());
         device.bind_texture(1, Some(self.texture));
         let step = level.sides_per_side();
         let indices = self.edges * (shader::PART_SIDES / step) as i32 * 6;

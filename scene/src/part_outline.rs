@@ -3,6 +3,7 @@
 
 use glam::{Vec2, vec2};
 
+use crate::part_material::PartMaterial;
 use crate::part_threads::{SectionSampler, ThreadDescription, ThreadSurface};
 use crate::polyline::simplify;
 
@@ -35,6 +36,7 @@ pub struct OutlineEdge {
 pub struct PartOutline {
     edges: Vec<OutlineEdge>,
     threads: Vec<ThreadSurface>,
+    material: PartMaterial,
 }
 
 impl PartOutline {
@@ -118,7 +120,19 @@ impl PartOutline {
         Self {
             edges,
             threads: surfaces,
+            material: PartMaterial::default(),
         }
+    }
+
+    /// Returns the part of another material.
+    #[must_use]
+    pub fn with_material(self, material: PartMaterial) -> Self {
+        Self { material, ..self }
+    }
+
+    /// What the part consists of.
+    pub const fn material(&self) -> PartMaterial {
+        self.material
     }
 
     /// The threads, which no edge sweeps.
@@ -156,6 +170,16 @@ impl PartOutline {
             }
         }
         texels
+    }
+
+    /// Greatest radius at x, mm; `None` without material there.
+    pub fn radius_at(&self, x: f32) -> Option<f32> {
+        let edges = self.edges.iter().map(|edge| edge.ends);
+        let crossed = edges.filter(|[a, b]| (a.x <= x) != (b.x <= x));
+        let radii = crossed.map(|[a, b]| a.y + (b.y - a.y) * (x - a.x) / (b.x - a.x));
+        let threads = self.threads.iter().filter(|it| it.low <= x && x < it.high);
+        let crests = threads.flat_map(|it| it.corners().into_iter().map(|corner| corner.y));
+        radii.chain(crests).reduce(f32::max)
     }
 
     /// Least and greatest x, and greatest radius, mm; `None` without a part.
@@ -263,6 +287,8 @@ mod tests {
             }
             assert_eq!(part.bounds(), Some((0.0, 80.0, 25.0)));
             assert_eq!(part.texels().len(), 4 * EDGE_FLOATS);
+            assert_eq!(part.radius_at(40.0), Some(25.0));
+            assert_eq!(part.radius_at(81.0), None);
         }
     }
 

@@ -1,5 +1,7 @@
 //! Where the groups of meshes are at one moment: their model matrices.
 
+pub mod hand_wheels;
+
 use core::f32::consts::{FRAC_PI_2, TAU};
 
 use glam::{Mat4, Vec3, vec3};
@@ -7,6 +9,7 @@ use glam::{Mat4, Vec3, vec3};
 use crate::description::{
     LatheDescription, LatheDimensions, LatheKind, MountedTool, MountedToolForm,
 };
+use hand_wheels::{HandWheels, WheelMotion};
 
 /// Angle about the spindle axis that turns the tool side of a flat bed to the one of a slant
 /// bed, radians: away from the operator and up at 45 degrees.
@@ -110,6 +113,27 @@ fn carrier_turn(kind: LatheKind, stations: f32) -> Mat4 {
     }
 }
 
+/// Inner and outer radius of the ring of a steady rest, mm.
+pub fn steady_ring(dimensions: &LatheDimensions) -> (f32, f32) {
+    let inner = dimensions.centre_height * 0.5;
+    (inner, inner + 26.0 * tool_scale(dimensions))
+}
+
+/// Turn of a jaw of the steady rest from one that points up: one below, two above.
+pub fn steady_jaw_turn(jaw: usize) -> Mat4 {
+    Mat4::from_rotation_x((jaw as f32 + 0.5) * TAU / 3.0)
+}
+
+/// The jaws of the steady rest, which touch the part; `None` without a steady rest.
+fn steady_jaws(lathe: &LatheDescription, dimensions: &LatheDimensions) -> Option<[Mat4; 3]> {
+    let x = dimensions.steady_rest?;
+    let (inner, _) = steady_ring(dimensions);
+    // Without material they are drawn back.
+    let radius = lathe.part.radius_at(x).unwrap_or(inner).min(inner);
+    let jaw = |at: usize| steady_jaw_turn(at) * Mat4::from_translation(vec3(x, radius, 0.0));
+    Some([jaw(0), jaw(1), jaw(2)])
+}
+
 /// The model matrices of a moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LathePlacement {
@@ -127,6 +151,10 @@ pub struct LathePlacement {
     pub tailstock: Mat4,
     /// The quill of the tailstock.
     pub quill: Mat4,
+    /// The hand wheels.
+    pub wheels: HandWheels,
+    /// The jaws of the steady rest; `None` without one.
+    pub steady_jaws: Option<[Mat4; 3]>,
     /// The guard.
     pub door: Mat4,
     /// The coolant at the tool tip.
@@ -165,16 +193,27 @@ impl LathePlacement {
             true => retraction.clamp(0.0, QUILL_OUT_MM),
             false => 0.0,
         };
+        let carriage = side * Mat4::from_translation(along);
+        let cross_slide = side * Mat4::from_translation(across);
+        let tailstock = Mat4::from_translation(vec3(quill_x + QUILL_OUT_MM, 0.0, 0.0));
+        let motion = WheelMotion {
+            carriage: (carriage, centre.x),
+            cross_slide: (cross_slide, centre.z),
+            tailstock: (tailstock, retraction),
+            detents: lathe.effects.wheel_detents,
+        };
         Self {
             spindle,
             jaws: [jaw(0), jaw(1), jaw(2)],
-            carriage: side * Mat4::from_translation(along),
-            cross_slide: side * Mat4::from_translation(across),
+            carriage,
+            cross_slide,
             carrier: side
                 * Mat4::from_translation(across)
                 * carrier_turn(lathe.kind, lathe.effects.station_offset)
                 * station_turn(lathe.kind, lathe.station).inverse(),
-            tailstock: Mat4::from_translation(vec3(quill_x + QUILL_OUT_MM, 0.0, 0.0)),
+            tailstock,
+            wheels: HandWheels::new(lathe.kind, &dimensions, &motion),
+            steady_jaws: steady_jaws(lathe, &dimensions),
             quill: Mat4::from_translation(vec3(quill_x + retraction, 0.0, 0.0)),
             door: door(lathe, &dimensions),
             coolant: side * Mat4::from_translation(tip),

@@ -19,7 +19,9 @@ out vec4 v_color, v_finish;
 uniform highp sampler2D u_outline;
 // Start and extent of the revolved angles, radians.
 uniform vec2 u_sweep;
-uniform float u_marks;
+uniform float u_marks, u_metal;
+// Colours of cut surfaces and of the skin.
+uniform vec3 u_cut, u_skin;
 in vec2 a_edge;
 void main() {
   vec4 texel = texelFetch(u_outline, ivec2(int(a_edge.x), 0), 0);
@@ -30,10 +32,10 @@ void main() {
   bool skin = dot(n, n) > 2.0;
   // A chalk mark on the skin shows that the bar turns.
   bool mark = u_marks > 0.5 && (a_edge.y < 1.5 || a_edge.y > 63.5);
-  v_color = skin ? vec4(mark ? vec3(0.78) : vec3(0.40, 0.385, 0.38), 0.88) : vec4(0.80, 0.80, 0.815, 0.95);
+  v_color = skin ? vec4(mark ? vec3(0.78) : u_skin, 0.88) : vec4(u_cut, 0.95);
   // So does a dark line across a cut face.
   if (!skin && mark && abs(n.x) > 0.9) v_color.rgb = vec3(0.42, 0.44, 0.48);
-  v_finish = skin ? vec4(0.55, 0.75, 0.0, 0.0) : vec4(0.24, 1.0, 1.0, 0.0);
+  v_finish = skin ? vec4(0.55, 0.75 * u_metal, 0.0, 0.0) : vec4(0.44 - 0.20 * u_metal, u_metal, 1.0, 0.0);
 #else
 in vec3 a_position;
 in vec4 a_normal, a_color, a_finish;

@@ -1,19 +1,27 @@
 //! Draws a description of a lathe without OpenGL: the same meshes, camera and light, computed
 //! by the processor.
 
+mod lines;
 mod part;
 mod shading;
 mod visibility;
 
+use core::f32::consts::TAU;
+
 use glam::{Mat4, Vec3, Vec4, vec4};
 
 use crate::camera::OrbitCamera;
+use crate::chip_objects::build_mesh;
 use crate::description::LatheDescription;
 use crate::frame::{FrameInputs, LayerInputs};
 use crate::lathe::{MeshDesign, MeshGroup};
 use crate::mesh::SceneMesh;
-use crate::objects::{COOLANT_ALPHA, PANE_ALPHA, STILL_GROUPS};
+use crate::objects::{COOLANT_ALPHA, HAZE_ALPHA, PANE_ALPHA, STILL_GROUPS};
 use crate::occlusion::OcclusionBake;
+use crate::part_objects::build_details;
+use crate::part_outline::PartOutline;
+use crate::section_cut::kept_sweep;
+use lines::draw_lines;
 use shading::{ShadowMap, ground, shade};
 use visibility::{SurfaceCorner, VisibilityBuffer};
 
@@ -60,6 +68,13 @@ pub struct SoftwarePicture {
     pub pixels: Vec<u8>,
     /// Whether the next picture will be better without any change of the description.
     pub is_refining: bool,
+}
+
+/// The triangles of the revolved part, three corners each, mm.
+pub fn part_triangles(part: &PartOutline, sides: u32) -> Vec<[[f32; 3]; 3]> {
+    let triangles = part::triangles(part, sides, [0.0, TAU], Mat4::IDENTITY);
+    let corners = triangles.map(|it| it.map(|corner| corner.position.to_array()));
+    corners.collect()
 }
 
 /// A group of triangles; `bake`: its ambient occlusion until it is complete.
@@ -168,8 +183,7 @@ impl SoftwareRenderer {
                 }
             }
         }
-        let sides = quality.part_sides();
-        for triangle in part::triangles(&lathe.part, sides, scene.placement.spindle) {
+        for triangle in part_surfaces(lathe, scene, quality) {
             buffer.add(&projection, triangle, false);
         }
         ShadowMap::new(buffer.depths(), projection)
@@ -190,24 +204,39 @@ impl SoftwareRenderer {
                 buffer.add(&scene.projection, triangle, true);
             }
         }
-        let sides = quality.part_sides();
-        for triangle in part::triangles(&lathe.part, sides, scene.placement.spindle) {
+        let chips = build_mesh(&lathe.effects.chips);
+        let chips = mesh_triangles(&chips, Mat4::IDENTITY);
+        for triangle in part_surfaces(lathe, scene, quality)
+            .into_iter()
+            .chain(chips)
+        {
             buffer.add(&scene.projection, triangle, false);
         }
         let shadow = self.shadow.as_ref();
         shade_buffer(&buffer, scene, shadow, size, &mut colors);
-        for (group, alpha) in [
-            (MeshGroup::Coolant, COOLANT_ALPHA),
-            (MeshGroup::Pane, PANE_ALPHA),
-        ] {
-            for it in self.groups.iter().filter(|it| it.group == group) {
-                for triangle in group_triangles(it, scene) {
-                    buffer.visit_nearer(&scene.projection, triangle, |at, surface| {
-                        let height = pixel_height(at, size);
-                        let over = shade(&surface, scene, shadow, height, alpha);
-                        colors[at] = over.truncate() + colors[at] * (1.0 - over.w);
-                    });
+        draw_lines(lathe, scene, &buffer, size, &mut colors);
+        let mut blend = |triangle, alpha| {
+            buffer.visit_nearer(&scene.projection, triangle, |at, surface| {
+                let height = pixel_height(at, size);
+                let over = shade(&surface, scene, shadow, height, alpha);
+                colors[at] = over.truncate() + colors[at] * (1.0 - over.w);
+            });
+        };
+        for it in &self.groups {
+            match it.group {
+                MeshGroup::Coolant | MeshGroup::Pane => {
+                    let alpha = match it.group {
+                        MeshGroup::Coolant => COOLANT_ALPHA,
+                        _ => PANE_ALPHA,
+                    };
+                    group_triangles(it, scene).for_each(|it| blend(it, alpha));
                 }
+                MeshGroup::Jaw => {
+                    for model in scene.hazy_jaws() {
+                        mesh_triangles(&it.mesh, model).for_each(|it| blend(it, HAZE_ALPHA));
+                    }
+                }
+                _ => {}
             }
         }
         colors
@@ -277,13 +306,32 @@ fn group_triangles<'a>(
     scene: &FrameInputs,
 ) -> impl Iterator<Item = [SurfaceCorner; 3]> + 'a {
     let models = scene.models(it.group);
-    models.into_iter().flat_map(|model| {
-        let corners = move_corners(&it.mesh, model);
-        it.mesh.indices.chunks_exact(3).filter_map(move |three| {
-            let corner = |at: usize| corners.get(three[at] as usize).copied();
-            Some([corner(0)?, corner(1)?, corner(2)?])
-        })
+    models
+        .into_iter()
+        .flat_map(|model| mesh_triangles(&it.mesh, model))
+}
+
+/// The triangles of a mesh with a model matrix.
+fn mesh_triangles(mesh: &SceneMesh, model: Mat4) -> impl Iterator<Item = [SurfaceCorner; 3]> + '_ {
+    let corners = move_corners(mesh, model);
+    mesh.indices.chunks_exact(3).filter_map(move |three| {
+        let corner = |at: usize| corners.get(three[at] as usize).copied();
+        Some([corner(0)?, corner(1)?, corner(2)?])
     })
+}
+
+/// The triangles of the part: revolved surfaces, threads and cut faces.
+fn part_surfaces(
+    lathe: &LatheDescription,
+    scene: &FrameInputs,
+    quality: SoftwareQuality,
+) -> Vec<[SurfaceCorner; 3]> {
+    let (part, cut) = (&lathe.part, lathe.overlay.section_cut);
+    let sweep = kept_sweep(lathe.kind, cut);
+    let details = build_details(part, lathe.kind, cut);
+    let details = mesh_triangles(&details, scene.part_model);
+    let revolved = part::triangles(part, quality.part_sides(), sweep, scene.part_model);
+    revolved.chain(details).collect()
 }
 
 fn move_corners(mesh: &SceneMesh, model: Mat4) -> Vec<SurfaceCorner> {

@@ -5,9 +5,10 @@ use gsk_core::machine::{LatheConfig, MachineInputs, MachineOutputs, SimulatedLat
 use gsk_core::memory::ControlParameters;
 use gsk_core::units::{PerAxis, Point, Pulses};
 
-const EXAMPLES: [&str; 7] = [
+const EXAMPLES: [&str; 8] = [
     EXAMPLE,
     BADLY_SET,
+    include_str!("../../assets/machines/bench-lathe.ron"),
     include_str!("../../assets/machines/pico-lathe.ron"),
     include_str!("../../assets/machines/servo-slant-bed.ron"),
     include_str!("../../assets/machines/stepper-drives.ron"),
@@ -223,6 +224,24 @@ fn impossible_values_are_refused_by_field_and_rule() {
         (
             "(chuck: (travel_ms: 0))",
             "chuck.travel_ms: 0 ms is outside 1 to 600000 ms",
+        ),
+        (
+            "(picture: (construction: SlantBed))",
+            "picture.construction: a slant bed has its tool post behind the axis, other lathes in front of it: \
+             set `rear_tool_post` accordingly",
+        ),
+        (
+            "(rear_tool_post: true, picture: (construction: Bench))",
+            "picture.construction: a slant bed has its tool post behind the axis, other lathes in front of it: \
+             set `rear_tool_post` accordingly",
+        ),
+        (
+            "(picture: (steady_rest: -5))",
+            "picture.steady_rest: -5 must be above 0 and at most 5000 mm",
+        ),
+        (
+            "(picture: (tower: (red: \"X1.0\")))",
+            "picture.tower.red: X1.0 is not a bit of Y or F, such as Y8.0",
         ),
     ];
     for (text, expected) in table {

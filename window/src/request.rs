@@ -34,5 +34,6 @@ fn sound_state(snapshot: &PanelSnapshot, motion: MachineMotion) -> SoundState {
         spindle_rpm: motion.spindle_rpm as f32,
         slides: [motion.slides.x as f32, motion.slides.z as f32],
         alarm: snapshot.alarm.as_ref().map(|alarm| alarm.number),
+        is_crashed: snapshot.crash.is_some(),
     }
 }

@@ -26,6 +26,9 @@ pub struct Stock {
     pub length: f64,
     /// The length of the stock in front of the jaws, mm.
     pub overhang: f64,
+    /// What the stock consists of. It changes pictures only: chips and colours.
+    #[serde(default)]
+    pub material: StockMaterial,
     /// The chuck that clamps the stock.
     #[serde(default)]
     pub chuck: Chuck,
@@ -56,6 +59,48 @@ pub enum StockForm {
         /// Inside diameter, mm; 0 without a bore.
         bore: Diameter,
     },
+}
+
+/// What the stock consists of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum StockMaterial {
+    /// Carbon steel.
+    #[default]
+    Steel,
+    /// Stainless steel, whose chips do not break.
+    Stainless,
+    /// Grey cast iron, whose chips crumble.
+    CastIron,
+    /// Aluminium alloy.
+    Aluminium,
+    /// Brass, whose chips are short.
+    Brass,
+    /// Plastic.
+    Plastic,
+}
+
+impl StockMaterial {
+    /// All materials, in the order of lists.
+    pub const ALL: [Self; 6] = [
+        Self::Steel,
+        Self::Stainless,
+        Self::CastIron,
+        Self::Aluminium,
+        Self::Brass,
+        Self::Plastic,
+    ];
+
+    /// The name of the material.
+    pub fn name(self) -> Message {
+        match self {
+            Self::Steel => say::stock_material_steel(),
+            Self::Stainless => say::stock_material_stainless(),
+            Self::CastIron => say::stock_material_cast_iron(),
+            Self::Aluminium => say::stock_material_aluminium(),
+            Self::Brass => say::stock_material_brass(),
+            Self::Plastic => say::stock_material_plastic(),
+        }
+    }
 }
 
 /// A chuck with its jaws.
@@ -106,6 +151,7 @@ impl Stock {
             length: overhang + chuck.jaws + 10.0,
             overhang,
             chuck,
+            material: StockMaterial::default(),
             tailstock: None,
         }
     }
@@ -305,6 +351,16 @@ mod tests {
             center: Diameter(-6.0),
         });
         assert!(stock.check().unwrap_err().to_string().contains("-6"));
+    }
+
+    #[test]
+    fn stock_without_a_material_is_steel() {
+        let written = "(form: Bar(diameter: 50), length: 90, overhang: 60)";
+        let stock: Stock = ron::from_str(written).unwrap();
+        assert_eq!(stock.material, StockMaterial::Steel);
+        let brass = written.replace("length", "material: Brass, length");
+        let stock: Stock = ron::from_str(&brass).unwrap();
+        assert_eq!(stock.material, StockMaterial::Brass);
     }
 
     #[test]

@@ -118,12 +118,7 @@ fn create_recorder(args: &PlotArgs, machining: &Machining, setup: &Setup) -> Sce
         1 => 0.0,
         _ => find_duration_s(args, setup),
     };
-    SceneRecorder::new(
-        machining,
-        setup.lathe.rear_tool_post,
-        frames as usize,
-        time_s,
-    )
+    SceneRecorder::new(machining, &setup.lathe, frames as usize, time_s)
 }
 
 /// The machine time of the program, s, up to an alarm or a limit.

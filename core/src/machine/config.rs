@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::picture_config::PictureConfig;
 use crate::units::{Axis, Diameter, Point};
 use gsk_link::LinkConfig;
 
@@ -43,6 +44,8 @@ pub struct LatheConfig {
     pub spindle: SpindleConfig,
     /// Travel time of chuck, tailstock and gears.
     pub chuck: ChuckConfig,
+    /// The picture of the lathe in space.
+    pub picture: PictureConfig,
     /// The pulse board of a real lathe; `None`: the lathe is simulated only.
     pub link: Option<LinkConfig>,
 }
@@ -58,6 +61,7 @@ impl Default for LatheConfig {
             turret: TurretConfig::default(),
             spindle: SpindleConfig::default(),
             chuck: ChuckConfig::default(),
+            picture: PictureConfig::default(),
             link: None,
         }
     }

@@ -3,6 +3,7 @@
 use core::fmt;
 
 use super::config::{AxisConfig, LatheConfig};
+use super::picture_config::{LatheConstruction, PictureConfig};
 use crate::units::Axis;
 use gsk_link::LinkConfig;
 use gsk_messages::{Message, say};
@@ -43,6 +44,8 @@ const MAX_SCREW_SLOPE: f64 = 0.01;
 /// Number of station contacts T01 to T08, and highest number of stations in 084.
 const STATION_CONTACTS: u8 = 8;
 const MAX_STATIONS: u8 = 32;
+/// Greatest distance of a steady rest from the chuck, mm.
+const MAX_STEADY_REST_MM: f64 = 5000.0;
 
 struct ConfigCheck(Vec<ConfigError>);
 
@@ -68,6 +71,31 @@ impl ConfigCheck {
     fn check_time(&mut self, ms: u32, min_ms: u32, field: &str) {
         let rule = say::machine_time_wrong(ms, min_ms, MAX_TIME_MS);
         self.check_rule((min_ms..=MAX_TIME_MS).contains(&ms), field, rule);
+    }
+
+    fn check_picture(&mut self, picture: &PictureConfig, rear_tool_post: bool) {
+        let is_slant = |it: LatheConstruction| it == LatheConstruction::SlantBed;
+        self.check_rule(
+            picture
+                .construction
+                .is_none_or(|it| is_slant(it) == rear_tool_post),
+            "picture.construction",
+            say::machine_construction_wrong(),
+        );
+        if let Some(distance) = picture.steady_rest {
+            self.check_rule(
+                distance > 0.0 && distance <= MAX_STEADY_REST_MM,
+                "picture.steady_rest",
+                say::machine_steady_rest_wrong(distance, MAX_STEADY_REST_MM),
+            );
+        }
+        if let Err((lamp, address)) = picture.tower.addresses() {
+            self.check_rule(
+                false,
+                format!("picture.tower.{lamp}"),
+                say::machine_lamp_wrong(address),
+            );
+        }
     }
 
     fn check_axis(&mut self, which: Axis, axis: &AxisConfig) {
@@ -271,6 +299,7 @@ impl LatheConfig {
             );
         }
         check.check_time(self.chuck.travel_ms, 1, "chuck.travel_ms");
+        check.check_picture(&self.picture, self.rear_tool_post);
         if let Some(Err(error)) = self.link.as_ref().map(LinkConfig::check) {
             check.check_rule(
                 false,

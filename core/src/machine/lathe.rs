@@ -531,6 +531,11 @@ impl SimulatedLathe {
         self.spindle.turns()
     }
 
+    /// Detents by which the handwheel has turned since the start, clockwise positive.
+    pub const fn handwheel_detents(&self) -> i32 {
+        self.handwheel
+    }
+
     /// The station in position, from 1; `None` between stations or without tool post.
     pub fn station(&self) -> Option<u8> {
         self.turret.station()

@@ -6,8 +6,7 @@ use std::sync::Arc;
 
 use crossbeam::queue::ArrayQueue;
 use gsk_core::command::SourcePosition;
-use gsk_core::machine::{LatheFault, SimulatedLathe};
-use gsk_core::simulation::Simulation;
+use gsk_core::machine::{LatheConstruction, LatheFault, SimulatedLathe};
 use gsk_core::units::Point;
 use gsk_history::machine_part::{CRASH_FAULTS, MachinePart, NamedJob, PartInput};
 use gsk_messages::{Message, say};
@@ -48,12 +47,44 @@ pub struct PartView {
     pub door_open: bool,
     /// Whether the tool post is on the far side of the spindle.
     pub rear_tool_post: bool,
+    /// What the lathe in space shows beside the part.
+    pub fittings: LatheFittings,
     /// Collisions since the stock was clamped.
     pub findings: Vec<CollisionFinding>,
     /// The collision that has stopped the lathe; `None` once its faults are cleared.
     pub crash: Option<CollisionFinding>,
     /// The block under execution; `None` if no program runs.
     pub block: Option<SourcePosition>,
+}
+
+/// What the lathe in space shows beside the part.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LatheFittings {
+    /// The construction by the machine file; `None`: it follows from tool post and chuck.
+    pub construction: Option<LatheConstruction>,
+    /// Distance of the steady rest from the front of the chuck's body, mm; `None`: no steady
+    /// rest.
+    pub steady_rest: Option<f64>,
+    /// Whether the green, yellow and red lamp of the tower are lit.
+    pub lit_lamps: [bool; 3],
+    /// Detents of the handwheel since the start, clockwise positive.
+    pub wheel_detents: i32,
+}
+
+impl LatheFittings {
+    fn from_emulator(emulator: &Emulator) -> Self {
+        let lathe = emulator.lathe();
+        let picture = &lathe.config().picture;
+        let memory = emulator.simulation().cnc.plc().memory();
+        let is_lit = |address| emulator.panel().powered() && memory.bit(address);
+        let lamps = picture.tower.addresses().unwrap_or_default();
+        Self {
+            construction: picture.construction,
+            steady_rest: picture.steady_rest,
+            lit_lamps: lamps.map(|address| address.is_some_and(is_lit)),
+            wheel_detents: lathe.handwheel_detents(),
+        }
+    }
 }
 
 /// Clears the faults that a collision has set. Faults of another kind remain.
@@ -226,7 +257,8 @@ impl KernelPart {
 
     /// Publishes the part if a view shows it and it has changed since the last time; returns
     /// true if so.
-    pub(super) fn publish(&mut self, simulation: &Simulation) -> bool {
+    pub(super) fn publish(&mut self, emulator: &Emulator) -> bool {
+        let simulation = emulator.simulation();
         let Some(live) = self.state.live().filter(|_| self.visible) else {
             return false;
         };
@@ -256,6 +288,7 @@ impl KernelPart {
             tailstock_forward: lathe.is_tailstock_forward(),
             door_open: lathe.has_fault(LatheFault::DoorOpen),
             rear_tool_post: lathe.config().rear_tool_post,
+            fittings: LatheFittings::from_emulator(emulator),
             findings: machining.findings().to_vec(),
             crash: self.stopping_crash(lathe),
             block: running_block(simulation),
@@ -267,5 +300,53 @@ impl KernelPart {
         self.views.force_push(Arc::clone(&view));
         self.last = Some(view);
         true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use gsk_core::command::ProgramId;
+    use gsk_core::setup::Setup;
+    use gsk_panel::keys::Key;
+
+    use super::*;
+
+    fn run(emulator: &mut Emulator, ticks: u32) -> [bool; 3] {
+        (0..ticks).for_each(|_| emulator.tick());
+        LatheFittings::from_emulator(emulator).lit_lamps
+    }
+
+    #[test]
+    fn the_lamps_of_the_tower_follow_run_hold_alarm_and_power() {
+        let mut setup = Setup::default();
+        let programs = &mut setup.memory.programs;
+        let number = programs.store("O0001\nG04 X9\nM30\n").unwrap();
+        programs.select(ProgramId::Stored(number));
+        let mut emulator = Emulator::new(setup);
+        assert_eq!(run(&mut emulator, 5000), [false; 3]);
+        emulator.press(Key::Auto);
+        run(&mut emulator, 100);
+        emulator.press(Key::CycleStart);
+        assert_eq!(run(&mut emulator, 300), [true, false, false]);
+        emulator.press(Key::FeedHold);
+        assert_eq!(run(&mut emulator, 300), [false, true, false]);
+        emulator.set_fault(LatheFault::DriveX, true);
+        assert!(run(&mut emulator, 500)[2]);
+    }
+
+    #[test]
+    fn fittings_come_from_the_machine_file_and_the_handwheel() {
+        let mut setup = Setup::default();
+        setup.lathe.picture.steady_rest = Some(120.0);
+        setup.lathe.picture.construction = Some(LatheConstruction::Bench);
+        setup.lathe.picture.tower.red = String::new();
+        let mut emulator = Emulator::new(setup);
+        emulator.set_fault(LatheFault::DriveX, true);
+        assert_eq!(run(&mut emulator, 5000), [false; 3]);
+        emulator.turn(-7);
+        let fittings = LatheFittings::from_emulator(&emulator);
+        assert_eq!(fittings.steady_rest, Some(120.0));
+        assert_eq!(fittings.construction, Some(LatheConstruction::Bench));
+        assert_eq!(fittings.wheel_detents, -7);
     }
 }

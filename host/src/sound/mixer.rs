@@ -32,6 +32,8 @@ pub struct SoundState {
     pub slides: [f32; 2],
     /// Number of the active alarm; `None` without one.
     pub alarm: Option<u16>,
+    /// Whether a crash stops the lathe.
+    pub is_crashed: bool,
 }
 
 /// A tone that glides to another pitch and loudness.
@@ -136,6 +138,12 @@ impl Mixer {
                 let on = (now >> bit) & 1 == 1;
                 self.strike(if on { 420.0 } else { 300.0 }, 0.7, 0.35, 0.994);
             }
+        }
+        if state.is_crashed && !before.is_crashed {
+            // The blow, the ring of the bar, the fragments.
+            self.strike(52.0, 0.35, 1.4, 0.999_7);
+            self.strike(1730.0, 0.1, 0.5, 0.999_4);
+            self.strike(0.0, 1.0, 0.9, 0.998_5);
         }
         if state.alarm.is_some() && state.alarm != before.alarm {
             self.beeps = (BEEP_S * RATE as f32) as u32 * BEEPS;
@@ -291,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn keys_relays_and_an_alarm_sound_once_each() {
+    fn keys_relays_an_alarm_and_a_crash_sound_once_each() {
         for changed in [
             SoundState {
                 keys: vec![Key::Reset],
@@ -303,6 +311,10 @@ mod tests {
             },
             SoundState {
                 alarm: Some(207),
+                ..rest_state()
+            },
+            SoundState {
+                is_crashed: true,
                 ..rest_state()
             },
         ] {
@@ -319,6 +331,32 @@ mod tests {
     }
 
     #[test]
+    fn a_crash_is_louder_than_everything_else_of_the_machine() {
+        let loudest = |changed: SoundState| {
+            let mut mixer = Mixer::default();
+            mixer.update(&rest_state());
+            mixer.update(&changed);
+            listen(&mut mixer, 0.1).0
+        };
+        let crash = loudest(SoundState {
+            is_crashed: true,
+            ..rest_state()
+        });
+        let relay = loudest(SoundState {
+            outputs: [0, 0b100, 0, 0],
+            ..rest_state()
+        });
+        let alarm = loudest(SoundState {
+            alarm: Some(221),
+            ..rest_state()
+        });
+        assert!(
+            crash > 2.0 * relay && crash > 2.0 * alarm,
+            "{crash} {relay} {alarm}"
+        );
+    }
+
+    #[test]
     fn everything_at_once_stays_in_range_and_comes_again_bit_by_bit() {
         let play = || {
             let mut mixer = Mixer::default();
@@ -329,6 +367,7 @@ mod tests {
                 spindle_rpm: f32::MAX,
                 slides: [f32::MAX, -1e30],
                 alarm: Some(207),
+                is_crashed: true,
             });
             let mut samples = vec![0; RATE as usize];
             mixer.fill(&mut samples, 255);

@@ -9,6 +9,7 @@ use super::floor_y;
 use super::palette::{
     BENCH_GREEN, BENCH_TOP, BLACK, BRIGHT_STEEL, DARK, GROUND_STEEL, LIGHT, SHEET, TURNED_STEEL,
 };
+use super::tower::add_tower;
 use crate::description::{LatheDimensions, LatheKind};
 use crate::mesh::{SceneMaterial, SceneMesh};
 
@@ -57,6 +58,7 @@ pub fn add_fixed(mesh: &mut SceneMesh, dimensions: &LatheDimensions) {
     add_bed(mesh, dimensions, head, scale);
     add_headstock(mesh, dimensions, head, scale);
     add_spindle_nose(mesh, dimensions);
+    add_tower(mesh, LatheKind::Bench, dimensions);
 }
 
 fn add_bed(mesh: &mut SceneMesh, dimensions: &LatheDimensions, head: f32, scale: f32) {

@@ -1,13 +1,13 @@
 //! The flat bed lathe: bed, headstock, base, splash wall.
 
-use glam::{Mat4, Vec3, vec3};
+use glam::{Mat4, vec3};
 
 use super::floor_y;
-use super::palette::{
-    ACCENT, BLACK, BRIGHT_STEEL, DARK, GROUND_STEEL, LAMP, LIGHT, SCREEN, SHEET, TURNED_STEEL,
-};
+use super::palette::{ACCENT, BLACK, DARK, GROUND_STEEL, LAMP, LIGHT, SCREEN, SHEET, TURNED_STEEL};
+use super::tower::add_tower;
 use crate::description::{LatheDimensions, LatheKind};
 use crate::mesh::{SceneMaterial, SceneMesh};
+use crate::placement::hand_wheels::{operator_panel, panel_depth};
 
 /// Adds everything that stands still.
 pub fn add_fixed(mesh: &mut SceneMesh, dimensions: &LatheDimensions) {
@@ -18,15 +18,7 @@ pub fn add_fixed(mesh: &mut SceneMesh, dimensions: &LatheDimensions) {
     add_headstock(mesh, dimensions, head, scale);
     add_spindle_nose(mesh, dimensions);
     add_wall(mesh, dimensions, head, scale);
-    add_lamp_tower(
-        mesh,
-        vec3(
-            head - 250.0 * scale,
-            dimensions.centre_height * 1.02,
-            -80.0 * scale,
-        ),
-        scale,
-    );
+    add_tower(mesh, LatheKind::FlatBed, dimensions);
 }
 
 fn add_base(mesh: &mut SceneMesh, dimensions: &LatheDimensions, head: f32, scale: f32) {
@@ -174,30 +166,24 @@ fn add_headstock(mesh: &mut SceneMesh, dimensions: &LatheDimensions, head: f32, 
         vec3(head - 14.0, -height * 0.66, near + 4.0),
         10.0 * scale,
     );
-    add_control_panel(
-        mesh,
-        vec3(left + 22.0 * scale, height * 0.86, near),
-        [276.0 * scale, height * 1.18],
-        scale,
-    );
+    add_control_panel(mesh, LatheKind::FlatBed, dimensions);
 }
 
-/// Adds an operator panel: screen, keys, lamps. `corner` is its upper left front corner.
-pub fn add_control_panel(
-    mesh: &mut SceneMesh,
-    corner: Vec3,
-    [width, height]: [f32; 2],
-    scale: f32,
-) {
+/// Adds the operator panel without its hand wheel: screen, keys, lamps.
+pub fn add_control_panel(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &LatheDimensions) {
+    let Some((corner, [width, height])) = operator_panel(kind, dimensions) else {
+        return;
+    };
+    let scale = dimensions.centre_height / 190.0;
     mesh.within(Mat4::from_translation(corner), |mesh| {
         mesh.step_mm = 60.0;
         mesh.material = BLACK;
         mesh.add_box(
             vec3(0.0, -height, -4.0),
-            vec3(width, 0.0, 14.0 * scale),
+            vec3(width, 0.0, panel_depth(dimensions)),
             5.0 * scale,
         );
-        let front = 14.0 * scale;
+        let front = panel_depth(dimensions);
         mesh.material = SCREEN;
         mesh.add_box(
             vec3(width * 0.06, -height * 0.46, front - 2.0),
@@ -233,7 +219,7 @@ pub fn add_control_panel(
                 );
             }
         }
-        // Emergency stop, override switch, hand wheel.
+        // Emergency stop and override switch.
         let button = 17.0 * scale;
         mesh.material = SceneMaterial::paint(230, 190, 40);
         mesh.add_facing(
@@ -267,30 +253,6 @@ pub fn add_control_panel(
                 (13.0 * scale, 0.0),
             ],
             24,
-        );
-        mesh.add_facing(
-            vec3(width * 0.76, -height * 0.86, front),
-            &[
-                (-1.0, button * 1.9),
-                (8.0 * scale, button * 1.9),
-                (10.0 * scale, button * 1.8),
-                (10.0 * scale, 0.0),
-            ],
-            44,
-        );
-        mesh.material = BLACK;
-        mesh.add_facing(
-            vec3(
-                width * 0.76 + button,
-                -height * 0.86 + button * 0.6,
-                front + 9.0 * scale,
-            ),
-            &[
-                (0.0, button * 0.36),
-                (16.0 * scale, button * 0.4),
-                (18.0 * scale, 0.0),
-            ],
-            20,
         );
     });
 }
@@ -355,38 +317,5 @@ fn add_wall(mesh: &mut SceneMesh, dimensions: &LatheDimensions, head: f32, scale
             2.5,
         );
         x += 190.0 * scale;
-    }
-}
-
-/// Adds a signal tower that stands on `base`.
-pub fn add_lamp_tower(mesh: &mut SceneMesh, base: Vec3, scale: f32) {
-    let size = 15.0 * scale;
-    mesh.material = BRIGHT_STEEL;
-    mesh.add_upright(base, &[(0.0, size * 0.4), (70.0 * scale, size * 0.4)], 16);
-    let colors = [[52, 168, 84], [230, 172, 36], [204, 48, 40]];
-    for (level, [red, green, blue]) in colors.into_iter().enumerate() {
-        let low = (70.0 + level as f32 * 36.0) * scale;
-        mesh.material =
-            SceneMaterial::paint(red, green, blue).glowing(if level == 0 { 130 } else { 14 });
-        mesh.add_upright(
-            base + Vec3::Y * low,
-            &[
-                (0.0, 0.0),
-                (0.0, size),
-                (31.0 * scale, size),
-                (31.0 * scale, 0.0),
-            ],
-            28,
-        );
-        mesh.material = BLACK;
-        mesh.add_upright(
-            base + Vec3::Y * (low + 31.0 * scale),
-            &[
-                (0.0, size * 1.06),
-                (5.0 * scale, size * 1.06),
-                (5.0 * scale, 0.0),
-            ],
-            28,
-        );
     }
 }

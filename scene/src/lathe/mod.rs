@@ -6,11 +6,14 @@ mod flat_bed;
 mod palette;
 mod slant_bed;
 mod slides;
+mod steady_rest;
 mod tailstock;
 mod tool_carrier;
 mod tools;
+mod tower;
+mod wheels;
 
-use crate::description::{LatheDescription, LatheDimensions, LatheKind, MountedTool};
+use crate::description::{LatheDescription, LatheDimensions, LatheKind, MountedTool, TowerLamp};
 use crate::mesh::SceneMesh;
 
 /// A group of triangles that moves as one.
@@ -34,6 +37,20 @@ pub enum MeshGroup {
     Tailstock,
     /// The quill with its centre.
     Quill,
+    /// The wheel on the apron.
+    CarriageWheel,
+    /// The wheel of the cross slide.
+    CrossWheel,
+    /// The wheel of the tailstock.
+    TailstockWheel,
+    /// The electronic hand wheel of the operator panel.
+    PanelWheel,
+    /// Ring and foot of the steady rest.
+    SteadyRest,
+    /// One jaw of the steady rest, drawn three times.
+    SteadyJaw,
+    /// The glass of a lit lamp of the tower.
+    Lamp(TowerLamp),
     /// The frame of the guard.
     Door,
     /// The pane of the guard, which is transparent.
@@ -44,7 +61,7 @@ pub enum MeshGroup {
 
 impl MeshGroup {
     /// All groups.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 21] = [
         Self::Floor,
         Self::Fixed,
         Self::Chuck,
@@ -54,6 +71,15 @@ impl MeshGroup {
         Self::Carrier,
         Self::Tailstock,
         Self::Quill,
+        Self::CarriageWheel,
+        Self::CrossWheel,
+        Self::TailstockWheel,
+        Self::PanelWheel,
+        Self::SteadyRest,
+        Self::SteadyJaw,
+        Self::Lamp(TowerLamp::Green),
+        Self::Lamp(TowerLamp::Yellow),
+        Self::Lamp(TowerLamp::Red),
         Self::Door,
         Self::Pane,
         Self::Coolant,
@@ -128,6 +154,17 @@ impl MeshDesign {
             (MeshGroup::Tailstock, kind) => tailstock::add_body(&mut mesh, kind, dimensions),
             (MeshGroup::Quill, _) => {
                 tailstock::add_quill(&mut mesh, dimensions, self.quill_diameter);
+            }
+            (MeshGroup::CarriageWheel, kind) => {
+                wheels::add_carriage_wheel(&mut mesh, kind, dimensions);
+            }
+            (MeshGroup::CrossWheel, _) => wheels::add_cross_wheel(&mut mesh, dimensions),
+            (MeshGroup::TailstockWheel, _) => wheels::add_tailstock_wheel(&mut mesh, dimensions),
+            (MeshGroup::PanelWheel, _) => wheels::add_panel_wheel(&mut mesh, dimensions),
+            (MeshGroup::SteadyRest, kind) => steady_rest::add_body(&mut mesh, kind, dimensions),
+            (MeshGroup::SteadyJaw, _) => steady_rest::add_jaw(&mut mesh, dimensions),
+            (MeshGroup::Lamp(lamp), kind) => {
+                tower::add_lit_lamp(&mut mesh, kind, dimensions, lamp);
             }
             (MeshGroup::Door, LatheKind::SlantBed) => slant_bed::add_door(&mut mesh, dimensions),
             (MeshGroup::Door, kind) => chuck::add_guard_frame(&mut mesh, kind, dimensions),
@@ -209,6 +246,7 @@ mod tests {
                         bed_length,
                         centre_height,
                         chuck_diameter,
+                        steady_rest: Some(180.0),
                         ..LatheDimensions::default()
                     },
                     tools: vec![
@@ -245,6 +283,24 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn a_lathe_without_a_steady_rest_draws_none_and_lit_lamps_cover_the_dark_ones() {
+        let design = MeshDesign::new(&LatheDescription::default());
+        for group in [MeshGroup::SteadyRest, MeshGroup::SteadyJaw] {
+            assert_eq!(design.build(group).triangle_count(), 0);
+        }
+        let top = |lamp| {
+            let mesh = design.build(MeshGroup::Lamp(lamp));
+            let heights = mesh.vertices.iter().map(|it| it.position.y);
+            heights.fold(f32::MIN, f32::max)
+        };
+        let tops = TowerLamp::ALL.map(top);
+        assert!(
+            tops.windows(2).all(|pair| pair[1] > pair[0] + 20.0),
+            "{tops:?}"
+        );
     }
 
     #[test]

@@ -22,6 +22,14 @@ pub const TURNED_STEEL: SceneMaterial = SceneMaterial::steel(170, 70).turned();
 pub const BRIGHT_STEEL: SceneMaterial = SceneMaterial::steel(186, 42);
 /// Blackened steel of holders.
 pub const HOLDER_STEEL: SceneMaterial = SceneMaterial::steel(78, 112);
+/// Bronze of sliding tips.
+pub const BRONZE: SceneMaterial = SceneMaterial {
+    color: [186, 132, 66],
+    roughness: 84,
+    metal: 220,
+    rings: 0,
+    glow: 0,
+};
 /// Hardened steel of jaws.
 pub const JAW_STEEL: SceneMaterial = SceneMaterial::steel(124, 92);
 /// Coated carbide.

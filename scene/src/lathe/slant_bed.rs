@@ -2,9 +2,10 @@
 
 use glam::{Mat4, vec3};
 
-use super::flat_bed::{add_control_panel, add_lamp_tower, add_spindle_nose};
+use super::flat_bed::{add_control_panel, add_spindle_nose};
 use super::floor_y;
 use super::palette::{ACCENT, BLACK, BRIGHT_STEEL, DARK, GROUND_STEEL, LAMP, LIGHT, PANE, SHEET};
+use super::tower::add_tower;
 use crate::description::{LatheDimensions, LatheKind};
 use crate::mesh::SceneMesh;
 use crate::placement::tool_side;
@@ -45,16 +46,8 @@ pub fn add_fixed(mesh: &mut SceneMesh, dimensions: &LatheDimensions) {
     add_walls(mesh, &cabinet, floor);
     add_front(mesh, &cabinet, floor);
     add_spindle_nose(mesh, dimensions);
-    let scale = cabinet.scale;
-    add_lamp_tower(
-        mesh,
-        vec3(
-            cabinet.head - 40.0 * scale,
-            cabinet.lintel + 28.0 * scale,
-            120.0 * scale,
-        ),
-        scale,
-    );
+    add_tower(mesh, LatheKind::SlantBed, dimensions);
+    add_control_panel(mesh, LatheKind::SlantBed, dimensions);
 }
 
 fn add_bed(mesh: &mut SceneMesh, dimensions: &LatheDimensions, cabinet: &Cabinet) {
@@ -207,8 +200,6 @@ fn add_front(mesh: &mut SceneMesh, cabinet: &Cabinet, floor: f32) {
         (60.0 * scale, sill - 30.0 * scale),
     ];
     mesh.add_side_prism(&pan, head, right - 8.0);
-    let corner = vec3(head - 318.0 * scale, lintel * 0.86, front + 6.0 * scale);
-    add_control_panel(mesh, corner, [276.0 * scale, lintel * 1.02], scale);
 }
 
 /// Extents of the closed door along the axis.

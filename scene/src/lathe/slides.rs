@@ -8,9 +8,9 @@ use glam::{Mat4, Vec3, vec3};
 use super::palette::{
     ACCENT, BENCH_GREEN, BLACK, COOLANT, DARK, GROUND_STEEL, HOSE, LIGHT, TURNED_STEEL,
 };
-use super::tailstock::add_hand_wheel;
 use crate::description::{LatheDimensions, LatheKind};
 use crate::mesh::SceneMesh;
+use crate::placement::hand_wheels::{apron_front, apron_span};
 use crate::placement::{carrier_radius, tool_scale};
 
 /// Adds the carriage below a tool post whose axis is at x = 0.
@@ -20,7 +20,7 @@ pub fn add_carriage(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &LatheDim
     let (left, right) = (-95.0 * scale, 125.0 * scale);
     let is_bench = kind == LatheKind::Bench;
     let reach = if is_bench { 108.0 } else { 152.0 } * wide;
-    let top = -height + 42.0 * scale;
+    let (foot, top) = apron_span(kind, dimensions);
     mesh.step_mm = 36.0;
     mesh.material = if is_bench { BENCH_GREEN } else { LIGHT };
     mesh.add_box(
@@ -29,8 +29,7 @@ pub fn add_carriage(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &LatheDim
         7.0 * scale,
     );
     // The apron.
-    let front = if is_bench { 150.0 } else { 208.0 } * wide;
-    let foot = -height - if is_bench { 78.0 } else { 165.0 } * wide;
+    let front = apron_front(kind, dimensions);
     let back = if is_bench { 118.0 } else { 176.0 } * wide;
     mesh.material = if is_bench { BENCH_GREEN } else { ACCENT };
     mesh.add_box(
@@ -50,11 +49,6 @@ pub fn add_carriage(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &LatheDim
         vec3(left - 8.0, -height + 30.0 * scale, reach * 0.7),
         2.0,
     );
-    let wheel = Mat4::from_translation(vec3(right * 0.28, foot + (top - foot) * 0.46, front))
-        * Mat4::from_rotation_y(-PI / 2.0);
-    mesh.within(wheel, |mesh| {
-        add_hand_wheel(mesh, if is_bench { 52.0 } else { 58.0 } * wide, scale);
-    });
 }
 
 /// Adds the cross slide below a tool post whose axis is at the origin.
@@ -96,11 +90,6 @@ pub fn add_cross_slide(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &Lathe
         ],
         56,
     );
-    if kind == LatheKind::Bench {
-        let wheel = Mat4::from_translation(vec3(0.0, low + 16.0 * scale, far + 66.0 * scale))
-            * Mat4::from_rotation_y(-PI / 2.0);
-        mesh.within(wheel, |mesh| add_hand_wheel(mesh, 36.0 * wide, scale));
-    }
     add_hose(
         mesh,
         vec3(50.0 * scale, top, half + 20.0 * scale),

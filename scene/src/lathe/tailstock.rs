@@ -1,12 +1,11 @@
 //! The tailstock: body and quill.
 
-use core::f32::consts::TAU;
-
 use glam::{Mat4, vec3};
 
 use super::palette::{ACCENT, BENCH_GREEN, BRIGHT_STEEL, DARK, LIGHT, TURNED_STEEL};
 use crate::description::{LatheDimensions, LatheKind};
 use crate::mesh::SceneMesh;
+use crate::placement::hand_wheels::tailstock_length;
 use crate::placement::tool_scale;
 
 /// Diameter of the quill without a described one, relative to the centre height.
@@ -15,7 +14,7 @@ const USUAL_QUILL_SHARE: f32 = 0.30;
 /// Adds the body with its front at x = 0.
 pub fn add_body(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &LatheDimensions) {
     let (height, scale) = (dimensions.centre_height, tool_scale(dimensions));
-    let (length, half) = (165.0 * scale, 58.0 * scale);
+    let (length, half) = (tailstock_length(dimensions), 58.0 * scale);
     let paint = if kind == LatheKind::Bench {
         BENCH_GREEN
     } else {
@@ -65,8 +64,6 @@ pub fn add_body(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &LatheDimensi
     if kind == LatheKind::SlantBed {
         return;
     }
-    let wheel = Mat4::from_translation(vec3(length, 0.0, 0.0));
-    mesh.within(wheel, |mesh| add_hand_wheel(mesh, 66.0 * scale, scale));
     // The clamping lever of the quill.
     mesh.material = BRIGHT_STEEL;
     let frame = Mat4::from_translation(vec3(length * 0.4, 0.22 * height, half * 0.3))
@@ -83,51 +80,6 @@ pub fn add_body(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &LatheDimensi
                 (78.0 * scale, 0.0),
             ],
             22,
-        );
-    });
-}
-
-/// Adds a hand wheel about the x axis, on the side of positive x.
-pub fn add_hand_wheel(mesh: &mut SceneMesh, radius: f32, scale: f32) {
-    mesh.material = BRIGHT_STEEL;
-    let middle = 26.0 * scale;
-    mesh.add_rim(middle, radius, 6.5 * scale, 44);
-    let hub = 15.0 * scale;
-    mesh.add_revolve(
-        &[
-            (-1.0, 0.0),
-            (-1.0, hub),
-            (middle + 8.0 * scale, hub),
-            (middle + 11.0 * scale, hub * 0.7),
-            (middle + 11.0 * scale, 0.0),
-        ],
-        32,
-    );
-    for spoke in 0..3 {
-        mesh.within(
-            Mat4::from_rotation_x(spoke as f32 * TAU / 3.0 + 0.4),
-            |mesh| {
-                mesh.add_box(
-                    vec3(middle - 4.0 * scale, 0.0, -5.0 * scale),
-                    vec3(middle + 4.0 * scale, radius, 5.0 * scale),
-                    2.0,
-                );
-            },
-        );
-    }
-    let handle = Mat4::from_translation(vec3(middle, radius * 0.55, radius * 0.83));
-    mesh.material = DARK;
-    mesh.within(handle, |mesh| {
-        let grip = 7.0 * scale;
-        mesh.add_revolve(
-            &[
-                (0.0, 0.0),
-                (0.0, grip * 0.7),
-                (24.0 * scale, grip),
-                (44.0 * scale, grip * 0.8),
-                (47.0 * scale, 0.0),
-            ],
-            20,
         );
     });
 }

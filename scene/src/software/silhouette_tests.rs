@@ -1,5 +1,7 @@
 //! The silhouette of the drawn part equals the half section at many moments of a cut.
 
+use core::f32::consts::TAU;
+
 use glam::{Mat4, vec3};
 use gsk_units::Point;
 use gsk_workpiece::grid::from_grid;
@@ -49,7 +51,7 @@ fn drawn_radii(outline: &PartOutline) -> Vec<(f64, f64)> {
         .mul_mat4(&Mat4::from_translation(vec3(-LEFT_MM as f32, 0.0, 0.0)));
     let projection = Mat4::from_translation(vec3(-1.0, 0.0, 0.0)) * projection;
     let mut buffer = VisibilityBuffer::new(SIZE);
-    for triangle in part::triangles(outline, 192, Mat4::from_rotation_x(0.3)) {
+    for triangle in part::triangles(outline, 192, [0.0, TAU], Mat4::from_rotation_x(0.3)) {
         buffer.add(&projection, triangle, false);
     }
     let middle = rows as f64 * 0.5;

@@ -257,7 +257,7 @@ impl Kernel {
         let part_shown = self.timeline.past.as_mut().map(PastMachine::publish_part);
         let part_shown = match part_shown {
             Some(is_shown) => is_shown,
-            None => self.part.publish(self.emulator.simulation()),
+            None => self.part.publish(&self.emulator),
         };
         self.timeline.publish(can_continue) || part_shown
     }

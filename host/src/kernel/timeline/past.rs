@@ -73,7 +73,7 @@ impl PastMachine {
 
     /// Publishes the part once it is computed; returns `true` if there is something new.
     pub(super) fn publish_part(&mut self) -> bool {
-        !self.is_part_pending && self.part.publish(self.machine.simulation())
+        !self.is_part_pending && self.part.publish(&self.machine)
     }
 
     /// Sets whether a view shows the part.

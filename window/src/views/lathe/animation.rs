@@ -145,6 +145,8 @@ impl EffectsAnimation {
             station_offset: self.stations_left,
             is_spindle_blurred: is_blurred(part),
             marks: part.findings.iter().map(mark).collect(),
+            lit_lamps: part.fittings.lit_lamps,
+            wheel_detents: part.fittings.wheel_detents,
         }
     }
 
@@ -184,6 +186,7 @@ impl EffectsAnimation {
             away: CHIP_DIRECTION.into(),
             feed: cut.feed,
             speed: speed as f32,
+            material: lathe.part.material(),
             tray_y: tray_y(lathe.kind, &lathe.dimensions),
         })
     }

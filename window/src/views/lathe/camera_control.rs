@@ -108,15 +108,29 @@ impl CameraControl {
         self.follows_tool = follows;
     }
 
-    /// Moves the camera by what the operator does in the picture, and returns it.
+    /// Chooses the preset after the current one; the first one once the operator has moved the
+    /// camera.
+    fn choose_next(&mut self) {
+        let index = |wanted: CameraPreset| CameraPreset::ALL.iter().position(|it| *it == wanted);
+        let next = self.preset.and_then(index).map_or(0, |at| at + 1);
+        let next = CameraPreset::ALL.get(next).copied();
+        self.choose(next.unwrap_or_default());
+    }
+
+    /// Moves the camera by what the operator does in the picture, and returns it. `has_digits`:
+    /// the digit keys belong to the view, and not to the panel.
     pub fn update(
         &mut self,
         ui: &Ui,
         response: &Response,
         lathe: &LatheDescription,
+        has_digits: bool,
     ) -> OrbitCamera {
         if response.double_clicked() {
             self.choose(CameraPreset::default());
+        }
+        if response.has_focus() || has_digits {
+            self.handle_preset_keys(ui, response.has_focus(), has_digits);
         }
         let fitted = self.preset.unwrap_or_default().camera(lathe);
         let mut camera = self.camera.unwrap_or(fitted);
@@ -181,7 +195,7 @@ impl CameraControl {
     /// Handles the keys without modifiers while the picture has the focus: an axis key needs
     /// one. Returns whether the picture was moved.
     fn handle_keys(&mut self, ui: &Ui, camera: &mut OrbitCamera, height: f32) -> bool {
-        let (mut is_panned, mut is_home) = (false, false);
+        let mut is_panned = false;
         focus::take_keys(ui, |key| {
             let by = match key {
                 Key::ArrowLeft => [-KEY_DRAG, 0.0],
@@ -200,10 +214,6 @@ impl CameraControl {
                     self.keys_move = !self.keys_move;
                     return true;
                 }
-                Key::Home => {
-                    is_home = true;
-                    return true;
-                }
                 _ => return false,
             };
             match self.keys_move {
@@ -213,11 +223,24 @@ impl CameraControl {
             is_panned |= self.keys_move;
             true
         });
-        if is_home {
-            self.choose(CameraPreset::default());
-            return false;
-        }
         is_panned
+    }
+
+    /// Handles the keys that choose a preset: Home and End while the picture has the focus, and
+    /// digits.
+    fn handle_preset_keys(&mut self, ui: &Ui, has_focus: bool, has_digits: bool) {
+        const DIGITS: [Key; CameraPreset::ALL.len()] =
+            [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5];
+        focus::take_keys(ui, |key| {
+            let digit = DIGITS.iter().position(|it| *it == key);
+            match (key, digit.filter(|_| has_digits)) {
+                (Key::Home, _) if has_focus => self.choose(CameraPreset::default()),
+                (Key::End, _) if has_focus => self.choose_next(),
+                (_, Some(at)) => self.choose(CameraPreset::ALL[at]),
+                (_, None) => return false,
+            }
+            true
+        });
     }
 }
 
@@ -244,6 +267,21 @@ mod tests {
         assert_eq!(again.to_stored(), control.to_stored());
         let camera = again.camera.unwrap();
         assert!(camera.is_parallel && (camera.distance - 640.0).abs() < 0.001);
+    }
+
+    #[test]
+    fn one_key_leads_through_all_presets() {
+        let mut control = CameraControl::from_stored(None);
+        let mut seen = vec![];
+        for _ in CameraPreset::ALL {
+            control.choose_next();
+            seen.push(control.preset().unwrap());
+        }
+        assert_eq!(seen[..4], CameraPreset::ALL[1..]);
+        assert_eq!(seen[4], CameraPreset::Operator);
+        control.preset = None;
+        control.choose_next();
+        assert_eq!(control.preset(), Some(CameraPreset::Operator));
     }
 
     #[test]

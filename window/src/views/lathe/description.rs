@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use gsk_core::machine::LatheConstruction;
 use gsk_host::kernel::part::PartView;
 use gsk_runner::machining::live_part::ThreadZone;
 use gsk_scene::description::{
@@ -9,11 +10,13 @@ use gsk_scene::description::{
     SceneEffects, SceneOverlay, SceneTheme, SectionCut, TipPosition,
 };
 use gsk_scene::effects::break_insert;
+use gsk_scene::part_material::PartMaterial;
 use gsk_scene::part_outline::PartOutline;
 use gsk_scene::part_threads::ThreadDescription;
 use gsk_workpiece::grid::{GridContour, from_grid};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
+use gsk_workpiece::stock::StockMaterial;
 use gsk_workpiece::tool::{BodyPart, Holder, Insert, Tool, ToolShape};
 
 use super::animation::{EffectsAnimation, has_broken_insert, is_blurred};
@@ -66,14 +69,7 @@ impl SceneDescriber {
     ) -> LatheDescription {
         let stock = &part.job.stock;
         let face = stock.jaw_front() - stock.chuck.jaws;
-        let kind = match (
-            part.rear_tool_post,
-            stock.chuck.diameter.0 <= BENCH_CHUCK_MM,
-        ) {
-            (true, _) => LatheKind::SlantBed,
-            (false, true) => LatheKind::Bench,
-            (false, false) => LatheKind::FlatBed,
-        };
+        let kind = kind_of(part);
         self.update_outline(part, face);
         self.update_tools(part, kind);
         self.animate(part, elapsed_s);
@@ -87,7 +83,7 @@ impl SceneDescriber {
         });
         let mut lathe = LatheDescription {
             kind,
-            dimensions: make_dimensions(&part.job),
+            dimensions: make_dimensions(part),
             spindle_angle: self.spindle_angle,
             jaw_radius: stock.radius() as f32,
             tip: TipPosition {
@@ -136,7 +132,8 @@ impl SceneDescriber {
             is_internal: zone.is_internal,
         });
         let threads: Vec<ThreadDescription> = threads.collect();
-        self.outline = Arc::new(PartOutline::with_threads(&polygons, radius, &threads));
+        let outline = PartOutline::with_threads(&polygons, radius, &threads);
+        self.outline = Arc::new(outline.with_material(material_of(part.job.stock.material)));
     }
 
     fn update_tools(&mut self, part: &PartView, kind: LatheKind) {
@@ -184,9 +181,31 @@ fn station_of(tool: u8, kind: LatheKind) -> usize {
     usize::from(tool.saturating_sub(1)) % kind.station_count()
 }
 
+const fn material_of(stock: StockMaterial) -> PartMaterial {
+    match stock {
+        StockMaterial::Steel => PartMaterial::Steel,
+        StockMaterial::Stainless => PartMaterial::Stainless,
+        StockMaterial::CastIron => PartMaterial::CastIron,
+        StockMaterial::Aluminium => PartMaterial::Aluminium,
+        StockMaterial::Brass => PartMaterial::Brass,
+        StockMaterial::Plastic => PartMaterial::Plastic,
+    }
+}
+
+/// The construction by the machine file, or else by tool post and chuck.
+fn kind_of(part: &PartView) -> LatheKind {
+    match (part.fittings.construction, part.rear_tool_post) {
+        (Some(LatheConstruction::SlantBed), _) | (None, true) => LatheKind::SlantBed,
+        (Some(LatheConstruction::Bench), _) => LatheKind::Bench,
+        (Some(LatheConstruction::FlatBed), _) => LatheKind::FlatBed,
+        (None, false) if part.job.stock.chuck.diameter.0 <= BENCH_CHUCK_MM => LatheKind::Bench,
+        (None, false) => LatheKind::FlatBed,
+    }
+}
+
 /// Chooses a machine that suits the chuck and the length of the stock.
-fn make_dimensions(job: &Job) -> LatheDimensions {
-    let (stock, chuck) = (&job.stock, &job.stock.chuck);
+fn make_dimensions(part: &PartView) -> LatheDimensions {
+    let (stock, chuck) = (&part.job.stock, &part.job.stock.chuck);
     let diameter = chuck.diameter.0 as f32;
     let centre_height = (diameter * 0.82)
         .max(stock.radius() as f32 + 40.0)
@@ -202,6 +221,7 @@ fn make_dimensions(job: &Job) -> LatheDimensions {
         chuck_length: chuck.length as f32,
         jaw_length: chuck.jaws as f32,
         jaw_height: chuck.jaw_height as f32,
+        steady_rest: part.fittings.steady_rest.map(|it| it as f32),
     }
 }
 
@@ -246,6 +266,7 @@ fn make_tool(tool: &Tool) -> MountedTool {
 mod tests {
     use super::*;
     use gsk_core::units::Point;
+    use gsk_host::kernel::part::LatheFittings;
     use gsk_workpiece::stock::Stock;
 
     fn view(diameter: f64) -> PartView {
@@ -268,6 +289,7 @@ mod tests {
             tailstock_forward: false,
             door_open: true,
             rear_tool_post: false,
+            fittings: LatheFittings::default(),
             findings: Vec::new(),
             crash: None,
             block: None,
@@ -393,6 +415,27 @@ mod tests {
         let (quill, jaws) = state(&part, 0.1);
         assert!(quill > 0.0 && quill < QUILL_TRAVEL_MM && jaws > 25.0 && jaws < 30.0);
         assert_eq!(state(&part, 9.0), (QUILL_TRAVEL_MM, 30.0));
+    }
+
+    #[test]
+    fn the_machine_file_sets_construction_and_steady_rest_and_signals_light_the_tower() {
+        let mut part = view(50.0);
+        let mut describer = SceneDescriber::default();
+        let usual = describer.describe(&part, SceneTheme::Day, 0.1);
+        assert_eq!(usual.kind, LatheKind::FlatBed);
+        assert_eq!(usual.dimensions.steady_rest, None);
+        assert_eq!(usual.effects.lit_lamps, [false; 3]);
+        part.fittings = LatheFittings {
+            construction: Some(LatheConstruction::Bench),
+            steady_rest: Some(70.0),
+            lit_lamps: [true, false, true],
+            wheel_detents: -12,
+        };
+        let fitted = describer.describe(&part, SceneTheme::Day, 0.1);
+        assert_eq!(fitted.kind, LatheKind::Bench);
+        assert_eq!(fitted.dimensions.steady_rest, Some(70.0));
+        assert_eq!(fitted.effects.lit_lamps, [true, false, true]);
+        assert_eq!(fitted.effects.wheel_detents, -12);
     }
 
     #[test]

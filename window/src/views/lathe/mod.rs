@@ -1,6 +1,7 @@
 //! The lathe view: the machine with the part in space.
 
 mod animation;
+mod bar;
 mod camera_control;
 mod description;
 mod jolt;
@@ -12,14 +13,11 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use eframe::glow;
-use egui::{
-    Label, Panel, Rect, RichText, Role, Sense, StrokeKind, Ui, ViewportCommand, WidgetInfo,
-};
+use egui::{Label, Panel, Rect, RichText, Role, Sense, StrokeKind, Ui, WidgetInfo};
 use gsk_host::kernel::part::PartView;
 use gsk_messages::{Language, Message, say};
-use gsk_scene::camera::{CameraPreset, OrbitCamera};
-use gsk_scene::description::{LatheDescription, SceneTheme, SectionCut};
-use gsk_scene::level::SceneLevel;
+use gsk_scene::camera::OrbitCamera;
+use gsk_scene::description::{LatheDescription, SceneTheme};
 
 use super::interface::{View, ViewFrame, ViewStart};
 use super::machine::path::DrawnPath;
@@ -76,8 +74,12 @@ impl View for LatheSceneView {
 
     fn show(&mut self, ui: &mut Ui, frame: ViewFrame<'_>) {
         let part = frame.part.map(AsRef::as_ref);
+        let size = ui.available_size();
         let bar = Panel::top("scene bar").frame(bar_frame());
-        bar.show(ui, |ui| self.show_bar(ui, frame, part));
+        bar.show(ui, |ui| match bar::is_small(size) {
+            true => self.show_small_bar(ui, frame),
+            false => self.show_bar(ui, frame, part),
+        });
         egui::CentralPanel::default()
             .frame(plain_frame())
             .show(ui, |ui| match part {
@@ -103,94 +105,16 @@ impl LatheSceneView {
         self.path = Arc::clone(path);
     }
 
-    fn show_bar(&mut self, ui: &mut Ui, frame: ViewFrame<'_>, part: Option<&PartView>) {
-        let language = frame.language;
-        let mut hint = say::lathe_scene_hint().text(language);
-        let more = [Some(say::lathe_scene_keys()), self.describe_level(language)];
-        for words in more.into_iter().flatten() {
-            hint.push_str("\n\n");
-            hint.push_str(&words.text(language));
-        }
-        ui.horizontal_wrapped(|ui| {
-            for preset in CameraPreset::ALL {
-                let words = preset_name(preset);
-                let is_chosen = self.camera.preset() == Some(preset);
-                let button = ui.selectable_label(is_chosen, words.text(language));
-                if button.on_hover_text(&hint).clicked() {
-                    self.camera.choose(preset);
-                }
-            }
-            ui.separator();
-            let mut follows = self.camera.follows_tool();
-            let words = say::lathe_scene_follow().text(language);
-            if ui.checkbox(&mut follows, words).changed() {
-                self.camera.set_follows_tool(follows);
-            }
-            // A docked view cannot fill the screen by itself: its separate window can.
-            if frame.owns_keys {
-                show_full_screen_button(ui, language);
-            }
-            ui.separator();
-            self.show_section_cuts(ui, language);
-            ui.separator();
-            if let Some(part) = part {
-                let tool = say::lathe_tool(part.tool, part.spindle_rpm);
-                let position = say::lathe_pointer(part.tip.x * 2.0, part.tip.z);
-                for words in [tool, position] {
-                    ui.label(RichText::new(words.text(language)).monospace());
-                }
-            }
-        });
-    }
-
-    fn show_section_cuts(&mut self, ui: &mut Ui, language: Language) {
-        for cut in SectionCut::ALL {
-            let words = match cut {
-                SectionCut::Whole => say::lathe_scene_whole(),
-                SectionCut::Quarter => say::lathe_scene_quarter(),
-                SectionCut::Half => say::lathe_scene_half(),
-            };
-            let chosen = self.describer.section_cut == cut;
-            let button = ui.selectable_label(chosen, words.text(language));
-            let hint = say::lathe_scene_cut_hint().text(language);
-            if button.on_hover_text(hint).clicked() {
-                self.describer.section_cut = cut;
-            }
-        }
-        ui.separator();
-        let words = say::lathe_path().text(language);
-        let button = ui.selectable_label(self.shows_path, words);
-        let hint = say::lathe_scene_path_hint().text(language);
-        if button.on_hover_text(hint).clicked() {
-            self.shows_path = !self.shows_path;
-        }
-    }
-
-    /// The level in force and the memory of the objects of OpenGL.
-    fn describe_level(&mut self, language: Language) -> Option<Message> {
-        let figures = self.picture.figures()?;
-        let level = match figures.level {
-            SceneLevel::Processor => return Some(say::lathe_scene_processor()),
-            SceneLevel::Coarse => say::lathe_scene_coarse(),
-            SceneLevel::Half => say::lathe_scene_medium(),
-            SceneLevel::Full => say::lathe_scene_full(),
-        };
-        let megabytes = figures.bytes as f64 / 1e6;
-        Some(say::lathe_scene_level(level.text(language), megabytes))
-    }
-
     fn show_picture(&mut self, ui: &Ui, frame: ViewFrame<'_>, part: &PartView) {
         let language = frame.language;
         let rect = ui.available_rect_before_wrap();
         let sense = Sense::CLICK | Sense::DRAG | Sense::focusable_noninteractive();
         let response = ui.interact(rect, ui.scope_id().with("lathe scene"), sense);
+        let camera = self.camera.preset();
         response.widget_info(|| {
-            let name = format!(
-                "{}. {}",
-                say::lathe_scene_picture().text(language),
-                say::lathe_scene_keys().text(language)
-            );
-            WidgetInfo::labeled(Role::Canvas, true, name)
+            let camera = camera.map_or_else(say::lathe_scene_moved, bar::preset_name);
+            let name = say::lathe_scene_name(camera, say::lathe_scene_keys());
+            WidgetInfo::labeled(Role::Canvas, true, name.text(language))
         });
         if rect.width() < 20.0 || rect.height() < 20.0 {
             return;
@@ -209,7 +133,7 @@ impl LatheSceneView {
         let path = self.shows_path.then_some(&self.path);
         self.describer.set_path(path, now);
         let lathe = self.describer.describe(part, scene_theme, elapsed_s);
-        let mut camera = self.camera.update(ui, &response, &lathe);
+        let mut camera = self.camera.update(ui, &response, &lathe, frame.owns_keys);
         let [x, y] = self.jolt.deflection(part.crash, now);
         camera.target.x += x;
         camera.target.y += y;
@@ -235,26 +159,6 @@ fn draw_focus(ui: &Ui, rect: Rect) {
     let line = ui.visuals().widgets.hovered.bg_stroke;
     ui.painter()
         .rect_stroke(rect.shrink(1.0), 2.0, line, StrokeKind::Inside);
-}
-
-/// Shows the button that lets the window of the view fill the screen, or ends that.
-fn show_full_screen_button(ui: &mut Ui, language: Language) {
-    let is_full = ui.input(|input| input.viewport().fullscreen == Some(true));
-    let words = say::lathe_scene_full_screen().text(language);
-    if ui.selectable_label(is_full, words).clicked() {
-        ui.ctx()
-            .send_viewport_cmd(ViewportCommand::Fullscreen(!is_full));
-    }
-}
-
-fn preset_name(preset: CameraPreset) -> Message {
-    match preset {
-        CameraPreset::Operator => say::lathe_scene_operator(),
-        CameraPreset::Tool => say::lathe_scene_tool(),
-        CameraPreset::Chuck => say::lathe_scene_chuck(),
-        CameraPreset::Top => say::lathe_scene_top(),
-        CameraPreset::Section => say::lathe_scene_section(),
-    }
 }
 
 fn show_sentence(ui: &mut Ui, words: &Message, language: Language) {

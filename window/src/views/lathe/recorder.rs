@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use gsk_core::command::{ExecutedMove, MoveKind};
+use gsk_core::machine::LatheConfig;
 use gsk_core::units::Point;
-use gsk_host::kernel::part::PartView;
+use gsk_host::kernel::part::{LatheFittings, PartView};
 use gsk_plot::{PictureError, PictureSize, encode_animation};
 use gsk_runner::curves::RapidRates;
 use gsk_runner::machining::Machining;
@@ -24,6 +25,7 @@ pub struct SceneRecorder {
     describer: SceneDescriber,
     job: Arc<Job>,
     rear_tool_post: bool,
+    fittings: LatheFittings,
     /// Version of the part, and its half section.
     section: (Option<u64>, Arc<Region>),
     lathes: Vec<LatheDescription>,
@@ -35,14 +37,21 @@ pub struct SceneRecorder {
 
 impl SceneRecorder {
     /// Creates a recorder of a number of pictures during a program of a duration, s.
-    pub fn new(machining: &Machining, rear_tool_post: bool, frames: usize, time_s: f64) -> Self {
+    pub fn new(machining: &Machining, lathe: &LatheConfig, frames: usize, time_s: f64) -> Self {
         let stock = &machining.job().stock;
         // In front of the part, until the first move.
         let start = Point::new(stock.radius() + 20.0, stock.front() + 20.0);
         Self {
             describer: SceneDescriber::default(),
             job: Arc::new(machining.job().clone()),
-            rear_tool_post,
+            rear_tool_post: lathe.rear_tool_post,
+            fittings: LatheFittings {
+                construction: lathe.picture.construction,
+                steady_rest: lathe.picture.steady_rest,
+                // A program runs, without a ladder.
+                lit_lamps: [true, false, false],
+                wheel_detents: 0,
+            },
             section: (None, Arc::default()),
             lathes: Vec::new(),
             interval_s: time_s / (frames as f64 - 1.0).max(1.0),
@@ -131,6 +140,7 @@ impl SceneRecorder {
             tailstock_forward: self.job.stock.tailstock.is_some(),
             door_open: false,
             rear_tool_post: self.rear_tool_post,
+            fittings: self.fittings,
             findings: machining.findings().to_vec(),
             crash: None,
             block: None,

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use egui::{DragValue, Grid, Ui};
+use egui::{ComboBox, DragValue, Grid, Ui};
 use gsk_core::units::{Diameter, tip_direction};
 use gsk_messages::{Language, Message, say};
 use gsk_workpiece::job::DiameterPoint;
-use gsk_workpiece::stock::{Stock, StockForm, Tailstock};
+use gsk_workpiece::stock::{Stock, StockForm, StockMaterial, Tailstock};
 use gsk_workpiece::tool::{Holder, Insert, InsertLetter, Tool};
 
 /// Limit of the values in all fields, mm. The rules of the job have narrower limits.
@@ -48,6 +48,7 @@ pub fn show_stock(ui: &mut Ui, stock: &mut Stock, language: Language) {
             show_value(ui, &name, field, language);
         }
     });
+    show_material(ui, &mut stock.material, language);
     let mut has_tailstock = stock.tailstock.is_some();
     let words = say::stock_tailstock().text(language);
     if ui.checkbox(&mut has_tailstock, words).changed() {
@@ -72,6 +73,17 @@ pub fn show_stock(ui: &mut Ui, stock: &mut Stock, language: Language) {
             );
         });
     }
+}
+
+/// Draws the choice of the material, which changes the pictures only.
+fn show_material(ui: &mut Ui, material: &mut StockMaterial, language: Language) {
+    ComboBox::from_label(say::stock_material().text(language))
+        .selected_text(material.name().text(language))
+        .show_ui(ui, |ui| {
+            for choice in StockMaterial::ALL {
+                ui.selectable_value(material, choice, choice.name().text(language));
+            }
+        });
 }
 
 /// Draws the choice of the form of the stock (bar, tube or contour), with the fields of the

@@ -1,0 +1,160 @@
+//! The controls above the picture of the lathe: cameras, section cuts, path. A small view has
+//! one menu instead.
+
+use egui::{RichText, Ui, Vec2, ViewportCommand};
+use gsk_host::kernel::part::PartView;
+use gsk_messages::{Language, Message, say};
+use gsk_scene::camera::CameraPreset;
+use gsk_scene::description::SectionCut;
+use gsk_scene::level::SceneLevel;
+
+use super::super::interface::ViewFrame;
+use super::LatheSceneView;
+
+/// Width and height below which a view is small, points.
+const SMALL_SIZE: Vec2 = Vec2::new(420.0, 240.0);
+
+/// Whether a view is so small that its controls would take the picture's space.
+pub fn is_small(size: Vec2) -> bool {
+    size.x < SMALL_SIZE.x || size.y < SMALL_SIZE.y
+}
+
+impl LatheSceneView {
+    /// Shows all controls in rows.
+    pub(super) fn show_bar(&mut self, ui: &mut Ui, frame: ViewFrame<'_>, part: Option<&PartView>) {
+        let language = frame.language;
+        ui.horizontal_wrapped(|ui| {
+            self.show_presets(ui, language);
+            ui.separator();
+            self.show_follow(ui, language);
+            // A docked view cannot fill the screen by itself: its separate window can.
+            if frame.owns_keys {
+                show_full_screen_button(ui, language);
+            }
+            ui.separator();
+            self.show_section_cuts(ui, language);
+            ui.separator();
+            if let Some(part) = part {
+                let tool = say::lathe_tool(part.tool, part.spindle_rpm);
+                let position = say::lathe_pointer(part.tip.x * 2.0, part.tip.z);
+                for words in [tool, position] {
+                    ui.label(RichText::new(words.text(language)).monospace());
+                }
+            }
+        });
+    }
+
+    /// Shows one menu that holds all controls: a small view is for the picture.
+    pub(super) fn show_small_bar(&mut self, ui: &mut Ui, frame: ViewFrame<'_>) {
+        let language = frame.language;
+        let preset = self.camera.preset();
+        let words = preset.map_or_else(say::lathe_scene_camera, preset_name);
+        ui.horizontal(|ui| {
+            let menu = ui.menu_button(words.text(language), |ui| {
+                self.show_presets(ui, language);
+                ui.separator();
+                self.show_follow(ui, language);
+                if frame.owns_keys {
+                    show_full_screen_button(ui, language);
+                }
+                ui.separator();
+                self.show_section_cuts(ui, language);
+            });
+            menu.response
+                .on_hover_text(say::lathe_scene_menu_hint().text(language));
+        });
+    }
+
+    fn show_presets(&mut self, ui: &mut Ui, language: Language) {
+        let mut hint = say::lathe_scene_hint().text(language);
+        let more = [Some(say::lathe_scene_keys()), self.describe_level(language)];
+        for words in more.into_iter().flatten() {
+            hint.push_str("\n\n");
+            hint.push_str(&words.text(language));
+        }
+        for preset in CameraPreset::ALL {
+            let words = preset_name(preset);
+            let is_chosen = self.camera.preset() == Some(preset);
+            let button = ui.selectable_label(is_chosen, words.text(language));
+            if button.on_hover_text(&hint).clicked() {
+                self.camera.choose(preset);
+            }
+        }
+    }
+
+    fn show_follow(&mut self, ui: &mut Ui, language: Language) {
+        let mut follows = self.camera.follows_tool();
+        let words = say::lathe_scene_follow().text(language);
+        if ui.checkbox(&mut follows, words).changed() {
+            self.camera.set_follows_tool(follows);
+        }
+    }
+
+    fn show_section_cuts(&mut self, ui: &mut Ui, language: Language) {
+        for cut in SectionCut::ALL {
+            let words = match cut {
+                SectionCut::Whole => say::lathe_scene_whole(),
+                SectionCut::Quarter => say::lathe_scene_quarter(),
+                SectionCut::Half => say::lathe_scene_half(),
+            };
+            let chosen = self.describer.section_cut == cut;
+            let button = ui.selectable_label(chosen, words.text(language));
+            let hint = say::lathe_scene_cut_hint().text(language);
+            if button.on_hover_text(hint).clicked() {
+                self.describer.section_cut = cut;
+            }
+        }
+        ui.separator();
+        let words = say::lathe_path().text(language);
+        let button = ui.selectable_label(self.shows_path, words);
+        let hint = say::lathe_scene_path_hint().text(language);
+        if button.on_hover_text(hint).clicked() {
+            self.shows_path = !self.shows_path;
+        }
+    }
+
+    /// The level in force and the memory of the objects of OpenGL.
+    fn describe_level(&mut self, language: Language) -> Option<Message> {
+        let figures = self.picture.figures()?;
+        let level = match figures.level {
+            SceneLevel::Processor => return Some(say::lathe_scene_processor()),
+            SceneLevel::Coarse => say::lathe_scene_coarse(),
+            SceneLevel::Half => say::lathe_scene_medium(),
+            SceneLevel::Full => say::lathe_scene_full(),
+        };
+        let megabytes = figures.bytes as f64 / 1e6;
+        Some(say::lathe_scene_level(level.text(language), megabytes))
+    }
+}
+
+/// Shows the button that lets the window of the view fill the screen, or ends that.
+fn show_full_screen_button(ui: &mut Ui, language: Language) {
+    let is_full = ui.input(|input| input.viewport().fullscreen == Some(true));
+    let words = say::lathe_scene_full_screen().text(language);
+    if ui.selectable_label(is_full, words).clicked() {
+        ui.ctx()
+            .send_viewport_cmd(ViewportCommand::Fullscreen(!is_full));
+    }
+}
+
+/// The name of a preset.
+pub fn preset_name(preset: CameraPreset) -> Message {
+    match preset {
+        CameraPreset::Operator => say::lathe_scene_operator(),
+        CameraPreset::Tool => say::lathe_scene_tool(),
+        CameraPreset::Chuck => say::lathe_scene_chuck(),
+        CameraPreset::Top => say::lathe_scene_top(),
+        CameraPreset::Section => say::lathe_scene_section(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_view_beside_the_panel_is_small_and_a_window_is_not() {
+        assert!(is_small(Vec2::new(240.0, 180.0)) && is_small(Vec2::new(300.0, 600.0)));
+        assert!(!is_small(Vec2::new(900.0, 640.0)));
+    }
+}
