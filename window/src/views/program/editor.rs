@@ -172,20 +172,12 @@ pub fn show_editable(
                 .set_char_range(Some(CCursorRange::two(from, to)));
             output.state.store(ui.ctx(), text_field_id());
             response.request_focus();
-            let at = output.galley.pos_from_cursor(from);
-            ui.scroll_to_rect(
-                at.translate(output.galley_pos.to_vec2()),
-                Some(Align::Center),
-            );
+            scroll_to(ui, &output.galley, output.galley_pos, from);
         }
         if shows_running_line && let Some(line) = margin_marks.running_line {
             let start = document.line_start(line.saturating_sub(1) as usize);
             let cursor = CCursor::new(document.character_at_byte(start));
-            let at = output.galley.pos_from_cursor(cursor);
-            ui.scroll_to_rect(
-                at.translate(output.galley_pos.to_vec2()),
-                Some(Align::Center),
-            );
+            scroll_to(ui, &output.galley, output.galley_pos, cursor);
         }
         show_hover_text(
             document,
@@ -198,6 +190,12 @@ pub fn show_editable(
         done
     })
     .inner
+}
+
+/// Scrolls to a character of the text; `origin` is the position of the text in the window.
+fn scroll_to(ui: &Ui, galley: &Galley, origin: Pos2, cursor: CCursor) {
+    let at = galley.pos_from_cursor(cursor);
+    ui.scroll_to_rect(at.translate(origin.to_vec2()), Some(Align::Center));
 }
 
 /// Draws a read-only text, of which it lays out only the visible lines. `jump`: a line to
