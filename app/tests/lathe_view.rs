@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use egui::{Key, Vec2};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_host::kernel::{Command, OpenedProgram, StorePolicy};
@@ -93,7 +93,7 @@ fn every_control_of_the_bar_works_by_its_name() {
 
 #[test]
 fn a_small_view_has_one_menu_with_all_controls() {
-    let mut bench = open_lathe(egui::vec2(1024.0, 640.0));
+    let mut bench = open_lathe(egui::vec2(1024.0, 768.0));
     assert!(bench.harness.query_by_label("Quarter cut").is_none());
     let menu = bench.harness.query_all_by_label("Operator").next();
     menu.unwrap().click();

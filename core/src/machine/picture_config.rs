@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PictureConfig {
-    /// Construction of the lathe. `None`: a slant bed for a tool post behind the axis, else a
+    /// Construction of the lathe. `None`: a slant bed for a tool post beyond the axis, else a
     /// bench lathe for a chuck of up to 100 mm, else a flat bed.
     pub construction: Option<LatheConstruction>,
     /// Distance of the steady rest from the front of the chuck's body, mm; `None`: no steady
@@ -23,7 +23,7 @@ pub struct PictureConfig {
 pub enum LatheConstruction {
     /// A horizontal bed with a tool post in front of the axis.
     FlatBed,
-    /// An inclined bed with a turret behind the axis.
+    /// An inclined bed with a turret beyond the axis.
     SlantBed,
     /// A small lathe on a bench, with a tool post in front of the axis.
     Bench,
