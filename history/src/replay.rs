@@ -248,7 +248,7 @@ enum PlayedEvent {
 }
 
 /// How far the machine has run.
-enum RunEnd {
+enum ReplayRunEnd {
     Reached,
     Stopped,
     OutOfOrder,
@@ -286,10 +286,10 @@ impl<O: ReplayObserver> Player<O> {
     fn play(&mut self, event: RecordingEvent, budget: &mut u64) -> PlayedEvent {
         if let Some(tick) = event_tick(&event) {
             match self.run_until(tick, budget) {
-                RunEnd::Reached => {}
-                RunEnd::Stopped => return PlayedEvent::Stopped,
-                RunEnd::OutOfOrder => return PlayedEvent::OutOfOrder,
-                RunEnd::OverBudget => return PlayedEvent::Waiting(event),
+                ReplayRunEnd::Reached => {}
+                ReplayRunEnd::Stopped => return PlayedEvent::Stopped,
+                ReplayRunEnd::OutOfOrder => return PlayedEvent::OutOfOrder,
+                ReplayRunEnd::OverBudget => return PlayedEvent::Waiting(event),
             }
         }
         match self.act(event) {
@@ -345,26 +345,26 @@ impl<O: ReplayObserver> Player<O> {
 
     /// Runs the machine to a tick. It is out of order without a state, or if the tick is in the
     /// past or too far ahead.
-    fn run_until(&mut self, tick: u64, budget: &mut u64) -> RunEnd {
+    fn run_until(&mut self, tick: u64, budget: &mut u64) -> ReplayRunEnd {
         let Some(moment) = &mut self.moment else {
-            return RunEnd::OutOfOrder;
+            return ReplayRunEnd::OutOfOrder;
         };
         let gap = tick.checked_sub(moment.ticks());
         if gap.is_none_or(|gap| gap > MAX_GAP_TICKS) {
-            return RunEnd::OutOfOrder;
+            return ReplayRunEnd::OutOfOrder;
         }
         while moment.ticks() < tick {
             if *budget == 0 {
-                return RunEnd::OverBudget;
+                return ReplayRunEnd::OverBudget;
             }
             *budget -= 1;
             let collision = moment.tick();
             self.replayed_ticks += 1;
             if !self.observer.after_tick(moment, collision.as_ref()) {
-                return RunEnd::Stopped;
+                return ReplayRunEnd::Stopped;
             }
         }
-        RunEnd::Reached
+        ReplayRunEnd::Reached
     }
 
     /// Shows the observer where the replay has ended, and returns the result.

@@ -11,7 +11,6 @@ pub mod fonts;
 pub mod glyphs;
 pub mod keys;
 pub mod lcd;
-pub mod limits;
 pub mod pages;
 pub mod panel;
 pub mod raster;

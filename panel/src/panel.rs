@@ -4,6 +4,7 @@
 mod entry;
 mod graphic;
 mod limited_keys;
+pub mod limits;
 mod navigation;
 mod program_text;
 mod refusal;
@@ -29,8 +30,8 @@ pub use transfer::{
 
 use crate::face::face_of;
 use crate::keys::{Key, KeyRole, all_rows};
-use crate::limits::PanelLimits;
 use crate::pages::{self, GraphicSettings, POWER_ON_TICKS, PageId, PageKey, PageView};
+use crate::panel::limits::PanelLimits;
 use crate::screen::Screen;
 
 /// Greatest number of characters that the input line accepts.

@@ -1,8 +1,6 @@
 //! Drafts an exercise from the part in the lathe: the dimensions that a teacher has picked with
 //! the caliper become criteria.
 
-use core::fmt::Write as _;
-
 use gsk_core::command::ProgramId;
 use gsk_core::model::ModelId;
 use gsk_core::setup::Setup;
@@ -235,8 +233,7 @@ impl PartDraft<'_> {
                 number += 1;
                 id = format!("{name}-no{number}");
             }
-            // Writing to a string cannot fail.
-            let _ = write!(text, "{}", picked.write(&id));
+            text.push_str(&picked.write(&id));
             ids.push(id);
         }
         text

@@ -3,7 +3,7 @@
 use gsk_core::units::{NonFinite, find_non_finite};
 use gsk_lesson::{LessonStart, LessonStartFile, LessonText};
 use gsk_messages::{Message, say};
-use gsk_panel::limits::{NameFault, PanelLimits, PermittedNames, unlisted_stop_keys};
+use gsk_panel::panel::limits::{NameFault, PanelLimits, PermittedNames, unlisted_stop_keys};
 use gsk_workpiece::job::Job;
 use serde::Deserialize;
 

@@ -11,7 +11,7 @@ use gsk_history::machine_part::{MachinePart, NamedJob, PartInput};
 use gsk_history::moment::MachineMoment;
 use gsk_lesson::{LessonStart, LessonText};
 use gsk_messages::{Message, say};
-use gsk_panel::limits::PanelLimits;
+use gsk_panel::panel::limits::PanelLimits;
 use gsk_workpiece::job::Job;
 
 use crate::criterion::ExerciseCriterion;

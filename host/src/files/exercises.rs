@@ -154,7 +154,7 @@ pub fn load_exercises(data: Option<&Path>) -> AvailableExercises {
     available
 }
 
-/// Writes the task of a new exercise into a folder of its own in a data directory, and returns
+/// Writes the task of a new exercise into a separate folder of a data directory, and returns
 /// its path.
 ///
 /// # Errors

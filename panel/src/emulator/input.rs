@@ -13,8 +13,8 @@ use serde::{Deserialize, Serialize};
 
 use super::Emulator;
 use super::serial::PortRequest;
-use crate::limits::PanelLimits;
 use crate::pages::{Communication, PageId, UdiskFile};
+use crate::panel::limits::PanelLimits;
 use crate::panel::{FileRefusal, KeyEvent, PanelRetained, ReceiveError, SerialCable, SerialFile};
 
 /// A change of an [`Emulator`] from outside. It acts between two ticks.

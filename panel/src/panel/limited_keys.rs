@@ -5,7 +5,7 @@ use gsk_messages::Message;
 
 use super::{KeyEvent, Panel};
 use crate::keys::Key;
-use crate::limits::PanelLimits;
+use crate::panel::limits::PanelLimits;
 
 impl Panel {
     /// Sets what an exercise refuses.

@@ -335,31 +335,3 @@ fn a_recording_that_no_operator_made_does_not_continue() {
     assert_eq!(started.notices(), [refused]);
     assert_eq!(started.kernel.snapshot().exercise, None);
 }
-
-#[test]
-fn a_key_that_the_task_refuses_is_reported_in_practice_and_in_an_exam() {
-    let folder = test_folder("exam-refused-key");
-    let mut started = start("03-handwheel");
-    let task = Arc::clone(&started.task);
-    let refused = |notices: &[Notice]| {
-        let messages = notices.iter().filter_map(|notice| match notice {
-            Notice::Message(why) => Some((false, why.to_string())),
-            Notice::KeyRefusal(Some((_, why))) => Some((true, why.to_string())),
-            _ => None,
-        });
-        let by_task = messages.filter(|(_, why)| why.ends_with("does not permit the key [手动]."));
-        by_task.map(|(is_of_key, _)| is_of_key).collect::<Vec<_>>()
-    };
-    let _ = started.notices();
-    started.tap(&[Key::Jog]);
-    assert_eq!(refused(&started.notices()), [true]);
-    let report = started.hand_in();
-    assert_eq!(report.refused.map(|it| it.count), Some(1));
-    started.send(exam_task(&task, &folder.join("a.gskrec")), 100);
-    let _ = started.notices();
-    started.tap(&[Key::Jog]);
-    // The window shows no refusals of keys in an exam, but messages.
-    assert_eq!(refused(&started.notices()), [false, true]);
-    let report = started.hand_in();
-    assert_eq!(report.refused.map(|it| it.count), Some(1));
-}

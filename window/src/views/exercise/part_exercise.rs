@@ -55,7 +55,7 @@ impl Default for PartExerciseForm {
 }
 
 /// The exercises after one was written, and the message about it.
-type Written = Result<(AvailableExercises, Message), Message>;
+type WrittenExercise = Result<(AvailableExercises, Message), Message>;
 
 /// The form for a new exercise under the list of exercises.
 pub struct PartExercisePane {
@@ -65,8 +65,8 @@ pub struct PartExercisePane {
     /// The surface that was clicked with the caliper; `None` without one.
     picked: Option<Feature>,
     message: Option<Message>,
-    sender: Sender<Written>,
-    receiver: Receiver<Written>,
+    sender: Sender<WrittenExercise>,
+    receiver: Receiver<WrittenExercise>,
 }
 
 impl PartExercisePane {
@@ -113,7 +113,7 @@ impl PartExercisePane {
         ui.add_space(8.0);
         let heading = say::exercise_part_heading().text(language);
         egui::CollapsingHeader::new(heading)
-            .id_salt("exercise from this part")
+            .id_salt("part-exercise")
             .show(ui, |ui| {
                 ui.label(say::exercise_part_intro().text(language));
                 self.show_add(ui, language, part);
@@ -182,7 +182,7 @@ fn write_exercise(
     form: PartExerciseForm,
     part: &PartView,
     data: &Path,
-) -> Written {
+) -> WrittenExercise {
     let setup = console.setup().ok_or_else(say::exercise_part_no_part)?;
     let program = match setup.memory.programs.selected() {
         Some(ProgramId::Stored(number)) => number,

@@ -26,7 +26,7 @@ const NAME_WIDTH: f32 = 180.0;
 
 /// Time of a turn of marking: a page of a browser is drawn after it.
 const TURN_TIME: Duration = Duration::from_millis(25);
-/// Ticks that are replayed between two looks at the clock.
+/// Ticks that are replayed between two readings of the clock.
 const TURN_TICKS: u64 = 200;
 
 /// A solution with its marks.
