@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use gsk_host::kernel::{Command, OpenedProgram, StorePolicy};
 use gsk_window::layout::{Layouts, WindowLayout};
+use gsk_window::view::ViewId;
 
 use crate::common::WindowBench;
 use crate::window::request_close;
@@ -298,4 +299,17 @@ fn a_pass_of_a_cycle_is_explained_and_follows_changed_words() {
         wait_for_text(&mut bench, "of 8"),
         "they have not moved back"
     );
+}
+
+#[test]
+fn the_bar_opens_the_lathe_in_three_dimensions() {
+    let mut bench = open_program(TEXT);
+    let is_open = |bench: &WindowBench| {
+        let layouts = &bench.harness.state().settings().layouts;
+        layouts.docked().contains(&ViewId::Lathe)
+    };
+    assert!(!is_open(&bench));
+    bench.click("3D lathe");
+    bench.run(10);
+    assert!(is_open(&bench));
 }

@@ -34,7 +34,7 @@ const MAX_FAULTS_WIDTH: f32 = 420.0;
 /// Width of the column of faults from which the script names are shown, too, points.
 const SCRIPT_NAMES_WIDTH: f32 = 380.0;
 /// Width of an address with the spaces beside it, points.
-const ADDRESS_WIDTH: f32 = 76.0;
+const ADDRESS_WIDTH: f32 = 54.0;
 /// Name of the group of buttons that hold an input, for their widget ids.
 const HOLD_BUTTONS: &str = "held";
 /// Bytes of the X addresses whose inputs are plugs for machine contacts.
