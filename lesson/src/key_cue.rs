@@ -175,7 +175,7 @@ fn list_actions(step: &LessonStep) -> Vec<CueAction> {
     let actions = step.solution.lines.iter().filter_map(|line| {
         let action = match line.action {
             ScriptAction::Press(key) => CueAction::Press(key),
-            // A key that stays down is released later by an action of its own.
+            // A key that stays down is released later by a separate action.
             ScriptAction::Down(key) => CueAction::Press(key),
             ScriptAction::Hold(key, _) => CueAction::Hold(key),
             ScriptAction::Up(key) => CueAction::Release(key),
