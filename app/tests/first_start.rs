@@ -53,6 +53,8 @@ fn each_purpose_opens_its_layout() {
                 .is_some(),
             "without an answer it does not begin"
         );
+        let missing = "Still missing: choose above what you want to do";
+        assert!(bench.harness.query_by_label(missing).is_some());
         click(&mut bench, purpose);
         click(&mut bench, "Begin");
         assert!(bench.harness.query_by_label("Cycle start").is_some());

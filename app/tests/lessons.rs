@@ -146,7 +146,7 @@ fn a_lesson_demonstrates_goes_back_restarts_and_yields_to_keys() {
     assert_eq!(current_step(&bench), Some(0));
 }
 
-/// Does the ten lessons with the mouse on the panel. Lessons that a click cannot do (a key
+/// Does the lessons with the mouse on the panel. Lessons that a click cannot do (a key
 /// held for seconds) are tested in the runner.
 #[test]
 fn lessons_can_be_done_with_the_mouse() {
@@ -189,6 +189,9 @@ fn lessons_can_be_done_with_the_mouse() {
             settings.lessons.contains(&lesson.name),
             "{name} is remembered"
         );
+        // The end repeats nothing of the beginning.
+        let about = hand.bench.harness.query_by_label(&lesson.about.en);
+        assert!(about.is_none(), "{name}");
         done.push(*name);
     }
     assert!(done.len() >= 6, "{done:?} were done, not {skipped:?}");

@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use gsk_host::kernel::{Command, OpenedProgram, StorePolicy};
 use gsk_window::layout::{Layouts, WindowLayout};
+use gsk_window::view::ViewId;
 
 use crate::common::WindowBench;
 use crate::window::request_close;
@@ -250,8 +251,9 @@ fn tools_and_stock_can_be_changed_and_invalid_values_are_reported() {
     ));
     fill(&mut bench, "diameter of the stock", "61.5");
     assert!(wait_for_text(&mut bench, "Changed, not yet saved"));
-    bench.click("Save");
-    assert!(wait_for_text(&mut bench, "not in a file"));
+    // The program has no file: it is saved with its job.
+    let save = bench.harness.query_by_label("Save program and job as…");
+    assert!(save.is_some());
     fill(&mut bench, "diameter of the stock", "0.1");
     assert!(wait_for_text(&mut bench, "0.1 is outside 0.5"));
     fill(&mut bench, "diameter of the stock", "60");
@@ -298,4 +300,17 @@ fn a_pass_of_a_cycle_is_explained_and_follows_changed_words() {
         wait_for_text(&mut bench, "of 8"),
         "they have not moved back"
     );
+}
+
+#[test]
+fn the_bar_opens_the_lathe_in_three_dimensions() {
+    let mut bench = open_program(TEXT);
+    let is_open = |bench: &WindowBench| {
+        let layouts = &bench.harness.state().settings().layouts;
+        layouts.docked().contains(&ViewId::Lathe)
+    };
+    assert!(!is_open(&bench));
+    bench.click("3D lathe");
+    bench.run(10);
+    assert!(is_open(&bench));
 }

@@ -318,7 +318,7 @@ fn a_row_of_a_ladder_table_selects_its_rung() {
 #[test]
 fn a_ladder_is_saved_only_when_the_control_allows_it() {
     let mut bench = WindowBench::new();
-    let requirement = "saving needs edit mode: press [编辑]";
+    let requirement = "saving needs edit mode: press [Edit 编辑]";
     for allowed in [false, true] {
         if allowed {
             allow_ladder(&mut bench);

@@ -174,9 +174,8 @@ fn list_actions(step: &LessonStep) -> Vec<CueAction> {
     let is_shown = |key: Key| step.keys.contains(&key) || is_entry(key);
     let actions = step.solution.lines.iter().filter_map(|line| {
         let action = match line.action {
-            ScriptAction::Press(key) => CueAction::Press(key),
-            // A key that stays down is released later by an action of its own.
-            ScriptAction::Down(key) => CueAction::Press(key),
+            // A key that stays down is released later by a separate action.
+            ScriptAction::Press(key) | ScriptAction::Down(key) => CueAction::Press(key),
             ScriptAction::Hold(key, _) => CueAction::Hold(key),
             ScriptAction::Up(key) => CueAction::Release(key),
             ScriptAction::Turn(graduations, _) => CueAction::Turn(graduations.unsigned_abs()),

@@ -147,7 +147,7 @@ impl LessonStart {
     }
 }
 
-/// Creates the stock and tools of a lesson that has no job of its own: a bar and four tools.
+/// Creates the stock and tools of a lesson that names no job: a bar and four tools.
 pub(crate) fn usual_job() -> Job {
     let mut job = Job::new(Stock::bar(50.0, 0.0, 60.0));
     let tools = [

@@ -348,8 +348,8 @@ fn play_with_part(lesson: &Arc<Lesson>, faults: &mut Vec<String>) -> bool {
     live.machining().scene().part().version() > 0
 }
 
-/// No demonstration causes a collision, as on a real machine. A lesson with stock and tools of
-/// its own cuts; the usual bar is there to see the machine.
+/// No demonstration causes a collision, as on a real machine. A lesson that names a job cuts;
+/// the usual bar is there to see the machine.
 #[test]
 fn demonstrations_hit_nothing() {
     let mut faults = Vec::new();

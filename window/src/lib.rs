@@ -477,14 +477,3 @@ impl Window {
         topic(Subject::Alarm(alarm.row()?.number))
     }
 }
-
-/// Formats the printed legend of a key in brackets: `[超程解除]`.
-fn key_label(key: Key) -> String {
-    let printed = key.row().legend.iter();
-    let chinese = printed.filter(|line| !line.is_ascii()).copied();
-    let shown: String = chinese.collect();
-    match shown.is_empty() {
-        true => format!("[{}]", key.row().legend.concat()),
-        false => format!("[{shown}]"),
-    }
-}

@@ -75,16 +75,15 @@ pub fn draw(screen: &mut Screen, page: PageId, view: &PageView, cnc: &Cnc) {
     }
 }
 
-/// Draws the label of a soft key in inverse cells, in brackets on the page that it has opened.
+/// Draws the label of a soft key in inverse cells; plain on the page that it has opened. A bar
+/// below would cover the lowest dots of a Chinese label, which fills its cells.
 fn draw_soft_label(screen: &mut Screen, column: usize, label: &Message, active: bool) {
     let text = label.text(screen.language());
     let width = glyphs::text_columns(&text);
     let left = (SOFT_WIDTH - 1).saturating_sub(width) / 2;
     screen.put(STATUS_ROW, column + left, &text);
     let cells = column..column + SOFT_WIDTH - 1;
-    if active {
-        screen.set_style(STATUS_ROW, cells, CellStyle::Underline);
-    } else {
+    if !active {
         screen.set_style(STATUS_ROW, cells, CellStyle::Inverse);
     }
 }

@@ -10,15 +10,16 @@ use gsk_panel::keys::Key;
 use super::message_history::{HistoryRequest, LineMessage, LineText};
 use super::top_bar;
 use super::way_back::WayBack;
+use crate::Window;
 use crate::focus;
 use crate::fonts;
 use crate::theme;
 use crate::view::ViewId;
 use crate::views::{halt_text, show_halt_buttons};
 use crate::widgets::alarm_text;
+use crate::widgets::key_label::key_label;
 use crate::widgets::severity::MessageSeverity;
 use crate::widgets::status_message::StatusMessage;
-use crate::{Window, key_label};
 
 /// Minimum width for a second message beside the first, points.
 const SECOND_MESSAGE_WIDTH: f32 = 240.0;
@@ -172,7 +173,10 @@ impl Window {
             text: LineText::Fixed(message),
         };
         if let Some(key) = self.held_keys.latched_key() {
-            return Some(fixed(say::window_key_is_kept_hint(key_label(key))));
+            let language = self.settings.language;
+            return Some(fixed(say::window_key_is_kept_hint(key_label(
+                key, language,
+            ))));
         }
         let snapshot = self.snapshot.as_ref()?;
         let is_pressed = snapshot.pressed.contains(&Key::EmergencyStop);

@@ -33,8 +33,6 @@ const MIN_FAULTS_WIDTH: f32 = 240.0;
 const MAX_FAULTS_WIDTH: f32 = 420.0;
 /// Width of the column of faults from which the script names are shown, too, points.
 const SCRIPT_NAMES_WIDTH: f32 = 380.0;
-/// Width of an address with the spaces beside it, points.
-const ADDRESS_WIDTH: f32 = 76.0;
 /// Name of the group of buttons that hold an input, for their widget ids.
 const HOLD_BUTTONS: &str = "held";
 /// Bytes of the X addresses whose inputs are plugs for machine contacts.
@@ -212,25 +210,7 @@ impl Bench {
             .inputs
             .is_closed(usize::from(address.byte), address.bit);
         let accepted = machine.plc.memory().bit(address);
-        let symbol = signal_name(address);
-        let meaning = signal_meaning(address, language);
-        let words = if symbol == "-" {
-            meaning.to_owned()
-        } else {
-            format!("{symbol}  {meaning}")
-        };
-        let words = RichText::new(words).weak();
-        let buttons = right_aligned::last_width(ui, HOLD_BUTTONS, 150.0) + 24.0;
-        let left = CONTACT_WIDTH + PLC_WIDTH + ADDRESS_WIDTH;
-        let meaning_width = (ui.available_width() - left - buttons).max(40.0);
-        // A long meaning takes two rows.
-        let galley = egui::WidgetText::from(words).into_galley(
-            ui,
-            Some(egui::TextWrapMode::Wrap),
-            meaning_width,
-            egui::TextStyle::Body,
-        );
-        let size = vec2(ui.available_width(), ROW_HEIGHT.max(galley.size().y + 2.0));
+        let size = vec2(ui.available_width(), ROW_HEIGHT);
         let (rect, _) = ui.allocate_exact_size(size, Sense::HOVER);
         let builder = UiBuilder::new()
             .max_rect(rect)
@@ -244,7 +224,20 @@ impl Bench {
             );
             draw_lamp(ui, accepted, "PLC", PLC_WIDTH);
             ui.label(RichText::new(format!("X{}.{}", address.byte, address.bit)).monospace());
-            ui.add(Label::new(galley));
+            let symbol = signal_name(address);
+            let meaning = signal_meaning(address, language);
+            let words = if symbol == "-" {
+                meaning.to_owned()
+            } else {
+                format!("{symbol}  {meaning}")
+            };
+            let meaning_width =
+                ui.available_width() - right_aligned::last_width(ui, HOLD_BUTTONS, 150.0) - 24.0;
+            let size = vec2(meaning_width.max(0.0), ROW_HEIGHT);
+            ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
+                ui.add(Label::new(RichText::new(&words).weak()).truncate())
+                    .on_hover_text(&words);
+            });
             right_aligned::show(ui, HOLD_BUTTONS, 150.0, |ui| {
                 self.show_hold_buttons(ui, language, address, held);
             });

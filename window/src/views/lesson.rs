@@ -9,7 +9,7 @@ use gsk_help::{Subject, article, topic};
 use gsk_host::kernel::part::PartView;
 use gsk_host::kernel::{Command, Console, LessonAction, LessonState, PanelSnapshot};
 use gsk_lesson::{Lesson, LessonRemark, LessonStep, built_in_lessons};
-use gsk_messages::{Language, Message, add_key_names, say};
+use gsk_messages::{Language, Message, say};
 use gsk_panel::keys::Key;
 
 use super::exercise::ExercisePane;
@@ -20,6 +20,7 @@ use crate::settings::WindowSettings;
 use crate::theme;
 use crate::widgets::card::{self, Card, CardPicture};
 use crate::widgets::icons::Icon;
+use crate::widgets::key_label::key_label;
 use crate::widgets::mark;
 
 /// Seconds without progress after which the hint appears.
@@ -264,12 +265,8 @@ impl LessonView {
                 .color(theme::BRIGHT_TEXT),
         );
         if !step.keys.is_empty() {
-            let keys = step.keys.iter().map(|key| format_key_legend(*key));
+            let keys = step.keys.iter().map(|key| key_label(*key, language));
             let keys = keys.collect::<Vec<_>>().join("  ");
-            let keys = match language {
-                Language::Zh => keys,
-                Language::En => add_key_names(&keys).into_owned(),
-            };
             ui.add_space(4.0);
             let words = say::lesson_keys(keys).text(language);
             ui.label(
@@ -441,18 +438,4 @@ fn lesson_icon(lesson: &Lesson) -> Icon {
 fn describe_length(lesson: &Lesson, language: Language) -> String {
     let minutes = (lesson.steps.len() * STEP_TIME_S).div_ceil(60);
     say::lesson_length(lesson.steps.len(), minutes).text(language)
-}
-
-/// Formats the legend of a key in brackets, without its English words: `[X 手轮]`.
-fn format_key_legend(key: Key) -> String {
-    let legend = key.row().legend;
-    let english = |line: &str| line.len() > 1 && line.is_ascii();
-    let is_ascii_only = legend.iter().all(|line| line.is_ascii());
-    let lines = legend
-        .iter()
-        .filter(|line| is_ascii_only || !english(line))
-        .copied();
-    let lines: Vec<&str> = lines.map(|line| line.trim_end_matches(" //")).collect();
-    let needs_blank = lines.iter().any(|line| line.len() == 1);
-    format!("[{}]", lines.join(if needs_blank { " " } else { "" }))
 }

@@ -4,6 +4,7 @@ pub mod alarm_text;
 pub mod card;
 pub mod files;
 pub mod icons;
+pub mod key_label;
 pub mod mark;
 pub mod questions;
 pub mod real_machine_bar;

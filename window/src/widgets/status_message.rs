@@ -12,8 +12,8 @@ use gsk_panel::keys::Key;
 use gsk_runner::program_summary::ProgramSummary;
 
 use super::alarm_text;
+use super::key_label::key_label;
 use super::severity::MessageSeverity;
-use crate::key_label;
 use gsk_messages::{Language, say};
 
 /// A message that the message line shows.
@@ -132,7 +132,9 @@ impl StatusMessage {
             }
             Self::Previewed(_, _, look) => look.summary_line(language),
             Self::DropHere => say::window_drop_here().text(language),
-            Self::KeyNotLatched(key) => say::window_key_not_kept(key_label(*key)).text(language),
+            Self::KeyNotLatched(key) => {
+                say::window_key_not_kept(key_label(*key, language)).text(language)
+            }
             Self::KernelEnded => say::window_kernel_stopped().text(language),
         }
     }

@@ -9,7 +9,8 @@ use gsk_messages::{Language, Message, say};
 use gsk_runner::text_format::format_whole_seconds as clock;
 
 use super::{BAND_HEIGHT, SECOND_TICKS, to_seconds};
-use crate::{focus, key_label, theme};
+use crate::widgets::key_label::key_label;
+use crate::{focus, theme};
 
 /// Seconds by which a page key moves the handle.
 const PAGE_SECONDS: u64 = 10;
@@ -80,7 +81,7 @@ impl Band {
         let moved = self
             .follow_pointer(&response, scale, shown)
             .or_else(|| follow_keys(ui, &response, view, shown));
-        let hint = hint_at_pointer(&response, scale, view);
+        let hint = hint_at_pointer(&response, scale, view, language);
         response.on_hover_ui_at_pointer(|ui| {
             if let Some(hint) = hint {
                 ui.label(hint.text(language));
@@ -210,11 +211,11 @@ const fn style_of_mark(kind: TimelineMarkKind) -> (usize, f32, Color32) {
     }
 }
 
-fn mark_text(kind: TimelineMarkKind) -> Message {
+fn mark_text(kind: TimelineMarkKind, language: Language) -> Message {
     match kind {
         TimelineMarkKind::Block => say::timeline_mark_block(),
         TimelineMarkKind::Input => say::timeline_mark_input(),
-        TimelineMarkKind::Key(key) => say::timeline_mark_key(key_label(key)),
+        TimelineMarkKind::Key(key) => say::timeline_mark_key(key_label(key, language)),
         TimelineMarkKind::Collision => say::timeline_mark_collision(),
         TimelineMarkKind::Alarm(number) => say::timeline_mark_alarm(number),
     }
@@ -229,7 +230,12 @@ fn time_text(view: &TimelineView, tick: u64) -> Message {
 }
 
 /// Returns the time at the pointer, with the rarest mark there.
-fn hint_at_pointer(response: &Response, scale: Scale, view: &TimelineView) -> Option<Message> {
+fn hint_at_pointer(
+    response: &Response,
+    scale: Scale,
+    view: &TimelineView,
+    language: Language,
+) -> Option<Message> {
     let x = response.hover_pos()?.x;
     let is_near = |tick: u64| tick >= scale.first && (scale.x(tick) - x).abs() <= MARK_DISTANCE;
     let time = time_text(view, scale.tick(x));
@@ -239,7 +245,9 @@ fn hint_at_pointer(response: &Response, scale: Scale, view: &TimelineView) -> Op
     let near = view.marks.iter().filter(|mark| is_near(mark.tick));
     let rarest = near.max_by_key(|mark| style_of_mark(mark.kind).0);
     Some(match rarest {
-        Some(mark) => say::timeline_mark(time_text(view, mark.tick), mark_text(mark.kind)),
+        Some(mark) => {
+            say::timeline_mark(time_text(view, mark.tick), mark_text(mark.kind, language))
+        }
         None => time,
     })
 }

@@ -216,7 +216,7 @@ impl Scope {
         let frame = Stroke::new(1.0, theme::SCOPE_FRAME);
         ui.painter()
             .rect_stroke(rect, 0.0, frame, egui::StrokeKind::Inside);
-        let name = format!("{}  {}", quantity.name(language), quantity.unit());
+        let name = quantity.heading(language);
         let font = FontId::proportional(theme::LABEL_SIZE);
         let name = ui
             .painter()

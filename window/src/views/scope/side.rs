@@ -110,12 +110,7 @@ impl Scope {
 
     fn show_traces(&mut self, ui: &mut Ui, language: Language, quantity: Quantity) {
         ui.add_space(4.0);
-        let (name, unit) = (quantity.name(language), quantity.unit());
-        let heading = match quantity {
-            Quantity::Position => say::scope_x_as_radius(name, unit).text(language),
-            _ => format!("{name}  {unit}"),
-        };
-        ui.label(RichText::new(heading).weak());
+        ui.label(RichText::new(quantity.heading(language)).weak());
         for (index, trace) in TRACES.iter().enumerate() {
             if trace.quantity != quantity {
                 continue;

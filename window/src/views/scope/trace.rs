@@ -43,6 +43,15 @@ impl Quantity {
         name.text(language)
     }
 
+    /// Name and unit as a heading; a position says in which coordinates it is.
+    pub fn heading(self, language: Language) -> String {
+        let (name, unit) = (self.name(language), self.unit());
+        match self {
+            Self::Position => say::scope_x_as_radius(name, unit).text(language),
+            _ => format!("{name}  {unit}"),
+        }
+    }
+
     pub const fn unit(self) -> &'static str {
         match self {
             Self::Position | Self::FollowingError => "mm",

@@ -62,3 +62,26 @@ fn write_both(path: &std::path::Path, text: &str, job: &Job) -> Result<(), Messa
         .map_err(|error| say::subject_reason(path.display(), say::as_written(error)))?;
     job::write(&job::job_path(path), job).map_err(|error| error.message())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gsk_host::files::program_file;
+    use gsk_workpiece::stock::Stock;
+
+    #[test]
+    fn program_and_job_are_written_beside_each_other() {
+        let name = format!("gsk980td-saver-{}", std::process::id());
+        let folder = std::env::temp_dir().join(name);
+        std::fs::create_dir_all(&folder).expect("a folder");
+        let path = folder.join("O0007.CNC");
+        let job = Job::new(Stock::bar(40.0, 1.0, 60.0));
+        write_both(&path, "O0007;\nM30;\n", &job).expect("written");
+        let program = program_file::read(&path).expect("a program");
+        assert_eq!(program.text, "O0007;\nM30;\n");
+        assert_eq!(job::read(&job::job_path(&path)).expect("a job"), job);
+        let missing = folder.join("none").join("O0007.CNC");
+        assert!(write_both(&missing, "O0007;\n", &job).is_err());
+        std::fs::remove_dir_all(&folder).expect("removed");
+    }
+}
