@@ -113,10 +113,9 @@ impl FrameInputs {
             MeshGroup::PanelWheel => placement.wheels.panel.into_iter().collect(),
             MeshGroup::SteadyJaw => placement.steady_jaws.into_iter().flatten().collect(),
             MeshGroup::Lamp(lamp) if self.lit_lamps[lamp as usize] => vec![Mat4::IDENTITY],
-            MeshGroup::Lamp(_) => Vec::new(),
             MeshGroup::Door | MeshGroup::Pane => vec![placement.door],
             MeshGroup::Coolant if self.has_coolant => vec![placement.coolant],
-            MeshGroup::Coolant => Vec::new(),
+            MeshGroup::Lamp(_) | MeshGroup::Coolant => Vec::new(),
         }
     }
 }

@@ -170,7 +170,7 @@ impl PartExercisePane {
         let console = self.console.clone();
         run_in_thread(ui.ctx(), &self.console.notice_sender, move || {
             // The send fails when the window is gone: the exercise is on the disk.
-            let _ = to.send(write_exercise(&console, form, &part, &data));
+            let _ = to.send(write_exercise(&console, &form, &part, &data));
             None
         });
     }
@@ -179,7 +179,7 @@ impl PartExercisePane {
 /// Drafts the task from the current machine, writes it and reads all exercises again.
 fn write_exercise(
     console: &Console,
-    form: PartExerciseForm,
+    form: &PartExerciseForm,
     part: &PartView,
     data: &Path,
 ) -> WrittenExercise {
@@ -190,8 +190,8 @@ fn write_exercise(
     };
     let proposed = propose_text(program, &part.job, setup.absolute.unwrap_or_default());
     let draft = PartDraft {
-        title: fill_text(form.title, propose_title(program)),
-        text: fill_text(form.text, proposed),
+        title: fill_text(&form.title, propose_title(program)),
+        text: fill_text(&form.text, proposed),
         time_limit_min: form.minutes,
         setup: &setup,
         job: &part.job,
@@ -205,7 +205,7 @@ fn write_exercise(
 }
 
 /// Fills a language that is empty with the other one, and both with a proposal.
-fn fill_text(typed: LessonText, proposed: LessonText) -> LessonText {
+fn fill_text(typed: &LessonText, proposed: LessonText) -> LessonText {
     let (zh, en) = (typed.zh.trim().to_owned(), typed.en.trim().to_owned());
     match (zh.is_empty(), en.is_empty()) {
         (true, true) => proposed,

@@ -197,9 +197,8 @@ fn kind_of(part: &PartView) -> LatheKind {
     match (part.fittings.construction, part.rear_tool_post) {
         (Some(LatheConstruction::SlantBed), _) | (None, true) => LatheKind::SlantBed,
         (Some(LatheConstruction::Bench), _) => LatheKind::Bench,
-        (Some(LatheConstruction::FlatBed), _) => LatheKind::FlatBed,
         (None, false) if part.job.stock.chuck.diameter.0 <= BENCH_CHUCK_MM => LatheKind::Bench,
-        (None, false) => LatheKind::FlatBed,
+        (Some(LatheConstruction::FlatBed), _) | (None, false) => LatheKind::FlatBed,
     }
 }
 
