@@ -27,7 +27,7 @@ fn open_lathe(size: Vec2) -> WindowBench {
     })));
     bench.harness.get_by_label("Views").click();
     bench.run(1);
-    bench.harness.get_by_label("Lathe").click();
+    bench.harness.get_by_label("3D lathe").click();
     let is_shown = (0..300).any(|_| {
         std::thread::sleep(Duration::from_millis(10));
         bench.run(10);

@@ -241,8 +241,8 @@ fn pointing_at_a_word_shows_its_meaning() {
     let mut bench = open_view();
     type_at_end(&mut bench, "G71 U2 R1\n");
     let field = bench.harness.get_by_label("Program text").rect();
-    // Next to the line number with its three digits.
-    let word = field.left_top() + egui::vec2(50.0, 12.0);
+    // Next to the margin with the marks and three digits of the line number.
+    let word = field.left_top() + egui::vec2(68.0, 12.0);
     bench.harness.hover_at(word);
     for _ in 0..60 {
         bench.harness.step();
