@@ -24,7 +24,7 @@ use std::thread::available_parallelism;
 
 use libtest_mimic::{Arguments, Trial, run};
 
-/// The tests of the modules, by their functions. A function that is not listed is dead code,
+/// The tests of the modules, by their functions, the longest modules first. A function that is not listed is dead code,
 /// which the lints refuse.
 macro_rules! trials {
     ($($module:ident { $($test:ident,)* })*) => {
@@ -46,15 +46,13 @@ fn main() {
 
 fn trials() -> Vec<Trial> {
     trials! {
-        board {
-            a_line_board_in_another_process_makes_a_part_and_is_unplugged,
-            a_board_of_timed_steps_in_another_process_makes_a_part_and_is_unplugged,
-            the_scope_shows_only_known_values_of_the_real_lathe,
-            the_link_page_shows_the_longest_poll_gap,
-            a_port_in_use_is_refused_with_its_name,
-            a_known_board_is_queried_little_and_no_file_is_trusted,
+        operate_link {
+            a_script_makes_a_part_and_the_pulses_are_logged,
+            a_board_with_different_settings_is_refused,
+            ctrl_c_stops_the_board_in_motion_and_saves,
         }
         link_command {
+            a_test_that_is_interrupted_in_motion_stops_the_board,
             a_board_at_a_network_address_is_tested_like_one_at_a_port,
             a_wrong_data_path_creates_no_folder_and_no_new_control,
             an_invalid_travel_or_feed_is_refused_before_the_port_is_opened,
@@ -64,21 +62,15 @@ fn trials() -> Vec<Trial> {
             the_test_motion_does_not_exceed_its_travel,
             a_monitor_reports_an_alarm_at_once_and_ends_by_ctrl_c,
             a_monitor_shows_the_stop_command_at_its_end,
-            a_test_that_is_interrupted_in_motion_stops_the_board,
             an_operated_switch_is_named_before_motion,
             a_link_that_breaks_while_the_board_is_idle_is_reported,
         }
-        operate_link {
-            a_script_makes_a_part_and_the_pulses_are_logged,
-            a_board_with_different_settings_is_refused,
-            ctrl_c_stops_the_board_in_motion_and_saves,
-        }
         partner_gone {
+            a_line_board_is_stopped_when_the_program_is_suspended,
             a_line_board_is_stopped_when_the_program_is_killed,
             a_board_at_a_network_address_is_stopped_when_the_program_is_killed,
             a_line_board_is_stopped_when_the_program_crashes,
             a_board_of_timed_steps_is_stopped_when_the_program_is_killed,
-            a_line_board_is_stopped_when_the_program_is_suspended,
             session_signals_do_not_end_the_holder,
             a_killed_holder_is_replaced_and_reported,
             a_normal_end_leaves_no_process,
@@ -97,6 +89,14 @@ fn trials() -> Vec<Trial> {
             a_repeating_program_is_held_after_its_part,
             without_a_reference_no_axis_moves,
             options_for_simulation_only_are_refused_before_the_port_is_opened,
+        }
+        board {
+            a_line_board_in_another_process_makes_a_part_and_is_unplugged,
+            a_board_of_timed_steps_in_another_process_makes_a_part_and_is_unplugged,
+            the_scope_shows_only_known_values_of_the_real_lathe,
+            the_link_page_shows_the_longest_poll_gap,
+            a_port_in_use_is_refused_with_its_name,
+            a_known_board_is_queried_little_and_no_file_is_trusted,
         }
     }
 }
