@@ -24,8 +24,8 @@ use std::thread::available_parallelism;
 
 use libtest_mimic::{Arguments, Trial, run};
 
-/// The tests of the modules, by their functions, the longest modules first. A function that is not listed is dead code,
-/// which the lints refuse.
+/// The tests of the modules, by their functions, the longest modules first. A function that is
+/// not listed is dead code, which the lints refuse.
 macro_rules! trials {
     ($($module:ident { $($test:ident,)* })*) => {
         vec![$($(
@@ -41,7 +41,23 @@ fn main() {
     let mut arguments = Arguments::from_args();
     let processors = available_parallelism().map_or(1, usize::from);
     arguments.test_threads.get_or_insert(2 * processors);
-    run(&arguments, trials()).exit()
+    run(&arguments, weave_exclusive_trials(trials())).exit()
+}
+
+/// Spreads the tests that run one at a time among the others: side by side in the queue they
+/// would keep all threads waiting for each other.
+fn weave_exclusive_trials(trials: Vec<Trial>) -> Vec<Trial> {
+    let is_exclusive = |trial: &Trial| trial.name().starts_with("partner_gone");
+    let (exclusive, others): (Vec<_>, Vec<_>) = trials.into_iter().partition(is_exclusive);
+    let others_between = others.len() / exclusive.len().max(1);
+    let mut others = others.into_iter();
+    let mut woven = Vec::new();
+    for trial in exclusive {
+        woven.push(trial);
+        woven.extend(others.by_ref().take(others_between));
+    }
+    woven.extend(others);
+    woven
 }
 
 fn trials() -> Vec<Trial> {
