@@ -56,18 +56,22 @@ pub struct VariableTable {
     pub refused: Option<WriteRefusal>,
 }
 
+/// Number and value of each variable of a control; the value is `None` if it is null (empty).
+pub(super) fn variable_values(cnc: &Cnc) -> impl Iterator<Item = (u16, Option<f64>)> {
+    let value = |number: u16| match cnc.are_variables_real() {
+        true => cnc.real_variable(number),
+        // 33 bits at most.
+        false => cnc.variables().get(number).map(|value| value as f64),
+    };
+    let numbers = cnc.variable_numbers().into_iter();
+    numbers.map(move |number| (number, value(number)))
+}
+
 impl VariableTable {
     fn from_cnc(cnc: &Cnc) -> Self {
-        let real = cnc.are_variables_real();
-        let value = |number: u16| match real {
-            true => cnc.real_variable(number),
-            // 33 bits at most.
-            false => cnc.variables().get(number).map(|value| value as f64),
-        };
-        let numbers = cnc.variable_numbers().into_iter();
         Self {
-            rows: numbers.map(|number| (number, value(number))).collect(),
-            real,
+            rows: variable_values(cnc).collect(),
+            real: cnc.are_variables_real(),
             refused: cnc.rights().check_variables().err(),
         }
     }

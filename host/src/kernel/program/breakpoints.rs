@@ -8,7 +8,7 @@
 //! ```
 
 use gsk_core::alarm::Alarm;
-use gsk_core::cnc::{Cnc, Event};
+use gsk_core::cnc::Event;
 use gsk_core::command::SourcePosition;
 use gsk_debugger::breakpoints::BreakpointSet;
 use gsk_debugger::location::BreakLocation;
@@ -18,6 +18,7 @@ use gsk_panel::panel::KeyEvent;
 use gsk_runner::machining::live_part::running_block;
 
 use super::super::edges::ends_motion;
+use super::super::monitor::variable_values;
 use super::super::{Command, Kernel, Notice};
 
 #[cfg(test)]
@@ -43,7 +44,7 @@ pub struct BreakpointHalt {
     pub block: Option<SourcePosition>,
     /// The alarm of a condition that could not be evaluated.
     pub fault: Option<Alarm>,
-    /// The variables that have a value, by number: local ones, then the others.
+    /// Number and value of the variables that are neither null nor 0.
     pub variables: Vec<(u16, f64)>,
 }
 
@@ -133,7 +134,9 @@ impl Kernel {
             location,
             block,
             fault,
-            variables: set_variables(&simulation.cnc),
+            variables: variable_values(&simulation.cnc)
+                .filter_map(|(number, value)| Some((number, value.filter(|it| *it != 0.0)?)))
+                .collect(),
         });
     }
 
@@ -176,16 +179,4 @@ impl Kernel {
         }
         true
     }
-}
-
-/// The variables of a control that have a value other than 0, by number.
-fn set_variables(cnc: &Cnc) -> Vec<(u16, f64)> {
-    let value = |number: u16| match cnc.are_variables_real() {
-        true => cnc.real_variable(number),
-        // 33 bits at most.
-        false => cnc.variables().get(number).map(|value| value as f64),
-    };
-    let numbers = cnc.variable_numbers().into_iter();
-    let values = numbers.filter_map(|number| Some((number, value(number)?)));
-    values.filter(|(_, value)| *value != 0.0).collect()
 }

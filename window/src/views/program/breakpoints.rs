@@ -75,21 +75,18 @@ impl BreakpointList {
 
     /// Whether the text of `document` is that of a program.
     pub fn is_program(document: &ProgramDocument, program: ProgramId) -> bool {
-        match program {
-            ProgramId::Stored(number) => program_number(document) == Some(number),
-            ProgramId::External => !matches!(document.origin, TextOrigin::Memory(_)),
-            ProgramId::Mdi | ProgramId::Dnc => false,
-        }
+        is_numbered_program(document, program_number(document), program)
     }
 
     /// The marks beside the lines of a text.
     pub fn margin_marks(&self, document: &ProgramDocument) -> MarginMarks {
-        let lines = self.lines.get(&program_number(document));
+        let number = program_number(document);
+        let lines = self.lines.get(&number);
         let block = self.halt.as_ref().map_or(self.running_block, |it| it.block);
         MarginMarks {
             breakpoints: lines.cloned().unwrap_or_default(),
             running_line: block
-                .filter(|block| Self::is_program(document, block.program))
+                .filter(|block| is_numbered_program(document, number, block.program))
                 .map(|block| block.line),
         }
     }
@@ -283,6 +280,19 @@ pub fn halt_text(halt: &BreakpointHalt, language: Language) -> Message {
     match &halt.location {
         Some(location) => say::breakpoint_hit(location, place),
         None => say::breakpoint_stepped(place),
+    }
+}
+
+/// Whether the text of `document`, with this O number, is that of a program.
+const fn is_numbered_program(
+    document: &ProgramDocument,
+    number: Option<u16>,
+    program: ProgramId,
+) -> bool {
+    match (program, number) {
+        (ProgramId::Stored(wanted), Some(number)) => wanted == number,
+        (ProgramId::External, _) => !matches!(document.origin, TextOrigin::Memory(_)),
+        (ProgramId::Stored(_), None) | (ProgramId::Mdi | ProgramId::Dnc, _) => false,
     }
 }
 
