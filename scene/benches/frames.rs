@@ -10,8 +10,8 @@ use gsk_scene::camera::CameraPreset;
 use gsk_scene::description::{
     LatheDescription, LatheDimensions, LatheKind, MountedTool, MountedToolForm, TipPosition,
 };
-use gsk_scene::part_outline::PartOutline;
-use gsk_scene::renderer::{SceneFigures, SceneRenderer, SceneViewport};
+use gsk_scene::opengl::renderer::{SceneFigures, SceneRenderer, SceneViewport};
+use gsk_scene::part::outline::PartOutline;
 use gsk_scene::tool_path::{ToolPath, ToolPathBuilder, ToolPathPiece};
 use gsk_units::{Diameter, Point};
 use gsk_workpiece::grid::from_grid;

@@ -9,7 +9,7 @@ use eframe::egui;
 use eframe::glow;
 use gsk_scene::camera::CameraPreset;
 use gsk_scene::description::LatheDescription;
-use gsk_scene::renderer::{SceneRenderer, SceneViewport};
+use gsk_scene::opengl::renderer::{SceneRenderer, SceneViewport};
 
 /// Resizes in one frame of the window.
 const RESIZES_PER_FRAME: u32 = 25;

@@ -263,7 +263,7 @@ fn parallel(half: f32, aspect: f32, far: f32) -> Mat4 {
 mod tests {
     use super::*;
     use crate::description::{LatheDimensions, TipPosition};
-    use crate::part_outline::PartOutline;
+    use crate::part::outline::PartOutline;
     use std::sync::Arc;
 
     fn lathe(kind: LatheKind) -> LatheDescription {

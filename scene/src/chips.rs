@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 
 use glam::{Quat, Vec3, vec3};
 
-use crate::part_material::{ChipShape, PartMaterial};
+use crate::part::material::{ChipShape, PartMaterial};
 
 /// Greatest number of chips, flying or in the tray.
 pub const MAX_CHIPS: usize = 140;

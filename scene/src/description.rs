@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::chips::ChipState;
-use crate::part_outline::PartOutline;
+use crate::part::outline::PartOutline;
 use crate::tool_path::ToolPath;
 
 /// The construction of a lathe.

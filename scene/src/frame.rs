@@ -7,11 +7,28 @@ use glam::{Mat4, Vec3, vec3};
 use crate::camera::OrbitCamera;
 use crate::description::{LatheDescription, SceneTheme};
 use crate::lathe::MeshGroup;
-use crate::part_objects::part_model;
+use crate::part::details::part_model;
 use crate::placement::{LathePlacement, tool_side};
 
 /// Direction to the key light.
 pub const LIGHT: Vec3 = vec3(0.40, 0.80, 0.45);
+
+/// Opacity of panes, 0–1.
+pub const PANE_ALPHA: f32 = 0.10;
+/// Opacity of coolant, 0–1.
+pub const COOLANT_ALPHA: f32 = 0.42;
+/// Opacity of a jaw of a fast spindle, 0–1.
+pub const HAZE_ALPHA: f32 = 0.13;
+
+/// The groups that stand still while a program runs.
+pub const STILL_GROUPS: [MeshGroup; 6] = [
+    MeshGroup::Floor,
+    MeshGroup::Fixed,
+    MeshGroup::Tailstock,
+    MeshGroup::Quill,
+    MeshGroup::SteadyRest,
+    MeshGroup::Door,
+];
 
 /// Number of transparent jaws that are drawn as a haze.
 const HAZY_JAWS: usize = 12;

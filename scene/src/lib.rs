@@ -12,34 +12,16 @@
 //! ```
 
 pub mod camera;
-mod chip_objects;
 pub mod chips;
 pub mod description;
-mod device;
 pub mod effects;
 mod frame;
-mod gpu_meshes;
 pub mod lathe;
 pub mod level;
 pub mod mesh;
-mod objects;
-pub mod occlusion;
-mod overlay_objects;
-pub mod part_material;
-mod part_objects;
-pub mod part_outline;
-pub mod part_threads;
+pub mod opengl;
+pub mod part;
 pub mod placement;
-mod polyline;
-pub mod primitives;
-pub mod renderer;
-pub mod section_cut;
-mod shader;
 pub mod software;
-mod tally;
-mod targets;
 pub mod tool_path;
 mod viewport;
-
-#[cfg(test)]
-mod checks;

@@ -2,12 +2,12 @@
 
 use glam::{Mat4, vec3};
 
+use super::control_panel::add_control_panel;
 use super::floor_y;
-use super::palette::{ACCENT, BLACK, DARK, GROUND_STEEL, LAMP, LIGHT, SCREEN, SHEET, TURNED_STEEL};
+use super::palette::{ACCENT, BLACK, DARK, GROUND_STEEL, LAMP, LIGHT, SHEET, TURNED_STEEL};
 use super::tower::add_tower;
 use crate::description::{LatheDimensions, LatheKind};
-use crate::mesh::{SceneMaterial, SceneMesh};
-use crate::placement::hand_wheels::{operator_panel, panel_depth};
+use crate::mesh::SceneMesh;
 
 /// Adds everything that stands still.
 pub fn add_fixed(mesh: &mut SceneMesh, dimensions: &LatheDimensions) {
@@ -167,94 +167,6 @@ fn add_headstock(mesh: &mut SceneMesh, dimensions: &LatheDimensions, head: f32, 
         10.0 * scale,
     );
     add_control_panel(mesh, LatheKind::FlatBed, dimensions);
-}
-
-/// Adds the operator panel without its hand wheel: screen, keys, lamps.
-pub fn add_control_panel(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &LatheDimensions) {
-    let Some((corner, [width, height])) = operator_panel(kind, dimensions) else {
-        return;
-    };
-    let scale = dimensions.centre_height / 190.0;
-    mesh.within(Mat4::from_translation(corner), |mesh| {
-        mesh.step_mm = 60.0;
-        mesh.material = BLACK;
-        mesh.add_box(
-            vec3(0.0, -height, -4.0),
-            vec3(width, 0.0, panel_depth(dimensions)),
-            5.0 * scale,
-        );
-        let front = panel_depth(dimensions);
-        mesh.material = SCREEN;
-        mesh.add_box(
-            vec3(width * 0.06, -height * 0.46, front - 2.0),
-            vec3(width * 0.56, -height * 0.08, front + 1.0),
-            0.6,
-        );
-        for row in 0..5 {
-            for column in 0..5 {
-                mesh.material = SceneMaterial::paint(196, 198, 194);
-                let x = width * (0.61 + column as f32 * 0.07);
-                let y = -height * (0.09 + row as f32 * 0.078);
-                let size = width * 0.055;
-                mesh.add_box(
-                    vec3(x, y - size, front - 1.0),
-                    vec3(x + size, y, front + 3.0),
-                    1.2,
-                );
-            }
-        }
-        for column in 0..9 {
-            mesh.material = match column {
-                7 => SceneMaterial::paint(48, 150, 76).glowing(40),
-                8 => SceneMaterial::paint(196, 44, 36).glowing(20),
-                _ => SceneMaterial::paint(168, 172, 172),
-            };
-            let x = width * (0.07 + column as f32 * 0.098);
-            let size = width * 0.07;
-            for y in [-height * 0.56, -height * 0.66] {
-                mesh.add_box(
-                    vec3(x, y - size, front - 1.0),
-                    vec3(x + size, y, front + 3.0),
-                    1.4,
-                );
-            }
-        }
-        // Emergency stop and override switch.
-        let button = 17.0 * scale;
-        mesh.material = SceneMaterial::paint(230, 190, 40);
-        mesh.add_facing(
-            vec3(width * 0.16, -height * 0.86, front),
-            &[
-                (-1.0, button * 1.3),
-                (1.5, button * 1.3),
-                (1.5, button * 0.8),
-            ],
-            32,
-        );
-        mesh.material = SceneMaterial::paint(200, 30, 26).glowing(30);
-        mesh.add_facing(
-            vec3(width * 0.16, -height * 0.86, front),
-            &[
-                (1.0, button * 0.7),
-                (9.0 * scale, button * 0.7),
-                (10.0 * scale, button),
-                (18.0 * scale, button),
-                (22.0 * scale, button * 0.7),
-                (22.0 * scale, 0.0),
-            ],
-            32,
-        );
-        mesh.material = SceneMaterial::steel(150, 70);
-        mesh.add_facing(
-            vec3(width * 0.42, -height * 0.86, front),
-            &[
-                (-1.0, button),
-                (12.0 * scale, button * 0.9),
-                (13.0 * scale, 0.0),
-            ],
-            24,
-        );
-    });
 }
 
 /// Adds the spindle nose between headstock and chuck.

@@ -2,6 +2,7 @@
 
 mod bench;
 mod chuck;
+mod control_panel;
 mod flat_bed;
 mod palette;
 mod slant_bed;
@@ -207,8 +208,8 @@ fn floor_y(kind: LatheKind, dimensions: &LatheDimensions) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::checks::assert_unit_normals;
     use crate::description::MountedToolForm;
+    use crate::mesh::checks::assert_unit_normals;
 
     fn designs() -> Vec<MeshDesign> {
         let shank = MountedTool {

@@ -2,7 +2,8 @@
 
 use glam::{Mat4, vec3};
 
-use super::flat_bed::{add_control_panel, add_spindle_nose};
+use super::control_panel::add_control_panel;
+use super::flat_bed::add_spindle_nose;
 use super::floor_y;
 use super::palette::{ACCENT, BLACK, BRIGHT_STEEL, DARK, GROUND_STEEL, LAMP, LIGHT, PANE, SHEET};
 use super::tower::add_tower;

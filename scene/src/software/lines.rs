@@ -5,7 +5,7 @@ use glam::{Mat4, Vec3, Vec4, vec3};
 use super::visibility::VisibilityBuffer;
 use crate::description::LatheDescription;
 use crate::frame::FrameInputs;
-use crate::overlay_objects::{MARK_COLOR, mark_rings};
+use crate::mesh::marks::{MARK_COLOR, mark_rings};
 
 /// Distance by which lines are in front of the surfaces in which they are, depths.
 const DEPTH_SHIFT: f32 = 0.0006;

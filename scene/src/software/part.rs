@@ -3,7 +3,7 @@
 use glam::{Mat4, Vec2, Vec3, vec3, vec4};
 
 use super::visibility::SurfaceCorner;
-use crate::part_outline::PartOutline;
+use crate::part::outline::PartOutline;
 
 /// Half the width of the chalk mark on the skin, turns.
 const MARK_TURNS: f32 = 1.5 / 64.0;

@@ -12,7 +12,7 @@ use gsk_workpiece::tool::{Tool, ToolShape};
 
 use super::part;
 use super::visibility::VisibilityBuffer;
-use crate::part_outline::PartOutline;
+use crate::part::outline::PartOutline;
 
 const MOMENTS: u32 = 200;
 const SIZE: [usize; 2] = [420, 240];

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::*;
 use crate::camera::CameraPreset;
 use crate::description::{LatheKind, SceneTheme, TipPosition};
-use crate::part_outline::PartOutline;
+use crate::part::outline::PartOutline;
 
 fn lathe(kind: LatheKind, theme: SceneTheme) -> LatheDescription {
     let bar = vec![
@@ -98,7 +98,7 @@ fn changed_pixels(change: impl FnOnce(&mut LatheDescription)) -> usize {
 fn all_that_opengl_draws_is_drawn_by_the_processor_too() {
     use crate::chips::{ChipFlow, ChipSource};
     use crate::description::SectionCut;
-    use crate::part_material::PartMaterial;
+    use crate::part::material::PartMaterial;
     use crate::tool_path::{ToolPathBuilder, ToolPathPiece};
     let mut chips = ChipFlow::default();
     let cut = ChipSource {

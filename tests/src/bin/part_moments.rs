@@ -14,7 +14,7 @@ use gsk_core::preview::preview_with_progress;
 use gsk_core::setup::Setup;
 use gsk_runner::curves::RapidRates;
 use gsk_runner::machining::Machining;
-use gsk_scene::part_outline::PartOutline;
+use gsk_scene::part::outline::PartOutline;
 use gsk_scene::software::part_triangles;
 use gsk_tests::setup::build_memory;
 use gsk_workpiece::grid::from_grid;

@@ -10,9 +10,9 @@ use gsk_scene::description::{
     SceneEffects, SceneOverlay, SceneTheme, SectionCut, TipPosition,
 };
 use gsk_scene::effects::break_insert;
-use gsk_scene::part_material::PartMaterial;
-use gsk_scene::part_outline::PartOutline;
-use gsk_scene::part_threads::ThreadDescription;
+use gsk_scene::part::material::PartMaterial;
+use gsk_scene::part::outline::PartOutline;
+use gsk_scene::part::threads::ThreadDescription;
 use gsk_workpiece::grid::{GridContour, from_grid};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;

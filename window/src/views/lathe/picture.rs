@@ -8,7 +8,7 @@ use egui::{ColorImage, PaintCallback, Rect, TextureHandle, TextureOptions, Ui, p
 use gsk_scene::camera::OrbitCamera;
 use gsk_scene::description::LatheDescription;
 use gsk_scene::level::{LevelChooser, SceneLevel};
-use gsk_scene::renderer::{SceneError, SceneFigures, SceneRenderer, SceneViewport};
+use gsk_scene::opengl::renderer::{SceneError, SceneFigures, SceneRenderer, SceneViewport};
 use gsk_scene::software::{SoftwareQuality, SoftwareRenderer};
 
 use crate::theme;

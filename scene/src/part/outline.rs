@@ -3,9 +3,9 @@
 
 use glam::{Vec2, vec2};
 
-use crate::part_material::PartMaterial;
-use crate::part_threads::{SectionSampler, ThreadDescription, ThreadSurface};
-use crate::polyline::simplify;
+use crate::mesh::polyline::simplify;
+use crate::part::material::PartMaterial;
+use crate::part::threads::{SectionSampler, ThreadDescription, ThreadSurface};
 
 /// Greatest number of edges; an outline with more is simplified.
 pub const MAX_EDGES: usize = 384;
@@ -333,7 +333,7 @@ mod tests {
         assert_eq!(part.bounds(), Some((0.0, 60.0, 10.0)));
         for angle in [0.0, 1.0, 4.0] {
             let lines = part.section_lines(angle);
-            let area: f32 = crate::section_cut::trapezoids(&lines)
+            let area: f32 = crate::part::section_cut::trapezoids(&lines)
                 .iter()
                 .map(|it| doubled_area(it) * 0.5)
                 .sum();

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use glam::{Mat4, Vec3};
 use glow::HasContext as _;
 
-use crate::tally::ObjectTally;
+use crate::opengl::tally::ObjectTally;
 
 /// Why no scene can be drawn.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

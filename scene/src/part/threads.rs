@@ -4,8 +4,8 @@ use core::f32::consts::TAU;
 
 use glam::{Vec2, Vec3, vec2, vec3};
 
+use crate::mesh::polyline::simplify;
 use crate::mesh::{SceneMaterial, SceneMesh};
-use crate::polyline::simplify;
 
 /// A thread of the part.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -457,7 +457,7 @@ mod tests {
                 assert!(at.x >= thread.low - 1e-3 && at.x <= thread.high + 1e-3);
                 assert!(radius > 8.98 && radius < 10.02, "{at}");
             }
-            crate::checks::assert_unit_normals(&mesh);
+            crate::mesh::checks::assert_unit_normals(&mesh);
         }
     }
 

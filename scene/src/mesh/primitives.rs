@@ -351,7 +351,7 @@ fn triangulate(points: &[Vec2]) -> Vec<[usize; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::checks::{assert_closed, assert_unit_normals, signed_volume};
+    use crate::mesh::checks::{assert_closed, assert_unit_normals, signed_volume};
 
     fn check(add: impl FnOnce(&mut SceneMesh)) -> f32 {
         let mut mesh = SceneMesh::default();

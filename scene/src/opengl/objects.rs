@@ -3,39 +3,24 @@
 use glam::Mat4;
 
 use crate::camera::OrbitCamera;
-use crate::chip_objects::ChipObjects;
 use crate::description::LatheDescription;
-use crate::device::{Device, DrawTarget, SceneError, SceneProgram};
-use crate::frame::{FrameInputs, LIGHT, LayerInputs};
-use crate::gpu_meshes::GpuMeshes;
+use crate::frame::{
+    COOLANT_ALPHA, FrameInputs, HAZE_ALPHA, LIGHT, LayerInputs, PANE_ALPHA, STILL_GROUPS,
+};
 use crate::lathe::MeshGroup;
 use crate::level::SceneLevel;
-use crate::overlay_objects::{MarkObjects, PathObjects};
-use crate::part_objects::PartObjects;
-use crate::shader;
-use crate::targets::SceneTargets;
+use crate::opengl::chip_objects::ChipObjects;
+use crate::opengl::device::{Device, DrawTarget, SceneError, SceneProgram};
+use crate::opengl::gpu_meshes::GpuMeshes;
+use crate::opengl::overlay_objects::{MarkObjects, PathObjects};
+use crate::opengl::part_objects::PartObjects;
+use crate::opengl::shader;
+use crate::opengl::targets::SceneTargets;
 use crate::viewport::{SceneFigures, SceneViewport};
 
 /// Frames after which the layer of what stands still is drawn again, for the shadows of what
 /// moves.
 const LAYER_FRAMES: u32 = 15;
-/// Opacity of panes, 0–1.
-pub const PANE_ALPHA: f32 = 0.10;
-/// Opacity of coolant, 0–1.
-pub const COOLANT_ALPHA: f32 = 0.42;
-/// Opacity of a jaw of a fast spindle, 0–1.
-pub const HAZE_ALPHA: f32 = 0.13;
-
-/// The groups that stand still while a program runs.
-pub const STILL_GROUPS: [MeshGroup; 6] = [
-    MeshGroup::Floor,
-    MeshGroup::Fixed,
-    MeshGroup::Tailstock,
-    MeshGroup::Quill,
-    MeshGroup::SteadyRest,
-    MeshGroup::Door,
-];
-
 /// The programs.
 #[derive(Debug)]
 struct ScenePrograms {

@@ -157,7 +157,7 @@ mod tests {
             let (area, hatched) = areas(&mesh);
             assert!((area - (80.0 * 25.0 - 40.0 * 5.0)).abs() < 0.5, "{area}");
             assert!((hatched - LINE_SHARE).abs() < 0.02, "{hatched}");
-            crate::checks::assert_unit_normals(&mesh);
+            crate::mesh::checks::assert_unit_normals(&mesh);
         }
     }
 

@@ -1,23 +1,15 @@
-//! The chips as one mesh in the memory of OpenGL.
+//! The chips as one mesh.
 
 use core::f32::consts::TAU;
 
 use glam::{Mat4, Vec3, vec3};
 
 use crate::chips::ChipState;
-use crate::device::{Device, GpuMesh, SceneError, VertexLayout};
 use crate::mesh::{SceneMaterial, SceneMesh};
-use crate::part_material::ChipShape;
+use crate::part::material::ChipShape;
 
 /// Sides of the wire of a chip.
 const WIRE_SIDES: u32 = 4;
-
-/// The chips; nothing without any.
-#[derive(Debug, Default)]
-pub struct ChipObjects {
-    shown: Vec<ChipState>,
-    mesh: Option<GpuMesh>,
-}
 
 /// Builds a chip at the origin.
 fn build_chip(shape: ChipShape) -> SceneMesh {
@@ -78,43 +70,11 @@ pub fn build_mesh(chips: &[ChipState]) -> SceneMesh {
     mesh
 }
 
-impl ChipObjects {
-    /// Uploads the chips if they have moved.
-    pub fn update(&mut self, device: Device<'_>, chips: &[ChipState]) -> Result<(), SceneError> {
-        if self.shown == chips {
-            return Ok(());
-        }
-        self.release(device);
-        self.mesh = None;
-        self.shown = chips.to_vec();
-        if !chips.is_empty() {
-            let mesh = build_mesh(chips);
-            let (vertices, indices) = (mesh.vertex_bytes(), mesh.index_bytes());
-            self.mesh = Some(device.create_mesh(VertexLayout::Surface, &vertices, &indices)?);
-        }
-        Ok(())
-    }
-
-    /// Draws the chips with the program in use.
-    pub fn draw(&self, device: Device<'_>) {
-        if let Some(mesh) = &self.mesh {
-            device.draw_mesh(mesh, None);
-        }
-    }
-
-    /// Deletes the mesh.
-    pub fn release(&self, device: Device<'_>) {
-        if let Some(mesh) = &self.mesh {
-            device.delete_mesh(mesh);
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::chips::{ChipFlow, ChipSource, MAX_CHIPS};
-    use crate::part_material::PartMaterial;
+    use crate::part::material::PartMaterial;
 
     #[test]
     fn the_mesh_of_all_chips_is_bounded() {
@@ -137,6 +97,6 @@ mod tests {
             "{}",
             mesh.triangle_count()
         );
-        crate::checks::assert_unit_normals(&mesh);
+        crate::mesh::checks::assert_unit_normals(&mesh);
     }
 }

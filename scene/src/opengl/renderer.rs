@@ -1,13 +1,13 @@
 //! Draws a description of a lathe into a viewport of egui.
 
-pub use crate::device::SceneError;
+pub use crate::opengl::device::SceneError;
 pub use crate::viewport::{SceneFigures, SceneViewport};
 
 use crate::camera::OrbitCamera;
 use crate::description::LatheDescription;
-use crate::device::Device;
-use crate::objects::SceneObjects;
-use crate::tally::ObjectTally;
+use crate::opengl::device::Device;
+use crate::opengl::objects::SceneObjects;
+use crate::opengl::tally::ObjectTally;
 
 /// Draws lathes with one OpenGL context; survives its loss.
 #[derive(Debug, Default)]

@@ -4,7 +4,7 @@ use glow::HasContext as _;
 
 use super::{Device, DrawTarget, GpuMesh, SceneError, SceneProgram, VertexLayout};
 use crate::mesh::VERTEX_BYTES;
-use crate::part_outline::{EDGE_FLOATS, MAX_EDGES};
+use crate::part::outline::{EDGE_FLOATS, MAX_EDGES};
 use crate::tool_path::LINE_VERTEX_BYTES;
 
 /// Bytes of the texture of the longest outline.

@@ -1,23 +1,10 @@
 //! The programmed path and the marks of collisions in the memory of OpenGL.
 
-use core::f32::consts::TAU;
 use std::sync::Arc;
 
-use glam::{Vec3, vec3};
-
-use crate::device::{Device, GpuMesh, SceneError, VertexLayout};
+use crate::mesh::marks::{MARK_COLOR, MARK_SIDES, mark_rings};
+use crate::opengl::device::{Device, GpuMesh, SceneError, VertexLayout};
 use crate::tool_path::ToolPath;
-
-/// Greatest number of marks.
-const MAX_MARKS: usize = 100;
-/// Sides of the ring of a mark.
-const MARK_SIDES: u32 = 48;
-/// Distance of the two rings of a mark, mm.
-const MARK_WIDTH_MM: f32 = 0.8;
-/// Distance of a ring from the surface, mm.
-const MARK_LIFT_MM: f32 = 0.4;
-/// Colour of a mark as sRGB bytes, with an unused byte.
-pub const MARK_COLOR: [u8; 4] = [255, 60, 50, 255];
 
 /// The lines of a path; nothing while it is hidden.
 #[derive(Debug, Default)]
@@ -66,21 +53,6 @@ impl PathObjects {
 pub struct MarkObjects {
     shown: Vec<[f32; 2]>,
     lines: Option<GpuMesh>,
-}
-
-/// The rings of all marks as closed lines.
-pub fn mark_rings(marks: &[[f32; 2]]) -> Vec<[Vec3; MARK_SIDES as usize]> {
-    let drawable = marks.iter().filter(|it| it.iter().all(|it| it.is_finite()));
-    let rings = drawable.take(MAX_MARKS).flat_map(|&[x, radius]| {
-        let radius = radius.max(0.5) + MARK_LIFT_MM;
-        [-MARK_WIDTH_MM, 0.0, MARK_WIDTH_MM].map(|shift| {
-            core::array::from_fn(|side| {
-                let angle = side as f32 / MARK_SIDES as f32 * TAU;
-                vec3(x + shift, angle.cos() * radius, angle.sin() * radius)
-            })
-        })
-    });
-    rings.collect()
 }
 
 /// The ends of the lines of all marks, and their indices.
@@ -135,6 +107,7 @@ impl MarkObjects {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::marks::MAX_MARKS;
     use crate::tool_path::LINE_VERTEX_BYTES;
 
     #[test]

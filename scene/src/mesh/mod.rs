@@ -1,5 +1,13 @@
 //! Triangles with materials, and the frame in which primitives are added.
 
+#[cfg(test)]
+pub mod checks;
+pub mod chips;
+pub mod marks;
+pub mod occlusion;
+pub mod polyline;
+pub mod primitives;
+
 use glam::{Mat4, Vec3};
 
 /// How a surface reflects light.

@@ -2,10 +2,10 @@
 //! several frames.
 
 use crate::description::LatheDescription;
-use crate::device::{Device, GpuMesh, SceneError, VertexLayout};
 use crate::lathe::{MeshDesign, MeshGroup};
 use crate::mesh::SceneMesh;
-use crate::occlusion::OcclusionBake;
+use crate::mesh::occlusion::OcclusionBake;
+use crate::opengl::device::{Device, GpuMesh, SceneError, VertexLayout};
 
 /// Triangles of depth pictures that one frame may draw for ambient occlusion.
 const TRIANGLES_PER_FRAME: usize = 130_000;

@@ -1,6 +1,6 @@
 //! The framebuffers of a scene: the picture, the layer of what stands still, the shadow maps.
 
-use crate::device::{Device, DrawTarget, SceneError};
+use crate::opengl::device::{Device, DrawTarget, SceneError};
 
 /// Side of a shadow map, pixels.
 const SHADOW_SIDE: i32 = 1024;
