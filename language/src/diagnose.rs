@@ -114,7 +114,7 @@ pub fn analyse_mill(
     let alarms = preview.alarm.iter().chain(&preview.further);
     let warnings = preview.cautions.iter().map(|it| {
         let text = it.slip.message().text(language);
-        warning(it.slip.id(), text, it.source, None, programs)
+        warning(it.slip.lint().id(), text, it.source, None, programs)
     });
     Analysis {
         findings: list_findings(alarms, preview.end, warnings, programs, language),
@@ -192,7 +192,7 @@ fn caution_finding(
     let text = caution.kind.message().text(language);
     let first_column = caution.columns().map(|(first, _)| first);
     warning(
-        caution.kind.id(),
+        caution.kind.lint().id(),
         text,
         caution.source,
         first_column,

@@ -2,6 +2,7 @@
 //! knows. Neither raises an alarm.
 
 use gsk_core::command::SourcePosition;
+use gsk_core::preview::Lint;
 use gsk_core::program::ProgramBlock;
 use gsk_messages::{Message, say};
 
@@ -21,11 +22,11 @@ pub enum MillSlip {
 }
 
 impl MillSlip {
-    /// Returns the identifier of the kind of warning, for programs that sort findings.
-    pub const fn id(self) -> &'static str {
+    /// Returns the kind of warning without its value.
+    pub const fn lint(self) -> Lint {
         match self {
-            Self::WordWithoutEffect(_) => "word-without-effect",
-            Self::LadderCode(_) => "ladder-code",
+            Self::WordWithoutEffect(_) => Lint::MillWord,
+            Self::LadderCode(_) => Lint::LadderCode,
         }
     }
 

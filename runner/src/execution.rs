@@ -282,6 +282,7 @@ impl ProgramRun<'_> {
             breaks: Vec::new(),
             parameters_changed: report::changed_parameters(before, cnc.parameters()),
             warnings: Vec::new(),
+            warning_kinds: Vec::new(),
             path: None,
             part: None,
         }

@@ -75,6 +75,7 @@ fn build_report(
         coolant: modal.coolant,
         breaks: Vec::new(),
         parameters_changed: BTreeMap::new(),
+        warning_kinds: Vec::new(),
         warnings: preview
             .cautions
             .iter()

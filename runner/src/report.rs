@@ -5,6 +5,7 @@
 
 pub mod annotations;
 mod break_report;
+pub mod lint_levels;
 mod part_report;
 mod program_check;
 mod report_text;
@@ -17,7 +18,7 @@ use gsk_core::alarm::{Alarm, AlarmClass};
 use gsk_core::command::ProgramId;
 use gsk_core::interpreter::ModalState;
 use gsk_core::memory::ControlParameters;
-use gsk_core::preview::Caution;
+use gsk_core::preview::{Caution, Lint};
 use gsk_core::program::ProgramMemory;
 use gsk_core::units::Point;
 use gsk_messages::{Language, Message};
@@ -29,6 +30,7 @@ pub use program_check::check_program;
 pub use run_end::RunEnd;
 pub use time_report::{TimeReport, ToolTimeReport};
 
+use self::lint_levels::{LintLevel, LintLevels};
 use crate::move_output::diameter_z;
 use crate::text_format::shorten_line;
 
@@ -70,8 +72,10 @@ pub struct AlarmReport {
 /// A probable mistake that raises no alarm. The JSON contains only `sentence`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WarningReport {
-    /// Identifier of the rule that the block breaks: `spindle-stands`.
-    pub rule: &'static str,
+    /// The kind of mistake.
+    pub lint: Lint,
+    /// Whether the caller has made this kind of mistake an error.
+    pub is_denied: bool,
     /// The program that contains the block.
     pub program: ProgramId,
     /// Line of the block in the program, from 1.
@@ -91,7 +95,8 @@ impl WarningReport {
         language: Option<Language>,
     ) -> Self {
         Self {
-            rule: caution.slip.id(),
+            lint: caution.slip.lint(),
+            is_denied: false,
             program: caution.source.program,
             line: caution.source.line,
             columns: None,
@@ -102,7 +107,8 @@ impl WarningReport {
 
     fn new(caution: &Caution, language: Option<Language>) -> Self {
         Self {
-            rule: caution.kind.id(),
+            lint: caution.kind.lint(),
+            is_denied: false,
             program: caution.source.program,
             line: caution.source.line,
             columns: caution.columns(),
@@ -219,6 +225,9 @@ pub struct ProgramReport {
     /// Probable mistakes that raise no alarm.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<WarningReport>,
+    /// The name of the kind of each warning, in the same order; empty from `run`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warning_kinds: Vec<&'static str>,
     /// The locations of `--break` and `--until` that the run reached, in order.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub breaks: Vec<BreakReport>,
@@ -348,6 +357,22 @@ impl ProgramReport {
         self.part
             .as_ref()
             .is_some_and(|part| !part.collisions.is_empty())
+    }
+
+    /// Removes the warnings of kinds that `levels` allows, and marks those of kinds that it
+    /// denies.
+    pub fn apply_levels(&mut self, levels: &LintLevels) {
+        let allowed = |it: &WarningReport| levels.level(it.lint) == LintLevel::Allow;
+        self.warnings.retain(|it| !allowed(it));
+        for warning in &mut self.warnings {
+            warning.is_denied = levels.level(warning.lint) == LintLevel::Deny;
+        }
+        self.warning_kinds = self.warnings.iter().map(|it| it.lint.id()).collect();
+    }
+
+    /// Whether the report has a warning that the caller has made an error.
+    pub fn has_denied_warning(&self) -> bool {
+        self.warnings.iter().any(|it| it.is_denied)
     }
 
     /// The report as one JSON object on a line.

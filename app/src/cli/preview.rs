@@ -2,11 +2,13 @@
 
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use gsk_core::preview::WorkBudget;
+use gsk_core::preview::{Lint, WorkBudget};
 use gsk_host::job::{JobArgs, PartArgs};
 use gsk_host::preview::work_limit::WorkLimit;
 use gsk_host::setup_args::{self, SetupArgs};
+use gsk_runner::report::lint_levels::{LintLevel, LintLevels};
 use gsk_scene::camera::CameraPreset;
 use web_time::Duration;
 
@@ -56,7 +58,7 @@ pub struct LookArgs {
 #[derive(Args, Debug)]
 pub struct CheckArgs {
     /// The programs; of a folder those in it and below it
-    #[arg(required = true, value_name = "FILE")]
+    #[arg(required_unless_present = "lints", value_name = "FILE")]
     pub files: Vec<PathBuf>,
     #[command(flatten)]
     pub look: LookArgs,
@@ -68,6 +70,15 @@ pub struct CheckArgs {
     /// Print one JSON object for each file; `times` are its seconds by kind (rapid, feed, thread, dwell, other), `tool_times` the same for each tool
     #[arg(long)]
     pub json: bool,
+    /// Do not report this kind of warning: a name or number of --lints, or `all`; commas separate several
+    #[arg(long, value_name = "LINT", value_delimiter = ',', hide_possible_values = true, value_parser = lint_parser())]
+    pub allow: Vec<LintChoice>,
+    /// Make this kind of warning an error (exit code 1): a name or number of --lints, or `all`; commas separate several
+    #[arg(long, value_name = "LINT", value_delimiter = ',', hide_possible_values = true, value_parser = lint_parser())]
+    pub deny: Vec<LintChoice>,
+    /// Print all kinds of warnings with number and name
+    #[arg(long, conflicts_with_all = ["files", "json", "format"])]
+    pub lints: bool,
     /// How the results are written
     #[arg(
         long,
@@ -81,7 +92,43 @@ pub struct CheckArgs {
     pub setup: SetupArgs,
 }
 
+/// What `--allow` and `--deny` choose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LintChoice {
+    All,
+    One(Lint),
+}
+
+fn lint_parser() -> impl TypedValueParser<Value = LintChoice> {
+    let each = Lint::ALL
+        .into_iter()
+        .map(|it| PossibleValue::new(it.id()).alias(it.code()));
+    PossibleValuesParser::new(each.chain([PossibleValue::new("all")]))
+        .map(|word| Lint::from_name(&word).map_or(LintChoice::All, LintChoice::One))
+}
+
 impl CheckArgs {
+    /// The level of each kind of warning. The error is a kind that is both allowed and denied.
+    pub fn lint_levels(&self) -> Result<LintLevels, &'static str> {
+        let mut levels = LintLevels::default();
+        if let Some(both) = self.allow.iter().find(|it| self.deny.contains(it)) {
+            return Err(match both {
+                LintChoice::All => "all",
+                LintChoice::One(lint) => lint.id(),
+            });
+        }
+        let allowed = self.allow.iter().map(|it| (it, LintLevel::Allow));
+        let denied = self.deny.iter().map(|it| (it, LintLevel::Deny));
+        for (choice, level) in allowed.chain(denied) {
+            let lint = match choice {
+                LintChoice::All => None,
+                LintChoice::One(lint) => Some(*lint),
+            };
+            levels.set(lint, level);
+        }
+        Ok(levels)
+    }
+
     /// The output format: `--json` is short for `--format json`.
     pub const fn format(&self) -> CheckFormat {
         match self.json {

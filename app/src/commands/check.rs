@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use gsk_core::command::ExecutedMove;
-use gsk_core::preview::PreviewProgress;
+use gsk_core::preview::{Lint, PreviewProgress};
 use gsk_core::setup::Setup;
 use gsk_host::job::{self, write_section};
 use gsk_host::loading;
@@ -13,12 +13,16 @@ use gsk_runner::move_output;
 use gsk_runner::report::{self, PartReport, ProgramReport};
 
 use super::results::{CheckOptions, check_programs};
-use super::{CommandError, mill, output};
+use super::{CommandError, EXIT_OK, mill, output};
 use crate::cli::CheckArgs;
 
 /// Checks programs, prints the results and returns the highest exit code. Returns an error if a
 /// file cannot be read or written.
 pub fn check(args: &CheckArgs, language: Option<Language>) -> Result<u8, CommandError> {
+    if args.lints {
+        output::print(&list_lints(language));
+        return Ok(EXIT_OK);
+    }
     if args.setup.selected_model().is_mill() {
         return mill::check(args, language);
     }
@@ -28,6 +32,15 @@ pub fn check(args: &CheckArgs, language: Option<Language>) -> Result<u8, Command
     };
     let options = (args, language);
     check_programs(options, create_setup, move_output::write_move, check_file)
+}
+
+/// The kinds of warnings, one in a line: code, name, sentence.
+fn list_lints(language: Option<Language>) -> String {
+    let lines = Lint::ALL.into_iter().map(|it| {
+        let summary = report::message_text(&it.summary(), language);
+        format!("{}  {:<22}{summary}\n", it.code(), it.id())
+    });
+    lines.collect()
 }
 
 fn check_file(

@@ -123,7 +123,7 @@ fn exit_code(result: &Result<ProgramReport, CommandError>) -> u8 {
 
 /// The exit code of a program with this report.
 pub(super) fn report_exit_code(report: &ProgramReport) -> u8 {
-    match report.has_failed() {
+    match report.has_failed() || report.has_denied_warning() {
         _ if report.has_collision() => EXIT_COLLISION,
         true => EXIT_ALARM,
         false => EXIT_OK,
@@ -168,6 +168,7 @@ pub(super) fn check_programs<S: Sync, M>(
     ) -> Result<ProgramReport, CommandError>
     + Sync,
 ) -> Result<u8, CommandError> {
+    let levels = args.lint_levels().map_err(say::command_lint_both)?;
     let (files, mut errors) = folders::find_programs(&args.files);
     if args.moves.is_some() && files.len() > 1 {
         return Err(say::command_one_program().into());
@@ -194,15 +195,19 @@ pub(super) fn check_programs<S: Sync, M>(
     let outputs = collect_outputs(&[&args.moves, &args.part.section]);
     check_overwrites(&inputs, &outputs)?;
     if let (Some(path), [file]) = (&args.moves, &files[..]) {
-        let report = check_into_file(path, write_move, |on_move| {
+        let mut report = check_into_file(path, write_move, |on_move| {
             check_file(&setup, file, (args, language), true, on_move)
         })?;
+        report.apply_levels(&levels);
         let aside = output::is_standard_output(Some(path));
         return print_results(&[Ok(report)], args.format(), aside, language);
     }
     let mut results = check_files(&files, &|file, is_only| {
         check_file(&setup, file, (args, language), is_only, &mut |_| {})
     });
+    for report in results.iter_mut().flatten() {
+        report.apply_levels(&levels);
+    }
     results.extend(errors.into_iter().map(|error| Err(error.into())));
     print_results(&results, args.format(), false, language)
 }

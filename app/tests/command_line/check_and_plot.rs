@@ -41,7 +41,7 @@ fn check_reports_in_chinese_and_english() {
     for line in [
         "P/S 010 G code cannot be used, line 3: G54\n  G54 is not a code",
         "also P/S 019 M code error, line 5: M77\n",
-        "warning: line 2: a cut while the spindle is stopped\n",
+        "warning W02: line 2: a cut while the spindle is stopped\n",
     ] {
         assert!(english.contains(line), "{line}\n{english}");
     }
@@ -51,8 +51,8 @@ fn check_reports_in_chinese_and_english() {
         "P/S 010 \u{6307}\u{4ee4}",
         "，第 3 行: G54\n  本系统没有 G54",
         "另有 P/S 019",
-        "警告：第 2 行：切削时主轴没有旋转\n",
-        "警告：第 4 行：G28 回机械零点，未给出 --work-zero 时",
+        "警告 W02：第 2 行：切削时主轴没有旋转\n",
+        "警告 W04：第 4 行：G28 回机械零点，未给出 --work-zero 时",
         "第 7 行之后未检查",
         "刀路范围 X 50 … 300",
     ] {

@@ -1,10 +1,10 @@
 //! Cautions: probable mistakes that raise no alarm.
 
-use core::mem::discriminant;
-
 use gsk_messages::{Message, say};
 
 use super::certainty::ProgramFacts;
+use super::line_words::{numbers_of, split_line};
+use super::lint::Lint;
 use super::{PreviewRun, SpindleRotation};
 use crate::command::{ControlCommand, ProgramId, SourcePosition};
 use crate::interpreter::{BlockRemark, IgnoredWord, Interpreter, WordAdvice};
@@ -42,6 +42,28 @@ pub enum CautionKind {
     /// The name of the program begins with `:` instead of O; the payload is the program
     /// number.
     ColonName(u16),
+    /// The run-in of a thread is too short for the acceleration of the axis.
+    ThreadRunIn {
+        /// Length from the start of the thread to the face at Z0, mm.
+        programmed: f64,
+        /// Length that the axis needs to reach the speed of the thread, mm.
+        needed: f64,
+    },
+    /// A thread is cut at constant surface speed (G96).
+    ThreadSurfaceSpeed,
+    /// The speed changes between two passes of the same thread.
+    ThreadSpeedChanged {
+        /// S word of the pass before.
+        before: f64,
+        /// S word of this pass.
+        now: f64,
+    },
+    /// A dwell of a few milliseconds; the payload is its duration, ms.
+    ShortDwell(u32),
+    /// A taper or an arc is cut under G40 by a tool whose offset has this nose radius, mm.
+    NoseUncompensated(f64),
+    /// No block leads to this one.
+    UnreachableBlock,
 }
 
 /// Greatest number of cautions of one kind in the list.
@@ -73,18 +95,24 @@ impl Caution {
 }
 
 impl CautionKind {
-    /// A stable identifier of the kind, e.g. `slow-feed`, for tools that sort findings.
-    pub const fn id(&self) -> &'static str {
+    /// The kind without its values.
+    pub const fn lint(&self) -> Lint {
         match self {
-            Self::SlowFeed => "slow-feed",
-            Self::SpindleStopped => "spindle-stands",
-            Self::NoOffset => "no-offset",
-            Self::MachineZero => "machine-zero",
-            Self::EndElsewhere { .. } => "end-elsewhere",
-            Self::IgnoredWord(_) => "ignored-word",
-            Self::AfterSemicolon => "after-semicolon",
-            Self::AfterEnd => "after-end",
-            Self::ColonName(_) => "colon-name",
+            Self::SlowFeed => Lint::SlowFeed,
+            Self::SpindleStopped => Lint::SpindleStopped,
+            Self::NoOffset => Lint::NoOffset,
+            Self::MachineZero => Lint::MachineZero,
+            Self::EndElsewhere { .. } => Lint::EndElsewhere,
+            Self::IgnoredWord(_) => Lint::IgnoredWord,
+            Self::AfterSemicolon => Lint::AfterSemicolon,
+            Self::AfterEnd => Lint::AfterEnd,
+            Self::ColonName(_) => Lint::ColonName,
+            Self::ThreadRunIn { .. } => Lint::ThreadRunIn,
+            Self::ThreadSurfaceSpeed => Lint::ThreadSurfaceSpeed,
+            Self::ThreadSpeedChanged { .. } => Lint::ThreadSpeedChanged,
+            Self::ShortDwell(_) => Lint::ShortDwell,
+            Self::NoseUncompensated(_) => Lint::NoseUncompensated,
+            Self::UnreachableBlock => Lint::UnreachableBlock,
         }
     }
 
@@ -102,6 +130,17 @@ impl CautionKind {
             Self::AfterSemicolon => say::caution_after_semicolon(),
             Self::AfterEnd => say::caution_after_end(),
             Self::ColonName(number) => say::caution_colon_name(format_args!("{number:04}")),
+            Self::ThreadRunIn { programmed, needed } => say::caution_thread_run_in(
+                format_args!("{programmed:.2}"),
+                format_args!("{needed:.2}"),
+            ),
+            Self::ThreadSurfaceSpeed => say::caution_thread_surface_speed(),
+            Self::ThreadSpeedChanged { before, now } => {
+                say::caution_thread_speed_changed(before, now)
+            }
+            Self::ShortDwell(ms) => say::caution_short_dwell(ms, u64::from(*ms) * 1000),
+            Self::NoseUncompensated(radius) => say::caution_nose_uncompensated(radius),
+            Self::UnreachableBlock => say::caution_unreachable_block(),
         }
     }
 }
@@ -158,8 +197,14 @@ impl PreviewRun<'_> {
         }
     }
 
-    /// Adds cautions about a cut before it is executed: slow feed, stopped spindle, no offset.
-    pub(super) fn check_cut(&mut self, command: &ControlCommand, feed: Option<Feed>) {
+    /// Adds cautions about a cut before it is executed: slow feed, stopped spindle, no offset,
+    /// no nose radius compensation. `is_sloped`: the cut is a taper or an arc.
+    pub(super) fn check_cut(
+        &mut self,
+        command: &ControlCommand,
+        feed: Option<Feed>,
+        is_sloped: bool,
+    ) {
         let source = command.source;
         let feed_facts = ProgramFacts::MOTION
             .union(ProgramFacts::FEED)
@@ -180,12 +225,38 @@ impl PreviewRun<'_> {
         {
             self.add_caution(CautionKind::NoOffset, source);
         }
+        if is_sloped && command.modal.nose_compensation == 40 {
+            self.check_nose(command);
+        }
+    }
+
+    /// Adds a caution about a taper or an arc that the nose radius of the tool cuts beside the
+    /// programmed contour. Passes that rough are left out: the finish follows.
+    fn check_nose(&mut self, command: &ControlCommand) {
+        let radius = self.offsets.get(command.modal.offset).r;
+        if radius <= 0.0
+            || !self.is_certain(ProgramFacts::MOTION.union(ProgramFacts::COMPENSATION))
+            || self.has_caution(Lint::NoseUncompensated)
+        {
+            return;
+        }
+        let words = split_line(self.line_text(command.source));
+        let roughs = numbers_of(&words, b'G').any(|code| matches!(code, Some(71..=73)));
+        if !roughs {
+            let kind = CautionKind::NoseUncompensated(radius);
+            self.add_caution(kind, command.source);
+        }
+    }
+
+    /// Whether the list has a caution of a kind.
+    pub(super) fn has_caution(&self, lint: Lint) -> bool {
+        let mut cautions = self.preview.cautions.iter();
+        cautions.any(|caution| caution.kind.lint() == lint)
     }
 
     pub(super) fn add_caution(&mut self, slip: CautionKind, source: SourcePosition) {
-        let cautions = &mut self.preview.cautions;
-        let same = |caution: &Caution| discriminant(&caution.kind) == discriminant(&slip);
-        if !cautions.iter().any(same) {
+        if !self.has_caution(slip.lint()) {
+            let cautions = &mut self.preview.cautions;
             cautions.push(Caution { kind: slip, source });
         }
     }
@@ -194,7 +265,7 @@ impl PreviewRun<'_> {
     fn add_each_caution(&mut self, slip: CautionKind, source: SourcePosition) {
         let caution = Caution { kind: slip, source };
         let cautions = &mut self.preview.cautions;
-        let same = |other: &&Caution| discriminant(&other.kind) == discriminant(&caution.kind);
+        let same = |other: &&Caution| other.kind.lint() == caution.kind.lint();
         if cautions.iter().filter(same).count() < MAX_CAUTIONS_PER_KIND
             && !cautions.contains(&caution)
         {

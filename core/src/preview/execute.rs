@@ -64,6 +64,7 @@ impl PreviewRun<'_> {
             }
             Action::Tool { tool, offset, .. } => {
                 self.clock.change_tool(*tool);
+                self.last_pass = None;
                 if !self.preview.tools.contains(&(*tool, *offset)) {
                     self.preview.tools.push((*tool, *offset));
                 }

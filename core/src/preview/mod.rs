@@ -9,6 +9,7 @@ mod execute;
 mod further_alarms;
 mod ladder_messages;
 mod line_words;
+mod lint;
 mod moves;
 mod result;
 mod spindle;
@@ -16,6 +17,8 @@ mod start_position;
 #[cfg(test)]
 mod tests;
 mod thread;
+mod thread_check;
+mod unreachable;
 mod work_budget;
 
 use core::cell::LazyCell;
@@ -28,7 +31,7 @@ use crate::interpreter::ImmediateHost;
 use crate::interpreter::Interpreter;
 use crate::interpreter::MachineCodes;
 use crate::interpreter::ModalState;
-use crate::memory::{ControlParameters, Registers};
+use crate::memory::{ControlParameters, Offsets, Registers};
 use crate::motion::{CutChain, MotionLimits};
 use crate::program::ProgramMemory;
 use crate::setup::Setup;
@@ -42,11 +45,13 @@ use further_alarms::{AlarmSearch, AlarmStage};
 pub use further_alarms::{FurtherAlarms, MAX_FURTHER_ALARMS};
 use gsk_messages::say;
 use ladder_messages::LadderMessages;
+pub use lint::Lint;
 use moves::ReportedEnd;
 pub use result::{PathLengths, Preview, PreviewEnd, PreviewProgress};
 use spindle::PreviewSpindle;
 pub use spindle::SpindleRotation;
 use start_position::StartPositionCheck;
+use thread_check::ThreadPass;
 pub use work_budget::WorkBudget;
 
 /// Number of consecutive commands without motion after which [`preview`] stops.
@@ -172,6 +177,7 @@ fn interpret(
         Some(program) => {
             interpreter.start(program, 1, &host);
             preview_run.check_text(program);
+            preview_run.check_reach(program);
             preview_run.run(&mut interpreter, &mut host, should_continue)
         }
         None => {
@@ -245,6 +251,10 @@ struct PreviewRun<'a> {
     /// Whether the program has reached its end.
     ended: bool,
     programs: &'a ProgramMemory,
+    /// Tool offsets before the program.
+    offsets: Offsets,
+    /// The last pass of a thread; `None` before the first one of the tool.
+    last_pass: Option<ThreadPass>,
     position_check: StartPositionCheck,
     /// The search for further alarms; `None` before the first alarm.
     alarm_search: Option<AlarmSearch>,
@@ -284,6 +294,8 @@ impl<'a> PreviewRun<'a> {
             source: None,
             ended: false,
             programs,
+            offsets: setup.memory.offsets.clone(),
+            last_pass: None,
             position_check: StartPositionCheck::new(setup),
             alarm_search: None,
             owed_deceleration_s: 0.0,

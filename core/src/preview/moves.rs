@@ -1,11 +1,15 @@
 //! Rapids, cuts and dwells without ticks.
 
+use super::caution::CautionKind;
 use super::{PreviewRun, bounds, remove_noise};
 use crate::alarm::Alarm;
 use crate::command::{ControlCommand, ExecutedMove, MoveConditions, MoveKind};
 use crate::motion::{move_duration, path_length, top_speed};
 use crate::operation::{check_encoder, check_gear_speed};
 use crate::units::{Feed, Point};
+
+/// Duration below which a dwell probably means seconds, ms: no slide or spindle notices it.
+const SHORT_DWELL_MS: u32 = 20;
 
 /// The end of the last reported move in the frame in force; the next move begins exactly there.
 #[derive(Clone, Copy)]
@@ -51,7 +55,8 @@ impl PreviewRun<'_> {
             return Ok(());
         }
         if kind != MoveKind::Rapid {
-            self.check_cut(command, feed);
+            let is_sloped = center.is_some() || from.x != to.x && from.z != to.z;
+            self.check_cut(command, feed, is_sloped);
         }
         self.report_pending_cut(true);
         self.motionless = 0;
@@ -150,6 +155,9 @@ impl PreviewRun<'_> {
         let source = command.source;
         if ms == 0 {
             return;
+        }
+        if ms < SHORT_DWELL_MS {
+            self.add_caution(CautionKind::ShortDwell(ms), source);
         }
         let at = remove_noise(self.preview.frame.to_program(self.preview.machine));
         let took = f64::from(ms) / 1000.0;

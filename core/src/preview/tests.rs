@@ -318,3 +318,68 @@ fn passes_of_a_cycle_come_with_their_explanations() {
     preview_explained(&setup, &setup.memory.programs, on_move, &mut |_| true);
     assert_eq!(passes, [(19.0, 1), (16.0, 2), (13.0, 3), (10.0, 4)]);
 }
+
+#[test]
+fn threads_dwells_and_noses_are_looked_at() {
+    let lints = |setup: &Setup, text: &str| -> Vec<(&'static str, u32)> {
+        let (preview, _) = run_preview(setup, text);
+        let cautions = preview.cautions.iter();
+        cautions
+            .map(|caution| (caution.kind.lint().id(), caution.source.line))
+            .collect()
+    };
+    // No.029 = 100 ms: 1000 r/min and a lead of 3 mm need 2.6 mm.
+    let setup = Setup::default();
+    let cases: [(&str, &[(&str, u32)]); 9] = [
+        (
+            "M03 S1000\nG00 X30 Z2.5\nG92 X29 Z-20 F3\nX28.5\nM30\n",
+            &[("thread-run-in", 3)],
+        ),
+        (
+            "M03 S1000\nG00 X30 Z2.6\nG92 X29 Z-20 F3\nX28.5\nM30\n",
+            &[],
+        ),
+        ("M03 S500\nG00 X30 Z1.4\nG92 X29 Z-20 F3\nM30\n", &[]),
+        // The face is not at Z0.
+        ("M03 S1000\nG00 X30 Z52\nG92 X29 Z30 F3\nM30\n", &[]),
+        (
+            "G96 M03 S90\nG00 X30 Z9\nG32 Z-20 F1.5\nM30\n",
+            &[("thread-surface-speed", 3)],
+        ),
+        (
+            "M03 S600\nG00 X30 Z6\nG92 X29 Z-20 F3\nS500\nX28.5\nM30\n",
+            &[("thread-speed-changed", 5)],
+        ),
+        (
+            "M03 S600 T0100\nG00 X30 Z6\nG92 X29 Z-20 F3\nT0200\nS500\nG92 X28.5 Z-20 F3\nM30\n",
+            &[],
+        ),
+        ("G04 P5\nG04 P0\nM30\n", &[("short-dwell", 1)]),
+        ("G04 X0.5\nG04 P20\nM30\n", &[]),
+    ];
+    for (text, expected) in cases {
+        assert_eq!(lints(&setup, text), expected, "{text}");
+    }
+    let mut setup = Setup::default();
+    let mut row = setup.memory.offsets.get(1);
+    (row.r, row.t) = (0.8, 3);
+    assert!(setup.memory.offsets.set(1, row).is_ok());
+    let contour = "T0101 M03 S500\nG00 X40 Z2\nG98 G01 Z-5 F100\n";
+    let cases: [(&str, &[(&str, u32)]); 4] = [
+        ("X50 Z-20\nG00 X60\nM30\n", &[("nose-uncompensated", 4)]),
+        ("X50\nG00 X60\nM30\n", &[]),
+        ("T0100\nX50 Z-20\nM30\n", &[("no-offset", 5)]),
+        (
+            "G00 X60 Z2\nG71 U2 R1\nG71 P10 Q20 U1 W0.1\nN10 G00 X20\nG01 Z-5\nN20 X50 Z-20\n\
+             G42 G00 X70 Z3\nG70 P10 Q20\nG40 G00 X60\nM30\n",
+            &[],
+        ),
+    ];
+    for (text, expected) in cases {
+        assert_eq!(
+            lints(&setup, &format!("{contour}{text}")),
+            expected,
+            "{text}"
+        );
+    }
+}

@@ -23,6 +23,7 @@ impl PreviewRun<'_> {
         if from == thread.to {
             return Ok(());
         }
+        self.check_thread_pass(command, thread, rpm);
         if let ThreadStart::AtIndex { degrees } = thread.start {
             self.clock.advance((0.5 + degrees / 360.0) * 60.0 / rpm);
         }

@@ -129,7 +129,7 @@ fn ladder_codes_and_unused_words_are_reported() {
     let text = "M07\nM10\nM19\nM10\nG01 X1 F100 R5\nG00 Q2 X2\nG43 H1 Z5 L2\nG04 P1\nM30\n";
     let (preview, _) = run_to_end(text);
     let warnings: Vec<(u32, &str)> = (preview.cautions.iter())
-        .map(|it| (it.source.line, it.slip.id()))
+        .map(|it| (it.source.line, it.slip.lint().id()))
         .collect();
     let (ladder, word) = ("ladder-code", "word-without-effect");
     assert_eq!(

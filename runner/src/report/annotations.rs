@@ -4,6 +4,7 @@
 use core::fmt::Write as _;
 
 use gsk_core::command::ProgramId;
+use gsk_core::preview::Lint;
 use gsk_messages::Language;
 use serde_json::{Value, json};
 
@@ -105,10 +106,11 @@ pub fn collect_annotations(report: &ProgramReport, language: Option<Language>) -
             None => with_program(Some(it.program), it.sentence.clone()),
         };
         let columns = it.columns.map(|(first, last)| (first, Some(last)));
-        with_columns(
-            columns,
-            annotation(AnnotationLevel::Warning, it.rule, line, text),
-        )
+        let level = match it.is_denied {
+            true => AnnotationLevel::Error,
+            false => AnnotationLevel::Warning,
+        };
+        with_columns(columns, annotation(level, it.lint.id(), line, text))
     }));
     all
 }
@@ -192,7 +194,7 @@ pub fn to_sarif_log(annotations: &[Annotation], version: &str) -> String {
     rules.sort_unstable();
     rules.dedup();
     let results: Vec<Value> = annotations.iter().map(sarif_result).collect();
-    let rules: Vec<Value> = rules.iter().map(|id| json!({ "id": id })).collect();
+    let rules: Vec<Value> = rules.iter().map(|id| sarif_rule(id)).collect();
     let driver = json!({ "name": "gsk980td", "version": version, "rules": rules });
     let run = json!({
         "tool": { "driver": driver },
@@ -201,6 +203,18 @@ pub fn to_sarif_log(annotations: &[Annotation], version: &str) -> String {
     });
     let log = json!({ "$schema": SARIF_SCHEMA, "version": SARIF_VERSION, "runs": [run] });
     format!("{log:#}\n")
+}
+
+/// A rule of the log; that of a warning with its code as name and one sentence.
+fn sarif_rule(id: &str) -> Value {
+    match Lint::from_name(id) {
+        Some(lint) => json!({
+            "id": id,
+            "name": lint.code(),
+            "shortDescription": { "text": message_text(&lint.summary(), None) },
+        }),
+        None => json!({ "id": id }),
+    }
 }
 
 fn sarif_result(it: &Annotation) -> Value {

@@ -66,6 +66,7 @@ fn build_report(
         coolant: preview.coolant,
         breaks: Vec::new(),
         parameters_changed: changed_parameters(&setup.memory.parameters, &preview.parameters),
+        warning_kinds: Vec::new(),
         warnings: preview
             .cautions
             .iter()

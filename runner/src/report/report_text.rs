@@ -56,7 +56,12 @@ impl ProgramReport {
         }
         lines.push(self.counts_text(words));
         for warning in &self.warnings {
-            lines.push(say::report_warning(&warning.sentence).text(words));
+            let code = warning.lint.code();
+            let message = match warning.is_denied {
+                true => say::report_denied_warning(code, &warning.sentence),
+                false => say::report_warning(code, &warning.sentence),
+            };
+            lines.push(message.text(words));
         }
         if let Some(path) = &self.path {
             lines.extend(path.path_lines(words));
