@@ -124,8 +124,8 @@ pub(crate) struct ForeignState {
 pub(crate) struct MachineState {
     /// Number of the tool that T selected for the next M06; `None` without one.
     pub pending_tool: Option<i64>,
-    /// G code, in tenths, of the coordinate system that the program selected; `None` before the
-    /// first one.
+    /// Coordinate system that the program selected: its G code in tenths, times 1000, plus P of
+    /// G54.1; `None` before the first selection.
     pub work_offset: Option<i64>,
     /// The last M code that turns or stops the spindle, in tenths: M03 is 30; `None` before the
     /// first one.

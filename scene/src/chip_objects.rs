@@ -9,17 +9,17 @@ use crate::device::{Device, GpuMesh, SceneError, VertexLayout};
 use crate::mesh::{SceneMaterial, SceneMesh};
 use crate::part_material::ChipShape;
 
-/// Sides of the wire of a chip.
+/// Number of sides of the drawn wire that forms a chip.
 const WIRE_SIDES: u32 = 4;
 
-/// The chips; nothing without any.
+/// The mesh of all chips in the memory of OpenGL; empty without chips.
 #[derive(Debug, Default)]
 pub struct ChipObjects {
     shown: Vec<ChipState>,
     mesh: Option<GpuMesh>,
 }
 
-/// Builds a chip at the origin.
+/// Builds the mesh of one chip at the origin.
 fn build_chip(shape: ChipShape) -> SceneMesh {
     let mut mesh = SceneMesh::default();
     let line = |count: u32, point: &dyn Fn(f32) -> Vec3| -> Vec<Vec3> {
@@ -49,7 +49,7 @@ fn build_chip(shape: ChipShape) -> SceneMesh {
     mesh
 }
 
-/// Builds the mesh of all chips.
+/// Builds one mesh of all chips.
 pub fn build_mesh(chips: &[ChipState]) -> SceneMesh {
     let mut mesh = SceneMesh::default();
     let shapes = [
@@ -79,7 +79,7 @@ pub fn build_mesh(chips: &[ChipState]) -> SceneMesh {
 }
 
 impl ChipObjects {
-    /// Uploads the chips if they have moved.
+    /// Uploads the mesh of the chips if they have moved.
     pub fn update(&mut self, device: Device<'_>, chips: &[ChipState]) -> Result<(), SceneError> {
         if self.shown == chips {
             return Ok(());
@@ -95,14 +95,14 @@ impl ChipObjects {
         Ok(())
     }
 
-    /// Draws the chips with the program in use.
+    /// Draws the chips with the shader program in use.
     pub fn draw(&self, device: Device<'_>) {
         if let Some(mesh) = &self.mesh {
             device.draw_mesh(mesh, None);
         }
     }
 
-    /// Deletes the mesh.
+    /// Deletes the mesh of the chips from OpenGL.
     pub fn release(&self, device: Device<'_>) {
         if let Some(mesh) = &self.mesh {
             device.delete_mesh(mesh);

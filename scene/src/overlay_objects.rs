@@ -8,25 +8,25 @@ use glam::{Vec3, vec3};
 use crate::device::{Device, GpuMesh, SceneError, VertexLayout};
 use crate::tool_path::ToolPath;
 
-/// Greatest number of marks.
+/// Greatest number of collision marks that are drawn.
 const MAX_MARKS: usize = 100;
-/// Sides of the ring of a mark.
+/// Number of straight sides of the ring that marks a collision.
 const MARK_SIDES: u32 = 48;
-/// Distance of the two rings of a mark, mm.
+/// Distance between the two rings of a collision mark, mm.
 const MARK_WIDTH_MM: f32 = 0.8;
-/// Distance of a ring from the surface, mm.
+/// Distance of a ring above the surface of the part, mm.
 const MARK_LIFT_MM: f32 = 0.4;
 /// Colour of a mark as sRGB bytes, with an unused byte.
 pub const MARK_COLOR: [u8; 4] = [255, 60, 50, 255];
 
-/// The lines of a path; nothing while it is hidden.
+/// The lines of the programmed path in the memory of OpenGL; empty while the path is hidden.
 #[derive(Debug, Default)]
 pub struct PathObjects {
     shown: Option<(Arc<ToolPath>, GpuMesh)>,
 }
 
 impl PathObjects {
-    /// Uploads the path if it has changed.
+    /// Uploads the programmed path if it has changed.
     pub fn update(
         &mut self,
         device: Device<'_>,
@@ -46,14 +46,14 @@ impl PathObjects {
         Ok(())
     }
 
-    /// Draws the lines with the program in use.
+    /// Draws the programmed path with the shader program in use.
     pub fn draw(&self, device: Device<'_>) {
         if let Some((_, lines)) = &self.shown {
             device.draw_mesh(lines, None);
         }
     }
 
-    /// Deletes the lines.
+    /// Deletes the lines of the path from OpenGL.
     pub fn release(&self, device: Device<'_>) {
         if let Some((_, lines)) = &self.shown {
             device.delete_mesh(lines);
@@ -61,14 +61,14 @@ impl PathObjects {
     }
 }
 
-/// Rings around the axis where something has collided.
+/// Rings around the axis that mark the positions of collisions.
 #[derive(Debug, Default)]
 pub struct MarkObjects {
     shown: Vec<[f32; 2]>,
     lines: Option<GpuMesh>,
 }
 
-/// The rings of all marks as closed lines.
+/// Returns the rings of all collision marks as closed lines.
 pub fn mark_rings(marks: &[[f32; 2]]) -> Vec<[Vec3; MARK_SIDES as usize]> {
     let drawable = marks.iter().filter(|it| it.iter().all(|it| it.is_finite()));
     let rings = drawable.take(MAX_MARKS).flat_map(|&[x, radius]| {
@@ -83,7 +83,7 @@ pub fn mark_rings(marks: &[[f32; 2]]) -> Vec<[Vec3; MARK_SIDES as usize]> {
     rings.collect()
 }
 
-/// The ends of the lines of all marks, and their indices.
+/// Returns the vertices of the rings of all collision marks, and their indices, as bytes.
 fn mark_bytes(marks: &[[f32; 2]]) -> [Vec<u8>; 2] {
     let (mut vertices, mut indices) = (Vec::new(), Vec::new());
     let mut first = 0_u32;
@@ -102,7 +102,7 @@ fn mark_bytes(marks: &[[f32; 2]]) -> [Vec<u8>; 2] {
 }
 
 impl MarkObjects {
-    /// Uploads the marks if they have changed.
+    /// Uploads the collision marks if they have changed.
     pub fn update(&mut self, device: Device<'_>, marks: &[[f32; 2]]) -> Result<(), SceneError> {
         if self.shown == marks {
             return Ok(());
@@ -117,14 +117,14 @@ impl MarkObjects {
         Ok(())
     }
 
-    /// Draws the rings with the program in use.
+    /// Draws the rings with the shader program in use.
     pub fn draw(&self, device: Device<'_>) {
         if let Some(lines) = &self.lines {
             device.draw_mesh(lines, None);
         }
     }
 
-    /// Deletes the rings.
+    /// Deletes the rings from OpenGL.
     pub fn release(&self, device: Device<'_>) {
         if let Some(lines) = &self.lines {
             device.delete_mesh(lines);

@@ -15,29 +15,30 @@ use crate::placement::LathePlacement;
 use crate::section_cut::{add_face, kept_sweep, tool_angle};
 use crate::shader;
 
-/// Lines of the hatch over the longer side of the part.
+/// Number of hatch lines over the longer side of the part.
 const HATCH_LINES: f32 = 18.0;
-/// Least and greatest distance of two lines of the hatch, mm.
+/// Least and greatest distance between two hatch lines, mm.
 const HATCH_MM: (f32, f32) = (2.5, 25.0);
 
-/// The part: a fixed grid with the texture of its outline, and its details.
+/// The part in the memory of OpenGL: a fixed grid, the texture of its outline, and its threads and
+/// cut faces.
 #[derive(Debug)]
 pub struct PartObjects {
     grid: GpuMesh,
-    /// The same with half the sides.
+    /// A grid of the revolved part with half the sides.
     coarse_grid: GpuMesh,
     texture: glow::Texture,
     outline: Arc<PartOutline>,
     edges: i32,
-    /// Threads and cut faces; `None` without any.
+    /// Mesh of the threads and cut faces; `None` if the part has neither.
     details: Option<GpuMesh>,
     cut: (LatheKind, SectionCut),
-    /// Whether marks show that the part turns.
+    /// Whether chalk marks show that the part turns.
     has_marks: bool,
 }
 
-/// The matrix with which the part is drawn. A cut part does not turn: its cut face shows the
-/// half section in the plane of the tool.
+/// Returns the matrix with which the part is drawn. A cut part does not turn: its cut face shows
+/// the half section in the plane of the tool.
 pub fn part_model(lathe: &LatheDescription, placement: &LathePlacement) -> Mat4 {
     let turn = match lathe.overlay.section_cut {
         SectionCut::Whole => placement.spindle,
@@ -46,7 +47,7 @@ pub fn part_model(lathe: &LatheDescription, placement: &LathePlacement) -> Mat4 
     bar_bend(lathe) * turn
 }
 
-/// Builds threads and cut faces of a part.
+/// Builds the mesh of the threads and cut faces of a part.
 pub fn build_details(outline: &PartOutline, kind: LatheKind, cut: SectionCut) -> SceneMesh {
     let mut mesh = SceneMesh::default();
     let [start, extent] = kept_sweep(kind, cut);
@@ -67,7 +68,7 @@ pub fn build_details(outline: &PartOutline, kind: LatheKind, cut: SectionCut) ->
 }
 
 impl PartObjects {
-    /// Creates the grid, without a part.
+    /// Creates the grid, before a part is known.
     pub fn create(device: Device<'_>) -> Result<Self, SceneError> {
         let sides = shader::PART_SIDES;
         let ends = (0..2 * MAX_EDGES as u16)
@@ -97,7 +98,7 @@ impl PartObjects {
         })
     }
 
-    /// Uploads what has changed.
+    /// Uploads the outline, threads and cut faces if they have changed.
     pub fn update(
         &mut self,
         device: Device<'_>,
@@ -129,7 +130,7 @@ impl PartObjects {
         Ok(())
     }
 
-    /// Draws the revolved surfaces with a program of the variant `PART`, which is in use.
+    /// Draws the revolved surfaces with `program`, a shader variant `PART` that is in use.
     pub fn draw_revolved(&self, device: Device<'_>, program: &SceneProgram, level: SceneLevel) {
         if self.edges == 0 {
             return;
@@ -154,14 +155,14 @@ impl PartObjects {
         device.bind_texture(1, None);
     }
 
-    /// Draws threads and cut faces with the program in use.
+    /// Draws threads and cut faces with the shader program in use.
     pub fn draw_details(&self, device: Device<'_>) {
         if let Some(details) = &self.details {
             device.draw_mesh(details, None);
         }
     }
 
-    /// Deletes everything.
+    /// Deletes all OpenGL objects of the part.
     pub fn release(&self, device: Device<'_>) {
         device.delete_mesh(&self.grid);
         device.delete_mesh(&self.coarse_grid);

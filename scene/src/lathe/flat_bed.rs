@@ -9,7 +9,7 @@ use crate::description::{LatheDimensions, LatheKind};
 use crate::mesh::{SceneMaterial, SceneMesh};
 use crate::placement::hand_wheels::{operator_panel, panel_depth};
 
-/// Adds everything that stands still.
+/// Adds the stationary parts of a flat bed lathe to the mesh.
 pub fn add_fixed(mesh: &mut SceneMesh, dimensions: &LatheDimensions) {
     let scale = dimensions.centre_height / 190.0;
     let head = -dimensions.chuck_length - 26.0;
