@@ -21,7 +21,7 @@ pub enum MillSlip {
 }
 
 impl MillSlip {
-    /// Returns the identifier of the kind of warning, for programs that sort findings.
+    /// Returns the identifier of the kind of mistake, by which programs sort findings.
     pub const fn id(self) -> &'static str {
         match self {
             Self::WordWithoutEffect(_) => "word-without-effect",
@@ -38,7 +38,7 @@ impl MillSlip {
     }
 }
 
-/// A warning and the block that caused it.
+/// A probable mistake with the block in which it occurs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MillCaution {
     /// The probable mistake.
