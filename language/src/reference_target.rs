@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use crate::words::{ParsedWord, Span, SpanKind, word_of};
 
-/// What a word or statement refers to.
+/// The block or program to which a word or statement refers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReferenceTarget {
     /// A block of the same program by its sequence number: P and Q of G70 to G73, P of G65 H80
@@ -14,7 +14,7 @@ pub enum ReferenceTarget {
     /// A block of the calling program by its sequence number (P of M99); of this program if it
     /// is the main program.
     Caller(u16),
-    /// A program by its number: P of M98, of G65 and of G66.
+    /// A program with this number: P of M98, of G65 and of G66.
     Program(u16),
     /// A block of the same program whose number is computed at run time.
     Computed,
