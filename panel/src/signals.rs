@@ -28,7 +28,7 @@ pub struct Signal {
     /// What reacts to the signal: `control`, `ladder` or both; otherwise `free` or why none
     /// does.
     pub acts: &'static str,
-    /// What the help says about the signal.
+    /// The help texts about the signal in both languages.
     pub help: HelpColumns,
 }
 

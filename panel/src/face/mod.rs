@@ -19,10 +19,10 @@ pub use pages::{PAGES, PageId, PageKey, PageRow};
 use crate::keys::{Key, KeyRole, KeyRow};
 use crate::lcd::LcdColours;
 
-/// Space between keys, panel units.
+/// Space between two keys, panel units.
 pub const GAP: f32 = 6.0;
 
-/// What distinguishes the panel of a control model from others.
+/// The panel of a control model: its LCD colours, keys, pages and labels.
 #[derive(Debug)]
 pub struct Face {
     /// Colours of the LCD at full brightness.
@@ -45,39 +45,39 @@ pub struct Face {
 /// Keys of one size and colour, in rows from the top.
 #[derive(Clone, Copy, Debug)]
 pub struct KeyGrid {
-    /// Position and size of the first key, panel units.
+    /// Position and size of the first key of the grid, panel units.
     pub first: Rect,
     /// The keys of each row, from the left.
     pub rows: &'static [&'static [Key]],
-    /// The colour of the keys.
+    /// The colour of the keys in the grid.
     pub colour: PanelColour,
 }
 
 /// A label of the soft key bar and what its key does.
 #[derive(Clone, Copy, Debug)]
 pub struct SoftKey {
-    /// The main function whose bar has the label.
+    /// The main function whose row of soft keys has the label.
     pub group: PageKey,
-    /// The bar of the main function, from 0.
+    /// Index of the row of soft keys in the main function, from 0.
     pub bar: u8,
-    /// Position in the bar, 0 (F1) to 4 (F5).
+    /// Position of the soft key in its row, 0 (F1) to 4 (F5).
     pub position: u8,
-    /// The text of the label, at most six columns wide.
+    /// The text of the soft key's label, at most six columns wide.
     pub label: fn() -> Message,
-    /// What the key does.
+    /// The action that the soft key triggers.
     pub action: SoftAction,
 }
 
-/// What a soft key does.
+/// The action that a soft key triggers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SoftAction {
     /// Opens a page. On that page it steps through the pages of its display.
     Open(PageId),
-    /// Stores the selected program under the typed number too.
+    /// Also stores the selected program under the typed number.
     CopyProgram,
     /// Gives the selected program the typed number.
     RenameProgram,
-    /// Shows the next bar of the main function.
+    /// Shows the next row of soft keys of the main function.
     NextBar,
 }
 

@@ -15,13 +15,13 @@ use super::{LINE_HEIGHT, Outline, PanelArea, PanelColour, PanelPart, PartKind, R
 use crate::keys::{Bit, Key, KeyRole, STRIP, StripLamp};
 use additional::GRADUATIONS;
 
-/// Languages of the panel's print: both.
+/// Both languages, in which the panel is printed.
 const BOTH: [Language; 2] = [Language::Zh, Language::En];
 
 /// Line height of the control's name on the name plate, panel units.
 const NAME_SIZE: f32 = 32.0;
 
-/// Greatest `scale` of [`paint`], pixels a panel unit.
+/// Greatest `scale` of [`paint`], pixels per panel unit.
 const MAX_SCALE: f32 = 8.0;
 /// Distance that a part paints beyond its rectangle (shadow, glow), panel units.
 const REACH: f32 = 3.0;
@@ -308,7 +308,7 @@ impl Painter {
         self.text(lamp.label, LINE_HEIGHT, label, part.colour.rgb());
     }
 
-    /// Paints a lamp, with a glow when it is lit.
+    /// Paints a lamp in a colour, with a glow when it is lit.
     fn bulb(&mut self, rect: Rect, shape: Outline, colour: PanelColour) {
         if colour != PanelColour::LampOff {
             for (reach, strength) in [(4.0, 0.14), (2.0, 0.22)] {

@@ -27,11 +27,11 @@ const FIRST_FLAG_BYTE: u16 = 900;
 /// A change of an input of the ladder: X from the machine and the keys, F from the control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InputChange {
-    /// The input.
+    /// The PLC input that has changed.
     pub bit: BitAddress,
-    /// Its value after the change.
+    /// Value of the input after the change.
     pub value: bool,
-    /// Tick of the change.
+    /// Tick in which the input changed.
     pub tick: u64,
 }
 

@@ -10,7 +10,7 @@ use crate::screen::Screen;
 /// Screen row of the first file, and number of files on the screen.
 const FIRST_ROW: usize = 2;
 const ROWS: usize = 9;
-/// Column before which the number of characters ends.
+/// LCD column before which the number of characters of a file ends.
 const SIZE_END: usize = 37;
 
 /// Draws the list of files, and what the keys do with the one at the cursor.
