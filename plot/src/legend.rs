@@ -42,9 +42,9 @@ pub struct PictureHead {
     pub title: String,
     /// Total time and cutting time of the program; empty without a time.
     pub summary: String,
-    /// Vertical position at which the path begins, picture units from the top.
+    /// The entries of the legend: first tools, then rapids.
     pub entries: Vec<LegendEntry>,
-    /// Vertical position where the path begins, picture units from the top.
+    /// Vertical position at which the path begins, picture units from the top.
     pub height: f64,
 }
 

@@ -12,7 +12,7 @@ use crate::files::atomic;
 use crate::message_format::describe_io_error;
 use crate::platform::{self, TaskHandle};
 
-/// The file of a recording that grows.
+/// Appends the recording of a solution to a file while it grows.
 #[derive(Debug)]
 pub struct SolutionLog {
     to_disk: Option<Sender<Vec<u8>>>,

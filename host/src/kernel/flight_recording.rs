@@ -86,7 +86,7 @@ mod tests {
     use crate::job::SelectedJob;
     use crate::kernel::{Command, LessonAction};
 
-    /// A rapid through the stock.
+    /// A program with a rapid through the stock.
     const CRASH: &str = "O0001;\nG50 X60 Z20;\nT0101 M03 S500;\nG00 X52 Z2;\nG01 X48 F300;\n\
                          Z-5;\nG00 X20 Z-30;\nM30;\n";
 

@@ -9,7 +9,7 @@ use super::part::KernelPart;
 use super::program::opening::LastOpened;
 use super::timeline::Timeline;
 
-/// The state of the current lesson, for the window.
+/// The state of the current lesson that the window shows.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LessonState {
     pub name: String,
@@ -17,12 +17,12 @@ pub struct LessonState {
     pub view: PracticeView,
 }
 
-/// What the learner does at the practice machine.
+/// The lesson or exercise that the learner does at the practice machine.
 #[derive(Debug)]
 pub(super) enum PracticeWork {
     /// He follows the steps of a lesson, or watches a demonstration.
     Lesson(Box<Practice>),
-    /// He solves a task.
+    /// The learner solves this exercise.
     Exercise(ExerciseRun),
 }
 
@@ -49,7 +49,7 @@ impl PracticeSession {
         Self { work, own }
     }
 
-    /// Ends the session and returns the learner's own state.
+    /// Ends the session and returns the state of the learner's own machine.
     pub(super) fn into_own(self) -> OwnState {
         self.own
     }
@@ -102,7 +102,7 @@ impl PracticeSession {
         &mut self.own.emulator
     }
 
-    /// Returns the learner's own machine, for reading.
+    /// Returns the learner's own machine, which waits during the practice.
     pub(super) fn own_machine(&self) -> &Emulator {
         &self.own.emulator
     }

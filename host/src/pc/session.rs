@@ -30,7 +30,7 @@ pub trait TransferObserver: Send {
     /// The transfer of the current file has ended, successfully or not.
     fn on_end(&mut self) {}
 
-    /// Whether the caller has cancelled the transfer.
+    /// Returns whether the caller has cancelled the transfer.
     fn is_cancelled(&mut self) -> bool {
         false
     }
@@ -43,7 +43,7 @@ pub struct TransferTotals {
     pub file_count: usize,
     /// Total length of the transferred files, bytes.
     pub byte_count: usize,
-    /// Time during which files were transferred.
+    /// Total time in which files were transferred.
     pub busy_time: Duration,
     /// Number of retransmitted frames (重试次数).
     pub retries: u64,

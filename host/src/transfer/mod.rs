@@ -74,7 +74,7 @@ pub fn read_serial_file(path: &Path) -> Result<SerialFile, ProgramFileError> {
     })
 }
 
-/// Joins the names of files for a message.
+/// Lists the names of files in one message.
 pub fn describe_files(files: &[SerialFile]) -> String {
     match files {
         [file] => file.name.clone(),

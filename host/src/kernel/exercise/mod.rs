@@ -18,13 +18,13 @@ use crate::flight::join_inputs;
 pub enum ExerciseAction {
     /// Start this exercise at its beginning.
     Begin(Arc<ExerciseTask>),
-    /// End the recording and hand it in.
+    /// End the recording of the current exercise and hand it in.
     HandIn,
     /// Start or continue an exercise of an exam.
     BeginExam(Box<ExamTask>),
     /// Pause the exam (true) or continue it; the window checks the PIN before.
     PauseExam(bool),
-    /// Leave the exam, which is over.
+    /// Leave an exam that has ended.
     LeaveExam,
     /// Show the machine at this time of the solution that was handed in, ms.
     ShowMoment(u64),
@@ -167,7 +167,7 @@ impl Kernel {
         run.is_some_and(ExerciseRun::hides_faults)
     }
 
-    /// Hands in when the time is over.
+    /// Hands the exercise in when its time limit is exceeded.
     pub(super) fn follow_exercise(&mut self) {
         let run = self.lesson.as_ref().and_then(PracticeSession::exercise);
         if run.is_some_and(|run| run.is_time_over(&self.emulator)) {
