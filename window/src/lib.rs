@@ -121,7 +121,7 @@ pub struct Window {
 struct Models {
     current: ModelId,
     requested: Option<ModelId>,
-    /// Whether the operator may choose another model.
+    /// Whether the operator may switch to another control model.
     is_changeable: bool,
 }
 
@@ -209,7 +209,7 @@ impl Window {
         self.faceplate.enable();
     }
 
-    /// The settings that are stored for the next start.
+    /// Returns the settings that are stored for the next start.
     pub const fn settings(&self) -> &WindowSettings {
         &self.settings
     }
@@ -299,7 +299,7 @@ impl Window {
         self.snapshot.as_ref()
     }
 
-    /// Draws one frame and handles its input.
+    /// Draws one frame of the window and handles its input.
     pub fn ui(&mut self, ui: &mut Ui) {
         // Checked here because the key that closes the menu is consumed later.
         let menu = egui::Popup::is_any_open(ui.ctx());
@@ -408,7 +408,7 @@ impl Window {
         }
     }
 
-    /// Deletes the objects of OpenGL before the window closes.
+    /// Deletes the OpenGL objects before the window closes.
     pub fn release(&self, gl: &eframe::glow::Context) {
         self.views.release(gl);
     }

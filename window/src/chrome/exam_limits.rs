@@ -10,16 +10,16 @@ use crate::view::{VIEWS, ViewId};
 /// where faults are repaired.
 const EXAM_VIEWS: [ViewId; 3] = [ViewId::Lesson, ViewId::Machine, ViewId::Bench];
 
-/// What was closed for an exam.
+/// The views and bars that were closed when an exam began, to be opened again after it.
 #[derive(Debug, Default)]
 pub struct ClosedForExam {
     views: Vec<ViewId>,
-    /// Whether the time line was shown.
+    /// Whether the time line was shown before the exam.
     has_timeline: bool,
 }
 
 impl Window {
-    /// Whether an exam has begun and is not over.
+    /// Whether an exam has begun and has not ended.
     pub(crate) fn is_in_exam(&mut self) -> bool {
         self.views.lessons().exercises().is_in_exam()
     }

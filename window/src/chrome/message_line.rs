@@ -25,7 +25,7 @@ use crate::widgets::status_message::StatusMessage;
 const SECOND_MESSAGE_WIDTH: f32 = 240.0;
 
 impl Window {
-    /// Draws the line at the bottom of the window.
+    /// Draws the message line at the bottom of the window.
     pub(crate) fn show_message_line(&mut self, ui: &mut Ui) {
         let top = self.top_message(focus::are_cursor_keys_reserved(ui.ctx()));
         self.message_history.record(top.as_ref());

@@ -5,7 +5,7 @@ use gsk_core::units::{Axis, Point};
 use gsk_host::kernel::PanelSnapshot;
 use gsk_panel::keys::{Key, STRIP};
 
-/// Distances up to this one need no motion, mm.
+/// Distance in mm below which an axis needs no motion.
 const TOLERANCE_MM: f64 = 0.05;
 
 /// A way back that the operator has requested, in the order of its keys: the head of the
@@ -44,7 +44,7 @@ impl WayBack {
         })
     }
 
-    /// The keys to press now.
+    /// Returns the panel keys that the operator must press now.
     pub fn keys(self, snapshot: &PanelSnapshot) -> Vec<Key> {
         if self.rewinds {
             return vec![match is_lit(Key::Edit, snapshot) {

@@ -23,13 +23,13 @@ use gsk_messages::{Language, say};
 
 /// What the user wants of a part of the panel through its widget.
 enum PartRequest {
-    /// A screen reader presses the key.
+    /// A screen reader has pressed the key: press and release it.
     Tap(Key),
     /// Why the lamp of this Y bit is lit or not.
     Explain(Bit),
 }
 
-/// Draws a coloured ring around a key.
+/// Draws a coloured ring around a key of the panel.
 fn draw_ring(painter: &Painter, placed: PlacedArea, part: &PanelPart, colour: Color32) {
     let rect = placed.to_window(part.rect);
     let width = (4.0 * placed.scale).max(2.0);
@@ -85,7 +85,7 @@ impl Window {
         self.show_areas(ui, &placed);
     }
 
-    /// The model whose panel is shown.
+    /// Returns the control model whose panel is shown.
     pub(super) fn panel_model(&self) -> ModelId {
         self.snapshot
             .as_ref()

@@ -18,7 +18,7 @@ pub struct ViewStart<'a> {
     pub settings: &'a WindowSettings,
 }
 
-/// What a view is drawn with.
+/// Context, language and data with which a view is drawn.
 #[derive(Clone, Copy)]
 pub struct ViewFrame<'a> {
     pub language: Language,
@@ -32,9 +32,9 @@ pub struct ViewFrame<'a> {
     pub part: Option<&'a Arc<PartView>>,
 }
 
-/// A view beside the panel.
+/// A view of the window, such as machine or scope.
 pub trait View {
-    /// Creates the view closed.
+    /// Creates the view in the closed state.
     fn create(start: ViewStart<'_>) -> Self
     where
         Self: Sized;

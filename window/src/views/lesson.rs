@@ -84,7 +84,7 @@ impl LessonView {
         self.sample.take()
     }
 
-    /// The exercises beside the lessons.
+    /// Returns the pane with the exercises.
     pub const fn exercises(&mut self) -> &mut ExercisePane {
         &mut self.exercises
     }
@@ -94,13 +94,13 @@ impl LessonView {
         core::mem::replace(&mut self.has_begun, false)
     }
 
-    /// Replaces the listed lessons. `errors`: those in lesson files.
+    /// Replaces the listed lessons. `errors` are those of lesson files.
     pub fn set_lessons(&mut self, lessons: Vec<Lesson>, errors: Vec<Message>) {
         self.lessons = lessons.into_iter().map(Arc::new).collect();
         self.load_errors = errors;
     }
 
-    /// Names of the lessons that were completed.
+    /// Returns the names of the lessons that were completed.
     pub const fn finished_lessons(&self) -> &BTreeSet<String> {
         &self.finished
     }
@@ -145,7 +145,7 @@ impl LessonView {
         self.console.send(Command::Lesson(order));
     }
 
-    /// Draws the view and handles its input.
+    /// Draws the lesson view and handles its input.
     fn draw(&mut self, ui: &mut Ui, language: Language, part: Option<&Arc<PartView>>) {
         self.exercises.receive_marks();
         let lesson = self.current_lesson().map(|(lesson, _)| Arc::clone(lesson));

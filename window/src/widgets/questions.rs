@@ -16,7 +16,7 @@ enum CloseRequest {
     /// The window was to be closed while a program runs or work is unsaved; the operator must
     /// confirm.
     Pending,
-    /// The window closes without a further question.
+    /// The window closes without further questions.
     Confirmed,
 }
 
@@ -39,10 +39,10 @@ impl Unsaved {
     }
 }
 
-/// Preferred size of a question, points.
+/// Preferred size of the window with a question, points.
 const QUESTION_SIZE: egui::Vec2 = egui::vec2(520.0, 180.0);
 
-/// The open questions of the main window.
+/// The questions of the main window that wait for an answer.
 #[derive(Debug, Default)]
 pub struct Questions {
     closing: CloseRequest,

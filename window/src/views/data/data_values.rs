@@ -14,12 +14,12 @@ pub struct DataValues<'a> {
     pub parameters_refusal: Option<WriteRefusal>,
     pub offsets: &'a OffsetTable,
     pub variables: &'a VariableTable,
-    /// Texts of the current alarms and PLC messages.
+    /// Texts of the alarms and PLC messages that are active.
     pub alarms: &'a [String],
 }
 
 impl<'a> DataValues<'a> {
-    /// Creates the values of a running control.
+    /// Creates the values that the pages show for a running control.
     pub fn of_control(machine: &'a MachineView) -> Self {
         Self {
             parameters: &machine.parameters,

@@ -49,7 +49,7 @@ pub fn rung_width(columns: usize, comments: bool) -> f32 {
     NUMBER_WIDTH + cells + 2.0 * LEAD_LENGTH
 }
 
-/// The state of the drawing of one rung.
+/// Draws one rung of the ladder diagram.
 pub(super) struct RungPainter<'a> {
     pub(super) ui: &'a Ui,
     pub(super) context: &'a RungContext<'a>,

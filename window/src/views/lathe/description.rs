@@ -29,7 +29,7 @@ const BENCH_CHUCK_MM: f64 = 100.0;
 const JAW_TRAVEL_MM: f32 = 5.0;
 /// Distance by which a retracted quill is away from the part, mm.
 const QUILL_TRAVEL_MM: f32 = 45.0;
-/// Time in which the guard opens or closes, s.
+/// Time in which the machine guard opens or closes, s.
 const DOOR_TIME_S: f32 = 0.8;
 /// Cotangent of half the angle of a centre, 30 degrees.
 const CENTER_COTANGENT: f64 = 1.732;
@@ -45,7 +45,7 @@ pub struct SceneDescriber {
     outline_job: Option<Arc<Job>>,
     threads: Arc<Vec<ThreadZone>>,
     path: ScenePath,
-    /// The sector that is cut out of the part.
+    /// The sector that is cut out of the drawn part.
     pub section_cut: SectionCut,
     tools: Vec<Option<MountedTool>>,
     tools_key: Option<ToolsKey>,

@@ -26,7 +26,7 @@ pub struct SceneRecorder {
     job: Arc<Job>,
     rear_tool_post: bool,
     fittings: LatheFittings,
-    /// Version of the part, and its half section.
+    /// Version of the part and its half section at the last recorded picture.
     section: (Option<u64>, Arc<Region>),
     lathes: Vec<LatheDescription>,
     interval_s: f64,

@@ -38,7 +38,7 @@ pub fn input_rows() -> [(&'static [Input], Message); 5] {
     ]
 }
 
-/// The signal name of an output of the board.
+/// Returns the signal name of an output of the board.
 pub const fn output_name(output: Output) -> &'static str {
     match output {
         Output::Enable => "nEN",

@@ -20,7 +20,7 @@ const LIST_HEIGHT: f32 = 72.0;
 /// An instrument with its icon, its name and the hint for its button.
 type InstrumentRow = (Instrument, Icon, fn() -> Message, fn() -> Message);
 
-/// The instruments in the order of their buttons.
+/// The instruments (path, caliper, …) in the order of their buttons.
 const INSTRUMENTS: [InstrumentRow; 4] = [
     (
         Instrument::Path,
@@ -277,7 +277,7 @@ impl LatheView {
         format!("{}  {text}", Self::format_block_name(block))
     }
 
-    /// Formats the program and the line of a block.
+    /// Formats program and line of a block, for messages.
     fn format_block_name(block: BlockRef) -> String {
         let line = block.line;
         match block.program {
