@@ -21,7 +21,7 @@ use crate::setup_args::OptionValueError;
 pub const FOLDER: &str = "log";
 /// Number of log files that are kept.
 const MAX_FILES: usize = 14;
-/// How the targets of the log events of this program begin; events of libraries are dropped.
+/// Prefix of the log targets of this program; events of libraries are dropped.
 const OWN_TARGET: &str = "gsk";
 
 /// Names of the log levels with their filters, from none to all events.

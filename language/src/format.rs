@@ -72,8 +72,8 @@ pub struct Style {
 pub struct Formatted {
     /// The edits of the text, which do not overlap.
     pub edits: Vec<TextChange>,
-    /// Why the sequence numbers remain unchanged although renumbering was requested; `None`
-    /// otherwise.
+    /// The reason why the sequence numbers remain unchanged although renumbering was requested;
+    /// `None` otherwise.
     pub refused: Option<Message>,
 }
 

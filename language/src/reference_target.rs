@@ -20,8 +20,8 @@ pub enum ReferenceTarget {
     Computed,
 }
 
-/// Returns what a word or statement refers to, and the bytes of the number. `block` contains
-/// the spans of the block in `line`. `None` if it refers to nothing.
+/// Returns the block or program to which a word or statement refers, and the bytes of the number.
+/// `block` contains the spans of the block in `line`. `None` if it refers to nothing.
 pub fn reference_target(
     line: &str,
     block: &[Span],

@@ -6,7 +6,7 @@ use crate::reference_target::ReferenceTarget;
 use crate::structure::{MacroLoop, NumberedBlock, ProgramPart, Structure, WordReference};
 use crate::text::{Position, TextRange};
 
-/// What is at the cursor and refers to something or can be referred to.
+/// The item at the cursor that refers to a block or program, or to which words can refer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CursorTarget<'a> {
     /// The cursor is on the sequence number of a block.
@@ -29,8 +29,8 @@ pub struct Definition {
     pub program: Option<u16>,
 }
 
-/// Returns what is at a position, if it refers to something or can be referred to; otherwise
-/// `None`.
+/// Returns the item at a position that refers to a block or program, or to which words can refer;
+/// otherwise `None`.
 pub fn target_at(structure: &Structure, at: Position) -> Option<CursorTarget<'_>> {
     let block = structure.blocks.iter().find(|it| it.word.touches(at));
     let reference = || structure.references.iter().find(|it| it.word.touches(at));

@@ -321,7 +321,7 @@ fn apply_m_after_motion(
     Ok(())
 }
 
-/// Returns what an M code does; `None` if it calls a program or only the ladder knows it.
+/// Returns the function of an M code; `None` if it calls a program or only the ladder knows it.
 fn m_function(code: i64, memory: &MillMemory) -> Result<Option<MCode>, Alarm> {
     if memory.model.is_macro_m_code(code) || memory.model.m_subprogram(code).is_some() {
         return Ok(None);

@@ -33,7 +33,7 @@ pub(crate) enum OnOff {
     Off,
 }
 
-/// The words of a block, sorted by what they mean; `None` where the block has no such word.
+/// The words of a block, sorted by their meaning; `None` where the block has no such word.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct BlockWords {
     pub(crate) one_shot: Option<OneShotCode>,

@@ -82,8 +82,8 @@ pub enum Key {
     /// 输出: sends programs or data through the serial port; starts the MDI block with 004.2 =
     /// 1.
     Output,
-    /// 转换: changes what a page shows or how values are entered; starts a search in the
-    /// program.
+    /// 转换: switches between the contents of a page, or between ways to enter values; starts a
+    /// search in the program.
     Change,
     /// 取消: deletes the last typed character.
     Cancel,
@@ -211,15 +211,15 @@ pub enum Key {
     MainOperate,
     /// PARAM 参数 (Huaxing): opens the main function for parameters.
     MainParameter,
-    /// F1 (Huaxing): does what the first label of the soft key bar names.
+    /// F1 (Huaxing): triggers the action of the first soft key label.
     Soft1,
-    /// F2 (Huaxing): does what the second label of the soft key bar names.
+    /// F2 (Huaxing): triggers the action of the second soft key label.
     Soft2,
-    /// F3 (Huaxing): does what the third label of the soft key bar names.
+    /// F3 (Huaxing): triggers the action of the third soft key label.
     Soft3,
-    /// F4 (Huaxing): does what the fourth label of the soft key bar names.
+    /// F4 (Huaxing): triggers the action of the fourth soft key label.
     Soft4,
-    /// F5 (Huaxing): does what the fifth label of the soft key bar names.
+    /// F5 (Huaxing): triggers the action of the fifth soft key label.
     Soft5,
 }
 
@@ -259,7 +259,7 @@ pub enum KeyRole {
     Edit,
     /// The key opens a group of pages on the LCD.
     Page,
-    /// Does what a label of the soft key bar names, by its position from 0.
+    /// The key triggers the action of the soft key label at this position, from 0.
     Soft(u8),
     /// Latches and opens the emergency stop contact, until the key is pressed again.
     EmergencyStop,
@@ -267,7 +267,7 @@ pub enum KeyRole {
     OvertravelRelease,
 }
 
-/// A row of the key table: what a panel key is called, shows and does.
+/// A row of the key table: names, legend, PC key and role of a panel key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KeyRow {
     /// The key that this row describes.

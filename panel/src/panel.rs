@@ -346,7 +346,7 @@ impl Panel {
         }
     }
 
-    /// Carries out what a key does on the display; `requests` receives those to the control.
+    /// Carries out the effect of a key on the display; `requests` receives those to the control.
     fn act(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         if self.refused_page(key, cnc).is_none() {
             self.act_unlimited(key, cnc, requests);

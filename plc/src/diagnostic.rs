@@ -62,7 +62,7 @@ pub struct CompileError {
     pub rung: u32,
     /// The rule that the line breaks.
     pub code: Rule,
-    /// The message: what is wrong and what the manual requires.
+    /// Message about the error and the rule of the manual.
     pub message: Message,
 }
 

@@ -239,7 +239,7 @@ impl PlcMemory {
         self.bytes[A..K].iter().any(|byte| *byte != 0)
     }
 
-    /// Clears what power-off loses: X Y F G R A, T0 to T79 and D0 to D299 become 0. The
+    /// Clears the memory that power-off loses: X Y F G R A, T0 to T79 and D0 to D299 become 0. The
     /// signals to the CNC that interlock at 0 become 1.
     pub(crate) fn clear_volatile(&mut self) {
         self.written = true;

@@ -268,7 +268,8 @@ impl Plc {
         }
     }
 
-    /// Runs the rungs that may change something, and returns `end`. The ladder has no jumps.
+    /// Runs the rungs whose result may have changed, and returns `end`. The ladder must have no
+    /// jumps.
     fn run_active_rungs(
         &mut self,
         ladder: &Ladder,

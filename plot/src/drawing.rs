@@ -16,7 +16,8 @@ use gsk_runner::times::{ProgramTimes, TimesByUse};
 /// Height of a block label, pixels.
 const NUMBER_HEIGHT_PX: f64 = 16.0;
 
-/// Options for the drawing of a toolpath: size and what it contains.
+/// Options for the drawing of a toolpath: its size, and whether it contains part, tools and
+/// dimensions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DrawingOptions {
     /// Size of the picture, pixels.

@@ -19,7 +19,7 @@ pub trait PulseBoard {
 pub trait TerminalOperator {
     /// Discards all input typed so far, so that it does not answer the next question.
     fn discard_input(&self);
-    /// What the operator has typed since the last call; returns at once, also without input.
+    /// Returns the operator's input since the last call; returns at once, also without input.
     fn read_answer(&self) -> OperatorAnswer;
 }
 

@@ -212,8 +212,8 @@ pub fn execute<'a>(
 }
 
 impl ProgramRun<'_> {
-    /// The text of why cycle start was refused or what the program waits for; `None` after any
-    /// other end.
+    /// Returns the text why cycle start was refused, or about the condition for which the program
+    /// waits; `None` after any other end.
     fn wait_text(&self, end: &ExecutionEnd, language: Option<Language>) -> Option<String> {
         match end {
             ExecutionEnd::Refused(why) | ExecutionEnd::Stop(why) => {
@@ -366,7 +366,8 @@ impl ProgramRun<'_> {
         }
     }
 
-    /// Why cycle start has no effect; `None` if the program runs or may be started.
+    /// Returns the reason why cycle start has no effect; `None` if the program runs or may be
+    /// started.
     fn start_refusal(&self) -> Option<ExecutionEnd> {
         let cnc = &self.simulation.cnc;
         let is_stopped = matches!(cnc.run_state(), RunState::Reset | RunState::Stop);

@@ -60,7 +60,7 @@ pub struct AlarmReport {
     pub block: Option<String>,
     /// Text that names the cause of the alarm more precisely; `None` without one.
     pub detail: Option<String>,
-    /// What raises the alarm, from the alarm table; `None` if the table has no cause.
+    /// The cause of the alarm, from the alarm table; `None` if the table has no cause.
     pub cause: Option<&'static str>,
     /// Text that explains how to remove the alarm: the parameter, the word or the key; `None`
     /// without one.
@@ -183,8 +183,8 @@ pub struct ProgramReport {
     /// The alarm, or the message of the ladder, that ended the program; `None` after any other
     /// end.
     pub alarm: Option<AlarmReport>,
-    /// Why cycle start was refused, or what the program waited for at the limit or at a stop;
-    /// `None` after any other end.
+    /// The reason why cycle start was refused, or the condition for which the program waited at the
+    /// limit or at a stop; `None` after any other end.
     pub waits_for: Option<String>,
     /// Machine time of the program, s.
     pub time_s: f64,

@@ -16,7 +16,7 @@ use crate::partner::{PartnerWait, ProgramPartner};
 /// Maximum number of ticks per call of a script without a board.
 const SLICE_TICKS: u64 = 100_000;
 
-/// What a script needs from the program that runs it: files, output, a serial partner.
+/// The services that a script needs from the program that runs it: files, output, a serial partner.
 pub trait ScriptHost {
     /// The error of a failed operation of the host; converts to a message for the user.
     type Error: Into<Message>;

@@ -111,7 +111,7 @@ pub struct Window {
     timeline: TimelineStrip,
     /// The way back to the start of a program whose keys the panel marks.
     way_back: Option<WayBack>,
-    /// What was closed for the exam that is under way; `None` outside exams.
+    /// The views and bars that were closed for the current exam; `None` outside exams.
     closed_for_exam: Option<ClosedForExam>,
     why: WhyPane,
 }
@@ -413,7 +413,7 @@ impl Window {
         self.views.release(gl);
     }
 
-    /// Copies what the views keep for the next start into the settings.
+    /// Copies the data that views keep for the next start into the settings.
     fn store_view_settings(&mut self) {
         self.settings.solid = self.views.lathe().is_solid();
         self.settings.scene_camera = self.views.scene_camera();
@@ -453,7 +453,7 @@ impl Window {
         self.views.lathe().segment_count()
     }
 
-    /// Whether RESET may have something to stop; true before the first snapshot.
+    /// Whether RESET may stop a motion or a run; true before the first snapshot.
     fn is_running_or_unknown(&self) -> bool {
         self.snapshot.as_ref().is_none_or(|it| {
             let board = matches!(it.board, Some(LinkState::Moving | LinkState::Homing));

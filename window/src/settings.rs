@@ -22,7 +22,7 @@ pub struct ProjectSettings {
     pub recent: Vec<PathBuf>,
 }
 
-/// The camera of the lathe view, as it is stored for the next start.
+/// The camera of the lathe view in the form in which it is stored for the next start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct StoredSceneCamera {

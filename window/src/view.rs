@@ -21,7 +21,7 @@ macro_rules! views {
     };
 }
 
-/// What the window knows of a view without drawing it.
+/// The properties of a view in the table of views: id, name, icon and sizes.
 pub struct ViewRow {
     pub view: ViewId,
     pub name: fn() -> Message,

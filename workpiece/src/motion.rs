@@ -16,8 +16,8 @@ pub struct ToolMotion {
     pub kind: MotionKind,
     /// Whether the spindle turns during the move.
     pub turning: bool,
-    /// Whether the operator moves the slides by hand: then a tool that is in something already
-    /// may come out of it.
+    /// Whether the operator moves the slides by hand: then a tool that already overlaps an obstacle
+    /// may move out of it.
     pub by_hand: bool,
 }
 

@@ -15,7 +15,8 @@ use crate::tool::ToolShape;
 /// other, and circles are approximated by chords.
 const CLEARANCE_UNITS: i32 = 50;
 
-/// The objects around the tool (part, chuck, jaws and tailstock) and what tools do to them.
+/// The objects around the tool: part, chuck, jaws and tailstock, with the effect of tool motions on
+/// them.
 #[derive(Clone, Debug)]
 pub struct LatheScene {
     stock: Stock,

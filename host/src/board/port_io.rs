@@ -133,8 +133,8 @@ impl PortIo {
         }
     }
 
-    /// Takes what happened to the board after [`PortIo::read`] has failed; `None` if the port
-    /// itself has failed.
+    /// Returns and removes the state in which the board was left, after [`PortIo::read`] has
+    /// failed; `None` if the port itself has failed.
     pub fn take_orphan(&mut self) -> Option<Orphan> {
         self.guard.as_mut().and_then(PortGuard::take_orphan)
     }

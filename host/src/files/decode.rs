@@ -43,7 +43,7 @@ pub struct DecodedText {
     pub encoding: TextEncoding,
 }
 
-/// Why bytes are not a program text. Lines and columns count from 1; columns count
+/// The reason why bytes are not a program text. Lines and columns count from 1; columns count
 /// characters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]

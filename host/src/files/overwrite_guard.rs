@@ -74,9 +74,10 @@ const MEMORY_FOLDERS: [&str; 5] = [
 /// Names of the files in the data directory that hold the control's memory, besides `*.ron`.
 const MEMORY_FILES: [&str; 4] = ["ladder.il", "link.log", "lock", models::MODEL_FILE];
 
-/// Refuses results that would overwrite what the command reads, or each other.
+/// Refuses results that would overwrite a file that the command reads, or another result.
 ///
 /// # Errors
+///
 /// The first result that is refused, with the reason.
 pub fn check_overwrites(
     inputs: &CommandInputs<'_>,

@@ -22,7 +22,7 @@ pub struct ProgramFile {
     pub notices: Vec<Message>,
 }
 
-/// Why a program cannot be read. Every message names the file.
+/// The reason why a program cannot be read. Every message names the file.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum ProgramFileError {

@@ -72,8 +72,8 @@ impl SolutionLog {
         }
     }
 
-    /// Writes the rest of a recording and waits until all of it is on the disk. Returns why it
-    /// cannot be written.
+    /// Writes the rest of a recording and waits until all of it is on the disk. Returns a message
+    /// if it cannot be written; otherwise `None`.
     pub fn finish(mut self, recording: &[u8]) -> Option<Message> {
         let new = recording.get(self.written..).unwrap_or_default();
         if let Some(to_disk) = self.to_disk.take() {

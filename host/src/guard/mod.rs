@@ -54,7 +54,7 @@ fn now_ms() -> u64 {
     platform::shared_time().as_millis() as u64
 }
 
-/// What happened to the board after its holder had ended before the program.
+/// The state in which a board is left after its holder process has ended before the program.
 #[derive(Debug)]
 pub enum Orphan {
     /// The holder has stopped the board because the program was silent; the board's
@@ -243,8 +243,8 @@ impl PortGuard {
         }
     }
 
-    /// Takes what has happened to the board after [`PortGuard::read`] has failed; `None` if
-    /// the port has failed.
+    /// Returns and removes the state in which the board was left, after [`PortGuard::read`] has
+    /// failed; `None` if the port has failed.
     pub const fn take_orphan(&mut self) -> Option<Orphan> {
         self.orphan.take()
     }

@@ -176,7 +176,7 @@ pub enum LinkAction {
     Check,
 }
 
-/// What to do with an opened program if another program in the memory has its number.
+/// What the kernel does with an opened program if another program in memory has its number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StorePolicy {
     /// Query the operator and do not open the program yet.
@@ -255,8 +255,8 @@ pub enum Notice {
     Previewed(String, Box<ProgramSummary>),
     /// The learner has handed in, or the time of his exercise is over.
     HandedIn(Box<HandedInSolution>),
-    /// Why a key does nothing; `None` once a key acts again.
-    /// The key is `None` for a typed character.
+    /// The reason why a key has no effect; `None` once a key acts again. The key is `None` for a
+    /// typed character.
     KeyRefusal(Option<(Option<Key>, Message)>),
     /// The chain of causes that the window has requested.
     Explained(Box<CauseChain>),
@@ -302,9 +302,10 @@ pub struct PanelSnapshot {
     pub run_state: RunState,
     /// The block that is being executed; `None` without one.
     pub running_block: Option<SourcePosition>,
-    /// The breakpoint at which machine time stands still; `None` while it runs.
+    /// The breakpoint at which machine time is halted; `None` while it runs.
     pub halt: Option<BreakpointHalt>,
-    /// What the running program waits for; `None` unless that takes longer than usual.
+    /// The condition for which the running program waits; `None` unless that takes longer than
+    /// usual.
     pub program_wait: Option<ProgramWait>,
     /// The distance of the slides from the last start of the selected program, if its G50 would now
     /// take another start point; `None` otherwise.

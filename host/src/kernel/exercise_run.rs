@@ -31,7 +31,7 @@ pub struct ExerciseState {
     pub is_handed_in: bool,
     /// Whether the exercise is part of an exam.
     pub is_exam: bool,
-    /// Whether the instructor has paused the exam: the machine stands still.
+    /// Whether the instructor has paused the exam, so that machine time is halted.
     pub is_paused: bool,
 }
 

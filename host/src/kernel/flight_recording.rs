@@ -35,8 +35,7 @@ impl Kernel {
         }
     }
 
-    /// Hands what was recorded over to the disk. A recorder whose disk has failed ends, with a
-    /// notice.
+    /// Passes the recorded bytes to the disk. A recorder whose disk has failed ends, with a notice.
     pub(super) fn flush_recorders(&mut self) {
         self.follow_with_recorders();
         let own = match &self.lesson {

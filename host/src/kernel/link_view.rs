@@ -32,7 +32,7 @@ pub struct LinkView {
     pub protocol: Protocol,
     /// Name of the board's port.
     pub port: String,
-    /// What the board reports about itself: firmware, sizes of queue and buffer, capabilities.
+    /// Properties that the board has reported: firmware, sizes of queue and buffer, capabilities.
     pub board: BoardInfo,
     /// Whether the position of the slides is known.
     pub position_known: bool,

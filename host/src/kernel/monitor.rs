@@ -23,11 +23,13 @@ pub struct MachineView {
     pub halted: bool,
     /// The ladder that runs from the next power-on; `None` if it is the current one.
     pub next_ladder: Option<Arc<Ladder>>,
-    /// Why the control would refuse a new ladder now; `None` if it would accept one.
+    /// The reason why the control would refuse a new ladder at the moment; `None` if it would
+    /// accept one.
     pub ladder_refused: Option<WriteRefusal>,
     pub parameters: ControlParameters,
     pub pitch: PitchTable,
-    /// Why the control would refuse parameters now; `None` if it would accept them.
+    /// The reason why the control would refuse parameters at the moment; `None` if it would accept
+    /// them.
     pub parameters_refused: Option<WriteRefusal>,
     pub offsets: OffsetTable,
     pub variables: VariableTable,
@@ -41,7 +43,8 @@ pub struct OffsetTable {
     pub rows: Offsets,
     /// Format in which the offsets are displayed.
     pub display: CoordinateFormat,
-    /// Why the control would refuse tool offsets now; `None` if it would accept them.
+    /// The reason why the control would refuse tool offsets at the moment; `None` if it would
+    /// accept them.
     pub refused: Option<WriteRefusal>,
 }
 
@@ -52,7 +55,8 @@ pub struct VariableTable {
     pub rows: Vec<(u16, Option<f64>)>,
     /// Whether variables may have a fraction.
     pub real: bool,
-    /// Why the control would refuse variables now; `None` if it would accept them.
+    /// The reason why the control would refuse variables at the moment; `None` if it would accept
+    /// them.
     pub refused: Option<WriteRefusal>,
 }
 

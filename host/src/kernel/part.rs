@@ -47,7 +47,7 @@ pub struct PartView {
     pub door_open: bool,
     /// Whether the tool post is on the far side of the spindle.
     pub rear_tool_post: bool,
-    /// States of chuck, tailstock, handwheel and others for the 3D view of the lathe.
+    /// Construction, steady rest, signal lamps and handwheel of the lathe, for the 3D view.
     pub fittings: LatheFittings,
     /// Collisions since the stock was clamped.
     pub findings: Vec<CollisionFinding>,
@@ -57,7 +57,8 @@ pub struct PartView {
     pub block: Option<SourcePosition>,
 }
 
-/// States of the lathe that the 3D view shows in addition to the part.
+/// Construction, steady rest, signal lamps and handwheel of the lathe, which the 3D view shows in
+/// addition to the part.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LatheFittings {
     /// The construction by the machine file; `None`: it follows from tool post and chuck.

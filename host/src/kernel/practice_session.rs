@@ -13,7 +13,7 @@ use super::timeline::Timeline;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LessonState {
     pub name: String,
-    /// The current step of the lesson, and what the window displays with it.
+    /// The current step of the lesson, with the texts that the window displays.
     pub view: PracticeView,
 }
 
@@ -26,7 +26,7 @@ pub(super) enum PracticeWork {
     Exercise(ExerciseRun),
 }
 
-/// The learner's own machine and what belongs to it, while a practice machine replaces it.
+/// The learner's own machine with its part and recorders, while a practice machine replaces it.
 #[derive(Debug)]
 pub(super) struct OwnState {
     pub(super) emulator: Box<Emulator>,
@@ -107,7 +107,7 @@ impl PracticeSession {
         &self.own.emulator
     }
 
-    /// Returns the learner's own machine and what belongs to it.
+    /// Returns the learner's own machine with its part and recorders.
     pub(super) const fn own_state(&mut self) -> &mut OwnState {
         &mut self.own
     }

@@ -61,8 +61,9 @@ impl SharedAgent {
         }
     }
 
-    /// Whether a client may address the agent by this name. On this computer alone only local
-    /// names count, so that no page of another site reads the machine through a browser here.
+    /// Whether a client may address the agent by this host name. If the agent serves this computer
+    /// only, only local names are accepted, so that no page of another site reads the machine
+    /// through a browser.
     pub(super) fn accepts_host(&self, host: Option<&str>) -> bool {
         let Some(host) = host.filter(|_| self.is_local) else {
             return true;

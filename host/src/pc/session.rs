@@ -86,10 +86,11 @@ pub struct TransferSession {
 }
 
 impl TransferSession {
-    /// Opens a port at this rate, bits a second.
+    /// Opens a port at this rate, bits per second.
     ///
     /// # Errors
-    /// The port cannot be opened: names the port and what to do.
+    ///
+    /// Returns an error with the name of the port and the remedy if it cannot be opened.
     pub fn open(port: &str, baud: u32, watch: Box<dyn TransferObserver>) -> Result<Self, PcError> {
         Ok(Self {
             port: Port::open_with_retry(port, baud, OPEN_RETRY_TIME)?,

@@ -112,7 +112,7 @@ pub enum NameConflict {
     OnDisk(PathBuf),
 }
 
-/// What to do with a file whose name is taken.
+/// The decision about a file whose name is already used.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NameConflictChoice {
     /// Replace the existing file (`是`).

@@ -75,7 +75,7 @@ pub struct PathFacts {
     pub length: u64,
 }
 
-/// The exercises that a learning platform has opened, and what it knows of the learner.
+/// The exercises that a learning platform has opened, with its data about the learner.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CoursePage {
     /// Content of the course file.

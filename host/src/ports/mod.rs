@@ -81,7 +81,7 @@ pub enum PortError {
 }
 
 impl PortError {
-    /// Returns the message for the operator: which port cannot be used, why, and what to do.
+    /// Returns the message for the operator: which port cannot be used, why, and the remedy.
     pub fn message(&self) -> Message {
         match self {
             Self::Forbidden { path, error } => {

@@ -241,7 +241,7 @@ fn program_number(name: &str) -> Option<u16> {
     name.parse().ok()
 }
 
-/// Lists the errors in a machine file or a job file; other files are not checked here.
+/// Lists the errors in a machine file or a job file; for other files the list is empty.
 fn find_problems(path: &Path, name: &str, text: &str) -> Vec<ProjectProblem> {
     let problem = |line: Option<usize>, rule| ProjectProblem {
         file: name.to_owned(),

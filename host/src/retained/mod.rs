@@ -59,7 +59,7 @@ impl NotSaved {
     }
 }
 
-/// What was loaded from a data directory, besides the setup.
+/// The data loaded from a data directory besides the setup.
 #[derive(Debug)]
 pub struct Restored {
     /// The encodings of the programs, so that they are written back unchanged.

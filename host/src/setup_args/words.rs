@@ -6,7 +6,7 @@ use gsk_core::model::ModelId;
 use gsk_core::units::parse_finite;
 use gsk_messages::{Message, say};
 
-/// Why a value of an option is invalid. A text payload is the value as typed.
+/// The reason why a value of an option is invalid. A text in a variant is the value as typed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum OptionValueError {

@@ -15,7 +15,8 @@ const OWN_MOTION: u16 = 1000;
 /// have.
 const KINEMATICS: u16 = 1001;
 
-/// How the required value of an item of FluidNC follows from the value of Grbl's setting.
+/// The rule by which the required value of an item of FluidNC follows from the value of Grbl's
+/// setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum ItemKind {
     /// The value of the item is the number that is the value of the setting.

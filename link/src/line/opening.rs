@@ -181,7 +181,7 @@ impl LineOpening {
         self.last_received = now;
     }
 
-    /// Advances the time, checks the time limits and returns what the link must do.
+    /// Advances the time, checks the time limits and returns the action for the link.
     pub(super) fn tick(&mut self, now: HostTime) -> OpeningAction {
         let waited = now.saturating_sub(self.since);
         let silent = now.saturating_sub(self.last_received.max(self.since));
@@ -264,7 +264,7 @@ impl LineOpening {
         }
     }
 
-    /// Handles a line that the board has sent and returns what the link must do.
+    /// Handles a line that the board has sent and returns the action for the link.
     pub(super) fn take(
         &mut self,
         answer: &LineResponse,
@@ -478,7 +478,7 @@ impl LineOpening {
     }
 
     /// Starts to write the settings that differ, after the operator has confirmed the writing.
-    /// Returns what the link must do; a setting that only the configuration file of the board can
+    /// Returns the action for the link; a setting that only the configuration file of the board can
     /// change makes the opening fail.
     pub(super) fn write_settings(&mut self, now: HostTime) -> OpeningAction {
         if self.step != OpeningStep::Differs {

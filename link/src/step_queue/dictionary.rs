@@ -101,7 +101,7 @@ pub(super) enum DictionaryError {
 }
 
 impl DictionaryError {
-    /// Returns the message that explains what is wrong with the dictionary.
+    /// Returns the message about the error in the dictionary.
     pub(super) fn message(&self) -> Message {
         match self {
             Self::Packed => say::dictionary_packed_wrong(),

@@ -53,7 +53,7 @@ const GIVE_UP: Duration = Duration::from_millis(600);
 enum QueryPurpose {
     /// The count of the board is read while the link is being opened.
     Opening,
-    /// Compare the counts of board and kernel after the motion: all of it is executed.
+    /// The counts of board and kernel are compared after all motion is executed.
     Verify,
     /// Compare the counts of board and kernel during a standstill; `requested` tells whether the
     /// kernel gets the position.

@@ -66,8 +66,8 @@ struct Writer<'a> {
     messages: Vec<Vec<u8>>,
 }
 
-/// Why a board cannot have the wiring of the machine file. Each `key` is the path of a setting in
-/// the section `link`.
+/// The reason why a board cannot have the wiring of the machine file. Each `key` is the path of a
+/// setting in the section `link`.
 #[derive(Debug, Error)]
 #[error("{}", self.message())]
 pub(super) enum WiringError {

@@ -11,7 +11,7 @@ pub struct ContactRow {
     pub meaning: ContactMeaning,
 }
 
-/// What an input or output of a control model is for.
+/// The purpose of an input or output of a control model.
 #[derive(Clone, Copy, Debug)]
 pub enum ContactMeaning {
     /// The manual does not assign a signal to the contact.

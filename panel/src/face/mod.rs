@@ -53,7 +53,7 @@ pub struct KeyGrid {
     pub colour: PanelColour,
 }
 
-/// A label of the soft key bar and what its key does.
+/// A label in the row of soft keys, and the action of its key.
 #[derive(Clone, Copy, Debug)]
 pub struct SoftKey {
     /// The main function whose row of soft keys has the label.
@@ -81,8 +81,8 @@ pub enum SoftAction {
     NextBar,
 }
 
-/// Returns the face of a control model. The mill has that of the GSK980TD, because it is not
-/// run here.
+/// Returns the panel of a control model. For the mill it is that of the GSK980TD, because mill
+/// panels are not simulated.
 pub const fn face_of(model: ModelId) -> &'static Face {
     match model {
         ModelId::Gsk980td | ModelId::Gsk980mdi => &gsk980td::FACE,
@@ -99,7 +99,7 @@ pub fn find_page(name: &str) -> Option<&'static PageRow> {
 }
 
 impl Face {
-    /// Returns the row of a key as it is on this panel; `None` if the panel has no such key.
+    /// Returns the row of a key of this panel; `None` if the panel has no such key.
     pub fn key(&self, key: Key) -> Option<&'static KeyRow> {
         if let Some(row) = self.printed.iter().find(|row| row.key == key) {
             return Some(row);

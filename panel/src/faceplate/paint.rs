@@ -29,7 +29,7 @@ const REACH_OF_WHEEL: f32 = 8.0;
 /// Margin painted around a section of the picture and cut off, pixels.
 const MARGIN: u32 = 4;
 
-/// What changes on the panel between two pictures: lamps, keys, LCD, handwheel.
+/// The state of the panel that a picture shows: lamps, keys, LCD, handwheel.
 #[derive(Clone, Copy, Default)]
 pub struct FaceState<'a> {
     /// The Y memory of the PLC, whose bits light the lamps.

@@ -36,8 +36,8 @@ const SOFT_WIDTH: usize = 7;
 const SOFT_STATE_COLUMN: usize = 36;
 const SOFT_MODE_COLUMN: usize = 19;
 
-/// Draws what all pages have: title, program and sequence number, spindle, tool, run state,
-/// mode.
+/// Draws the parts that all pages have: title, program and sequence number, spindle, tool, run
+/// state, mode.
 pub fn draw(screen: &mut Screen, page: PageId, view: &PageView, cnc: &Cnc) {
     screen.put_message(0, 0, &page.title());
     let record = cnc.model().record();

@@ -25,7 +25,7 @@ pub struct Listing {
     pub skip: usize,
 }
 
-/// What is marked in the listing of a program: a running block or the edit cursor.
+/// The mark in the listing of a program: the running block or the edit cursor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ListingMark {
     /// The block in execution, by its line (from 1). It is drawn inverse.

@@ -408,8 +408,8 @@ fn is_running(cnc: &Cnc) -> bool {
     cnc.rights().operating
 }
 
-/// Returns what the editor adds to typed text (sequence numbers, decimal points), by the
-/// settings of the control.
+/// Returns the characters that the editor adds to typed text (sequence numbers, decimal points), by
+/// the settings of the control.
 fn completion(cnc: &Cnc) -> Completion {
     let step = cnc.parameters().block_number_step();
     Completion {

@@ -81,7 +81,7 @@ enum Wanted {
     Parameters,
 }
 
-/// What is connected at the other end of the serial port.
+/// The device at the other end of the serial port's cable.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SerialCable {
     /// No cable is connected to the serial port.
@@ -99,8 +99,8 @@ pub enum SerialCable {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Transfer {
     partner: SerialCable,
-    /// What 输出 has requested; `None` without a request. It starts at the next tick, after the
-    /// editor has stored its text.
+    /// The files that the key 输出 has requested; `None` without a request. The transfer starts at
+    /// the next tick, after the editor has stored its text.
     wanted: Option<Wanted>,
     /// Outgoing files, incoming file, and the clock tick at which the transfer ends.
     files: Vec<SerialFile>,

@@ -62,7 +62,7 @@ pub enum ScriptProgress {
     Finished,
 }
 
-/// A line of a script that failed, and what was found instead.
+/// A line of a script that failed, with the state that was found instead.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failure {
     /// Number of the line in the script file, from 1.
@@ -137,7 +137,7 @@ enum Stage {
     Over,
 }
 
-/// What the runner does next: a tick of the emulator, another check, or return.
+/// The next action of the runner: a tick of the emulator, another check, or return.
 enum Next {
     Tick,
     Recheck,
@@ -169,7 +169,7 @@ impl Runner {
         self.script.lines.get(self.next.saturating_sub(1))
     }
 
-    /// Creates a failure of the current line with what was found.
+    /// Creates a failure of the current line with the state that was found.
     pub fn failure(&self, seen: impl Into<Message>) -> Failure {
         let (line, text) = self
             .line()

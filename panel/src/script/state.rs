@@ -75,7 +75,7 @@ pub enum ExpectedState {
     At(CoordinateSystem, Axis, ValueRange),
     /// A column of the offset with this number is in this range, mm.
     Offset(u8, OffsetField, ValueRange),
-    /// A parameter (number), or one bit of it (0 to 7), has this value.
+    /// Expects that a parameter (number), or one of its bits (0 to 7), has this value.
     Parameter(u16, Option<u8>, i32),
     /// The memory has the program with this number. If a text is given, the program contains
     /// it without regard to blanks.

@@ -52,8 +52,8 @@ pub struct BitLog {
 }
 
 impl BitLog {
-    /// Compares the memory of the PLC with that of the last call; `tick` is the time of what has
-    /// changed. Begins anew if time goes back.
+    /// Compares the memory of the PLC with that of the last call and records the changes with the
+    /// time `tick`. Restarts the log if time goes back.
     pub fn follow_tick(&mut self, cnc: &Cnc, tick: u64) {
         if tick < self.last_tick {
             // Another machine, or an earlier moment of it.

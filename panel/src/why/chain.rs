@@ -26,7 +26,7 @@ pub enum CauseTarget {
 pub struct CauseLink {
     /// Depth of the link below the explained state; 0 for the state itself.
     pub depth: usize,
-    /// Where the link leads; `None` for a state of the control.
+    /// The thing that the link is about; `None` for a state of the control.
     pub target: Option<CauseTarget>,
     chinese: String,
     english: String,
@@ -58,7 +58,7 @@ impl CauseChain {
         self.links.len() >= MAX_LINKS
     }
 
-    /// Adds a fact whose text `message` writes in a language. A full chain stays as it is.
+    /// Adds a link whose text `message` writes in a language. A full chain does not change.
     pub(super) fn push(
         &mut self,
         depth: usize,

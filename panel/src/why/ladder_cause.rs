@@ -52,14 +52,15 @@ impl<'a> LadderTracer<'a> {
         self.emulator.cnc().plc().memory().bit(bit)
     }
 
-    /// Adds a bit and what decides it, unless the chain has it already.
+    /// Adds a bit and the causes of its value, unless the chain already contains the bit.
     pub fn trace_bit_once(&mut self, bit: BitAddress, depth: usize) {
         if !self.visited.contains(&PlcAddress::Bit(bit)) {
             self.trace_bit(bit, None, depth);
         }
     }
 
-    /// Adds a bit and what decides it. `reader` is the index of the statement that reads it.
+    /// Adds a bit and the causes of its value. `reader` is the index of the statement that reads
+    /// it.
     fn trace_bit(&mut self, bit: BitAddress, reader: Option<usize>, depth: usize) {
         let value = self.bit(bit);
         let since = self.log.since(PlcAddress::Bit(bit));

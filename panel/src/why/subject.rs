@@ -29,7 +29,7 @@ const SINGLE_BLOCK: BitAddress = BitAddress::new(Area::G, 46, 1);
 pub enum CauseSubject {
     /// Explains the value of a PLC bit.
     Bit(BitAddress),
-    /// A key: why it has no effect, or what it acts on.
+    /// Explains a key: why it has no effect, or what it acts on.
     Key(Key),
     /// Explains why an axis stands still.
     Axis(Axis),

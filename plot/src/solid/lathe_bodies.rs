@@ -26,7 +26,7 @@ const INSERT_RANGE_MM: (f32, f32) = (-4.8, 0.02);
 const HOLDER_RANGE_MM: (f32, f32) = (-20.0, 0.01);
 const TURRET_RANGE_MM: (f32, f32) = (-60.0, 0.01);
 
-/// How finely bodies are approximated, so that no step is visible at a scale.
+/// The tolerances with which bodies are approximated, so that no step is visible at a scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyResolution {
     /// Greatest deviation of a drawn surface from the exact one, mm.

@@ -20,7 +20,7 @@ pub struct DialectFinding {
 
 pub use conventions::Difference;
 
-/// How the target model reads a code or a convention of the source model.
+/// The difference with which the target model reads a code or a convention of the source model.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CodeDifference {
     /// A difference other than in G and M codes, and the number of blocks that have it.
@@ -39,7 +39,7 @@ pub enum CodeDifference {
         /// The meaning of the code in the source model.
         here: CodeMeaning,
     },
-    /// The code means something else in the target model.
+    /// The code has another meaning in the target model.
     Differs {
         /// The meaning of the code in the source model.
         here: CodeMeaning,

@@ -474,8 +474,8 @@ impl JobGuess<'_> {
     }
 }
 
-/// How badly a bar fits, the most serious first: number of rapids through the bar, whether a
-/// longitudinal cut is wider than it, whether a tool body passes through it.
+/// Measure of how badly a bar fits, the most serious value first: number of rapids through the bar,
+/// whether a longitudinal cut is wider than it, whether a tool body passes through it.
 type BarMisfit = (usize, bool, bool);
 
 /// Greatest length of a guessed bar, mm.

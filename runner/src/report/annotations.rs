@@ -51,8 +51,8 @@ pub struct Annotation {
     pub text: String,
 }
 
-/// The faults of a program in the order of its report: alarms, collisions, what prevents its
-/// end, probable mistakes. Their texts are English if `language` is `None`.
+/// Returns the faults of a program in the order of its report: alarms, collisions, the reason that
+/// prevents its end, probable mistakes. Their texts are English if `language` is `None`.
 pub fn collect_annotations(report: &ProgramReport, language: Option<Language>) -> Vec<Annotation> {
     let annotation = |level, rule: &str, line: Option<u32>, text| Annotation {
         file: report.file.clone(),

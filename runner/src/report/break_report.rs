@@ -22,7 +22,7 @@ pub struct BreakReport {
     pub calls: Vec<String>,
     /// The watched values, by name.
     pub values: BTreeMap<String, Value>,
-    /// Why the condition of the breakpoint could not be evaluated; `None` if it could.
+    /// The reason why the condition of the breakpoint could not be evaluated; `None` if it could.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fault: Option<String>,
 }

@@ -22,7 +22,7 @@ pub enum RunEnd {
     Stop,
     /// The user requested the end: Ctrl-C or `kill`.
     Requested,
-    /// A tool hit something, and the run was set to end then.
+    /// A tool collided, and the run was set to end then.
     Collision,
     /// The run reached the location at which it was set to end.
     Location,

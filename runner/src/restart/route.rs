@@ -85,7 +85,8 @@ fn build_route(
     }
 }
 
-/// The points of a leg, one axis after the other; none for an axis that stands still.
+/// Returns the points of a section of the approach, one axis after the other; none for an axis that
+/// does not move.
 fn leg(from: Point, to: Point, order: AxisOrder) -> Vec<Point> {
     let corner = match order {
         AxisOrder::XFirst => Point::new(to.x, from.z),

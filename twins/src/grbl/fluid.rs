@@ -127,8 +127,8 @@ pub(super) struct FluidState {
     /// Whether the motors of X and Z are blocked and make no pulses.
     blocked_motors: [bool; 2],
     unhomed: [bool; 2],
-    /// How far the planner's position of X, Y, Z deviates from the pulse count after failed
-    /// homing, pulses.
+    /// Difference of the planner's position of X, Y, Z from the pulse count after failed homing,
+    /// pulses.
     planner_error: [i64; 3],
 }
 

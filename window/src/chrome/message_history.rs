@@ -64,12 +64,12 @@ pub enum HistoryRequest {
 #[derive(Debug, Default)]
 pub struct MessageHistory {
     entries: VecDeque<HistoryEntry>,
-    /// What the line shows now; `None` while it shows only a hint.
+    /// The message that the line shows; `None` while it shows only a hint.
     current: Option<LineMessage>,
 }
 
 impl MessageHistory {
-    /// Records what the message line shows from now on. `None`: it shows only a hint.
+    /// Records the message that the line now shows; `None` if it shows only a hint.
     pub fn record(&mut self, shown: Option<&LineMessage>) {
         let shown = shown.filter(|message| message.severity.is_kept());
         if self.current.as_ref() == shown {
@@ -98,8 +98,8 @@ impl MessageHistory {
         self.entries.len()
     }
 
-    /// Draws the messages, the newest first. `records`: the alarms with the blocks that raised
-    /// them. Returns what the operator requests, if anything.
+    /// Draws the messages, the newest first. `records` are the alarms with the blocks that raised
+    /// them. Returns the request of the operator; `None` without one.
     pub fn show(
         &self,
         ui: &mut Ui,

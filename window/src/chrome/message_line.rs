@@ -141,8 +141,8 @@ impl Window {
         self.crash().is_some()
     }
 
-    /// What is most dangerous now; `None` if there is only a hint. `in_list`: the cursor keys
-    /// move in a list.
+    /// Returns the message with the highest severity; `None` if there is only a hint. `in_list`:
+    /// the cursor keys move in a list.
     fn top_message(&self, in_list: bool) -> Option<LineMessage> {
         let status = self.message.as_ref().map(|message| LineMessage {
             severity: message.severity(),
@@ -204,8 +204,8 @@ impl Window {
         })
     }
 
-    /// Message that explains what the state of the control means for the next key; `None` in a
-    /// usual state.
+    /// Returns a message that explains how the state of the control affects the next key; `None` in
+    /// a usual state.
     fn state_message(&self, in_list: bool) -> Option<LineMessage> {
         let language = self.settings.language;
         let hint = |severity, message| {
@@ -237,8 +237,8 @@ impl Window {
         )
     }
 
-    /// What the operator could do next; in an exercise its title and time. `None` in a lesson,
-    /// which has its own instructions.
+    /// Returns a hint about the next action of the operator; in an exercise its title and time.
+    /// `None` in a lesson, which has its own instructions.
     fn next_step(&self) -> Option<Message> {
         let snapshot = self.snapshot.as_ref();
         let exercise = snapshot.and_then(|it| it.exercise.as_ref());

@@ -93,7 +93,7 @@ impl TimelineStrip {
         });
     }
 
-    /// Draws what is shown, the present or the past, and the buttons.
+    /// Draws the row with the shown moment (present or past) and the buttons.
     fn show_state_row(&self, ui: &mut Ui, snapshot: &PanelSnapshot, language: Language) {
         let size = vec2(ui.available_width(), ROW_HEIGHT);
         let past = snapshot.past;

@@ -81,7 +81,8 @@ pub enum TopBarRequest {
 }
 
 impl TopBarRequest {
-    /// Whether the request shows something that the questions of the first start would cover.
+    /// Whether the request opens a view or window that the questions of the first start would
+    /// cover.
     pub const fn needs_window_area(&self) -> bool {
         matches!(
             self,
@@ -103,7 +104,7 @@ pub struct ModelChoice {
     pub current: ModelId,
     /// Whether the menu offers any other model.
     pub is_offered: bool,
-    /// Why another model cannot be turned on now; `None` if it can.
+    /// The reason why no other model can be switched on at the moment; `None` if it is possible.
     pub refusal: Option<Message>,
 }
 

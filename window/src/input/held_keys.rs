@@ -68,8 +68,8 @@ impl HeldKeys<Key> {
     }
 }
 
-/// Whether a right click may latch this key. Keys that move or start something must be pressed
-/// by hand, and the emergency stop latches mechanically.
+/// Whether a right click may latch this key. Keys that move or start the machine must be held by
+/// hand, and the emergency stop latches mechanically.
 pub const fn can_be_latched(key: Key) -> bool {
     !matches!(
         key,

@@ -15,7 +15,7 @@ const POINTS_PER_DETENT: f32 = 24.0;
 /// Number of detents in one turn of the handwheel.
 const DETENTS_PER_TURN: f32 = 100.0;
 
-/// What the mouse and touch events of one frame did to the panel.
+/// The effects on the panel of the mouse and touch events of one frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointerResult {
     /// Keys that went down or came up, in order.

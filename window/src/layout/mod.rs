@@ -120,7 +120,7 @@ impl Layouts {
         self.bring_first_to_front();
     }
 
-    /// Brings to the front what the layout shows first where its views do not fit together.
+    /// Brings the first pane of the layout to the front, where its views do not fit together.
     pub fn bring_first_to_front(&mut self) {
         self.front = self.current().row().first_in_front;
     }

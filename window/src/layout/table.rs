@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::view::{ViewId, is_pressed_with_shift};
 
-/// How a layout divides a wide window whose splitters were not dragged.
+/// The proportions by which a layout divides a wide window whose splitters were not dragged.
 #[derive(Clone, Copy, Debug)]
 pub struct Proportions {
     /// Maximum share of the window's width for the panel, 0–1.

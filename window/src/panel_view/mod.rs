@@ -21,11 +21,11 @@ use crate::placement::panel_placement::{self, PlacedArea};
 use crate::screen_reader;
 use gsk_messages::{Language, say};
 
-/// What the user wants of a part of the panel through its widget.
+/// A request of the user through the widget of a part of the panel.
 enum PartRequest {
     /// A screen reader has pressed the key: press and release it.
     Tap(Key),
-    /// Why the lamp of this Y bit is lit or not.
+    /// Explain why the lamp at this Y bit is lit or dark.
     Explain(Bit),
 }
 
@@ -308,8 +308,8 @@ impl Window {
         self.used_part = part.filter(|_| is_used || self.used_part == part);
     }
 
-    /// The help topic about what is at a position in the window: a key, a lamp or a cell of
-    /// the LCD. `None` if there is none.
+    /// Returns the help topic about the key, lamp or LCD cell at a position in the window; `None`
+    /// if there is none.
     pub(super) fn topic_at_position(&self, position: Pos2) -> Option<&'static Topic> {
         if let Some((row, column)) = self.lcd_cell(Some(position)) {
             let snapshot = self.snapshot.as_ref()?;

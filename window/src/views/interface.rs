@@ -11,7 +11,8 @@ use gsk_messages::Language;
 use crate::settings::WindowSettings;
 use crate::widgets::questions::Unsaved;
 
-/// What views start with: the kernel's console and the settings of the last session.
+/// The data with which views are created: the kernel's console and the settings of the last
+/// session.
 #[derive(Clone, Copy)]
 pub struct ViewStart<'a> {
     pub console: &'a Console,

@@ -36,7 +36,7 @@ pub struct LessonView {
     /// Names of the lessons that were completed.
     finished: BTreeSet<String>,
     state: Option<LessonState>,
-    /// What the active alarm adds to its text; `None` without one.
+    /// Additional text of the active alarm; `None` without one.
     alarm_detail: Option<Message>,
     /// Start of the current step, seconds of the window's clock; `None` until the first frame
     /// of the step.
@@ -60,7 +60,8 @@ impl View for LessonView {
 }
 
 impl LessonView {
-    /// Creates the view with the built-in lessons. The settings have what was completed earlier.
+    /// Creates the view with the built-in lessons. `settings` contain the lessons completed
+    /// earlier.
     pub fn new(console: Console, settings: &WindowSettings) -> Self {
         let (best, learner) = (settings.exercises.clone(), settings.learner.clone());
         Self {
@@ -414,7 +415,7 @@ impl LessonView {
     }
 }
 
-/// The picture of a lesson's card, by what its first steps show.
+/// Returns the icon on a lesson's card, which depends on its first steps.
 fn lesson_icon(lesson: &Lesson) -> Icon {
     let icons = [
         ("01", Icon::KEYBOARD),

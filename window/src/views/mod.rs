@@ -349,7 +349,7 @@ impl Views {
     }
 }
 
-/// Keyboard input in the windows of views, and what it requests of the main window.
+/// Keyboard input in the separate windows of views, and its requests to the main window.
 #[derive(Debug, Default)]
 pub struct PanelInput {
     /// Whether a separate window of a view has the focus.
@@ -373,7 +373,7 @@ struct ViewWindow {
     size: Vec2,
 }
 
-/// What happened in a view's separate window during a frame.
+/// The events in a view's separate window during a frame.
 #[derive(Debug, Default)]
 struct ViewWindowReport {
     header_action: Option<header::HeaderAction>,

@@ -13,8 +13,8 @@ pub struct UndoTexts<Label, Change> {
     pub label: fn(&Label) -> Message,
     /// Function that describes one change: the item and its value.
     pub change: fn(&Change) -> Message,
-    /// What the control needs before it accepts the old values: hover text of the disabled
-    /// button.
+    /// The condition under which the control would accept the old values: hover text of the
+    /// disabled button.
     pub blocked_hint: Message,
 }
 

@@ -8,7 +8,7 @@ use crate::theme;
 /// Width and height of the sign, points.
 const SIGN_SIZE: f32 = 14.0;
 
-/// How dangerous a message is, from the least to the most.
+/// The severity of a message, from the least to the greatest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum MessageSeverity {
     /// The message informs about an event, or about what could be done next.
@@ -17,7 +17,7 @@ pub enum MessageSeverity {
     Hint,
     /// The message explains that a key or a request had no effect.
     Refusal,
-    /// The tool has touched what it must not; the lathe continues.
+    /// The tool has collided, and the lathe continues.
     Collision,
     /// An alarm of the control, or a crash that has stopped the lathe.
     Alarm,

@@ -29,7 +29,7 @@ pub enum TimelineMarkKind {
     Block,
     /// The operator presses this key.
     Key(Key),
-    /// The operator changes something else: the handwheel, a program, a setting, a fault.
+    /// Another input of the operator: the handwheel, a program, a setting, a fault.
     Input,
     /// The alarm with this number is raised.
     Alarm(u16),
@@ -130,7 +130,7 @@ impl MarkList {
     }
 }
 
-/// Returns what an input means on the time line; `None` for one that no operator makes.
+/// Returns the kind of mark for an input; `None` for an input that no operator makes.
 fn kind_of_input(input: &HistoryInput) -> Option<TimelineMarkKind> {
     match input {
         HistoryInput::Machine(EmulatorInput::Key(event)) => match event {

@@ -146,7 +146,7 @@ impl Timeline {
         }
     }
 
-    /// Adds inputs of the machine after a tick of it.
+    /// Adds the inputs of a tick to the recorded session, after the tick.
     pub(super) fn follow(
         &mut self,
         machine: &Emulator,
@@ -289,8 +289,8 @@ impl Kernel {
         self.lesson.is_none() || self.is_in_exercise()
     }
 
-    /// Why the past of the machine cannot be shown; `None` if it can. The past of an exercise is
-    /// shown after the solution was handed in.
+    /// Returns the reason why the past of the machine cannot be shown; `None` if it can. The past
+    /// of an exercise is shown after the solution was handed in.
     fn look_refusal(&self) -> Option<Message> {
         let session = self.lesson.as_ref()?;
         match session.exercise() {

@@ -130,9 +130,10 @@ fn update_storage(path: &Path, bytes: Option<&[u8]>) -> io::Result<()> {
     done.map_err(|_| ErrorKind::StorageFull.into())
 }
 
-/// Returns type and length of what exists at a path.
+/// Returns type and length of the file or folder at a path.
 ///
 /// # Errors
+///
 /// Nothing exists there.
 pub fn path_facts(path: &Path) -> io::Result<PathFacts> {
     with_disk(|disk| {

@@ -136,8 +136,8 @@ impl StepLink {
             .send_urgent_until(Command::QueueDigitalOut, &arguments, at);
     }
 
-    /// Switches off what an earlier host has left on: disables the drives and releases the
-    /// stop groups.
+    /// Resets outputs that an earlier host has left on: disables the drives and releases the stop
+    /// groups.
     pub(super) fn take_over_outputs(&mut self) {
         self.periodic.enable.sent = true;
         self.periodic.inherited_until = self.session.now + INHERITED;

@@ -77,8 +77,8 @@ impl ToolPose {
     }
 }
 
-/// What the guess of a tool uses besides its own moves: the other tools, the offsets and the
-/// stock.
+/// The data that the guess of a tool uses besides its own moves: the other tools, the offsets and
+/// the stock.
 pub(super) struct ToolKnowledge<'a> {
     pub(super) uses: &'a BTreeMap<u8, ToolUse>,
     pub(super) offsets: &'a Offsets,

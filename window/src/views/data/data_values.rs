@@ -10,7 +10,7 @@ use gsk_panel::pages::CoordinateFormat;
 pub struct DataValues<'a> {
     pub parameters: &'a ControlParameters,
     pub pitch: &'a PitchTable,
-    /// Why parameters cannot be written now; `None` if they can.
+    /// The reason why parameters cannot be written at the moment; `None` if they can.
     pub parameters_refusal: Option<WriteRefusal>,
     pub offsets: &'a OffsetTable,
     pub variables: &'a VariableTable,

@@ -173,7 +173,8 @@ impl DataEdit {
         }
     }
 
-    /// Why the control would refuse the edit now; `None` if it would accept it.
+    /// Returns the reason why the control would refuse the edit at the moment; `None` if it would
+    /// accept it.
     pub const fn refusal(self, machine: &DataValues<'_>) -> Option<WriteRefusal> {
         match self {
             Self::Parameter(_) => machine.parameters_refusal,
@@ -363,7 +364,7 @@ pub struct Drafts {
 }
 
 impl Drafts {
-    /// The text of a field: what was typed, else its current value.
+    /// Returns the text of a field: the typed text, or else its current value.
     pub fn text(&self, field: DataField, machine: &DataValues<'_>) -> String {
         let typed = self.texts.get(&field).cloned();
         typed.unwrap_or_else(|| field.current_text(machine))

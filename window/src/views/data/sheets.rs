@@ -23,8 +23,7 @@ const UNDO_LIST_HEIGHT: f32 = 110.0;
 /// The target into which the pages write values: the control or a project.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WriteTarget {
-    /// The pages write into an open project. They draw no list of pages, because the project's tree
-    /// lists them.
+    /// The pages write into a control, if the operator has the rights. They draw the list of pages.
     Control,
     /// The pages write into an open project. They draw no list of pages, because the project's tree
     /// lists them.
@@ -48,8 +47,8 @@ pub struct DataSheets {
     drafts: Drafts,
     /// Whether the operator pressed the write button while a typed text was invalid.
     shows_draft_error: bool,
-    /// Why the last request was refused, and the typed texts at that time; `None` without a
-    /// refusal.
+    /// The reason why the last request was refused, with the typed texts at that time; `None`
+    /// without a refusal.
     refusal: Option<(Message, Drafts)>,
     undo: UndoList<DataEdit, DataEdit>,
     /// Whether values were written, so that typed texts that equal the current values are

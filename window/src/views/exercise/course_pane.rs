@@ -16,7 +16,8 @@ use crate::widgets::icons::Icon;
 pub struct CoursePane {
     title: String,
     progress: CourseProgress,
-    /// What happened last: a report that was accepted or not, an exercise that was refused.
+    /// Message about the last event: whether a report was accepted, or that an exercise was
+    /// refused.
     message: Option<Message>,
 }
 

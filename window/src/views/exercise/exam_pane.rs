@@ -45,7 +45,7 @@ impl ExamForm {
         say::exam_form_sum(count, points, time_ms.div_ceil(60_000))
     }
 
-    /// Returns what has to be filled in before the exam can begin.
+    /// Returns messages about the fields that must be filled in before the exam can begin.
     fn missing(&self) -> Vec<Message> {
         let fields = [
             (self.learner.trim().is_empty(), say::exam_needs_name()),
@@ -340,7 +340,7 @@ impl ExamPane {
         }
     }
 
-    /// Ends the exam; an exercise that is under way is handed in before.
+    /// Ends the exam; an exercise in progress is handed in before.
     fn end(&mut self, is_working: bool) {
         if is_working {
             self.is_ending = true;

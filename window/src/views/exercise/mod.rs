@@ -283,7 +283,7 @@ impl ExercisePane {
         self.console.send(Command::Exercise(action));
     }
 
-    /// Draws the current task with what is marked, or its report.
+    /// Draws the current task with its criteria, or its report.
     pub fn show_task(&mut self, ui: &mut Ui, language: Language, part: Option<&Arc<PartView>>) {
         let is_exam = self.is_exam_shown();
         if is_exam {
@@ -399,7 +399,7 @@ impl ExercisePane {
     }
 }
 
-/// Draws a criterion: what is demanded, its points and, for a dimension, its size on the part.
+/// Draws a criterion: its text, its points and, for a dimension, its size on the part.
 fn show_demand(
     ui: &mut Ui,
     language: Language,

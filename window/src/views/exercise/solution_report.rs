@@ -351,7 +351,8 @@ fn show_marks(ui: &mut Ui, language: Language, marked: &MarkedSolution) -> Optio
     chosen
 }
 
-/// The proposed name of a result: task and learner, without what a file name cannot have.
+/// Returns the proposed file name of a result: task and learner, without characters that a file
+/// name cannot contain.
 fn result_name(task: &str, learner: &str) -> String {
     let is_plain = |c: &char| c.is_alphanumeric() || matches!(c, '-' | '_');
     let learner: String = learner

@@ -86,7 +86,7 @@ pub struct LadderView {
     editor: Option<RungEditor>,
     /// Texts in the fields of the selected table row.
     row_fields: Vec<String>,
-    /// Why the row was refused; `None` if it was not.
+    /// The reason why the typed row was refused; `None` if it was not.
     row_error: Option<String>,
     /// The address for the editing tools, as typed.
     address_entry: String,
@@ -94,7 +94,8 @@ pub struct LadderView {
     pending_rung: Option<u32>,
     /// Line of the list to scroll to, from 1; `None` does not scroll.
     pending_line: Option<u32>,
-    /// Why the control would refuse a ladder now; `None` if it would accept one.
+    /// The reason why the control would refuse a ladder at the moment; `None` if it would accept
+    /// one.
     refusal: Option<WriteRefusal>,
     /// Queue for an instruction list that was read from a file.
     opened_lists: Arc<ArrayQueue<String>>,

@@ -117,8 +117,8 @@ impl CameraControl {
         self.choose(next.unwrap_or_default());
     }
 
-    /// Moves the camera by what the operator does in the picture, and returns it. `has_digits`:
-    /// the digit keys belong to the view, and not to the panel.
+    /// Moves the camera by the operator's input in the picture, and returns it. `has_digits`: the
+    /// digit keys belong to the view, and not to the panel.
     pub fn update(
         &mut self,
         ui: &Ui,

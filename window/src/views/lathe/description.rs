@@ -34,10 +34,12 @@ const DOOR_TIME_S: f32 = 0.8;
 /// Cotangent of half the angle of a centre, 30 degrees.
 const CENTER_COTANGENT: f64 = 1.732;
 
-/// What determines the tools: job, tool in use, machine, and whether its insert is broken.
+/// The data that determine the drawn tools: job, tool in use, machine, and whether its insert is
+/// broken.
 type ToolsKey = (Arc<Job>, u8, LatheKind, bool);
 
-/// Builds descriptions; keeps what changes with the job or the part only.
+/// Builds the descriptions from which the lathe is drawn; keeps the data that change only with the
+/// job or the part.
 #[derive(Default)]
 pub struct SceneDescriber {
     section: Arc<Region>,

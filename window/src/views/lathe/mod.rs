@@ -47,7 +47,7 @@ pub struct LatheSceneView {
     /// Whether the programmed path is drawn.
     shows_path: bool,
     jolt: PictureJolt,
-    /// What the last picture showed, and when it changed, s.
+    /// Description and camera of the last picture; `None` before the first.
     shown: Option<(LatheDescription, OrbitCamera)>,
     changed_at_s: f64,
     /// Time at which the last picture was drawn, s.

@@ -35,7 +35,7 @@ struct ProcessorPicture {
     is_refining: bool,
 }
 
-/// What was drawn last, for the tooltip and the log.
+/// Statistics of the last picture, for the tooltip and the log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PictureFigures {
     pub level: SceneLevel,
@@ -98,7 +98,7 @@ impl ScenePicture {
         }
     }
 
-    /// Adds the time between two pictures while something moves, s.
+    /// Adds the time between two pictures, s, while anything moves.
     pub fn add_time(&mut self, time_s: f64) {
         self.levels.add_time(time_s);
     }
@@ -186,7 +186,7 @@ impl ScenePicture {
         });
     }
 
-    /// Draws by the processor: at a third of the size while something moves.
+    /// Draws the picture with the processor: at a third of its size while anything moves.
     fn show_processor_picture(
         &mut self,
         ui: &Ui,

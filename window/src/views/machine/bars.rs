@@ -133,8 +133,8 @@ impl LatheView {
         }
     }
 
-    /// Draws the pointer's position, the block, the text of the instrument in use, the clock,
-    /// what is guessed about the job, and the collisions.
+    /// Draws the row below the picture: pointer position, block, text of the instrument, clock,
+    /// guesses about the job, and collisions.
     pub(super) fn show_state(&mut self, ui: &mut Ui, language: Language) {
         ui.horizontal(|ui| {
             let pointer = self.pointer.map_or_else(String::new, |at| {

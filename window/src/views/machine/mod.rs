@@ -50,7 +50,7 @@ use solid_drawing::SolidDrawing;
 use time_bar::TimeBar;
 use xray::Trial;
 
-/// The instrument in use, which determines what the pointer does in the picture.
+/// The instrument in use, which determines the effect of the pointer in the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Instrument {
     #[default]
@@ -122,7 +122,7 @@ pub struct LatheView {
     changed_jobs: preview_worker::ChangedJobs,
 }
 
-/// What the machine view needs to know of the text of the program.
+/// The state of the program text on which the machine view depends.
 #[derive(Default)]
 struct ProgramTextState {
     /// The program that was opened last from a file, and the path of this file.

@@ -56,7 +56,7 @@ pub struct BlockRef {
 pub struct CyclePass {
     first_segment: usize,
     block: BlockRef,
-    /// Why the pass is at its position; `None` for moves outside of cycles.
+    /// The explanation of the position of the pass; `None` for moves outside cycles.
     pub explanation: Option<Arc<Explanation>>,
 }
 

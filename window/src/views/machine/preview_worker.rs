@@ -56,7 +56,7 @@ pub struct PreviewResult {
     pub is_trial: bool,
     /// Whether the job is a practice job, because no program determines the part.
     pub is_practice_job: bool,
-    /// Why the program's job file cannot be used; `None` if it can or does not exist.
+    /// The reason why the program's job file cannot be used; `None` if it can or does not exist.
     pub job_file_error: Option<Message>,
     /// The file of the program; `None` without one.
     pub program_file: Option<PathBuf>,

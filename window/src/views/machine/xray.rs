@@ -35,7 +35,7 @@ impl Trial {
     }
 }
 
-/// What the user did with the words of the cycle.
+/// The action of the user on the words of a cycle.
 pub enum TrialAction {
     /// Execute this changed text on trial.
     Try(Trial),
@@ -46,7 +46,7 @@ pub enum TrialAction {
 }
 
 /// Draws the words of the cycle in a block, and the buttons that take over or discard a trial.
-/// Returns what the user did, if anything.
+/// Returns the action of the user; `None` without one.
 pub fn show(
     ui: &mut Ui,
     path: &DrawnPath,

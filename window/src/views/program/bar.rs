@@ -10,7 +10,7 @@ use super::breakpoints::BreakpointList;
 use super::document::{ProgramDocument, TextOrigin};
 use crate::placement::stop_key_clearance;
 
-/// What the user requests in the tool bar or with keys.
+/// A command of the user in the tool bar of the editor, or by keys.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum EditorCommand {
     /// Load this text into the editor.

@@ -40,7 +40,7 @@ pub struct EditorInputs<'a> {
     pub language: Language,
 }
 
-/// What the user has done in the text field in a frame.
+/// The actions of the user in the text field during a frame.
 #[derive(Debug, Default)]
 pub struct EditorResponse {
     pub is_changed: bool,

@@ -527,8 +527,8 @@ impl ProgramView {
         }
     }
 
-    /// Draws the question what to do with an unsaved text before another one is loaded, and
-    /// carries out the answer.
+    /// Draws the question about an unsaved text before another text is loaded, and carries out the
+    /// answer.
     fn show_unsaved_question(&mut self, context: &Context, language: Language) {
         if self.text_to_load.is_none() || !self.document.is_unsaved() {
             return;

@@ -56,7 +56,7 @@ pub enum TakeoverTarget {
     Project,
 }
 
-/// What the open project was compared with, and the values that it had then.
+/// The side with which the project was compared, and its values at that time.
 pub struct ComparisonBasis {
     pub other: ComparedWith,
     /// The values of the compared side.

@@ -63,10 +63,9 @@ pub struct ProjectView {
     content: NodeContent,
     editing: ProjectSheets,
     question: Option<ProjectQuestion>,
-    /// Why the control cannot be turned off now; `None` if it can.
+    /// The reason why the control cannot be switched off at the moment; `None` if it can.
     why_not: Option<Message>,
-    /// What the control takes over while it is off, until the window takes it; `None`:
-    /// nothing.
+    /// The selected values that the control takes over while it is off; `None` without any.
     selection: Option<ProjectSelection>,
     results: (Sender<ProjectEvent>, Receiver<ProjectEvent>),
     comparison_counter: ComparisonCounter,

@@ -41,7 +41,7 @@ enum TransferDirection {
     Receive,
 }
 
-/// What the user has chosen in a file dialog, by the purpose of the choice.
+/// The path that the user has chosen in a file dialog, by its purpose.
 enum ChosenPath {
     /// A file for the list, and its proposed name in the control.
     File(PathBuf, Option<FileName>),

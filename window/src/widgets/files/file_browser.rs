@@ -66,7 +66,7 @@ pub struct FileBrowser {
     last_folder: Option<PathBuf>,
 }
 
-/// What the operator did in the dialog in one frame.
+/// The result of one frame of the file dialog.
 enum DialogResult {
     Open,
     Cancelled,

@@ -45,7 +45,7 @@ const TOOL_TEMPLATES: [ToolTemplate; 5] = [
     (say::tool_kind_drill, || Tool::drill(10.0)),
 ];
 
-/// What the job panel needs to know of the lathe.
+/// The state of the lathe on which the job panel depends.
 pub struct JobContext<'a> {
     /// The job of the part that is being cut.
     pub job: &'a Arc<Job>,
@@ -58,7 +58,7 @@ pub struct JobContext<'a> {
     /// The tool numbers that the program uses.
     pub used_tools: Vec<u8>,
     pub is_running: bool,
-    /// Why the job file on the disk cannot be used; `None` if it can.
+    /// The reason why the job file on the disk cannot be used; `None` if it can.
     pub file_error: Option<&'a Message>,
     pub console: &'a Console,
 }
