@@ -14,7 +14,7 @@ use crate::watch::{WatchTarget, WatchedValue};
 /// The values of a trace for which none are chosen: axes, spindle, feed, line.
 pub const DEFAULT_SIGNALS: &str = "XM,ZM,X,Z,feed,spindle,angle,line";
 
-/// The format of a trace.
+/// The file format of a trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TraceFormat {
     /// A line of text for each tick.
@@ -120,7 +120,7 @@ impl TraceWriter {
 pub enum TraceError {
     /// A VCD trace was to hold this text.
     TextInBits(String),
-    /// The output reports an error.
+    /// The output cannot be written.
     Output(#[from] io::Error),
 }
 

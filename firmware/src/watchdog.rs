@@ -60,7 +60,7 @@ impl Watchdog {
     }
 }
 
-/// All but the oscillators.
+/// Selects all circuits but the oscillators for the reset by the watchdog.
 fn select_resets() {
     pac::PSM
         .wdsel()

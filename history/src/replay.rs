@@ -22,12 +22,12 @@ pub struct HashDifference {
     pub tick: u64,
 }
 
-/// A replayed recording.
+/// A recording that is being replayed.
 #[derive(Debug)]
 pub struct Replay {
     /// Version of the program that has recorded.
     pub program: String,
-    /// Number of inputs.
+    /// Number of inputs in the recording.
     pub input_count: usize,
     /// Replayed machine time, ticks (ms).
     pub replayed_ticks: u64,
@@ -237,11 +237,11 @@ struct Player<O> {
 
 /// What has happened to an event.
 enum PlayedEvent {
-    /// It has acted.
+    /// The event has been applied.
     Done,
     /// The observer has stopped the replay.
     Stopped,
-    /// It is out of order.
+    /// The event is out of order.
     OutOfOrder,
     /// The budget was used before the machine reached it.
     Waiting(RecordingEvent),

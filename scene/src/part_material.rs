@@ -13,7 +13,7 @@ const TOUGH_RIBBON_FEED: f32 = 0.16;
 pub enum ChipShape {
     /// A short chip of a heavy cut.
     Needle,
-    /// A coiled chip.
+    /// The chip is coiled.
     Curl,
     /// A long wavy chip of a fine cut.
     Ribbon,
@@ -24,18 +24,18 @@ pub enum ChipShape {
 /// The material of the part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PartMaterial {
-    /// Carbon steel.
+    /// The part is carbon steel.
     #[default]
     Steel,
-    /// Stainless steel.
+    /// The part is stainless steel.
     Stainless,
-    /// Grey cast iron.
+    /// The part is grey cast iron.
     CastIron,
-    /// Aluminium alloy.
+    /// The part is an aluminium alloy.
     Aluminium,
-    /// Brass.
+    /// The part is brass.
     Brass,
-    /// Plastic.
+    /// The part is plastic.
     Plastic,
 }
 

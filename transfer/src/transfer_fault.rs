@@ -6,7 +6,7 @@ use gsk_messages::{Message, say};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum TransferFault {
-    /// A file of this name exists.
+    /// A file of this name already exists.
     Exists,
     /// No file of this name exists.
     NotFound,

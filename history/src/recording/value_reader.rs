@@ -37,7 +37,7 @@ pub(super) enum ValueError {
     /// The bytes end within the value.
     #[error("the value is incomplete")]
     Incomplete,
-    /// A text is not UTF-8.
+    /// The bytes of a text are not UTF-8.
     #[error("a text is not UTF-8")]
     NotText,
     /// A token that the type does not have at this place.
@@ -49,7 +49,7 @@ pub(super) enum ValueError {
     /// Bytes follow the value.
     #[error("bytes follow the value")]
     BytesAfterValue,
-    /// The type refuses the value.
+    /// The type to be read refuses the value, for this reason.
     #[error("{0}")]
     Refused(String),
 }
@@ -115,7 +115,7 @@ impl<'de> ValueReader<'de> {
         Ok(ValueToken::Text(text))
     }
 
-    /// Reads the next token.
+    /// Reads the next token of the value.
     fn token(&mut self) -> Result<ValueToken<'de>, ValueError> {
         let head = self.number(1)? as u8;
         Ok(match head {

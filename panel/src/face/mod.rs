@@ -157,13 +157,14 @@ impl Face {
             .map_or(PageId::PosRel, |row| row.page)
     }
 
-    /// Returns the labels of a bar of a main function, in their order; empty without one.
+    /// Returns the labels of a row of soft keys of a main function, from left to right; empty if
+    /// there is no such row.
     pub fn soft_bar(&self, group: PageKey, bar: u8) -> impl Iterator<Item = &'static SoftKey> {
         let keys = self.soft_keys.iter();
         keys.filter(move |key| key.group == group && key.bar == bar)
     }
 
-    /// Returns the number of bars of a main function, at least 1.
+    /// Returns the number of rows of soft keys of a main function, at least 1.
     pub(crate) fn soft_bars(&self, group: PageKey) -> u8 {
         let keys = self.soft_keys.iter().filter(|key| key.group == group);
         keys.map(|key| key.bar + 1).max().unwrap_or(1)
