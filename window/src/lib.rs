@@ -109,7 +109,8 @@ pub struct Window {
     is_translation_requested: bool,
     sounds: MachineSound,
     timeline: TimelineStrip,
-    /// The way back to the start of a program whose keys the panel marks.
+    /// The return to the start point of a program whose keys the panel marks; `None` if the
+    /// operator has not requested it.
     way_back: Option<WayBack>,
     /// The views and bars that were closed for the current exam; `None` outside exams.
     closed_for_exam: Option<ClosedForExam>,

@@ -33,8 +33,8 @@ pub(crate) struct ManualAxis {
     command: Option<(bool, JogRate)>,
     /// Target coordinate of a step or of the handwheel, mm, and rate; `None`: no step.
     goal: Option<(f64, JogRate)>,
-    /// Speed, mm/s, never negative. `positive` is its direction; `linear` tells whether its law is
-    /// that of rapids.
+    /// Speed, mm/s, never negative. `positive` is its direction; `linear` is `true` if it changes
+    /// by the law of rapids.
     speed: f64,
     positive: bool,
     linear: bool,

@@ -369,7 +369,7 @@ impl ThreadMotion {
         at
     }
 
-    /// Returns the state for a thread that continues this finished one; `continues` tells whether
+    /// Returns the state for a thread that continues this finished one; `continues` is `true` if
     /// such a thread follows without a stop.
     pub(crate) fn handover(&self, continues: bool) -> Handover {
         self.follower

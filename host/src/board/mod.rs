@@ -32,7 +32,7 @@ pub enum BoardError {
 }
 
 impl BoardError {
-    /// Returns the message that tells the operator why the board cannot be opened.
+    /// Returns the message for the operator about why the board cannot be opened.
     pub fn message(&self) -> Message {
         match self {
             Self::Signals(error) => error.message(),

@@ -253,7 +253,7 @@ pub enum Notice {
     Refused(Alarm),
     /// The preview of an opened program is finished; the values are its file name and the summary.
     Previewed(String, Box<ProgramSummary>),
-    /// The learner has handed in, or the time of his exercise is over.
+    /// The learner has handed in, or the time limit of the exercise is reached.
     HandedIn(Box<HandedInSolution>),
     /// The reason why a key has no effect; `None` once a key acts again. The key is `None` for a
     /// typed character.

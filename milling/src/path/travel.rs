@@ -188,8 +188,8 @@ pub(crate) fn feed(state: &MillState) -> Result<Feed, Alarm> {
     Ok(Feed::PerRevolution(modal.feed))
 }
 
-/// Returns the feed of a cut of rotary axes alone. An F in inches is no length there, so
-/// converts it back.
+/// Returns the feed of a cut in which only rotary axes move. An F in inches is converted back,
+/// because the feed of a rotary axis is in degrees.
 fn rotary_feed(state: &MillState, to: &MillPosition, feed: Feed) -> Feed {
     let moves = |axis: &MillAxis| to.get(*axis) != state.machine.get(*axis);
     let mut moving = state.axes.all().filter(moves).peekable();

@@ -21,7 +21,7 @@ const AREAS: [Area; 8] = [
     Area::K,
     Area::C,
 ];
-/// R900 and up have the flags of comparisons, which change with every one.
+/// First byte of R with the flags of comparisons: the flags change with every comparison.
 const FIRST_FLAG_BYTE: u16 = 900;
 
 /// A change of an input of the ladder: X from the machine and the keys, F from the control.

@@ -14,7 +14,7 @@ use crate::machining::live_part::LivePart;
 /// Machine time after which the search for the block ends, hours.
 const MAX_HOURS: u64 = 12;
 const TICKS_PER_HOUR: u64 = 3_600_000;
-/// Ticks between two stored moments of the search, from which the run to the block begins.
+/// Ticks between two stored states of the search, from which the run to the block begins.
 const CHECKPOINT_TICKS: u64 = 2000;
 /// Ticks without progress of the copied machine after which the search ends.
 const MAX_WAIT_TICKS: u64 = 600_000;
@@ -208,8 +208,8 @@ fn place_at_program_zero(now: &Simulation) -> Simulation {
     copy
 }
 
-/// Runs until the watcher reports a block. Returns the stored moments, the oldest first, and
-/// the number of the block in the run.
+/// Runs until the watcher reports a block. Returns the stored states, the oldest first, and the
+/// number of the block in the run.
 fn search_forward(
     mut moment: SearchMoment,
     watcher: &mut impl BlockWatcher,

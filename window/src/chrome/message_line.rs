@@ -120,7 +120,8 @@ impl Window {
             })
     }
 
-    /// Draws the button that marks the keys of the way back on the panel.
+    /// Draws the button that marks on the panel the keys that return the machine to the start point
+    /// of the program.
     fn show_way_back_button(&mut self, ui: &mut Ui) {
         let language = self.settings.language;
         let words = RichText::new(say::window_way_back().text(language));

@@ -8,12 +8,12 @@ use gsk_panel::keys::{Key, STRIP};
 /// Distance in mm below which an axis needs no motion.
 const TOLERANCE_MM: f64 = 0.05;
 
-/// A way back that the operator has requested, in the order of its keys: the head of the
-/// program (edit mode, RESET), program zero mode, the axis keys one after the other, automatic
-/// mode.
+/// The return to the start point of the program, which the operator has requested. Order of its
+/// keys: the head of the program (edit mode, RESET), program zero mode, the axis keys one after the
+/// other, automatic mode.
 #[derive(Clone, Copy, Debug)]
 pub struct WayBack {
-    /// Distance of the start point when the way back was requested, mm, X as a radius.
+    /// Distance of the start point when the return was requested, mm, X as a radius.
     distance: Point,
     /// The axis that leads out of the part and goes first.
     first_axis: Axis,

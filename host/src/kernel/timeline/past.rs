@@ -17,8 +17,8 @@ pub(super) struct PastMachine {
 }
 
 impl PastMachine {
-    /// Computes the machine at a tick and starts to compute the part; `None` outside the
-    /// session. `part` takes the part.
+    /// Computes the machine at a tick and starts to compute the part; `None` outside the session.
+    /// `part` receives the part.
     pub(super) fn new(history: &History, tick: u64, part: KernelPart) -> Option<Self> {
         Some(Self {
             tick,

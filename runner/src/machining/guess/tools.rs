@@ -40,8 +40,8 @@ pub(super) struct ToolPose {
 }
 
 impl ToolPose {
-    /// Returns the number of the imaginary tip, 1 to 4, of a tool in this pose; `beyond` tells that
-    /// the tool cuts beyond the spindle axis.
+    /// Returns the number of the imaginary tip, 1 to 4, of a tool in this pose; `beyond` is `true`
+    /// if the tool cuts beyond the spindle axis.
     const fn tip_number(self, beyond: bool) -> u8 {
         match (self.internal != beyond, self.left_hand) {
             (false, false) => 3,
