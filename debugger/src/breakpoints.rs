@@ -13,7 +13,7 @@ use crate::watch::{WatchTarget, WatchedValue};
 /// A breakpoint that a tick has hit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BreakHit {
-    /// The number that [`BreakpointSet::add`] returned.
+    /// The number of the breakpoint, which [`BreakpointSet::add`] returned.
     pub id: u32,
     /// The block of the hit: the one that begins, else the one in execution.
     pub block: Option<SourcePosition>,

@@ -27,8 +27,8 @@ enum KeyStage {
     Released(u32),
 }
 
-/// The machine at one moment, with all that a debugger needs to continue from there. A clone
-/// is a moment to return to.
+/// A machine and its run at one time, with all that a debugger needs to continue from there. A
+/// clone stores this state.
 #[derive(Clone, Debug)]
 pub struct DebuggedRun {
     simulation: Simulation,
@@ -65,7 +65,7 @@ impl DebuggedRun {
         }
     }
 
-    /// Advances everything by one tick. Returns the collisions that the tick has found.
+    /// Advances control, lathe and part by one tick (1 ms). Returns the collisions of the tick.
     pub fn tick(&mut self) -> Vec<CollisionFinding> {
         self.move_keys();
         self.simulation.tick();

@@ -17,7 +17,7 @@ const RELATIONS: [(&str, ValueRelation); 6] = [
     (">", ValueRelation::Greater),
 ];
 
-/// How a value is compared with a number.
+/// A relation between a value and a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ValueRelation {
     /// The value equals the number: `=`.
@@ -72,7 +72,7 @@ pub enum BreakEvent {
     Alarm(Option<u16>),
     /// A message of the ladder appears: this one, or any.
     Message(Option<u16>),
-    /// A tool touches what it must not touch.
+    /// A tool collides with the part or the lathe.
     Collision,
     /// A pass of a cycle begins.
     Pass,

@@ -170,7 +170,8 @@ impl DebugSession {
         None
     }
 
-    /// Why the tick that has just passed stops the session; `None` if it does not.
+    /// Returns the reason for which the tick that has just passed stops the session; `None` if it
+    /// does not.
     fn find_stop(&mut self, collisions: &[CollisionFinding]) -> Option<StopReason> {
         let simulation = self.run.simulation();
         let hits = self

@@ -57,11 +57,11 @@ pub fn parse_signals(text: &str) -> Result<Vec<WatchTarget>, Message> {
     Ok(targets)
 }
 
-/// A format's part of a trace.
+/// Writes a trace in one format.
 trait TraceSink {
     /// Writes the values of a tick, `time_ms` after the begin of the trace.
     fn write_tick(&mut self, time_ms: u64, values: &[WatchedValue]) -> io::Result<()>;
-    /// Writes what follows the last tick.
+    /// Writes the end of the trace, after the last tick.
     fn finish(&mut self) -> io::Result<()>;
 }
 
@@ -118,7 +118,7 @@ impl TraceWriter {
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum TraceError {
-    /// A VCD trace was to hold this text.
+    /// A watched value is this text, which a VCD trace cannot contain.
     TextInBits(String),
     /// The output cannot be written.
     Output(#[from] io::Error),

@@ -102,7 +102,8 @@ impl RecordingEncoder {
     }
 }
 
-/// Why the rest of a recording cannot be read. Offsets count bytes from the start of the file.
+/// The reason for which the rest of a recording cannot be read. Offsets count bytes from the start
+/// of the file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum RecordingError {

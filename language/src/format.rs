@@ -34,7 +34,7 @@ pub enum Numbering {
     },
 }
 
-/// How many blanks formatting writes between the words of a line.
+/// The number of blanks that formatting writes between the words of a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Spacing {
     /// Keeps all blanks between words.
@@ -61,7 +61,7 @@ pub enum Casing {
 pub struct Style {
     /// Which blocks get sequence numbers.
     pub numbering: Numbering,
-    /// How many blanks formatting writes between words.
+    /// The number of blanks that formatting writes between words.
     pub spacing: Spacing,
     /// The case of letters that formatting writes.
     pub casing: Casing,

@@ -72,7 +72,7 @@ pub enum ConnectionLoss {
 }
 
 impl ConnectionLoss {
-    /// Returns the message that tells why the connection is lost.
+    /// Returns the message for the operator about the lost connection.
     pub fn message(self) -> Message {
         match self {
             Self::Silent => say::transfer_loss_silent(),

@@ -19,7 +19,7 @@ pub(super) struct RoundTrip {
     /// Smoothed round trip of a block; `None` before the first confirmed block.
     smooth: Option<Duration>,
     last: Duration,
-    /// Current time without confirmation after which a block is retransmitted.
+    /// The retransmission timeout: a block is sent again if it is not confirmed within this time.
     wait: Duration,
 }
 
