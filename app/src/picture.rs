@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 use gsk_messages::{Message, say};
 use gsk_plot::{PictureFormat, UnknownPictureFormat};
 
-/// Why a picture cannot be written to a path.
+/// The reason why a picture cannot be written to a path.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum PictureNameError {
-    /// The extension is not one of a picture format.
+    /// The file extension is not that of a picture format.
     Ending(#[from] UnknownPictureFormat),
-    /// The extension of this path is not `.png`.
+    /// The file extension of this path is not `.png`.
     NotPng(PathBuf),
     /// A solid view can only be written as a PNG, because it consists of pixels.
     SolidNotPng(PathBuf),

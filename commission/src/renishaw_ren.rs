@@ -43,7 +43,7 @@ pub struct PitchTableFile {
     pub rows: Vec<PitchTableRow>,
 }
 
-/// What a measurement file contains.
+/// The content of a measurement file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ImportedFile {
     /// Values to add to the pitch error table.

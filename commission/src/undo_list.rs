@@ -3,7 +3,7 @@
 /// A group of values that were written together.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UndoEntry<Label, Change> {
-    /// What the values were written for, for example a commissioning step.
+    /// The reason for which the values were written, for example a commissioning step.
     pub label: Label,
     /// The values before they were written.
     pub before: Vec<Change>,

@@ -3,7 +3,7 @@
 
 use gsk_messages::{Message, say};
 
-/// Advises what to use instead of a G code that this control does not have (table 3-7);
+/// Returns advice what to use instead of a G code that this control does not have (table 3-7);
 /// `None` for codes without advice.
 pub(crate) fn advice_for_g_code(code: i64) -> Option<Message> {
     Some(match code {
@@ -22,8 +22,8 @@ pub(crate) fn advice_for_g_code(code: i64) -> Option<Message> {
     })
 }
 
-/// Advises what to use instead of an M code that this control does not have (manual
-/// I-3.3); `None` for codes without advice.
+/// Returns advice what to use instead of an M code that this control does not have (manual I-3.3);
+/// `None` for codes without advice.
 pub(crate) fn advice_for_m_code(code: u8) -> Option<Message> {
     Some(match code {
         1 => say::instead_of_optional_stop(),
@@ -35,8 +35,8 @@ pub(crate) fn advice_for_m_code(code: u8) -> Option<Message> {
     })
 }
 
-/// Advises what to use instead of a letter that is not an address (table 2-1); `None`
-/// for letters without advice.
+/// Returns advice what to use instead of a letter that is not an address (table 2-1); `None` for
+/// letters without advice.
 pub(crate) fn advice_for_address(letter: u8) -> Option<Message> {
     Some(match letter {
         b'A' => say::instead_of_angle(),
@@ -47,8 +47,8 @@ pub(crate) fn advice_for_address(letter: u8) -> Option<Message> {
     })
 }
 
-/// Advises what to use instead of a character that programs of this control cannot
-/// contain; `None` for characters without advice.
+/// Returns advice what to use instead of a character that programs of this control cannot contain;
+/// `None` for characters without advice.
 pub(crate) fn advice_for_character(character: u8) -> Option<Message> {
     Some(match character {
         b',' => say::instead_of_comma(),
@@ -57,8 +57,7 @@ pub(crate) fn advice_for_character(character: u8) -> Option<Message> {
     })
 }
 
-/// Advises what to do when the number after this address exceeds 9999; `None` for all
-/// but O.
+/// Returns advice for a number above 9999 after this address; `None` for all addresses but O.
 pub(crate) fn advice_for_number(address: u8) -> Option<Message> {
     match address {
         b'O' => Some(say::instead_of_long_number()),

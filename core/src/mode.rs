@@ -107,8 +107,8 @@ impl OperatingMode {
         )
     }
 
-    /// The mode whose motion this mode has: the one without teach-in for a teach-in mode,
-    /// otherwise the mode itself.
+    /// Returns the mode whose motion this mode has: for a teach-in mode the same mode without
+    /// teach-in, otherwise the mode itself.
     pub const fn motion_mode(self) -> Self {
         match self {
             Self::TeachJog => Self::Jog,

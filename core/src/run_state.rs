@@ -9,7 +9,7 @@ pub enum RunState {
     Reset,
     /// Stopped at the end of a block: cycle start continues with the next block.
     Stop,
-    /// A block is running.
+    /// A block of the program is running.
     Run,
     /// Feed hold has stopped the motion within a block: cycle start continues the block.
     Hold,

@@ -10,13 +10,13 @@ use crate::operation::RunState;
 use crate::setup::Setup;
 use crate::units::{Point, TICK_MS};
 
-/// The 自动 key, X20.1.
+/// PLC address of the key 自动 (automatic mode), X20.1.
 const AUTO_KEY: BitAddress = BitAddress {
     area: Area::X,
     byte: 20,
     bit: 1,
 };
-/// The 运行 key, X25.0.
+/// PLC address of the key 运行 (cycle start), X25.0.
 const CYCLE_START_KEY: BitAddress = BitAddress {
     area: Area::X,
     byte: 25,
@@ -47,7 +47,7 @@ pub struct Simulation {
     board_orders: Option<Box<BoardOrders>>,
 }
 
-/// The condition that [`Simulation::run_until`] waits for.
+/// The condition for which [`Simulation::run_until`] waits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StopCondition {
     /// No program is running (reset, block end or alarm) and the axes are stationary.
@@ -56,12 +56,12 @@ pub enum StopCondition {
     BlockEnd,
 }
 
-/// The result of [`Simulation::run_until`].
+/// Whether [`Simulation::run_until`] reached its condition or its time limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RunUntilResult {
     /// The condition became true within the time limit.
     Reached,
-    /// The time limit expired first.
+    /// The time limit expired before the condition became true.
     TimedOut,
 }
 

@@ -13,7 +13,7 @@ use crate::watch::{WatchTarget, WatchedValue};
 /// A breakpoint that a tick has hit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BreakHit {
-    /// The number that [`BreakpointSet::add`] returned.
+    /// The number of the breakpoint, which [`BreakpointSet::add`] returned.
     pub id: u32,
     /// The block of the hit: the one that begins, else the one in execution.
     pub block: Option<SourcePosition>,
@@ -35,7 +35,7 @@ struct Breakpoint {
 pub struct BreakpointSet {
     breakpoints: Vec<Breakpoint>,
     next_id: u32,
-    /// The block that began last.
+    /// The block that began last; `None` if no block has begun.
     last_block: Option<SourcePosition>,
     /// The first block of the program that contains the block that began last.
     entry_line: u32,
@@ -56,7 +56,7 @@ impl BreakpointSet {
         self.next_id
     }
 
-    /// Removes a breakpoint.
+    /// Removes the breakpoint with this number.
     pub fn remove(&mut self, id: u32) {
         self.breakpoints.retain(|it| it.id != id);
     }
@@ -67,7 +67,7 @@ impl BreakpointSet {
         found.map(|it| &it.location)
     }
 
-    /// Whether there are no breakpoints.
+    /// Whether the set has no breakpoints.
     pub const fn is_empty(&self) -> bool {
         self.breakpoints.is_empty()
     }

@@ -4,14 +4,14 @@ use gsk_core::cnc::{Cnc, Event};
 use gsk_core::command::{ProgramId, SourcePosition};
 use gsk_core::interpreter::RunningCall;
 
-/// One level of the call stack.
+/// One level of the call stack: the main program or a called program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CallFrame {
-    /// The program of the level.
+    /// The program that this level executes.
     pub program: ProgramId,
     /// The line of the block in execution, or of the block that calls the next level.
     pub line: u32,
-    /// Whether the level has separate local variables: a call of a macro.
+    /// Whether the level has separate local variables, as a call of a macro has.
     pub is_macro: bool,
     /// Number of runs left of the call, the current one included; 1 for the main program.
     pub runs_left: u16,

@@ -27,8 +27,8 @@ enum KeyStage {
     Released(u32),
 }
 
-/// The machine at one moment, with all that a debugger needs to continue from there. A clone
-/// is a moment to return to.
+/// A machine and its run at one time, with all that a debugger needs to continue from there. A
+/// clone stores this state.
 #[derive(Clone, Debug)]
 pub struct DebuggedRun {
     simulation: Simulation,
@@ -43,7 +43,7 @@ pub struct DebuggedRun {
 pub enum RunProgress {
     /// The keys of the operator start the program.
     Starting,
-    /// The program runs.
+    /// The program is running.
     Running,
     /// The program has stopped at M00 or for single block: cycle start continues it.
     Stopped,
@@ -65,7 +65,7 @@ impl DebuggedRun {
         }
     }
 
-    /// Advances everything by one tick. Returns the collisions that the tick has found.
+    /// Advances control, lathe and part by one tick (1 ms). Returns the collisions of the tick.
     pub fn tick(&mut self) -> Vec<CollisionFinding> {
         self.move_keys();
         self.simulation.tick();
@@ -101,7 +101,7 @@ impl DebuggedRun {
         self.keys = KeyStage::Start(PRESS_TICKS);
     }
 
-    /// Whether the program executes.
+    /// Returns whether the program is starting, running, stopped or ended.
     pub fn progress(&self) -> RunProgress {
         let cnc = &self.simulation.cnc;
         let KeyStage::Released(ticks) = self.keys else {
@@ -127,7 +127,7 @@ impl DebuggedRun {
         self.tick()
     }
 
-    /// Control and lathe.
+    /// Returns the simulated control and lathe.
     pub const fn simulation(&self) -> &Simulation {
         &self.simulation
     }
@@ -142,7 +142,7 @@ impl DebuggedRun {
         self.part.as_ref()
     }
 
-    /// Ticks since power-on.
+    /// Returns the number of ticks (1 ms) since power-on.
     pub const fn ticks(&self) -> u64 {
         self.simulation.cnc.ticks()
     }

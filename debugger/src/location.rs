@@ -17,20 +17,20 @@ const RELATIONS: [(&str, ValueRelation); 6] = [
     (">", ValueRelation::Greater),
 ];
 
-/// How a value is compared with a number.
+/// A relation between a value and a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ValueRelation {
-    /// `=`
+    /// The value equals the number: `=`.
     Equal,
-    /// `<>`
+    /// The value differs from the number: `<>`.
     NotEqual,
-    /// `<`
+    /// The value is less than the number: `<`.
     Less,
-    /// `<=`
+    /// The value is at most the number: `<=`.
     LessOrEqual,
-    /// `>`
+    /// The value is greater than the number: `>`.
     Greater,
-    /// `>=`
+    /// The value is at least the number: `>=`.
     GreaterOrEqual,
 }
 
@@ -51,7 +51,7 @@ impl ValueRelation {
 /// The programs in which a block is looked for.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ProgramFilter {
-    /// Every program.
+    /// The breakpoint applies to every program.
     Any,
     /// The program with this O number.
     Number(u16),
@@ -59,7 +59,7 @@ pub enum ProgramFilter {
     Listed(Vec<ProgramId>),
 }
 
-/// What stops a run.
+/// The kind of event that stops a run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BreakEvent {
     /// A block in this line begins.
@@ -72,13 +72,13 @@ pub enum BreakEvent {
     Alarm(Option<u16>),
     /// A message of the ladder appears: this one, or any.
     Message(Option<u16>),
-    /// A tool touches what it must not touch.
+    /// A tool collides with the part or the lathe.
     Collision,
     /// A pass of a cycle begins.
     Pass,
     /// This number of milliseconds since power-on is reached.
     Tick(u64),
-    /// A value changes.
+    /// The value of this target changes.
     Change(WatchTarget),
     /// A comparison of a value with a number becomes true.
     Comparison(WatchTarget, ValueRelation, f64),
@@ -89,7 +89,7 @@ pub enum BreakEvent {
 pub struct BreakLocation {
     /// The text as it was written.
     pub text: String,
-    /// What stops the run.
+    /// The event that stops the run.
     pub event: BreakEvent,
     /// The run stops only if this comparison holds, or this formula is not 0.
     pub condition: Option<WatchFormula>,

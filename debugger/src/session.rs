@@ -9,48 +9,48 @@ use crate::breakpoints::{BreakHit, BreakpointSet};
 use crate::debugged_run::{DebuggedRun, RunProgress};
 use crate::history::StateHistory;
 
-/// How far a session runs.
+/// The distance that a debugging session runs before it stops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DebugStep {
-    /// To the next breakpoint.
+    /// Runs to the next breakpoint.
     Continue,
-    /// To the next block, in a called program too.
+    /// Runs to the next block, in a called program too.
     Into,
-    /// To the next block of this program or of its caller.
+    /// Runs to the next block of this program or of its caller.
     Over,
-    /// To the next block of the caller.
+    /// Runs to the next block of the caller.
     Out,
-    /// To the next pass of a cycle, or to the next block of this program or of its caller.
+    /// Runs to the next pass of a cycle, or to the next block of this program or of its caller.
     Pass,
-    /// By one tick.
+    /// Runs for one tick (1 ms).
     Tick,
 }
 
 /// Events that stop a session without a breakpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StopFilter {
-    /// Alarms stop the session.
+    /// Whether alarms stop the session.
     pub alarms: bool,
-    /// Messages of the ladder stop the session.
+    /// Whether messages of the ladder stop the session.
     pub messages: bool,
-    /// Collisions of the part stop the session.
+    /// Whether collisions of the part stop the session.
     pub collisions: bool,
 }
 
-/// Why a session has stopped.
+/// The reason for which a debugging session has stopped.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StopReason {
-    /// Before the first block.
+    /// The session has stopped before the first block.
     Entry,
-    /// A step has ended.
+    /// The requested step has ended.
     Step,
-    /// Breakpoints were hit.
+    /// These breakpoints were hit.
     Breakpoint(Vec<BreakHit>),
-    /// The control raised an alarm.
+    /// The control has raised this alarm.
     Alarm(Alarm),
-    /// The ladder shows a message.
+    /// The ladder shows this message.
     Message(Alarm),
-    /// A tool has hit something.
+    /// A tool has collided as described.
     Collision(CollisionFinding),
     /// The program waits for cycle start: M00.
     ProgramStop,
@@ -67,10 +67,10 @@ enum RunGoal {
     Block { program: ProgramId, line: u32 },
 }
 
-/// A program under a debugger.
+/// A debugging session of a program.
 pub struct DebugSession {
     run: DebuggedRun,
-    /// The breakpoints.
+    /// The breakpoints of the session.
     pub breakpoints: BreakpointSet,
     /// The events that stop the session without a breakpoint.
     pub filter: StopFilter,
@@ -170,7 +170,8 @@ impl DebugSession {
         None
     }
 
-    /// Why the tick that has just passed stops the session; `None` if it does not.
+    /// Returns the reason for which the tick that has just passed stops the session; `None` if it
+    /// does not.
     fn find_stop(&mut self, collisions: &[CollisionFinding]) -> Option<StopReason> {
         let simulation = self.run.simulation();
         let hits = self

@@ -14,7 +14,7 @@ use crate::watch::{WatchTarget, WatchedValue};
 /// The values of a trace for which none are chosen: axes, spindle, feed, line.
 pub const DEFAULT_SIGNALS: &str = "XM,ZM,X,Z,feed,spindle,angle,line";
 
-/// The format of a trace.
+/// The file format of a trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TraceFormat {
     /// A line of text for each tick.
@@ -57,11 +57,11 @@ pub fn parse_signals(text: &str) -> Result<Vec<WatchTarget>, Message> {
     Ok(targets)
 }
 
-/// A format's part of a trace.
+/// Writes a trace in one format.
 trait TraceSink {
     /// Writes the values of a tick, `time_ms` after the begin of the trace.
     fn write_tick(&mut self, time_ms: u64, values: &[WatchedValue]) -> io::Result<()>;
-    /// Writes what follows the last tick.
+    /// Writes the end of the trace, after the last tick.
     fn finish(&mut self) -> io::Result<()>;
 }
 
@@ -118,9 +118,9 @@ impl TraceWriter {
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum TraceError {
-    /// A VCD trace was to hold this text.
+    /// A watched value is this text, which a VCD trace cannot contain.
     TextInBits(String),
-    /// The output reports an error.
+    /// The output cannot be written.
     Output(#[from] io::Error),
 }
 

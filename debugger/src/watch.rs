@@ -26,13 +26,13 @@ pub enum WatchedCoordinates {
 /// A column of the offset table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WatchedColumn {
-    /// X offset, mm.
+    /// The X offset of the tool, mm.
     X,
-    /// Z offset, mm.
+    /// The Z offset of the tool, mm.
     Z,
-    /// Nose radius, mm.
+    /// The nose radius of the tool, mm.
     Radius,
-    /// Number of the nose direction.
+    /// The number of the nose direction of the tool.
     Tip,
 }
 
@@ -43,9 +43,9 @@ pub enum ModalWord {
     G,
     /// The last M code.
     M,
-    /// The F word.
+    /// The F word (feed rate) in force.
     F,
-    /// The S word.
+    /// The S word (spindle speed) in force.
     S,
     /// Tool and offset number, as four digits.
     T,
@@ -90,7 +90,7 @@ const POSITIONS: [(&str, WatchedCoordinates, Axis); 6] = [
     ("ZM", WatchedCoordinates::Machine, Axis::Z),
 ];
 
-/// What a target reads.
+/// The source of the value of a watch target.
 #[derive(Clone, Debug, PartialEq)]
 enum WatchSource {
     /// A variable that the variable page lists, or a local one.
@@ -123,14 +123,14 @@ pub struct WatchTarget {
     source: WatchSource,
 }
 
-/// The value of a target.
+/// The value of a watch target.
 #[derive(Clone, Debug, PartialEq)]
 pub enum WatchedValue {
-    /// A number.
+    /// The value is a number.
     Number(f64),
     /// A bit of PLC memory or of a parameter.
     Bit(bool),
-    /// A text: G codes.
+    /// The value is a text, such as a list of G codes.
     Text(String),
     /// Null: a variable without a value.
     Null,

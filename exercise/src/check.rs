@@ -16,21 +16,21 @@ use crate::task::ExerciseTask;
 /// Begins the comment in a wrong solution that names the criteria which it does not meet.
 const FAILS: &str = "# fails:";
 
-/// Name of the script that gets all points.
+/// Name of the file with the script that reaches all points.
 pub const REFERENCE_SCRIPT: &str = "reference.txt";
-/// Name of the recording that gets all points.
+/// Name of the file with the recording that reaches all points.
 pub const REFERENCE_RECORDING: &str = "reference.gskrec";
 
-/// A solution beside the file of a task.
+/// A solution in the folder of a task: a script or a recording.
 #[derive(Clone, Debug)]
 pub struct SolutionFile {
     /// Name of the file, as `wrong-1.txt`.
     pub name: String,
-    /// What it contains.
+    /// The script or recording in the file.
     pub content: SolutionContent,
 }
 
-/// The content of a solution.
+/// The content of a solution file: a script or a recording.
 #[derive(Clone, Debug)]
 pub enum SolutionContent {
     /// An operator script.
@@ -83,20 +83,21 @@ impl SolutionFile {
     }
 }
 
-/// The result of a check.
+/// The result of checking a task with its solutions.
 #[derive(Clone, Debug, Default)]
 pub struct TaskCheck {
     /// The report of each solution that could be judged, by the name of its file.
     pub reports: Vec<(String, ExerciseReport)>,
-    /// What the author should know, but what is no fault.
+    /// Notes for the author that are not faults of the task.
     pub notes: Vec<Message>,
-    /// What is wrong with the task or its solutions.
+    /// Faults of the task or of its solutions; empty if the task can be used.
     pub faults: Vec<Message>,
 }
 
-/// Records and judges a solution.
+/// Plays and judges the script of a solution.
 ///
 /// # Errors
+///
 /// The script cannot be played, or its recording is refused.
 pub fn judge_script(task: &ExerciseTask, text: &str) -> Result<ExerciseReport, Message> {
     let script = SolutionScript::read(text)?;
@@ -104,7 +105,8 @@ pub fn judge_script(task: &ExerciseTask, text: &str) -> Result<ExerciseReport, M
     judge(task, &recording).map_err(|error| error.message())
 }
 
-/// Replays a recording and returns the half section of the part; `None` without a part.
+/// Replays a recording and returns the half section of the part that it makes; `None` if the task
+/// has no part.
 fn replay_part(task: &ExerciseTask, recording: &[u8]) -> Result<Option<Region>, JudgeError> {
     let start = task.create_start().map_err(JudgeError::Start)?;
     let end = replay_solution(start, (), recording)?.end;
@@ -113,7 +115,7 @@ fn replay_part(task: &ExerciseTask, recording: &[u8]) -> Result<Option<Region>, 
     Ok(machining.map(|it| it.scene().part().section().clone()))
 }
 
-/// Plays the solutions of a task.
+/// Plays all solutions of a task and reports its faults.
 pub fn check_task(task: &ExerciseTask, solutions: &[SolutionFile]) -> TaskCheck {
     let stop_keys = task.unlisted_stop_keys.join(" ");
     let note = (!stop_keys.is_empty()).then(|| say::exercise_stop_keys_stay(stop_keys));
@@ -170,7 +172,8 @@ fn check_wrong(solution: &SolutionFile, report: &ExerciseReport) -> Option<Messa
         .then(|| say::exercise_fails_otherwise(list(&stated), list(&unmet)))
 }
 
-/// Judges a learner who does nothing: he gets no points, and shows which demands can fail.
+/// Judges a solution without any input. Adds the criteria that it fails to `failed`, and a fault if
+/// it gets points.
 fn check_idle(task: &ExerciseTask, failed: &mut BTreeSet<String>, faults: &mut Vec<Message>) {
     match judge_script(task, "wait 1s") {
         Ok(report) => {

@@ -10,14 +10,14 @@ use crate::criterion::{
     CriterionRule, ExerciseCriterion, MachineCondition, PartDimension, PartSurface, TolerancedSize,
 };
 
-/// Greatest dimension of a part, mm, and greatest angle, degrees.
+/// Greatest dimension of a part, mm, and greatest angle, degrees, that a task file may contain.
 const MAX_SIZE: f64 = 5000.0;
-/// Greatest number of points of a criterion.
+/// Greatest number of points that one criterion may give.
 const MAX_POINTS: u32 = 1000;
-/// Longest time in a task, s: ten hours.
+/// Longest time that a task file may contain, s: ten hours.
 pub(crate) const MAX_TIME_S: f64 = 36_000.0;
 
-/// A criterion as written in the file.
+/// A criterion as written in the task file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct CriterionFile {
@@ -28,7 +28,7 @@ pub(crate) struct CriterionFile {
     rule: RuleFile,
 }
 
-/// The surface of a dimension as written in the file.
+/// The surface of a dimension, outside or bore, as written in the task file.
 #[derive(Clone, Copy, Default, Deserialize)]
 enum SurfaceFile {
     #[default]
@@ -36,24 +36,24 @@ enum SurfaceFile {
     Bore,
 }
 
-/// A dimension with a position along the part, as written in the file.
+/// A dimension at a position along the part, as written in the task file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SizeAtZ {
     /// Distance from the front of the part, mm.
     z: f64,
     size: f64,
-    /// Upper and lower deviation.
+    /// Upper and lower deviation from the nominal size, mm or degrees.
     tolerance: (f64, f64),
     #[serde(default)]
     surface: SurfaceFile,
 }
 
-/// A length as written in the file.
+/// A length from the front of the part, as written in the task file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct LengthFile {
-    /// The diameter at which the face is measured, mm.
+    /// Diameter at which the position of the face is measured, mm.
     diameter: f64,
     size: f64,
     tolerance: (f64, f64),
@@ -69,7 +69,7 @@ struct VariableFile {
     to: f64,
 }
 
-/// The rule of a criterion as written in the file.
+/// The rule of a criterion as written in the task file.
 #[derive(Deserialize)]
 enum RuleFile {
     Diameter(SizeAtZ),
@@ -97,10 +97,11 @@ enum RuleFile {
     RepairedWhile(Vec<String>),
 }
 
-/// Checks a criterion of the file.
+/// Checks a criterion of the task file and returns it.
 ///
 /// # Errors
-/// The rule that is broken.
+///
+/// The message names the rule that the criterion breaks.
 pub(crate) fn read_criterion(raw: CriterionFile) -> Result<ExerciseCriterion, Message> {
     let is_word = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
     if raw.id.is_empty() || !raw.id.chars().all(is_word) {
@@ -120,7 +121,11 @@ pub(crate) fn read_criterion(raw: CriterionFile) -> Result<ExerciseCriterion, Me
     })
 }
 
-/// Refuses a text that is empty in one of the languages.
+/// Checks that a text is not empty in either language.
+///
+/// # Errors
+///
+/// A language is missing.
 pub(crate) fn check_text(text: &LessonText) -> Result<(), Message> {
     match text.zh.trim().is_empty() || text.en.trim().is_empty() {
         true => Err(say::lesson_text_missing()),
@@ -128,7 +133,11 @@ pub(crate) fn check_text(text: &LessonText) -> Result<(), Message> {
     }
 }
 
-/// Reads the name of a fault of the lathe.
+/// Parses the name of a lathe fault.
+///
+/// # Errors
+///
+/// The name is unknown.
 pub(crate) fn read_fault(name: &str) -> Result<LatheFault, Message> {
     LatheFault::from_name(name).ok_or_else(|| {
         let names = LatheFault::ALL.map(|(name, _)| name);
@@ -208,7 +217,11 @@ fn read_groups(groups: &[Vec<String>]) -> Result<Vec<Vec<MachineCondition>>, Mes
     groups.collect()
 }
 
-/// Converts a time of the file to ms.
+/// Converts a time of the task file from s to ms.
+///
+/// # Errors
+///
+/// The time is below 1 s or above ten hours.
 pub(crate) fn read_time_ms(seconds: f64) -> Result<u64, Message> {
     match (1.0..=MAX_TIME_S).contains(&seconds) {
         true => Ok((seconds * 1000.0) as u64),
@@ -270,7 +283,7 @@ fn read_conditions(texts: &[String]) -> Result<Vec<MachineCondition>, Message> {
     conditions.collect()
 }
 
-/// Whether an expectation is about the LCD, from which no mark may come.
+/// Whether an expectation checks the LCD; criteria must not depend on the LCD.
 fn reads_screen(expectation: &Expectation) -> bool {
     match expectation {
         Expectation::Row(..)

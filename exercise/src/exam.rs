@@ -9,8 +9,8 @@ const MIN_PIN_DIGITS: usize = 4;
 /// Greatest number of digits of a PIN.
 const MAX_PIN_DIGITS: usize = 12;
 
-/// The instructor's PIN as it is stored: a salted hash. Someone who reads the file can try all
-/// PINs: it keeps out a learner at the window only.
+/// The instructor's PIN, stored as a salted hash. All PINs can be tried by reading the file: the
+/// PIN only protects against the learner at the window.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ExamPin {
@@ -19,7 +19,8 @@ pub struct ExamPin {
 }
 
 impl ExamPin {
-    /// Stores a PIN; `None` if it is not 4 to 12 digits. `salt` is a random number.
+    /// Creates the hash of a PIN; `None` if the PIN is not 4 to 12 digits. `salt` is a random
+    /// number.
     pub fn new(pin: &str, salt: u64) -> Option<Self> {
         Self::is_valid(pin).then(|| Self {
             salt,
@@ -27,13 +28,13 @@ impl ExamPin {
         })
     }
 
-    /// Returns whether a text can be a PIN: 4 to 12 digits.
+    /// Returns whether a text has the form of a PIN: 4 to 12 digits.
     pub fn is_valid(pin: &str) -> bool {
         let is_long = (MIN_PIN_DIGITS..=MAX_PIN_DIGITS).contains(&pin.len());
         is_long && pin.bytes().all(|byte| byte.is_ascii_digit())
     }
 
-    /// Returns whether this is the PIN.
+    /// Returns whether `pin` is the stored PIN.
     pub fn is(&self, pin: &str) -> bool {
         hash_pin(pin, self.salt) == self.hash
     }
@@ -47,47 +48,47 @@ fn hash_pin(pin: &str, salt: u64) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// What happened during an exam besides the work at the machine.
+/// What happened during an exam apart from the work: pauses, interruptions and wrong PINs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ExamNote {
-    /// How often the instructor has paused it.
+    /// Number of pauses by the instructor.
     pub pauses: u32,
-    /// How often the program was closed or stopped before the end, and continued.
+    /// Number of times the program was closed or stopped before the end of the exam, and continued.
     pub interruptions: u32,
-    /// How often a wrong PIN was entered.
+    /// Number of wrong PINs that were entered.
     pub wrong_pins: u32,
 }
 
 impl ExamNote {
-    /// Returns the note as a message.
+    /// Returns the pauses, interruptions and wrong PINs as a message.
     pub fn message(&self) -> Message {
         say::exam_note(self.pauses, self.interruptions, self.wrong_pins)
     }
 }
 
-/// An exam of one learner, and how far it has come.
+/// An exam of one learner, with its progress.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Exam {
     /// Name of the learner.
     pub learner: String,
-    /// Names of the exercises, in their order.
+    /// Names of the exercises of the exam, in their order.
     pub tasks: Vec<String>,
-    /// The PIN that pauses, continues and ends it.
+    /// The PIN with which the instructor pauses, continues and ends the exam.
     pub pin: ExamPin,
-    /// Number of exercises that are handed in.
+    /// Number of exercises that the learner has handed in.
     pub done: usize,
-    /// Whether the instructor has paused it.
+    /// Whether the instructor has paused the exam.
     pub is_paused: bool,
-    /// Whether it has ended.
+    /// Whether the exam has ended.
     pub is_over: bool,
-    /// What happened so far.
+    /// Pauses, interruptions and wrong PINs so far.
     pub note: ExamNote,
 }
 
 impl Exam {
-    /// Starts an exam.
+    /// Creates an exam at its first exercise.
     pub const fn new(learner: String, tasks: Vec<String>, pin: ExamPin) -> Self {
         Self {
             learner,
@@ -110,14 +111,14 @@ impl Exam {
         task.map(String::as_str)
     }
 
-    /// Compares a PIN, and notes a wrong one.
+    /// Returns whether `pin` is the PIN of the exam, and counts a wrong one.
     pub fn accepts(&mut self, pin: &str) -> bool {
         let is_right = self.pin.is(pin);
         self.note.wrong_pins += u32::from(!is_right);
         is_right
     }
 
-    /// Pauses the exam, or continues it.
+    /// Pauses the exam (`true`) or continues it (`false`).
     pub const fn set_paused(&mut self, is_paused: bool) {
         if is_paused && !self.is_paused {
             self.note.pauses += 1;
@@ -139,10 +140,11 @@ impl Exam {
         ron::ser::to_string_pretty(self, ron::ser::PrettyConfig::default()).map_err(say::as_written)
     }
 
-    /// Reads an exam.
+    /// Reads an exam from its text.
     ///
     /// # Errors
-    /// The line, and why it cannot be read.
+    ///
+    /// The text cannot be read; the message names the line and the reason.
     pub fn from_text(text: &str) -> Result<Self, Message> {
         ron::from_str(text)
             .map_err(|wrong| say::in_line(wrong.span.start.line, say::as_written(wrong.code)))

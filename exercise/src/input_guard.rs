@@ -5,8 +5,9 @@ use gsk_history::machine_part::{CRASH_FAULTS, PartInput};
 use gsk_history::moment::HistoryInput;
 use gsk_panel::emulator::EmulatorInput;
 
-/// Returns whether a learner can make the input at the machine: keys, handwheel, power, new
-/// stock, the repair of a fault. `after_collision`: a collision has set its faults in this tick.
+/// Returns whether a learner can make this input at the machine: keys, handwheel, power, new stock,
+/// the repair of a fault. `after_collision` is true if a collision in the same tick has set its
+/// faults.
 pub fn is_by_operator(input: &HistoryInput, after_collision: bool) -> bool {
     match input {
         HistoryInput::Machine(input) => match input {

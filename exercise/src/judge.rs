@@ -17,7 +17,7 @@ pub use crate::solution_replay::JudgeError;
 use crate::solution_replay::{ReplayedSolution, SlicedSolution, SolutionFollower, replay_solution};
 use crate::task::ExerciseTask;
 
-/// Interval between two checks of the conditions, ticks.
+/// Time between two checks of the conditions, ticks of 1 ms.
 const CHECK_INTERVAL_TICKS: u64 = 20;
 
 /// Judges a recording.
@@ -75,7 +75,7 @@ impl SlicedJudging {
     }
 }
 
-/// Follows one solution and gives its points.
+/// Observes the machine during one solution and decides which criteria are met.
 #[derive(Clone, Debug)]
 pub struct SolutionJudge<T> {
     task: T,
@@ -85,17 +85,17 @@ pub struct SolutionJudge<T> {
     is_over: bool,
 }
 
-/// What the conditions of a criterion have shown so far.
+/// How far the conditions of one criterion have been met.
 #[derive(Clone, Debug, Default)]
 struct ConditionProgress {
-    /// Number of groups that have held, in their order.
+    /// Number of groups of conditions that have held one after another.
     held_groups: usize,
-    /// The moment at which the criterion was decided.
+    /// Moment and value that decided the criterion; `None` while it is undecided.
     decided: Option<MarkEvidence>,
 }
 
 impl<T: Deref<Target = ExerciseTask>> SolutionJudge<T> {
-    /// Starts at the start state of the task.
+    /// Creates a judge for a solution that begins in the start state `start` of the task.
     pub fn new(task: T, start: &MachineMoment) -> Self {
         let mut judge = Self {
             start_tick: start.ticks(),
@@ -108,12 +108,12 @@ impl<T: Deref<Target = ExerciseTask>> SolutionJudge<T> {
         judge
     }
 
-    /// Returns whether the time limit is exceeded.
+    /// Returns whether the time limit of the task is exceeded.
     pub const fn is_over(&self) -> bool {
         self.is_over
     }
 
-    /// Notes an input before it acts.
+    /// Checks an input of the learner before the machine executes it.
     fn note_input(&mut self, moment: &MachineMoment, recorded: &RecordedInput) {
         let repairs = self.log.repairs.len();
         self.log.before_input(moment, &recorded.input);
@@ -122,7 +122,7 @@ impl<T: Deref<Target = ExerciseTask>> SolutionJudge<T> {
         }
     }
 
-    /// Follows a tick.
+    /// Checks the conditions after a tick of the machine; `collision` is the first collision in it.
     fn follow_tick(&mut self, moment: &MachineMoment, collision: Option<&CollisionFinding>) {
         self.log.after_tick(moment, collision);
         let duration = moment.ticks().saturating_sub(self.start_tick);
@@ -157,7 +157,7 @@ impl<T: Deref<Target = ExerciseTask>> SolutionJudge<T> {
         }
     }
 
-    /// Notes a repair in a state that a criterion forbids.
+    /// Records a repair that was made in a state that a criterion forbids.
     fn check_repair(&mut self, moment: &MachineMoment) {
         let criteria = self.task.criteria.iter().zip(&mut self.watches);
         for (criterion, watch) in criteria.filter(|(_, watch)| watch.decided.is_none()) {
@@ -169,7 +169,7 @@ impl<T: Deref<Target = ExerciseTask>> SolutionJudge<T> {
         }
     }
 
-    /// Gives the points when the solution has ended in a state.
+    /// Ends the solution in the machine state `end` and returns its report.
     pub fn finish(mut self, end: &MachineMoment) -> ExerciseReport {
         self.check_conditions(end);
         let task = &*self.task;
@@ -313,7 +313,7 @@ impl<T: Deref<Target = ExerciseTask>> SolutionJudge<T> {
         }
     }
 
-    /// Returns the result of a criterion whose conditions were not reached, with the first one
+    /// Returns the verdict of a criterion whose conditions were not met, with the first condition
     /// that does not hold at the end.
     fn not_reached(
         &self,
@@ -354,7 +354,7 @@ fn all_hold(conditions: &[MachineCondition], moment: &MachineMoment) -> bool {
     conditions.all(|condition| condition.expectation.check(&moment.emulator).is_ok())
 }
 
-/// The message about the first condition that does not hold; `None` if all hold.
+/// Returns a message about the first condition that does not hold; `None` if all hold.
 fn first_unmet(conditions: &[MachineCondition], moment: &MachineMoment) -> Option<Message> {
     conditions.iter().find_map(|condition| {
         let unmet = condition.expectation.check(&moment.emulator).err()?;

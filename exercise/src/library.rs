@@ -8,7 +8,7 @@ macro_rules! exercises {
     };
 }
 
-/// Names and texts of the built-in tasks, in the order in which a learner takes them.
+/// Names and texts of the built-in tasks, in the recommended order.
 pub static EXERCISES: &[(&str, &str)] = exercises![
     "01-reference",
     "02-jog",

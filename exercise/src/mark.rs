@@ -11,52 +11,52 @@ use crate::result_file::{ExerciseResult, read_result};
 use crate::seal::KeyNumber;
 use crate::task::{ExerciseTask, TaskHash};
 
-/// The mark of one result.
+/// The mark of one result file.
 #[derive(Clone, Debug)]
 pub struct ResultMark {
-    /// Name of the file.
+    /// Name of the result file.
     pub file: String,
     /// Name of the learner, as the result states it.
     pub learner: String,
     /// Name of the task, as the result states it.
     pub task: String,
-    /// The points that the result claims.
+    /// Points that the result file claims.
     pub claimed_points: u32,
-    /// Points that the hints cost.
+    /// Points that are deducted for hints that the learner read.
     pub hint_cost: u32,
-    /// What happened during the exam; `None` if it was none.
+    /// Pauses, interruptions and wrong PINs of the exam; `None` if the result is not from an exam.
     pub exam: Option<ExamNote>,
-    /// The report of the replay; `None` if the recording was refused.
+    /// Report of the replayed recording; `None` if the recording was refused.
     pub report: Option<ExerciseReport>,
-    /// Number of the key that sealed the result; `None` if it is no result.
+    /// Number of the key that sealed the result; `None` if the file is not a result.
     pub key: Option<KeyNumber>,
-    /// Hash of the recording, by which copies are found.
+    /// Hash of the recording, which is equal in copies; `None` if the file is not a result.
     recording_hash: Option<TaskHash>,
-    /// Greatest number of results of a learner.
+    /// Number of results that a learner may hand in for the task.
     attempts: u32,
-    /// Why the result is not what it claims; empty if it is.
+    /// Reasons why the result is suspect; empty if it is as claimed.
     pub flags: Vec<Message>,
 }
 
 impl ResultMark {
-    /// Returns the points of the replay without the cost of the hints; 0 if the recording was
-    /// refused.
+    /// Returns the points of the replayed recording before the deduction for hints; 0 if the
+    /// recording was refused.
     pub fn points(&self) -> u32 {
         let points = self.report.as_ref().map_or(0, |report| report.points);
         points.saturating_sub(self.hint_cost)
     }
 
-    /// Returns the greatest number of points; 0 if the recording was refused.
+    /// Returns the greatest number of points of the task; 0 if the recording was refused.
     pub fn max_points(&self) -> u32 {
         self.report.as_ref().map_or(0, |report| report.max_points)
     }
 
-    /// Returns the hash of the recording; `None` if the file is no result.
+    /// Returns the hash of the recording; `None` if the file is not a result.
     pub(crate) const fn recording_hash(&self) -> Option<TaskHash> {
         self.recording_hash
     }
 
-    /// Creates the mark of a file that cannot be marked.
+    /// Creates the mark of a file that cannot be marked, with the reason.
     pub fn refused(file: &str, flag: Message) -> Self {
         Self {
             file: file.to_owned(),
@@ -74,7 +74,7 @@ impl ResultMark {
     }
 }
 
-/// Marks one result. `tasks` are the tasks that it may belong to.
+/// Marks one result file. `tasks` are the tasks to which it may belong.
 pub fn mark_result(file: &str, bytes: &[u8], tasks: &[ExerciseTask]) -> ResultMark {
     match read_result(bytes) {
         Ok(result) => mark_read(file, result, tasks),
@@ -131,8 +131,7 @@ fn mark_read(file: &str, result: ExerciseResult, tasks: &[ExerciseTask]) -> Resu
     mark
 }
 
-/// Flags what only a comparison of all results shows: copies, and results beyond the permitted
-/// attempts.
+/// Flags what only a comparison of all marks shows: copies, and more results than permitted.
 pub fn flag_repetitions(marks: &mut [ResultMark]) {
     let mut recordings: BTreeMap<String, String> = BTreeMap::new();
     let mut attempts: BTreeMap<(String, String), u32> = BTreeMap::new();

@@ -6,8 +6,8 @@ use gsk_workpiece::region::Region;
 
 use crate::part_size::nominal_front;
 
-/// Writes the outline of a finished part as the field `outline` of a task, for its author. The
-/// uncut end of the part is left out.
+/// Writes the outline of a finished part as the field `outline` of a task file. The uncut end of
+/// the part is left out.
 pub fn write_outline(section: &Region) -> String {
     let outside = measure_features(section, SectionSide::Outside);
     let bore = measure_features(section, SectionSide::Inside);

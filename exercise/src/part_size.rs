@@ -7,16 +7,17 @@ use crate::criterion::{CriterionRule, PartDimension, PartSurface, TolerancedSize
 use crate::outline::locate;
 use crate::task::ExerciseTask;
 
-/// A dimension of the drawing, and its size on the part.
+/// A dimension of the drawing with its measured size on the part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasuredSize {
-    /// Index of the criterion in the task.
+    /// Index in the task of the criterion to which the dimension belongs.
     pub criterion: usize,
-    /// The dimension.
+    /// Kind and position of the dimension.
     pub dimension: PartDimension,
-    /// The size on the drawing.
+    /// The size on the drawing with its limits, mm or degrees.
     pub size: TolerancedSize,
-    /// The size on the part, mm or degrees; `None` if the part does not have the dimension.
+    /// The measured size on the part, mm or degrees; `None` if the part does not have the
+    /// dimension.
     pub measured: Option<f64>,
 }
 
@@ -43,11 +44,11 @@ pub fn measure_sizes(task: &ExerciseTask, section: &Region) -> Vec<MeasuredSize>
     sizes.collect()
 }
 
-/// Greatest difference from the drawing of a cylinder whose width is shown, mm in diameter.
+/// Greatest difference in diameter between part and drawing at which a cylinder counts as made, mm.
 const MADE_TOLERANCE: f64 = 0.5;
 
-/// Whether the surface of a width is on the part: before a groove is cut, the uncut cylinder is at
-/// its position. Without a drawing every cylinder counts.
+/// Whether the cylinder whose width is measured exists on the part: before a groove is cut, the
+/// uncut cylinder is at its position. Without a drawing every cylinder counts.
 fn is_made(task: &ExerciseTask, section: &Region, dimension: &PartDimension) -> bool {
     let (PartDimension::Width { z, surface }, Some(outline)) = (*dimension, &task.outline) else {
         return true;
@@ -60,8 +61,8 @@ fn is_made(task: &ExerciseTask, section: &Region, dimension: &PartDimension) -> 
         .is_none_or(|(drawn, measured)| (drawn - measured).abs() <= MADE_TOLERANCE)
 }
 
-/// Returns the size of a dimension on a half section, mm or degrees; `None` if the part does not
-/// have it.
+/// Measures a dimension on a half section, mm or degrees; returns `None` if the part does not have
+/// it.
 pub fn measure_dimension(section: &Region, dimension: &PartDimension) -> Option<f64> {
     let front = front_z(&measure_features(section, SectionSide::Outside))?;
     let features = |surface: PartSurface| {
@@ -111,17 +112,17 @@ pub fn measure_dimension(section: &Region, dimension: &PartDimension) -> Option<
     }
 }
 
-/// The value if the position is between both ends.
+/// Returns `value` if `position` is between both ends, else `None`.
 fn contains(ends: (f64, f64), position: f64, value: f64) -> Option<f64> {
     let (low, high) = (ends.0.min(ends.1), ends.0.max(ends.1));
     (low..=high).contains(&position).then_some(value)
 }
 
-/// Greatest height of what a tool that does not cross the axis leaves on the front face, mm.
+/// Greatest height of the pip that a tool leaves at the axis of the front face, mm.
 const MAX_PIP: f64 = 0.2;
 
-/// Returns the front face as a drawing has it: the number of features before it, which are a pip
-/// that the tool has left at the axis, and its z. `features` are those of the outside.
+/// Returns the front face as on a drawing, without the pip that the tool leaves at the axis: the
+/// number of features of the pip, and z of the face, mm. `features` are those of the outside.
 pub(crate) fn nominal_front(features: &[Feature]) -> (usize, f64) {
     let Some(front) = front_z(features) else {
         return (0, 0.0);
@@ -137,7 +138,8 @@ pub(crate) fn nominal_front(features: &[Feature]) -> (usize, f64) {
     face.unwrap_or((0, front))
 }
 
-/// Z of the front end of the part, from the features of its outside.
+/// Returns z of the front end of the part, mm, from the features of its outside; `None` if there
+/// are none.
 pub(crate) fn front_z(features: &[Feature]) -> Option<f64> {
     features.first().map(|first| match *first {
         Feature::Face { z, .. } => z,

@@ -18,7 +18,7 @@ use gsk_runner::machining::live_part::running_block;
 
 use crate::report::{MarkEvidence, RefusedPresses};
 
-/// A repaired fault and the moment of the repair.
+/// A fault of the lathe that was repaired, with the moment of the repair.
 #[derive(Clone, Debug)]
 pub struct FaultRepair {
     /// The repaired fault.
@@ -27,40 +27,41 @@ pub struct FaultRepair {
     pub evidence: MarkEvidence,
 }
 
-/// What has happened so far, as far as a criterion can depend on it.
+/// The events of a solution on which criteria depend, such as the first collision.
 #[derive(Clone, Debug, Default)]
 pub struct ProcedureLog {
     start_tick: u64,
-    /// X and Z offsets at the start, by number.
+    /// X and Z of each tool offset at the start, by offset number, mm.
     start_offsets: BTreeMap<u8, (f64, f64)>,
     part_version: Option<u64>,
     was_running: bool,
-    /// Alarms of the last tick.
+    /// Numbers of the alarms that were active after the last tick.
     active_alarms: BTreeSet<u16>,
-    /// The first start of a program.
+    /// Moment of the first start of a program; `None` before it.
     pub first_start: Option<MarkEvidence>,
-    /// The first start of a program with an axis that was not referenced.
+    /// Moment of the first program start with an axis that was not referenced; `None` without one.
     pub unreferenced_start: Option<MarkEvidence>,
-    /// The first end of a program under machine lock.
+    /// Moment of the first end of a program under machine lock; `None` without one.
     pub trial: Option<MarkEvidence>,
-    /// The first cut in automatic operation.
+    /// Moment of the first cut in automatic operation; `None` without one.
     pub first_cut: Option<MarkEvidence>,
-    /// For each tool offset in force: the first cut, and whether X and Z were measured before it.
+    /// For each tool offset in force during a cut: moment of the first cut, and whether X and Z
+    /// were measured before it.
     pub tool_cuts: BTreeMap<u8, (MarkEvidence, bool)>,
-    /// The first collision.
+    /// Moment of the first collision; `None` without one.
     pub crash: Option<MarkEvidence>,
-    /// The first alarm.
+    /// Moment of the first alarm; `None` without one.
     pub alarm: Option<MarkEvidence>,
-    /// The first cycle start while an alarm was active.
+    /// Moment of the first cycle start while an alarm was active; `None` without one.
     pub ignored_alarm: Option<MarkEvidence>,
-    /// The repairs, the first one first.
+    /// The repairs of faults, the first one first.
     pub repairs: Vec<FaultRepair>,
-    /// Presses of keys that the task has refused.
+    /// Key presses that the task has refused; `None` without any.
     pub refused: Option<RefusedPresses>,
 }
 
 impl ProcedureLog {
-    /// Starts at a machine.
+    /// Creates the log of a solution that begins with the machine state `start`.
     pub fn new(start: &MachineMoment) -> Self {
         let cnc = start.emulator.cnc();
         let offsets = (1..OFFSET_ROWS as u8).map(|number| (number, xz(cnc.offsets().get(number))));
@@ -73,7 +74,7 @@ impl ProcedureLog {
         }
     }
 
-    /// Returns the current moment as evidence.
+    /// Returns the current time and block as evidence for a verdict.
     pub fn evidence(&self, moment: &MachineMoment) -> MarkEvidence {
         let block = running_block(moment.emulator.simulation());
         MarkEvidence {
@@ -88,7 +89,7 @@ impl ProcedureLog {
         }
     }
 
-    /// Returns the current moment as evidence, with what was found.
+    /// Returns the current time and block as evidence, with a message about the cause.
     pub fn evidence_of(&self, moment: &MachineMoment, found: Message) -> MarkEvidence {
         MarkEvidence {
             found: Some(found),
@@ -96,7 +97,7 @@ impl ProcedureLog {
         }
     }
 
-    /// Notes an input before it acts.
+    /// Records an input before the machine executes it.
     pub fn before_input(&mut self, moment: &MachineMoment, input: &HistoryInput) {
         if let HistoryInput::Machine(EmulatorInput::Key(event)) = input {
             self.note_refusal(moment, *event);
@@ -133,7 +134,7 @@ impl ProcedureLog {
         refused.count += 1;
     }
 
-    /// Notes what a tick has changed.
+    /// Records what has changed in a tick; `collision` is the first collision in it.
     pub fn after_tick(&mut self, moment: &MachineMoment, collision: Option<&CollisionFinding>) {
         let cnc = moment.emulator.cnc();
         if let Some(collision) = collision.filter(|_| self.crash.is_none()) {

@@ -15,69 +15,71 @@ use crate::exam::ExamNote;
 use crate::report::ExerciseReport;
 use crate::seal::{KeyNumber, SealKey, SealPublicKey};
 
-/// Extension of the file of a result.
+/// File extension of a result.
 pub const RESULT_EXTENSION: &str = "gskresult";
-/// First bytes of a result.
+/// First bytes of a result file, by which it is recognized.
 const MAGIC: &[u8] = b"GSK980TD exercise result 1\n";
-/// First bytes of the seal.
+/// First bytes of the seal in a result file.
 const SEAL_START: &[u8] = b"untrusted comment: ";
-/// Greatest size of a recording, bytes.
+/// Greatest size of a recording in a result file, bytes.
 const MAX_RECORDING_BYTES: usize = 256 * 1024 * 1024;
-/// Greatest size of the head, bytes.
+/// Greatest size of the head of a result file, bytes.
 const MAX_HEAD_BYTES: usize = 1024 * 1024;
-/// Effort of the packer.
+/// Compression level of the recording, 0 (none) to 10 (smallest).
 const PACK_LEVEL: u8 = 6;
 
-/// What a result states about itself.
+/// The head of a result file: learner, claimed report and public key.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ResultHead {
-    /// Version of the program that made the result.
+    /// Version of the program that created the result.
     pub program: String,
     /// Name of the learner.
     pub learner: String,
     /// Numbers of the hints that the learner read, from 1.
     pub hints: Vec<u32>,
-    /// The report of the program that made the result.
+    /// The report that the program computed when it created the result.
     pub report: ExerciseReport,
-    /// What happened during the exam; `None` if it was none.
+    /// Pauses, interruptions and wrong PINs of the exam; `None` if the result is not from an exam.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub exam: Option<ExamNote>,
-    /// The public key of the seal, a line of base64.
+    /// The public key that verifies the seal, a line of base64.
     key: String,
-    /// Length of the packed recording, bytes.
+    /// Length of the compressed recording, bytes.
     recording_bytes: usize,
 }
 
-/// A result that was read. Its report is a claim until the recording is replayed.
+/// A result file that was read. Its report is a claim until the recording is replayed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExerciseResult {
-    /// What the result states about itself.
+    /// Learner, claimed report and public key.
     pub head: ResultHead,
-    /// The recording, unpacked.
+    /// The recording of the solution, decompressed.
     pub recording: Vec<u8>,
-    /// Number of the key that sealed it.
+    /// Number of the key that sealed the result.
     pub key: KeyNumber,
-    /// Whether the seal covers the bytes of the file.
+    /// Whether the seal is valid for the bytes of the file.
     pub is_sealed: bool,
 }
 
-/// What a learner hands in besides the recording and its report.
+/// Data for a result file besides the recording and its report: learner, program version, hints and
+/// exam.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ResultAuthor {
-    /// Version of the program.
+    /// Version of the program that creates the result.
     pub program: String,
     /// Name of the learner.
     pub learner: String,
     /// Numbers of the hints that the learner read.
     pub hints: Vec<u32>,
-    /// What happened during the exam; `None` if it was none.
+    /// Pauses, interruptions and wrong PINs of the exam; `None` outside exams.
     pub exam: Option<ExamNote>,
 }
 
-/// Writes a result.
+/// Creates the bytes of a result file.
 ///
 /// # Errors
+///
 /// The report cannot be written as JSON.
 pub fn write_result(
     author: ResultAuthor,
@@ -107,10 +109,11 @@ pub fn write_result(
     Ok(bytes)
 }
 
-/// Reads a result.
+/// Reads a result file.
 ///
 /// # Errors
-/// The bytes are no result, or are damaged.
+///
+/// The bytes are not a result file, or are damaged.
 pub fn read_result(bytes: &[u8]) -> Result<ExerciseResult, Message> {
     let rest = bytes
         .strip_prefix(MAGIC)

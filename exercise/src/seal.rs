@@ -23,19 +23,19 @@ const TRUSTED_COMMENT: &str = "trusted comment: ";
 const SECRET_COMMENT: &str = "untrusted comment: GSK980TD exercise key, without a password";
 const PUBLIC_COMMENT: &str = "untrusted comment: minisign public key of GSK980TD exercise results";
 
-/// Algorithm of keys, and of signatures of the hash.
+/// Algorithm identifier of minisign keys: Ed25519.
 const KEY_ALGORITHM: [u8; 2] = *b"Ed";
 const HASHED_ALGORITHM: [u8; 2] = *b"ED";
 const CHECKSUM_ALGORITHM: [u8; 2] = *b"B2";
-/// No key derivation: the key has no password.
+/// Bytes of a key file that mean: no key derivation, because the key has no password.
 const NO_DERIVATION: [u8; 2] = [0, 0];
-/// Salt and two limits of the key derivation.
+/// Size of the salt and both limits of the key derivation in a key file, bytes.
 const DERIVATION_BYTES: usize = 32 + 8 + 8;
 const NUMBER_BYTES: usize = 8;
 const KEY_BYTES: usize = 32;
 const SIGNATURE_BYTES: usize = 64;
 
-/// Number of a key, as minisign shows it.
+/// Number that identifies a key, as minisign shows it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct KeyNumber([u8; NUMBER_BYTES]);
 
@@ -47,7 +47,7 @@ impl fmt::Display for KeyNumber {
     }
 }
 
-/// The key that seals results.
+/// The private key with which results are sealed.
 pub struct SealKey {
     number: KeyNumber,
     key: SigningKey,
@@ -59,7 +59,7 @@ impl fmt::Debug for SealKey {
     }
 }
 
-/// The key that verifies seals.
+/// The public key with which seals are verified.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SealPublicKey {
     number: KeyNumber,
@@ -67,7 +67,7 @@ pub struct SealPublicKey {
 }
 
 impl SealKey {
-    /// Creates a key from random bytes.
+    /// Creates a private key from random bytes and a random number.
     pub fn from_random(seed: &[u8; KEY_BYTES], number: [u8; NUMBER_BYTES]) -> Self {
         Self {
             number: KeyNumber(number),
@@ -75,12 +75,12 @@ impl SealKey {
         }
     }
 
-    /// Returns the number of the key.
+    /// Returns the number that identifies the key.
     pub const fn number(&self) -> KeyNumber {
         self.number
     }
 
-    /// Returns the key that verifies the seals of this key.
+    /// Returns the public key that verifies the seals of this key.
     pub fn public_key(&self) -> SealPublicKey {
         SealPublicKey {
             number: self.number,
@@ -88,7 +88,7 @@ impl SealKey {
         }
     }
 
-    /// Returns the file of the key, as minisign reads it.
+    /// Returns the private key as the text of a minisign key file.
     pub fn to_text(&self) -> String {
         let mut bytes = Vec::new();
         bytes.extend(KEY_ALGORITHM);
@@ -109,7 +109,8 @@ impl SealKey {
         hasher.finalize().into()
     }
 
-    /// Reads the file of a key; `None` if it is damaged or has a password.
+    /// Reads a private key from the text of a minisign key file; `None` if it is damaged or has a
+    /// password.
     pub fn from_text(text: &str) -> Option<Self> {
         let bytes = Base64::decode_vec(text.lines().nth(1)?.trim()).ok()?;
         let number_start = 6 + DERIVATION_BYTES;
@@ -129,7 +130,8 @@ impl SealKey {
         (checksum == key.checksum()).then_some(key)
     }
 
-    /// Returns the seal of some bytes. `comment` is a line that the seal covers, too.
+    /// Returns the seal (minisign signature) of `bytes`. `comment` is a line that the seal also
+    /// covers.
     pub fn seal(&self, bytes: &[u8], comment: &str) -> String {
         let signature = self.key.sign(&Blake2b512::digest(bytes));
         let mut first = Vec::new();
@@ -148,12 +150,12 @@ impl SealKey {
 }
 
 impl SealPublicKey {
-    /// Returns the number of the key.
+    /// Returns the number that identifies the key.
     pub const fn number(&self) -> KeyNumber {
         self.number
     }
 
-    /// Returns the key as minisign writes it: one line of base64.
+    /// Returns the public key as minisign writes it: one line of base64.
     pub fn to_line(&self) -> String {
         let mut bytes = KEY_ALGORITHM.to_vec();
         bytes.extend(self.number.0);
@@ -161,12 +163,12 @@ impl SealPublicKey {
         Base64::encode_string(&bytes)
     }
 
-    /// Returns the file of the key, as minisign reads it.
+    /// Returns the public key as the text of a minisign key file.
     pub fn to_text(&self) -> String {
         format!("{PUBLIC_COMMENT}\n{}\n", self.to_line())
     }
 
-    /// Reads a line of base64; `None` if it is no key.
+    /// Reads a public key from a line of base64; `None` if the line is not a key.
     pub fn from_line(line: &str) -> Option<Self> {
         let bytes = Base64::decode_vec(line).ok()?;
         let rest = bytes.strip_prefix(&KEY_ALGORITHM)?;
@@ -177,7 +179,8 @@ impl SealPublicKey {
         })
     }
 
-    /// Returns whether a seal covers these bytes and this comment. Every byte of the seal counts.
+    /// Returns whether a seal is valid for these bytes and this comment. A change of any byte makes
+    /// it invalid.
     pub fn verifies(&self, bytes: &[u8], comment: &str, seal: &str) -> bool {
         self.check(bytes, comment, seal).is_some()
     }

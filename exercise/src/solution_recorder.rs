@@ -11,10 +11,10 @@ use gsk_panel::emulator::Emulator;
 use crate::solution_replay::{JudgeError, replay_solution};
 use crate::task::ExerciseTask;
 
-/// Interval between two hashes in a recording, ticks.
+/// Time between two hashes of the machine state in a recording, ticks of 1 ms.
 const HASH_INTERVAL_TICKS: u64 = 10_000;
 
-/// The recording of a solution as far as it has come.
+/// The recording of a solution that is being made.
 #[derive(Debug)]
 pub struct SolutionRecorder {
     encoder: RecordingEncoder,
@@ -22,10 +22,11 @@ pub struct SolutionRecorder {
 }
 
 impl SolutionRecorder {
-    /// Begins in the start state of a task. `program_version` is the version of the program that
-    /// records.
+    /// Begins a recording in the start state of a task. `program_version` is the version of this
+    /// program.
     ///
     /// # Errors
+    ///
     /// The state cannot be written.
     pub fn begin(start: &MachineMoment, program_version: &str) -> Result<Self, Message> {
         let mut bytes = Vec::new();
@@ -49,9 +50,10 @@ impl SolutionRecorder {
             .map_err(say::as_written)
     }
 
-    /// Adds inputs, the oldest first.
+    /// Adds inputs of the learner to the recording, the oldest first.
     ///
     /// # Errors
+    ///
     /// An input cannot be written.
     pub fn add_inputs(
         &mut self,
@@ -63,9 +65,10 @@ impl SolutionRecorder {
         Ok(())
     }
 
-    /// Adds a hash of the machine if one is due after a tick.
+    /// Adds a hash of the machine state, if one is due after this tick.
     ///
     /// # Errors
+    ///
     /// The hash cannot be written.
     pub fn follow_tick(&mut self, emulator: &Emulator) -> Result<(), Message> {
         if !emulator.ticks().is_multiple_of(HASH_INTERVAL_TICKS) {
@@ -115,22 +118,24 @@ impl SolutionRecorder {
         Ok((recorder, end.ok_or(JudgeError::Incomplete)?))
     }
 
-    /// The recording so far.
+    /// Returns the recording so far.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 
-    /// Notes that the machine has reached this tick, so that a continuation begins there.
+    /// Records the current tick, so that an interrupted recording continues from it.
     ///
     /// # Errors
+    ///
     /// The tick cannot be written.
     pub fn mark_tick(&mut self, emulator: &Emulator) -> Result<(), Message> {
         self.add(&RecordingEvent::Reached(emulator.ticks()))
     }
 
-    /// Ends the recording in a state and returns it.
+    /// Ends the recording in the current machine state and returns its bytes.
     ///
     /// # Errors
+    ///
     /// The end cannot be written.
     pub fn finish(mut self, emulator: &Emulator) -> Result<Vec<u8>, Message> {
         self.add_hash(emulator)?;

@@ -8,26 +8,26 @@ use gsk_runner::machining::CollisionFinding;
 
 use crate::input_guard::is_by_operator;
 
-/// Why a recording is no solution of the task.
+/// The reason why a recording is not a solution of the task.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum JudgeError {
-    /// The start state of the task cannot be created.
+    /// The start state of the task cannot be created; the value is the message about the cause.
     Start(Message),
-    /// The recording is damaged.
+    /// The recording is damaged; the value is the error.
     Recording(RecordingError),
     /// The recording does not begin in the start state of the task, or contains a second state.
     ForeignState,
     /// The recording contains an input that no operator can make, at this time, ms.
     ForeignInput(u64),
-    /// The replay left the recorded states at this time, ms.
+    /// The replay differs from the recorded states from this time on, ms.
     Differs(u64),
-    /// The recording contains no hash to compare, or does not end.
+    /// The recording contains no hash to compare, or has no end.
     Incomplete,
 }
 
 impl JudgeError {
-    /// Returns the message about the flaw.
+    /// Returns the message about the reason.
     pub fn message(&self) -> Message {
         match self {
             Self::Start(reason) => reason.clone(),
@@ -40,12 +40,13 @@ impl JudgeError {
     }
 }
 
-/// Follows the replay of a solution.
+/// Observes the replay of a solution, input by input and tick by tick.
 pub trait SolutionFollower {
-    /// Notes an input before it acts.
+    /// Called before the machine executes an input.
     fn before_input(&mut self, moment: &MachineMoment, recorded: &RecordedInput);
 
-    /// Follows a tick, with the first collision in it; returns whether the replay continues.
+    /// Called after each tick, with the first collision in it; returns whether the replay
+    /// continues.
     fn after_tick(&mut self, moment: &MachineMoment, collision: Option<&CollisionFinding>) -> bool;
 }
 
@@ -58,13 +59,13 @@ impl SolutionFollower for () {
     }
 }
 
-/// A solution that was replayed.
+/// A replayed solution, with its observer and the final machine state.
 pub struct ReplayedSolution<J> {
-    /// What has followed it.
+    /// The observer of the replay.
     pub judge: J,
-    /// The machine where the replay has ended; `None` if the recording has no state.
+    /// The machine state at the end of the replay; `None` if the recording contains no state.
     pub end: Option<MachineMoment>,
-    /// Whether the recording was ended, and has hashes that were equal.
+    /// Whether the recording has an end, and hashes that were equal in the replay.
     pub is_whole: bool,
 }
 
@@ -82,15 +83,16 @@ pub fn replay_solution<J: SolutionFollower>(
     observer.finish(replayed)
 }
 
-/// The replay of a solution in slices.
+/// Replays a solution in slices, so that the caller can do other work between them.
 #[derive(Debug)]
 pub struct SlicedSolution<J>(SlicedReplay<RecordingObserver<J>>);
 
 impl<J: SolutionFollower> SlicedSolution<J> {
-    /// Reads a recording that begins in the state `start`.
+    /// Prepares the replay of a recording that begins in the state `start`.
     ///
     /// # Errors
-    /// The bytes are no recording.
+    ///
+    /// The bytes are not a recording.
     pub fn new(start: MachineMoment, judge: J, recording: &[u8]) -> Result<Self, JudgeError> {
         let observer = RecordingObserver::new(start, judge);
         let replay = SlicedReplay::new(recording, observer).map_err(JudgeError::Recording)?;
@@ -102,16 +104,17 @@ impl<J: SolutionFollower> SlicedSolution<J> {
         self.0.advance(ticks)
     }
 
-    /// Returns the solution after the end of the replay.
+    /// Returns the replayed solution after the end of the replay.
     ///
     /// # Errors
-    /// The recording is damaged or was not made by an operator in the state of the start.
+    ///
+    /// The recording is damaged or was not made by an operator in the start state.
     pub fn finish(self) -> Result<ReplayedSolution<J>, JudgeError> {
         let (replayed, observer) = self.0.finish();
         observer.finish(replayed)
     }
 
-    /// Returns the share of the machine time that is replayed, 0 to 1.
+    /// Returns the share of the machine time that has been replayed, 0 to 1.
     pub fn progress(&self) -> f32 {
         self.0.progress()
     }
@@ -129,7 +132,11 @@ impl<J> RecordingObserver<J> {
         }
     }
 
-    /// Returns the solution after its replay.
+    /// Returns the solution after the replay has ended.
+    ///
+    /// # Errors
+    ///
+    /// The recording is damaged, was not made by an operator, or differs from the replay.
     fn finish(self, replayed: Replay) -> Result<ReplayedSolution<J>, JudgeError> {
         if let Some(flaw) = self.flaw {
             return Err(flaw);
@@ -148,16 +155,17 @@ impl<J> RecordingObserver<J> {
     }
 }
 
-/// Passes a replay on, and refuses what is no work of an operator.
+/// Forwards the inputs and ticks of a replay to the observer, and refuses inputs that no operator
+/// can make.
 #[derive(Debug)]
 struct RecordingObserver<J> {
     judge: J,
     start: MachineMoment,
     has_begun: bool,
-    /// The tick of the last collision.
+    /// Tick of the last collision; `None` without one.
     collided: Option<u64>,
     flaw: Option<JudgeError>,
-    /// The machine after the last tick or input.
+    /// Machine state after the last tick or input; `None` before the first one.
     end: Option<MachineMoment>,
 }
 

@@ -9,17 +9,18 @@ use gsk_workpiece::region::Region;
 use crate::solution_recorder::SolutionRecorder;
 use crate::task::ExerciseTask;
 
-/// A script that solves a task, checked for what an operator can do.
+/// A script that solves a task, checked to contain only actions that an operator can do.
 #[derive(Clone, Debug)]
 pub struct SolutionScript {
     script: Script,
 }
 
 impl SolutionScript {
-    /// Reads a script.
+    /// Reads and checks a script.
     ///
     /// # Errors
-    /// A line is invalid, or no operator can do what it does.
+    ///
+    /// A line is invalid, or contains an action that no operator can do.
     pub fn read(text: &str) -> Result<Self, Message> {
         let script = Script::parse(text)
             .map_err(|errors| say::several(errors.iter().map(ScriptError::message)))?;
@@ -42,9 +43,10 @@ impl SolutionScript {
 }
 
 /// Plays a script on the machine of a task and returns the recording. `program_version` is the
-/// version of the program that records.
+/// version of this program.
 ///
 /// # Errors
+///
 /// The start state cannot be created, or a line of the script fails.
 pub fn record_solution(
     task: &ExerciseTask,

@@ -30,7 +30,7 @@ impl CycleClock {
     }
 }
 
-/// The hardware.
+/// The interface to the hardware of the board.
 #[derive(Clone, Copy, Debug)]
 pub struct BoardPort {
     clock: CycleClock,

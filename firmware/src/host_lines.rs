@@ -30,7 +30,7 @@ enum Line {
     Uart,
 }
 
-/// The bytes on the way.
+/// The queues of bytes between a line and the session.
 struct Bytes {
     from_usb: Deque<u8, { 2 * RECEIVE_WINDOW }>,
     to_host: Deque<u8, SENDS>,
@@ -116,7 +116,7 @@ async fn send_usb(mut sender: Sender<'static, Driver<'static, USB>>, bytes: &Ref
     }
 }
 
-/// Moves bytes, requests and events.
+/// Passes bytes, requests and events between the host and the engine.
 async fn run_session(
     bytes: &RefCell<Bytes>,
     requests: &mut Producer<'static, Request>,

@@ -6,9 +6,9 @@ use embassy_rp::pac;
 #[derive(Clone, Copy, Debug)]
 #[repr(u8)]
 pub enum PinFunction {
-    /// A PWM slice.
+    /// A PWM slice drives the pin.
     Pwm = 4,
-    /// The processor.
+    /// The processor drives or reads the pin.
     Sio = 5,
     /// The PIO block of the encoders.
     Encoders = 6,
@@ -19,11 +19,11 @@ pub enum PinFunction {
 /// Whether a pin has a pull-up, a pull-down or none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pull {
-    /// Pull-up resistor.
+    /// The pin has a pull-up resistor.
     Up,
-    /// Pull-down resistor.
+    /// The pin has a pull-down resistor.
     Down,
-    /// No resistor.
+    /// The pin has no pull resistor.
     None,
 }
 

@@ -13,7 +13,7 @@ const LOAD: u32 = 2 * 100_000;
 /// Sign of life of the processor with the serial lines.
 static LINE_CALLS: AtomicU32 = AtomicU32::new(0);
 
-/// Notes that the serial lines are served.
+/// Records that the serial lines are served.
 pub fn note_line_call() {
     LINE_CALLS.store(
         LINE_CALLS.load(Ordering::Relaxed).wrapping_add(1),
@@ -42,7 +42,7 @@ impl Watchdog {
         }
     }
 
-    /// Feeds the watchdog, unless the serial lines are not served.
+    /// Restarts the time of the watchdog, unless the serial lines are not served.
     #[inline]
     pub fn feed(&mut self) {
         let calls = LINE_CALLS.load(Ordering::Relaxed);
@@ -60,7 +60,7 @@ impl Watchdog {
     }
 }
 
-/// All but the oscillators.
+/// Selects all circuits but the oscillators for the reset by the watchdog.
 fn select_resets() {
     pac::PSM
         .wdsel()

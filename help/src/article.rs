@@ -18,7 +18,7 @@ pub struct Article {
     /// What the topic's subject is for and what it does; empty if the tables contain
     /// everything.
     pub rule: Cow<'static, str>,
-    /// What the control's tables contain about the topic's subject. Each entry is a sentence.
+    /// The facts from the control's tables about the topic's subject, each a sentence.
     pub facts: Vec<String>,
     /// A worked example; empty if there is none.
     pub example: Cow<'static, str>,

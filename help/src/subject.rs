@@ -9,7 +9,7 @@ use gsk_core::memory;
 const EVERY_STATE_PARAMETER: &str = "every state parameter";
 const EVERY_DATA_PARAMETER: &str = "every data parameter";
 
-/// What a help topic is about.
+/// The item that a help topic explains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Subject<'a> {
     /// An alarm, by its number. A range of alarms has its first number.

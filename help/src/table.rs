@@ -80,7 +80,7 @@ pub(crate) fn parse_topics(
 /// A help topic: a subject and the texts about it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Topic {
-    /// What the topic is about.
+    /// The item that the topic explains.
     pub subject: Subject<'static>,
     texts: HelpColumns,
     /// The only model that the topic is about. `None` for a topic of the GSK980TD, which other

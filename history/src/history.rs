@@ -33,12 +33,12 @@ pub struct HistorySeek {
 }
 
 impl HistorySeek {
-    /// Returns the machine as far as the seek has come.
+    /// Returns the machine at the tick that the seek has reached.
     pub const fn moment(&self) -> &MachineMoment {
         &self.moment
     }
 
-    /// Returns the machine as far as the seek has come.
+    /// Returns the machine at the tick that the seek has reached.
     pub fn into_moment(self) -> MachineMoment {
         self.moment
     }

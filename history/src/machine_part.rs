@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 /// A job with the name of its file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NamedJob {
-    /// Stock, clamping and tools.
+    /// The job with stock, clamping and tools.
     pub job: Job,
     /// Name of the job file; `None` if the job was guessed.
     pub name: Option<String>,
@@ -63,7 +63,7 @@ impl Default for MachinePart {
 }
 
 impl MachinePart {
-    /// Applies an input.
+    /// Applies an input to the part.
     pub fn apply(&mut self, input: PartInput) {
         match input {
             PartInput::Job(chosen) => {

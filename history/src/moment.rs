@@ -73,14 +73,14 @@ pub struct RecordedInput {
 /// The machine with the part in it at one moment.
 #[derive(Clone, Debug)]
 pub struct MachineMoment {
-    /// Control, panel and lathe.
+    /// State of control, panel and lathe.
     pub emulator: Emulator,
-    /// The part in the lathe.
+    /// State of the part in the lathe.
     pub part: MachinePart,
 }
 
 impl MachineMoment {
-    /// Applies a recorded input.
+    /// Applies a recorded input to the machine.
     pub fn apply(&mut self, input: HistoryInput) {
         match input {
             HistoryInput::Machine(input) => {

@@ -37,7 +37,7 @@ const EVENT_CONTENT: u8 = 1;
 /// One event of a recording.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum RecordingEvent {
-    /// The first event.
+    /// The recording starts; always the first event.
     Start {
         /// Version of the format, see [`FORMAT`].
         format: u32,
@@ -46,7 +46,7 @@ pub enum RecordingEvent {
     },
     /// The whole machine. What follows starts from it.
     State {
-        /// Control, panel and lathe.
+        /// State of control, panel and lathe.
         emulator: Box<Emulator>,
         /// Inputs that give the part its job. The part itself begins uncut.
         part: Vec<PartInput>,
@@ -57,7 +57,7 @@ pub enum RecordingEvent {
     Reached(u64),
     /// Hash of the machine's state at a tick, after the events before this one.
     Hash {
-        /// Tick of the machine.
+        /// Tick of the machine since power-on.
         tick: u64,
         /// [`crate::moment::state_hash`] at this tick.
         hash: u64,
@@ -102,7 +102,8 @@ impl RecordingEncoder {
     }
 }
 
-/// Why the rest of a recording cannot be read. Offsets count bytes from the start of the file.
+/// The reason for which the rest of a recording cannot be read. Offsets count bytes from the start
+/// of the file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum RecordingError {

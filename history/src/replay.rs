@@ -18,16 +18,16 @@ const MAX_GAP_TICKS: u64 = 100_000_000;
 pub struct HashDifference {
     /// The last tick whose hash was the recorded one; `None` if no hash was.
     pub last_equal: Option<u64>,
-    /// The first tick whose hash was another one.
+    /// The first tick at which the hashes differ.
     pub tick: u64,
 }
 
-/// A replayed recording.
+/// A recording that is being replayed.
 #[derive(Debug)]
 pub struct Replay {
     /// Version of the program that has recorded.
     pub program: String,
-    /// Number of inputs.
+    /// Number of inputs in the recording.
     pub input_count: usize,
     /// Replayed machine time, ticks (ms).
     pub replayed_ticks: u64,
@@ -37,7 +37,7 @@ pub struct Replay {
     pub difference: Option<HashDifference>,
     /// Whether the program has ended the recording: `false` after a crash.
     pub is_complete: bool,
-    /// Why the rest of the file was not read; `None` if all of it was.
+    /// The reason for which the rest of the file was not read; `None` if all of it was read.
     pub error: Option<RecordingError>,
     /// The session since the last state in the recording; `None` if there was no state.
     pub history: Option<History>,
@@ -123,7 +123,7 @@ pub struct SlicedReplay<O> {
     player: Player<O>,
     /// The events that have not been played, with their positions in the recording.
     events: VecDeque<(usize, RecordingEvent)>,
-    /// Why the rest of the recording is not played; `None` if all of it is.
+    /// The reason for which the rest of the recording is not played; `None` if all of it is played.
     error: Option<RecordingError>,
     /// Ticks of the last event.
     end: u64,
@@ -235,13 +235,13 @@ struct Player<O> {
     moment: Option<MachineMoment>,
 }
 
-/// What has happened to an event.
+/// The result of playing one event of a recording.
 enum PlayedEvent {
-    /// It has acted.
+    /// The event has been applied.
     Done,
     /// The observer has stopped the replay.
     Stopped,
-    /// It is out of order.
+    /// The event is out of order.
     OutOfOrder,
     /// The budget was used before the machine reached it.
     Waiting(RecordingEvent),

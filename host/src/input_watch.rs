@@ -38,7 +38,7 @@ const SETTLE_TIME: Duration = Duration::from_millis(300);
 pub struct Holders {
     /// Number of keys that are down on the PC keyboard.
     pub keys: usize,
-    /// A mouse button is down.
+    /// Whether a mouse button is down.
     pub pointer: bool,
     /// Number of fingers on the screen, which display servers do not report.
     pub fingers: usize,
@@ -57,12 +57,12 @@ impl Holders {
     }
 }
 
-/// Reply of a display to a query.
+/// The reply of the display server to a query of keys and buttons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DisplayReply {
-    /// The display reports which keys and buttons are down.
+    /// The display reports how many keys and whether a mouse button are down.
     Down {
-        /// Number of keys, modifiers not counted.
+        /// Number of keys that are down, without modifiers.
         keys: usize,
         /// Whether a mouse button is down.
         pointer: bool,
@@ -71,7 +71,7 @@ pub enum DisplayReply {
     Alive,
 }
 
-/// The source of the proof that keys are held.
+/// The input device that shows whether keys are still held.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum ProofSource {
     /// The display; there is no proof before its first reply.
@@ -87,7 +87,7 @@ struct State {
     holders: Holders,
     /// A board moves the slides, so the display is queried continuously.
     linked: bool,
-    /// The control is off, so the queries end.
+    /// Whether the control is off, so that the display is no longer queried.
     ended: bool,
     /// Time of the newest query with a reply; `None` before the first one.
     last_reply: Option<Duration>,
@@ -108,12 +108,12 @@ impl InputWatch {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Stores which input devices hold keys now.
+    /// Stores which input devices currently hold keys.
     pub fn set_holders(&self, holders: Holders) {
         self.state().holders = holders;
     }
 
-    /// Stores whether a board moves slides.
+    /// Stores whether a pulse board moves the slides.
     pub fn set_linked(&self, linked: bool) {
         self.state().linked = linked;
     }
@@ -124,7 +124,7 @@ impl InputWatch {
         self.state().source = ProofSource::Window;
     }
 
-    /// Ends the queries: the control is off.
+    /// Ends the queries, because the control is off.
     pub fn end(&self) {
         self.state().ended = true;
     }
@@ -134,7 +134,7 @@ impl InputWatch {
         self.state().ended
     }
 
-    /// Whether the display must be queried.
+    /// Whether the display must be queried for held keys.
     pub fn needs_query(&self) -> bool {
         let state = self.state();
         state.linked || state.holders.any()
@@ -186,7 +186,7 @@ impl InputWatch {
                 && age(state.steady_since).is_some_and(|age| age >= SETTLE_TIME)
     }
 
-    /// Whether the display has stopped replying.
+    /// Whether the display has not replied to queries for too long.
     pub fn is_silent(&self, now: Duration) -> bool {
         let state = self.state();
         let is_old = |at| now.saturating_sub(at) > LEASE;

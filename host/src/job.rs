@@ -56,11 +56,11 @@ impl JobArgs {
     }
 }
 
-/// Why there is no job for a program.
+/// The reason why there is no job for a program.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum JobError {
-    /// The file at the job's path cannot be read.
+    /// The job file cannot be read.
     File(#[from] ProgramFileError),
     /// The job file is not a job in RON.
     Syntax {
@@ -72,13 +72,13 @@ pub enum JobError {
     NonFiniteNumber {
         path: PathBuf,
         line: usize,
-        /// The number as written.
+        /// The number as written in the job file.
         token: String,
     },
     /// The job in the file breaks a rule of [`Job::check`].
     BrokenRule {
         path: PathBuf,
-        /// The rule that is broken.
+        /// Message about the rule that the job breaks.
         rule: Message,
     },
     /// There is no job file, and the program makes no cut from which a job can be guessed.
@@ -174,7 +174,7 @@ fn to_ron_text(job: &Job) -> Result<String, ron::Error> {
     Ok(ron_options().to_string_pretty(job, pretty)? + "\n")
 }
 
-/// The first free name of `part.job.ron~`, `part.job.ron~2`, …
+/// Returns the first name of `part.job.ron~`, `part.job.ron~2`, … that does not exist.
 fn free_backup_path(path: &Path) -> PathBuf {
     let with_suffix = |ending: String| {
         let mut name = path.as_os_str().to_owned();

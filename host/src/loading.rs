@@ -28,7 +28,7 @@ use crate::platform;
 use crate::retained;
 use crate::setup_args::{ModelMismatch, OffsetOption, ParameterOption, SetupArgs};
 
-/// Why a setup cannot be loaded.
+/// The reason why a setup cannot be loaded.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum LoadError {
@@ -44,9 +44,9 @@ pub enum LoadError {
         name: String,
         /// Name of the axis's section in a machine file.
         section: String,
-        /// Minus end of the travel, mm.
+        /// Minus end of the axis travel, mm.
         minus: f64,
-        /// Plus end of the travel, mm.
+        /// Plus end of the axis travel, mm.
         plus: f64,
     },
     /// `--param` has an invalid number or value.
@@ -61,12 +61,12 @@ pub enum LoadError {
     Offset(Box<Alarm>),
     /// An address of the PLC is invalid.
     Address {
-        /// The text of the address.
+        /// The text of the invalid address.
         text: String,
-        /// Why it is invalid.
+        /// The reason why the address is invalid.
         error: AddressError,
     },
-    /// A ladder has errors.
+    /// A ladder file has errors.
     Ladder {
         /// Path of the ladder file.
         path: PathBuf,
@@ -102,11 +102,11 @@ pub enum LoadError {
     NoProgram,
     /// A subprogram file has no program number, so that no program could call it.
     NoNumber(PathBuf),
-    /// The memory refuses a program file.
+    /// The program memory refuses a program file.
     NotStored {
         /// Path of the program file.
         path: PathBuf,
-        /// The alarm with which the memory refuses it.
+        /// The alarm with which the memory refuses the program.
         alarm: Box<Alarm>,
     },
 }

@@ -21,7 +21,7 @@ use crate::setup_args::OptionValueError;
 pub const FOLDER: &str = "log";
 /// Number of log files that are kept.
 const MAX_FILES: usize = 14;
-/// How the targets of the log events of this program begin; events of libraries are dropped.
+/// Prefix of the log targets of this program; events of libraries are dropped.
 const OWN_TARGET: &str = "gsk";
 
 /// Names of the log levels with their filters, from none to all events.
@@ -44,7 +44,7 @@ pub fn parse_level(word: &str) -> Result<LevelFilter, OptionValueError> {
     found.ok_or_else(|| OptionValueError::UnknownLogLevel(word.to_owned()))
 }
 
-/// The log folder cannot be used.
+/// Error: the log folder cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub struct LogError {
@@ -64,7 +64,7 @@ impl LogError {
 /// Guard of the thread that writes the log file; dropping it writes the waiting lines.
 static WRITER: Mutex<Option<LogGuard>> = Mutex::new(None);
 
-/// A running log; dropping it ends the log.
+/// A running log; the log ends when it is dropped.
 #[must_use]
 #[derive(Debug)]
 pub struct RunningLog(());

@@ -42,7 +42,7 @@ impl WriteError {
     }
 }
 
-/// Size of the write buffers, bytes.
+/// Size of the write buffers for standard output and error, bytes.
 const BUFFER_BYTES: usize = 64 * 1024;
 
 /// Opens a file to write into, replacing its contents; `-` is standard output. Returns an error if
@@ -165,7 +165,7 @@ pub fn localize(message: &Message) -> String {
     message.text(language())
 }
 
-/// The language of the command line.
+/// Returns the language of messages on the command line.
 pub fn language() -> Language {
     LANGUAGE.get().copied().unwrap_or(Language::En)
 }

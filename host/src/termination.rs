@@ -9,7 +9,7 @@ use gsk_messages::{Message, say};
 
 use crate::platform;
 
-/// Exit code after a termination signal.
+/// Exit code of the program after a termination signal.
 pub const TERMINATED_EXIT_CODE: u8 = 130;
 
 /// The error for signal handlers that cannot be installed.
@@ -54,12 +54,12 @@ impl TerminationFlag {
         self.request();
     }
 
-    /// Whether the program ends because of a panic.
+    /// Returns whether the program ends because of a panic.
     pub fn has_crashed(&self) -> bool {
         self.has_crashed.load(Ordering::Relaxed)
     }
 
-    /// Whether the end of the program is requested.
+    /// Returns whether the end of the program is requested.
     pub fn is_requested(&self) -> bool {
         self.is_requested.load(Ordering::Relaxed)
     }

@@ -14,29 +14,29 @@ use crate::structure::Structure;
 use crate::text::{Position, TextDocument, TextRange};
 use crate::words::{Span, SpanKind, spans, word_of};
 
-/// What a completion inserts.
+/// The kind of text that a completion inserts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CompletionKind {
-    /// Inserts a G or M code.
+    /// The completion inserts a G or M code.
     Code,
-    /// Inserts the letter of a word.
+    /// The completion inserts the letter of a word.
     Letter,
-    /// Inserts the number of an existing block or program.
+    /// The completion inserts the number of an existing block or program.
     Target,
-    /// Inserts a tool that the program calls elsewhere.
+    /// The completion inserts a tool that the program calls elsewhere.
     Tool,
-    /// Inserts a statement of macro B.
+    /// The completion inserts a statement of macro B.
     Statement,
-    /// Inserts the blocks of a cycle, with fields to fill in.
+    /// The completion inserts the blocks of a cycle, with fields to fill in.
     Snippet,
 }
 
 /// A proposal to complete the word at the cursor.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CompletionProposal {
-    /// The text in the list of proposals.
+    /// The text that the list of proposals shows.
     pub label: String,
-    /// What the proposal inserts.
+    /// The kind of text that the proposal inserts.
     pub kind: CompletionKind,
     /// The meaning of the inserted text in one line.
     pub detail: String,
@@ -45,11 +45,11 @@ pub struct CompletionProposal {
     /// The text that replaces `range`. Fields of a snippet have the form `${1:…}` that editors
     /// use.
     pub insert: String,
-    /// The text that the proposal replaces.
+    /// The range of the text that the proposal replaces.
     pub range: TextRange,
 }
 
-/// Number of lines that are searched upwards for the code in force.
+/// Greatest number of lines above the cursor that are searched for the code in force.
 const MAX_LINES_ABOVE: u32 = 2000;
 
 /// Returns the proposals at a position. `programs` contains the numbers of programs that can
@@ -121,7 +121,7 @@ struct CompletionSite<'a> {
     found: Vec<CompletionProposal>,
 }
 
-/// The spans of the block that contains a byte of its line.
+/// Returns the spans of the block that contains the byte `byte` of its line.
 fn block_at(spans: &[Span], line: &str, byte: usize) -> Vec<Span> {
     let ends = |it: &Span| {
         it.kind == SpanKind::Mark && matches!(line.get(it.range.clone()), Some(";" | "*" | "%"))
@@ -144,7 +144,7 @@ impl CompletionSite<'_> {
         });
     }
 
-    /// Proposes the G or M codes (`address`) of the model.
+    /// Proposes the G or M codes (`address`) of the control model.
     fn propose_codes(&mut self, address: char) {
         let record = self.context.model.record();
         let numbers: Vec<u8> = match address {
@@ -207,7 +207,7 @@ impl CompletionSite<'_> {
         }
     }
 
-    /// Proposes existing blocks or programs for P and Q.
+    /// Proposes the numbers of existing blocks or programs for P and Q.
     fn propose_targets(
         &mut self,
         structure: &Structure,

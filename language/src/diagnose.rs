@@ -12,12 +12,12 @@ use gsk_runner::report::AlarmReport;
 use crate::line_times::LineTimes;
 use crate::locate::{LineSpan, bytes_at_column, locate_alarm, trimmed_range};
 
-/// The severity of a finding.
+/// Whether a finding is an error or a warning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Severity {
-    /// The program does not run.
+    /// Error: the program does not run.
     Error,
-    /// The program runs, but probably not as intended.
+    /// Warning: the program runs, but probably not as intended.
     Warning,
 }
 
@@ -29,7 +29,7 @@ pub struct ProgramFinding {
     /// The word or block that is the cause, with its line from 1 as elsewhere in the control.
     /// `None` if no block is the cause.
     pub at: Option<LineSpan>,
-    /// How serious the finding is.
+    /// Whether the finding is an error or a warning.
     pub severity: Severity,
     /// The number of the alarm, or the name of the warning.
     pub code: String,
@@ -37,7 +37,7 @@ pub struct ProgramFinding {
     pub text: String,
 }
 
-/// The bounding box of a path, in work coordinates.
+/// The bounding box of a toolpath, in work coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Extents {
     /// Bounds of a lathe path, mm; X is a radius.
@@ -52,7 +52,7 @@ pub enum Extents {
 pub struct Analysis {
     /// Alarms and warnings in the order of execution.
     pub findings: Vec<ProgramFinding>,
-    /// How the preview ended.
+    /// How the preview ended: at the program end, with an alarm, or at a limit.
     pub end: PreviewEnd,
     /// Machine time up to the end of the preview, s.
     pub time_s: f64,
@@ -60,7 +60,7 @@ pub struct Analysis {
     pub cutting_s: f64,
     /// The bounding box of the path; `None` without a path.
     pub extents: Option<Extents>,
-    /// Tools that the program calls, as T words: `T0101`.
+    /// Tools that the program calls, as T words such as `T0101`.
     pub tools: Vec<String>,
     /// Machine time by line of the text.
     pub line_times: LineTimes,
@@ -133,7 +133,7 @@ pub fn analyse_mill(
     }
 }
 
-/// The findings of a preview in their order: alarms, the limit, warnings.
+/// Returns the findings of a preview in their order: alarms, the limit, warnings.
 fn list_findings<'a>(
     alarms: impl Iterator<Item = &'a Alarm>,
     end: PreviewEnd,
@@ -148,7 +148,7 @@ fn list_findings<'a>(
         .collect()
 }
 
-/// The warning that the preview reached its limit; `None` if it did not.
+/// Returns the warning that the preview reached its limit; `None` if it did not.
 fn limit_finding(end: PreviewEnd, language: Language) -> Option<ProgramFinding> {
     (end == PreviewEnd::Limit).then(|| ProgramFinding {
         program: ProgramId::External,

@@ -15,17 +15,17 @@ use crate::words::{Span, SpanKind, spans};
 /// Which blocks get sequence numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Numbering {
-    /// Keep all sequence numbers.
+    /// Keeps all sequence numbers.
     #[default]
     Unchanged,
-    /// Renumber the blocks that have a sequence number.
+    /// Renumbers the blocks that have a sequence number.
     Present {
         /// First sequence number that the numbering gives.
         start: u16,
         /// Difference from one sequence number to the next.
         step: u16,
     },
-    /// Give every block a sequence number.
+    /// Gives every block a sequence number.
     All {
         /// First sequence number that the numbering gives.
         start: u16,
@@ -34,24 +34,24 @@ pub enum Numbering {
     },
 }
 
-/// How many blanks a line has between its words.
+/// The number of blanks that formatting writes between the words of a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Spacing {
-    /// Keep all blanks between words.
+    /// Keeps all blanks between words.
     Unchanged,
-    /// One blank between words and none at the ends of a line.
+    /// Writes one blank between words and none at the ends of a line.
     #[default]
     One,
-    /// Remove all blanks between words.
+    /// Removes all blanks between words.
     None,
 }
 
-/// Case of the letters of words.
+/// The case of letters that formatting writes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Casing {
-    /// Keep the case of all letters.
+    /// Keeps the case of all letters.
     Unchanged,
-    /// Convert letters to upper case.
+    /// Converts letters to upper case.
     #[default]
     Upper,
 }
@@ -61,19 +61,19 @@ pub enum Casing {
 pub struct Style {
     /// Which blocks get sequence numbers.
     pub numbering: Numbering,
-    /// How many blanks are between words.
+    /// The number of blanks that formatting writes between words.
     pub spacing: Spacing,
-    /// Case of the letters of words.
+    /// The case of letters that formatting writes.
     pub casing: Casing,
 }
 
-/// The edits that format a program.
+/// The edits that format a program, or the reason why its numbers stay.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Formatted {
-    /// The edits, which do not overlap.
+    /// The edits of the text, which do not overlap.
     pub edits: Vec<TextChange>,
-    /// Why the sequence numbers remain unchanged although renumbering was requested; `None`
-    /// otherwise.
+    /// The reason why the sequence numbers remain unchanged although renumbering was requested;
+    /// `None` otherwise.
     pub refused: Option<Message>,
 }
 
@@ -155,7 +155,7 @@ fn merge_many_edits(text: &TextDocument, edits: Vec<TextChange>) -> Vec<TextChan
 /// without one.
 #[derive(Default)]
 struct Numbers {
-    /// New digits by line and first byte of the old digits.
+    /// New digits of sequence numbers, by the line and first byte of the old digits.
     changed: BTreeMap<(u32, u32), String>,
     /// New numbers by line and first byte of the first word of the block.
     added: BTreeMap<(u32, u32), String>,
@@ -253,7 +253,7 @@ fn pad_number(number: u32, width: usize) -> String {
     format!("{number:0width$}")
 }
 
-/// Splits the spans of a line into its blocks.
+/// Returns the spans of a line, split into its blocks.
 fn blocks_of<'a>(line: &'a str, spans: &'a [Span]) -> impl Iterator<Item = &'a [Span]> {
     let ends = |it: &Span| is_mark(line, it, &[";", "*", "%"]);
     spans
@@ -310,7 +310,7 @@ fn rewrite_line(index: u32, line: &str, style: Style, numbers: &Numbers) -> Stri
     out
 }
 
-/// The blanks to write between two spans.
+/// Returns the blanks to write between two spans.
 fn separator(line: &str, before: &Span, span: &Span, spacing: Spacing) -> &'static str {
     if is_mark(line, span, &[";", "*", "%"]) || is_mark(line, before, &["/"]) {
         return "";
@@ -365,7 +365,7 @@ fn write_span(
 }
 
 impl Style {
-    /// Whether formatting with this style changes no program.
+    /// Whether this style changes nothing in any program.
     pub fn is_unchanged(&self) -> bool {
         self.numbering == Numbering::Unchanged
             && self.spacing == Spacing::Unchanged

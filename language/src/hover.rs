@@ -17,10 +17,10 @@ use crate::words::{ParsedWord, Span, SpanKind, spans, word_of};
 /// Maximum number of lines of a program or profile that a description shows.
 const MAX_LINES: usize = 16;
 
-/// The description of the word under the pointer.
+/// The description of the word at a position, shown by an editor.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hover {
-    /// Range of the word that is described.
+    /// Range of the described word.
     pub range: TextRange,
     /// The description in Markdown.
     pub markdown: String,
@@ -135,13 +135,13 @@ pub(crate) fn code_topic(model: ModelId, address: char, number: u32) -> Option<&
     topic_of(model, Subject::Code(&format!("{address}{number:02}")))
 }
 
-/// Returns the range of an address's numbers as a sentence in Markdown.
+/// Returns a sentence in Markdown with the least and greatest number of an address.
 pub(crate) fn value_range(address: char, language: Language) -> String {
     let (low, high) = word_limits(address as u8);
     escape_markdown(&say::help_range(format!("{low} … {high}")).text(language))
 }
 
-/// The help article of a topic in Markdown. `meaning` replaces its heading.
+/// Returns the help article of a topic in Markdown. `meaning` replaces its heading.
 fn article_markdown(topic: &Topic, meaning: Option<&str>, language: Language) -> String {
     let article = article(topic, language);
     let heading = meaning.unwrap_or(&article.heading);
@@ -206,7 +206,7 @@ pub fn without_markup(markdown: &str) -> String {
     out
 }
 
-/// The line before and after program lines in Markdown.
+/// The line that begins and ends a code block of program lines in Markdown.
 const FENCE: &str = "````";
 
 /// Describes the variable at `byte` of a line in Markdown; `None` if no variable is there.
@@ -286,7 +286,7 @@ fn describe_reference(
     }
 }
 
-/// Program lines as a Markdown code block, or `None` if there are none.
+/// Returns program lines as a Markdown code block; `None` if there are none.
 fn listing<'a>(lines: impl Iterator<Item = &'a str>) -> Option<String> {
     let mut lines = lines.map(str::trim_end).filter(|line| !line.is_empty());
     let mut shown: Vec<&str> = lines.by_ref().take(MAX_LINES).collect();

@@ -13,9 +13,9 @@ use crate::text::TextRange;
 /// A one-line summary that an editor shows above a line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Lens {
-    /// Range of the word that the summary is about.
+    /// Range of the word to which the summary belongs.
     pub range: TextRange,
-    /// The summary in one line.
+    /// The text of the summary, one line.
     pub text: String,
 }
 
@@ -49,7 +49,7 @@ pub fn lenses(structure: &Structure, analysis: &Analysis, language: Language) ->
     lenses
 }
 
-/// The summary of the whole program: time, extents and tools.
+/// Returns the summary of the whole program: time, extents and tools.
 fn program_summary(analysis: &Analysis, language: Language) -> String {
     let time = format_whole_seconds(analysis.time_s);
     let cutting = format_whole_seconds(analysis.cutting_s);

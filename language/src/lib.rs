@@ -65,11 +65,11 @@ pub struct ReadingContext {
     pub model: ModelId,
     /// Whether the control accepts the statements of macro B.
     pub macro_b: bool,
-    /// The language of messages.
+    /// The language in which messages are written.
     pub language: Language,
 }
 
-/// The settings of most tests.
+/// The reading settings that most tests use.
 #[cfg(test)]
 const CONTEXT: ReadingContext = ReadingContext {
     model: ModelId::Gsk980td,

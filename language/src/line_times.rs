@@ -11,16 +11,16 @@ use crate::structure::Structure;
 /// the structure.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LineTimes {
-    /// Machine time of each line, by its index from 0, s.
+    /// Machine time of each line, s, by the index of the line from 0.
     seconds: Vec<f64>,
     /// Index of the line that was executed last, from 0; `None` before the first.
     current: Option<usize>,
-    /// Machine time up to which all time is counted, s.
+    /// Machine time up to which the times of lines are complete, s.
     until_s: f64,
 }
 
 impl LineTimes {
-    /// Adds a move or dwell that ends at machine time `end_s`.
+    /// Adds a move or dwell that ends at machine time `end_s`, s, to the time of its line.
     pub(crate) fn add_move(&mut self, source: SourcePosition, end_s: f64) {
         if source.program == ProgramId::External {
             let line = source.line.saturating_sub(1) as usize;
@@ -32,7 +32,7 @@ impl LineTimes {
         self.advance_to(end_s);
     }
 
-    /// Counts the time without a move up to machine time `time_s`.
+    /// Adds the time without a move, up to machine time `time_s`, s, to the current line.
     pub(crate) fn advance_to(&mut self, time_s: f64) {
         let passed = time_s - self.until_s;
         if passed <= 0.0 {

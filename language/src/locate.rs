@@ -14,7 +14,7 @@ const IN_PROFILE: &str = "in_profile";
 pub struct LineSpan {
     /// Line of the program, from 1.
     pub line: u32,
-    /// Range of bytes in the line.
+    /// Range of the bytes in the line, from 0.
     pub bytes: Range<usize>,
 }
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use crate::words::{ParsedWord, Span, SpanKind, word_of};
 
-/// What a word or statement refers to.
+/// The block or program to which a word or statement refers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReferenceTarget {
     /// A block of the same program by its sequence number: P and Q of G70 to G73, P of G65 H80
@@ -14,14 +14,14 @@ pub enum ReferenceTarget {
     /// A block of the calling program by its sequence number (P of M99); of this program if it
     /// is the main program.
     Caller(u16),
-    /// A program by its number: P of M98, of G65 and of G66.
+    /// A program with this number: P of M98, of G65 and of G66.
     Program(u16),
     /// A block of the same program whose number is computed at run time.
     Computed,
 }
 
-/// Returns what a word or statement refers to, and the bytes of the number. `block` contains
-/// the spans of the block in `line`. `None` if it refers to nothing.
+/// Returns the block or program to which a word or statement refers, and the bytes of the number.
+/// `block` contains the spans of the block in `line`. `None` if it refers to nothing.
 pub fn reference_target(
     line: &str,
     block: &[Span],

@@ -6,20 +6,20 @@ use crate::reference_target::ReferenceTarget;
 use crate::structure::{MacroLoop, NumberedBlock, ProgramPart, Structure, WordReference};
 use crate::text::{Position, TextRange};
 
-/// What is at the cursor and refers to something or can be referred to.
+/// The item at the cursor that refers to a block or program, or to which words can refer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CursorTarget<'a> {
-    /// The sequence number of a block.
+    /// The cursor is on the sequence number of a block.
     Block(&'a NumberedBlock),
-    /// A word that refers to a block or program.
+    /// The cursor is on a word that refers to a block or program.
     Reference(&'a WordReference),
-    /// The name (O word) of a program.
+    /// The cursor is on the name (O word) of a program.
     Program(&'a ProgramPart),
-    /// The beginning or end of a macro loop.
+    /// The cursor is on the beginning or end of a macro loop.
     Loop(&'a MacroLoop),
 }
 
-/// The places that a word refers to.
+/// The positions in the text to which a word refers.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Definition {
     /// Ranges in the text: sequence numbers of blocks, the name of a program, or an end of a
@@ -29,8 +29,8 @@ pub struct Definition {
     pub program: Option<u16>,
 }
 
-/// Returns what is at a position, if it refers to something or can be referred to; otherwise
-/// `None`.
+/// Returns the item at a position that refers to a block or program, or to which words can refer;
+/// otherwise `None`.
 pub fn target_at(structure: &Structure, at: Position) -> Option<CursorTarget<'_>> {
     let block = structure.blocks.iter().find(|it| it.word.touches(at));
     let reference = || structure.references.iter().find(|it| it.word.touches(at));
@@ -127,7 +127,7 @@ pub fn references(
     (ranges, program)
 }
 
-/// Returns the words that refer to a block.
+/// Returns the words of the text that refer to a block.
 pub(crate) fn references_to<'a>(
     structure: &'a Structure,
     block: &'a NumberedBlock,

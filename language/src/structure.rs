@@ -13,11 +13,11 @@ use crate::words::{ParsedWord, Span, SpanKind, spans, word_of};
 pub struct ProgramPart {
     /// Number of the program; `None` without an O word.
     pub number: Option<u16>,
-    /// Range of the digits of the O word; `None` without an O word.
+    /// Range of the digits of the program's O word; `None` without an O word.
     pub name: Option<TextRange>,
     /// First line of the program, from 0.
     pub from: u32,
-    /// The line after the last one of the program, from 0.
+    /// The line after the last line of the program, from 0.
     pub to: u32,
 }
 
@@ -30,20 +30,20 @@ pub struct NumberedBlock {
     pub digits: TextRange,
     /// Range of the whole N word.
     pub word: TextRange,
-    /// Index of the program that contains the block.
+    /// Index in `parts` of the program that contains the block.
     pub part: usize,
 }
 
 /// A word that refers to a block or program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WordReference {
-    /// What the word refers to.
+    /// The block or program to which the word refers.
     pub target: ReferenceTarget,
-    /// Range of the digits that name the target.
+    /// Range of the digits that identify the target.
     pub digits: TextRange,
     /// Range of the whole word, or of the whole statement.
     pub word: TextRange,
-    /// Index of the program that contains the word.
+    /// Index in `parts` of the program that contains the word.
     pub part: usize,
 }
 
@@ -54,7 +54,7 @@ pub struct ToolCall {
     pub value: String,
     /// Range of the T word.
     pub range: TextRange,
-    /// Index of the program that contains the T word.
+    /// Index in `parts` of the program that contains the T word.
     pub part: usize,
 }
 
@@ -72,26 +72,26 @@ pub struct Title {
 pub struct ProfileCycle {
     /// Number of the G code, 70 to 73.
     pub code: u8,
-    /// Range of the G word.
+    /// Range of the G word of the cycle.
     pub range: TextRange,
     /// The sequence numbers P and Q, the first and last block of the profile.
     pub profile: (u16, u16),
     /// The finishing allowances U and W as written; `None` for one that is not programmed.
     pub allowances: (Option<String>, Option<String>),
-    /// Index of the program that contains the cycle.
+    /// Index in `parts` of the program that contains the cycle.
     pub part: usize,
 }
 
 /// A loop of macro B, from DO to its END.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MacroLoop {
-    /// Range of the statement with DO.
+    /// Range of the DO statement that begins the loop.
     pub begin: TextRange,
-    /// Range of the statement END.
+    /// Range of the END statement that ends the loop.
     pub end: TextRange,
 }
 
-/// The programs, blocks and words of a text that an editor shows.
+/// The programs, blocks, references and loops of a text, as an editor shows them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Structure {
     /// Programs in the order of the text.
@@ -106,7 +106,7 @@ pub struct Structure {
     pub titles: Vec<Title>,
     /// Cycles with a profile (G70 to G73), in the order of the text.
     pub cycles: Vec<ProfileCycle>,
-    /// Loops of macro B, from DO to END.
+    /// Loops of macro B, from DO to END, in the order of the text.
     pub loops: Vec<MacroLoop>,
     /// First line with blocks, and the line after the last one, both from 0. The control
     /// ignores the text before the `%` at the start and after the `%` at the end.
@@ -121,18 +121,18 @@ pub struct Structure {
 /// first.
 const MAX_BLOCKS_PER_NUMBER: usize = 20;
 
-/// Reads the structure line by line.
+/// Reads the structure of a text line by line.
 #[derive(Default)]
 struct StructureReader {
     structure: Structure,
     /// DO statements whose END is not read yet, each with the number of its loop.
     open: Vec<(u16, TextRange)>,
-    /// Whether a block has been read already.
+    /// Whether any block has been read already.
     begun: bool,
 }
 
 impl Structure {
-    /// Reads the structure of a text.
+    /// Reads the programs, blocks and references of a text.
     pub fn read(text: &TextDocument) -> Self {
         let mut reader = StructureReader::default();
         reader.structure.block_lines = (0, text.line_count());

@@ -3,31 +3,31 @@
 use crate::structure::Structure;
 use crate::text::{TextDocument, TextRange};
 
-/// What a symbol of the outline stands for.
+/// The kind of a symbol in the outline of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SymbolKind {
-    /// A program that begins with an O word.
+    /// The symbol is a program that begins with an O word.
     Program,
-    /// A T word, which calls a tool.
+    /// The symbol is a T word, which calls a tool.
     Tool,
-    /// A block that a word refers to.
+    /// The symbol is a block to which a word refers.
     Block,
-    /// A comment alone on its line.
+    /// The symbol is a comment alone on its line.
     Title,
 }
 
 /// A symbol of the outline with its children.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Symbol {
-    /// The displayed name: `O0001`, `T0101`, `N10`, the comment.
+    /// The displayed name of the symbol: `O0001`, `T0101`, `N10`, or the comment.
     pub name: String,
-    /// What the symbol stands for.
+    /// Whether the symbol is a program, tool, block or comment.
     pub kind: SymbolKind,
     /// The range of the name in the text.
     pub range: TextRange,
     /// The last line that belongs to the symbol, from 0.
     pub last_line: u32,
-    /// The symbols within this one.
+    /// The symbols inside this one, such as the blocks of a program.
     pub children: Vec<Symbol>,
 }
 

@@ -5,18 +5,18 @@ use std::ops::Range;
 /// A position in a text between two characters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Position {
-    /// Number of the line, from 0.
+    /// Index of the line, from 0.
     pub line: u32,
-    /// Byte of the line, from 0.
+    /// Byte in the line before which the position is, from 0.
     pub byte: u32,
 }
 
 /// A range of bytes in one line.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct TextRange {
-    /// Number of the line, from 0.
+    /// Index of the line that contains the range, from 0.
     pub line: u32,
-    /// First byte in the line.
+    /// First byte of the range in its line, from 0.
     pub from: u32,
     /// The byte in the line after the last one of the range.
     pub to: u32,
@@ -51,16 +51,16 @@ impl TextRange {
 /// A change of a text: replaces the text between two positions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TextChange {
-    /// Start of the replaced text.
+    /// Start of the text to replace.
     pub from: Position,
-    /// End of the replaced text.
+    /// End of the text to replace.
     pub to: Position,
-    /// The text that replaces it.
+    /// The text that is inserted instead.
     pub text: String,
 }
 
 impl TextChange {
-    /// Creates a change that replaces a range of a line by `text`.
+    /// Creates a change that replaces a range of a line with `text`.
     pub fn replace(range: &TextRange, text: impl Into<String>) -> Self {
         let (from, to) = range.start_and_end();
         Self {
@@ -154,7 +154,7 @@ impl TextDocument {
         self.starts.extend(moved.map(to_u32));
     }
 
-    /// Applies changes that do not overlap, in any order.
+    /// Applies changes that do not overlap; they may be in any order.
     pub fn apply_all(&mut self, edits: &[TextChange]) {
         let mut order: Vec<&TextChange> = edits.iter().collect();
         order.sort_by_key(|edit| edit.from);
@@ -169,7 +169,7 @@ impl TextDocument {
     }
 }
 
-/// Whether a line, other than the first, begins at byte `at`.
+/// Whether a line begins at byte `at`; false for the first line.
 fn begins_line(bytes: &[u8], at: usize) -> bool {
     match bytes.get(at - 1) {
         Some(b'\n') => true,

@@ -4,28 +4,28 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// What a span of a line is.
+/// The kind of a span of a line, such as a word or a comment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SpanKind {
-    /// An N or O word, which names a block or a program.
+    /// The span is an N or O word, which names a block or a program.
     Name,
-    /// A G word with its number.
+    /// The span is a G word.
     Code,
-    /// An M word with its number.
+    /// The span is an M word.
     Function,
-    /// An S, T or F word.
+    /// The span is an S, T or F word.
     Setting,
-    /// An X, Z, U or W word.
+    /// The span is an X, Z, U or W word.
     Axis,
-    /// Any other letter with its number.
+    /// The span is a word with any other letter.
     Other,
-    /// A statement of macro B, up to the end of its block.
+    /// The span is a statement of macro B, up to the end of its block.
     Statement,
-    /// A comment in parentheses, with the parentheses.
+    /// The span is a comment with its parentheses.
     Comment,
-    /// End of block, block skip or program mark.
+    /// The span is the end of a block, a block skip or a program mark.
     Mark,
-    /// A character that belongs to no word.
+    /// The span is a character that belongs to no word.
     Foreign,
 }
 
@@ -39,12 +39,12 @@ impl SpanKind {
     }
 }
 
-/// A range of a line with what it is.
+/// A range of a line, such as a word or comment, with its kind.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Span {
-    /// Range of bytes in the line.
+    /// Range of the span's bytes in the line, from 0.
     pub range: Range<usize>,
-    /// What the span is.
+    /// The kind of the span, such as a word or comment.
     pub kind: SpanKind,
 }
 
@@ -66,10 +66,10 @@ impl ParsedWord<'_> {
     }
 }
 
-/// The words that begin a statement of macro B.
+/// The first words of the statements of macro B.
 const STATEMENTS: [&str; 5] = ["IF", "GOTO", "WHILE", "DO", "END"];
 
-/// Splits a line into spans in their order, without the blanks between them.
+/// Splits a line into its spans, in their order, without the blanks between them.
 pub fn spans(line: &str) -> Vec<Span> {
     let mut spans = Vec::new();
     let mut at = 0;
@@ -121,7 +121,7 @@ pub fn words(line: &str) -> impl Iterator<Item = ParsedWord<'_>> {
         .filter_map(|span| word_of(line, &span))
 }
 
-/// Whether the control skips this character between words.
+/// Whether a character is blank: the control skips it between words.
 const fn is_blank(character: char) -> bool {
     matches!(character, ' ' | '\t' | '\u{3000}' | '\u{A0}' | '\u{FEFF}')
 }
@@ -135,7 +135,7 @@ pub(crate) fn to_half_width(character: char) -> char {
     }
 }
 
-/// Converts the text of a number to ASCII without blanks.
+/// Returns the text of a number in ASCII, without blanks.
 fn ascii_value(value: &str) -> Cow<'_, str> {
     let is_plain = |byte: u8| byte.is_ascii_graphic();
     if value.bytes().all(is_plain) {

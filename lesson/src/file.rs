@@ -14,7 +14,7 @@ use crate::{Lesson, LessonCondition, LessonMistake, LessonStep, LessonText};
 /// Maximum number of steps of a lesson; no useful lesson has more.
 const MAX_STEPS: usize = 100;
 
-/// Why a lesson file cannot be used.
+/// The reason for which a lesson file cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum LessonError {

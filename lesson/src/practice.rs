@@ -25,7 +25,7 @@ const READING_PAUSE_MS: u64 = 1_500;
 pub struct PracticeView {
     /// Current step, from 0; equals the number of steps when all are complete.
     pub step: usize,
-    /// What to show about the learner's state besides the step.
+    /// The remark about the learner's state to show besides the step.
     pub remark: LessonRemark,
     /// The key to press or to release now; `None` if the learner waits or turns the handwheel.
     pub next_key: Option<Key>,

@@ -14,10 +14,10 @@ pub(super) const CHECK_INTERVAL_TICKS: u64 = 20;
 /// sent back: 0.2 s, because a change of mode takes a moment.
 const LOST_CHECK_LIMIT: u32 = 10;
 
-/// What to show about the learner's state, besides the step itself.
+/// A remark about the learner's state, to show besides the step itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LessonRemark {
-    /// There is nothing to show.
+    /// There is no remark to show.
     #[default]
     None,
     /// The learner made a frequent mistake of the step, given by its index from 0.
@@ -67,7 +67,7 @@ impl LessonProgress {
         self.lesson.steps.get(self.step)
     }
 
-    /// What to show about the learner's state besides the step.
+    /// Returns the remark about the learner's state to show besides the step.
     pub const fn remark(&self) -> LessonRemark {
         self.remark
     }

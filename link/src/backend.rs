@@ -73,7 +73,7 @@ pub trait Backend: Positioned + Debug {
         self.session().state
     }
 
-    /// Returns what the board has reported about its firmware and its buffers.
+    /// Returns the firmware and buffer sizes that the board has reported.
     fn board(&self) -> &BoardInfo;
 
     /// Returns which threads the board can cut, or which conditions are missing.
@@ -202,7 +202,7 @@ pub trait Backend: Positioned + Debug {
         false
     }
 
-    /// Forgets the position and the board's count, as the control does at power-off.
+    /// Marks the position and the board's count as unknown, as the control does at power-off.
     fn forget_position(&mut self) {
         self.invalidate_position(Uncertainty::Unreferenced);
         self.forget_count();
@@ -243,7 +243,8 @@ pub trait Backend: Positioned + Debug {
         true
     }
 
-    /// Whether the link accepts motion, now or once the board has answered all commands.
+    /// Whether the link accepts motion, immediately or as soon as the board has answered all
+    /// commands.
     fn takes_motion(&self) -> bool;
 
     /// Whether [`push`](Self::push) accepts motion now.
@@ -320,7 +321,7 @@ pub trait Backend: Positioned + Debug {
         None
     }
 
-    /// Whether the board watches the armed input of an axis.
+    /// Whether the board already watches the armed input of an axis.
     fn is_armed(&self, axis: Axis) -> bool {
         let _ = axis;
         false

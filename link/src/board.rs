@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 /// The properties of a board that the board has reported so far.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BoardInfo {
-    /// Name and version of the firmware.
+    /// Name and version of the firmware, as the board reports them.
     pub firmware: String,
-    /// Size of the motion queue, entries.
+    /// Number of entries of the board's motion queue.
     pub blocks: u16,
     /// Size of the receive buffer, bytes.
     pub receive_bytes: u16,
@@ -62,7 +62,7 @@ impl Default for ThreadCapability {
 /// The conditions for threads that a board does not meet; a missing condition is `true`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MissingForThreads {
-    /// Whether the firmware is unable to synchronize a pass with the spindle.
+    /// Whether the firmware cannot synchronize a thread pass with the spindle.
     pub sync: bool,
     /// Whether the machine file does not confirm that the owner has cut the proof thread and
     /// measured its lead.
@@ -109,7 +109,7 @@ pub struct Pins {
     pub z: bool,
     /// Whether the emergency stop input or the reset input is operated.
     pub emergency: bool,
-    /// Whether the safety door is open.
+    /// Whether the safety door input is operated: the door is open.
     pub door: bool,
     /// Whether the probe is operated.
     pub probe: bool,
@@ -149,7 +149,7 @@ pub enum SpindleDirection {
 /// The outputs that the board switches for the control.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BoardOutputs {
-    /// Commanded direction of the spindle.
+    /// Commanded direction of the spindle: stopped, forward or reverse.
     pub spindle: SpindleDirection,
     /// Analog output of the spindle speed, 0 to 10 000 mV.
     pub millivolts: u16,
@@ -161,13 +161,13 @@ pub struct BoardOutputs {
 /// angle is a number of turns that increases in both directions of the spindle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SpindleView {
-    /// Speed, r/min; 0 if the spindle is stopped or no speed is known yet.
+    /// Spindle speed, r/min; 0 if the spindle is stopped or no speed is known yet.
     pub rpm: f64,
     /// Predicted angle at the start of the tick, turns. Equal to `now` if the angle is not known.
     pub before: f64,
-    /// Predicted angle at the end of the tick, turns.
+    /// Predicted angle of the spindle at the end of the tick, turns.
     pub now: f64,
-    /// Whether the one-turn signal occurs within the tick.
+    /// Whether the one-turn signal of the spindle occurs within the tick.
     pub passed: bool,
     /// Variation of the spindle speed: greatest difference between the recent durations of a turn,
     /// as a fraction of their mean. `None` until the spindle has made 20 turns and turned for 2 s.
@@ -175,7 +175,7 @@ pub struct SpindleView {
     /// Angle between a one-turn signal and the prediction that the axes followed, turns, if it is
     /// too large for a thread. `None` if it is not, or if it was reported before.
     pub deviation: Option<f64>,
-    /// Whether the one-turn signal is missing while the axes follow the spindle.
+    /// Whether the one-turn signal of the spindle is missing while the axes follow the spindle.
     pub lost: bool,
 }
 

@@ -21,7 +21,7 @@ use super::{Input, contacts};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LinkConfig {
-    /// The protocol of the board.
+    /// The protocol of the board: lines of G code or timed steps.
     pub protocol: Protocol,
     /// Serial device; prefer its stable name under `/dev/serial/by-id/`.
     pub port: String,
@@ -67,10 +67,10 @@ impl Default for LinkConfig {
 /// The protocol that a board understands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Protocol {
-    /// Lines of G code: Grbl 1.1, grblHAL, FluidNC.
+    /// The board executes lines of G code: Grbl 1.1, grblHAL, FluidNC.
     #[default]
     Line,
-    /// Timed steps: Klipper firmware.
+    /// The board executes timed steps: Klipper firmware.
     StepQueue,
 }
 
@@ -82,16 +82,17 @@ pub struct LinkAxis {
     /// Whether the direction is inverted: in a line board by $3, with timed steps in
     /// addition to the `!` of the pin.
     pub invert_direction: bool,
-    /// Name of the step pin.
+    /// Name of the pin for the step pulses of the axis.
     pub step: String,
-    /// Name of the direction pin.
+    /// Name of the pin for the direction signal of the axis.
     pub dir: String,
     /// Length of a step pulse, µs, 1–255.
     pub step_pulse_us: u32,
     /// Least time between the last pulse in one direction and the first in the other,
     /// µs, 1–1000.
     pub dir_setup_us: u32,
-    /// Greatest pulse rate, 1/s, 1000–1 000 000. `None`: the known rate of the processor.
+    /// Greatest pulse rate of the axis, 1/s, 1000–1 000 000; `None` for the known rate of the
+    /// processor.
     pub max_rate: Option<u32>,
     /// Pin of the limit switches of the axis.
     pub limit: String,
@@ -182,7 +183,7 @@ pub struct LinkIo {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LineConfig {
-    /// Parameters of the board's homing.
+    /// Parameters of homing in the board.
     pub home: HomeConfig,
     /// Duration of a motion segment, ms, 5–40.
     pub period_ms: u32,
@@ -222,9 +223,9 @@ impl Default for LineConfig {
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{}", self.message())]
 pub struct LinkConfigError {
-    /// Path of the field, without `link.`.
+    /// Path of the invalid field, without `link.`.
     pub field: &'static str,
-    /// What is wrong with the value of the field.
+    /// The error in the value of the field.
     pub fault: FaultyLinkConfig,
 }
 
@@ -232,24 +233,24 @@ pub struct LinkConfigError {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("{}", self.message())]
 pub enum FaultyLinkConfig {
-    /// The value is outside its range.
+    /// The number of the field is outside its range.
     Range {
-        /// The invalid value.
+        /// The invalid value of the field.
         value: u32,
-        /// Least valid value.
+        /// Least valid value of the field.
         least: u32,
-        /// Greatest valid value.
+        /// Greatest valid value of the field.
         most: u32,
     },
-    /// A required pin is empty.
+    /// The pin of the field is empty, but required.
     Missing,
     /// A key of `inputs` is not a contact X0.0 to X3.7.
     NoContact,
-    /// The contact has a separate setting and must not be an input.
+    /// The contact has a separate setting and must not be listed in `inputs`.
     HasSetting {
-        /// The contact, for instance `X0.5`.
+        /// Address of the contact, for instance `X0.5`.
         contact: &'static str,
-        /// The signal of the contact, for instance `*ESP`.
+        /// Name of the contact's signal, for instance `*ESP`.
         signal: &'static str,
         /// The path of the contact's setting, for instance `io.estop`.
         field: &'static str,
@@ -258,20 +259,20 @@ pub enum FaultyLinkConfig {
     ContactWithoutPin,
     /// The pin of a contact of a line board is not a letter of its status report.
     NoLetter,
-    /// A pull-up (`^`) at a line board, which has no such setting.
+    /// The pin has a pull-up (`^`), but line boards have no such setting.
     LetterPullUp,
-    /// A pull-up (`^`) at an output.
+    /// The pin of an output has a pull-up (`^`).
     OutputPullUp,
-    /// An inverted (`!`) one-turn signal.
+    /// The pin of the one-turn signal is inverted (`!`), which is not possible.
     IndexInverted,
-    /// The pin is used by this other field, too.
+    /// The pin is also used by the field with this path.
     Twice(&'static str),
     /// The homing position is out of range or not a number.
     HomePosition,
 }
 
 impl FaultyLinkConfig {
-    /// Returns the message that describes the error and names the valid values.
+    /// Returns the message that describes the error and gives the valid values.
     pub fn message(&self) -> Message {
         match self {
             Self::Range { value, least, most } => say::link_value_wrong(value, least, most),

@@ -5,7 +5,7 @@ use gsk_units::PerAxis;
 /// Ratio of the greatest rate set in the board to the greatest rate of the control: the board must
 /// never limit a move.
 const RATE_MARGIN: f64 = 1.2;
-/// Least acceleration that is set in the board, mm/s².
+/// Least acceleration that the link sets in the board, mm/s².
 const LEAST_ACCELERATION: f64 = 2000.0;
 /// Ratio of the acceleration set in the board to the acceleration of the control.
 const ACCELERATION_MARGIN: f64 = 10.0;
@@ -15,7 +15,7 @@ const ACCELERATION_MARGIN: f64 = 10.0;
 pub struct AxisRates {
     /// Greatest rate of the axis, mm/min.
     pub rate: f64,
-    /// Greatest acceleration, mm/s².
+    /// Greatest acceleration of the axis, mm/s².
     pub acceleration: f64,
 }
 
@@ -36,9 +36,9 @@ impl AxisRates {
 /// The pulse weight of X and Z, and the limits of speed and acceleration of their drives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drives {
-    /// Slide travel of one pulse, mm.
+    /// Distance that the slide moves with one pulse, mm, for each axis.
     pub pulse_weight: PerAxis<f64>,
-    /// Limits that each axis must have in the board.
+    /// Rate and acceleration that the board must permit for each axis.
     pub rates: PerAxis<AxisRates>,
 }
 

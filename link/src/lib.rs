@@ -40,7 +40,7 @@ pub use config::{
 pub use drives::{AxisRates, Drives};
 pub use position::Uncertainty;
 
-/// Monotonic time of the host.
+/// Monotonic time of the host since an arbitrary start.
 pub type HostTime = Duration;
 
 /// Time of commanded motion since the link was opened: the kernel's time axis.
@@ -49,7 +49,7 @@ pub type RunTime = Duration;
 /// The state of the connection to the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LinkState {
-    /// No port is open.
+    /// No port is open; there is no connection to a board.
     Off,
     /// The port is open, no byte has been received.
     Opening,
@@ -71,7 +71,7 @@ pub enum LinkState {
     Tripped,
     /// The board or the protocol failed.
     Fault,
-    /// The board does not answer, or the port failed.
+    /// The board no longer answers, or the port has failed.
     Lost,
 }
 
@@ -103,9 +103,9 @@ impl LinkState {
 /// The commanded position of the axes at the end of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sample {
-    /// The time at which the axes reach the position.
+    /// Time at which the axes reach the position.
     pub end: RunTime,
-    /// The position in whole command pulses.
+    /// Commanded position, in whole command pulses.
     pub pulses: PerAxis<Pulses>,
     /// The position before rounding, in units of 1/[`FINE`] pulse. Rounded to whole pulses it gives
     /// `pulses`.
@@ -137,26 +137,26 @@ pub enum Stop {
     Kill,
 }
 
-/// An input of a board.
+/// An input of a board that the control uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Input {
-    /// Limit switches of X.
+    /// Input of the limit switches of X.
     LimitX,
-    /// Limit switches of Z.
+    /// Input of the limit switches of Z.
     LimitZ,
-    /// Sense input of the emergency stop chain.
+    /// Input that senses the emergency stop chain.
     EmergencyStop,
-    /// Alarm output of the drives.
+    /// Input for the alarm output of the drives.
     DriveAlarm,
-    /// Deceleration switch of X.
+    /// Input of the deceleration switch of X.
     DecelerationX,
-    /// Deceleration switch of Z.
+    /// Input of the deceleration switch of Z.
     DecelerationZ,
-    /// Zero signal (one-turn signal) of the X drive.
+    /// Input for the zero signal (one-turn signal) of the X drive.
     ZeroX,
-    /// Zero signal (one-turn signal) of the Z drive.
+    /// Input for the zero signal (one-turn signal) of the Z drive.
     ZeroZ,
-    /// A contact of the control, X0.0 to X3.7.
+    /// Input for a contact of the control, X0.0 to X3.7.
     Contact {
         /// Byte of the X address, 0 to 3.
         byte: u8,
@@ -176,12 +176,12 @@ impl Input {
     }
 }
 
-/// The condition of an input that stops the axes.
+/// The state of an awaited input at which the board stops the axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InputCondition {
-    /// The input is operated.
+    /// The board stops the axes when the input is operated.
     Operated,
-    /// The input is free.
+    /// The board stops the axes when the input is released.
     Free,
     /// The level of the input has changed, in either direction, since the link armed the input.
     Changed,
@@ -192,7 +192,7 @@ pub enum InputCondition {
 pub struct AwaitedInput {
     /// The watched input; it must belong to an axis.
     pub input: Input,
-    /// The condition that stops the axes.
+    /// The state of the input at which the board stops the axes.
     pub until: InputCondition,
     /// Speed of the search, pulses per second. This speed determines the sampling rate: the
     /// board stops before the next pulse.
@@ -202,15 +202,15 @@ pub struct AwaitedInput {
 /// An output of a board, switched in step with the motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Output {
-    /// Enable of the drives, 0 or 1; only the link switches this output.
+    /// Output that enables the drives, 0 or 1; only the link switches it.
     Enable,
-    /// Spindle clockwise (M03), 0 or 1.
+    /// Output that turns the spindle clockwise (M03), 0 or 1.
     SpindleForward,
-    /// Spindle counterclockwise (M04), 0 or 1.
+    /// Output that turns the spindle counterclockwise (M04), 0 or 1.
     SpindleReverse,
-    /// Spindle speed, 0–10 000 mV.
+    /// Analog output of the spindle speed, 0–10 000 mV.
     SpindleSpeed,
-    /// Coolant, 0 or 1.
+    /// Output that switches the coolant, 0 or 1.
     Coolant,
 }
 
@@ -224,7 +224,7 @@ pub enum LinkEvent {
     /// The axes are being stopped; the rest of the motion is dropped. The next
     /// [`LinkEvent::Position`] reports the position of the stop.
     Halting {
-        /// Whether an awaited input caused the stop.
+        /// Whether an awaited input of an axis caused the stop.
         reached: bool,
     },
     /// The count of the board at standstill, in the kernel's pulses.
@@ -233,11 +233,11 @@ pub enum LinkEvent {
     Homed(PerAxis<bool>),
     /// This awaited input stopped the axes at this position, in the kernel's pulses.
     Reached(Input, PerAxis<Pulses>),
-    /// An alarm for the operator.
+    /// The link reports an alarm for the operator.
     Alarm {
         /// Number in the alarm table, 601–622.
         number: u16,
-        /// Cause of the alarm.
+        /// Message with the cause of the alarm.
         detail: Message,
     },
     /// The dictionary of a board with timed steps was read. To save the time of reading it
@@ -258,11 +258,11 @@ pub struct SettingDifference {
     /// Grbl's number of the setting, also for boards that use names. Numbers from 1000 on
     /// are settings that Grbl does not have.
     pub number: u16,
-    /// The board's name of the setting.
+    /// Name of the setting in the board's firmware.
     pub name: String,
-    /// The value in the board; `None` if the board does not have the setting.
+    /// Value of the setting in the board; `None` if the board does not have the setting.
     pub board: Option<String>,
-    /// The value that the board must have.
+    /// Value that the setting must have in the board.
     pub wanted: String,
 }
 
@@ -277,38 +277,40 @@ pub struct ThreadPass {
     pub lead: f64,
 }
 
-/// Why the link refuses a thread pass.
+/// The reason for which the link refuses a thread pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PassError {
-    /// The axes are not at standstill.
+    /// A pass is refused because the axes are not at standstill.
     NotReady,
-    /// The board does not report the spindle speed.
+    /// A pass is refused because the board does not report the spindle speed.
     Unseen,
-    /// The spindle speed is not constant yet.
+    /// A pass is refused because the spindle speed is not constant yet.
     Unsteady,
-    /// The spindle is stopped.
+    /// A pass is refused because the spindle is stopped.
     Standing,
-    /// The spindle is too slow: its one-turn signals come after the board's time limit.
+    /// A pass is refused because the spindle is too slow: its one-turn signals come after the
+    /// board's time limit.
     Slow {
         /// Current spindle speed, r/min.
         rpm: f64,
         /// Least spindle speed for a pass, r/min.
         least: f64,
     },
-    /// The pass is too fast: the motors would have to start without acceleration.
+    /// A pass is refused because it is too fast: the motors would have to start without
+    /// acceleration.
     Fast {
         /// Speed along the pass, mm/min.
         speed: f64,
-        /// Greatest speed without a ramp, mm/min.
+        /// Greatest speed at which the motors start without acceleration, mm/min.
         most: f64,
     },
-    /// The limit switch of this axis is operated.
+    /// A pass is refused because the limit switch of this axis is operated.
     Limit(Axis),
-    /// The pass is shorter than the distances of its acceleration and deceleration together.
+    /// A pass is refused because it is shorter than its acceleration and deceleration together.
     Short {
         /// Length of the pass, mm.
         length: f64,
-        /// Length of acceleration and deceleration together, mm.
+        /// Length of the acceleration and deceleration together, mm.
         ramps: f64,
     },
 }
@@ -342,12 +344,12 @@ const fn limit_alarm(axis: Axis) -> u16 {
     }
 }
 
-/// Why the link refuses motion or a command.
+/// The reason for which the link refuses motion or a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MotionRefused {
     /// The link accepts no motion or command in its current state.
     NotReady,
-    /// The motion needs more pulses per second than the board can make.
+    /// Motion is refused because it needs more pulses per second than the board can make.
     TooFast,
     /// The limit switch of this axis is operated, and the motion leads farther onto the switch,
     /// towards the mechanical end.
@@ -355,7 +357,7 @@ pub enum MotionRefused {
     /// The limit switch of this axis is operated at an unknown end. The axis has moved as far
     /// as it may before the operator checks its position with RESET.
     OnLimit(Axis),
-    /// The board has no such input or output.
+    /// A command is refused because the board has no such input or output.
     NotWired,
 }
 

@@ -12,16 +12,16 @@ use gsk_units::Axis;
 /// distance from a switch the link forgets the end of that switch.
 const STEP_LIMIT_MM: f64 = 1.0;
 
-/// The limit switches of X and Z.
+/// States of the limit switches of X and Z.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits([Limit; 2]);
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Limit {
-    /// [`STEP_LIMIT_MM`] in pulses.
+    /// Distance [`STEP_LIMIT_MM`] converted to pulses.
     step_limit: i64,
     operated: bool,
-    /// Direction towards the switch, 1 or -1; 0 if unknown.
+    /// Direction of motion towards the limit switch, 1 or -1; 0 if unknown.
     direction: i64,
     /// Pulses moved. While a switch of unknown end is operated: the sum of all motion in both
     /// directions since the operator's last check. While no switch is operated: the distance
@@ -70,7 +70,8 @@ impl Limits {
         !self.0[axis].operated && self.0[axis].direction == 0
     }
 
-    /// Allows new motion on operated switches: the operator has checked the position (RESET).
+    /// Permits new motion on operated limit switches, after the operator has checked the position
+    /// (RESET).
     pub(super) fn confirm_position_checked(&mut self) {
         for limit in &mut self.0 {
             if limit.operated {

@@ -1,6 +1,6 @@
 //! Parses the pin names of the machine file.
 
-/// A pin with its signs: `^` for a pull-up, `!` for an inverted level.
+/// A pin name with its signs: `^` for a pull-up, `!` for an inverted level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PinName<'a> {
     pub(super) pull_up: bool,

@@ -10,10 +10,10 @@ use gsk_units::{PerAxis, Pulses};
 /// The functions of a backend that confirm, invalidate and forget its position. Callers
 /// use [`Backend`](crate::Backend) instead.
 pub trait Positioned {
-    /// Returns state, time and events of the link.
+    /// Returns state, time and events of the connection.
     fn session(&self) -> &LinkSession;
 
-    /// Returns state, time and events of the link, mutable.
+    /// Returns state, time and events of the connection, mutable.
     fn session_mut(&mut self) -> &mut LinkSession;
 
     /// Aligns the board's current count with the kernel's count `kernel`, in pulses, at the kernel
@@ -28,35 +28,37 @@ pub trait Positioned {
         self.session_mut().lose_position(uncertainty);
     }
 
-    /// Forgets the alignment of the board's count with the kernel's.
+    /// Discards the alignment of the board's count with the kernel's.
     fn forget_count(&mut self);
 }
 
-/// Why the position of the slides is uncertain.
+/// The reason for which the position of the slides is uncertain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Uncertainty {
-    /// An axis has not made its reference return.
+    /// The position is uncertain because an axis has not made its reference return.
     #[default]
     Unreferenced,
-    /// The axes were stopped dead during motion.
+    /// The position is uncertain because the axes were stopped dead during motion.
     StoppedDead,
-    /// The axes were stopped from a speed at which the motors may lose steps.
+    /// The position is uncertain because the axes were stopped from a speed at which the motors may
+    /// lose steps.
     TooFast,
-    /// The drives have lost power.
+    /// The position is uncertain because the drives have lost power.
     Powerless,
-    /// The board stopped beside the commanded path.
+    /// The position is uncertain because the board stopped off the commanded path.
     OffPath,
-    /// The board's count differs from the commanded position.
+    /// The position is uncertain because the board's count differs from the commanded position.
     Differs,
-    /// A protocol error: the board may have misread commands.
+    /// The position is uncertain because of a protocol error: the board may have misread commands.
     Misunderstood,
-    /// The board was reset and its count has not been read since.
+    /// The position is uncertain because the board was reset and its count has not been read since.
     Reset,
-    /// The board shut down and its count has not been read since.
+    /// The position is uncertain because the board shut down and its count has not been read since.
     ShutDown,
-    /// The board no longer answers.
+    /// The position is uncertain because the board no longer answers.
     Unheard,
-    /// The axes stopped while the backlash compensation was possibly not complete.
+    /// The position is uncertain because the axes stopped while backlash compensation was possibly
+    /// not complete.
     Play,
 }
 

@@ -7,13 +7,13 @@ use crate::{HostTime, LinkEvent, LinkState, Uncertainty};
 /// Whether the position of the slides is certain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Position {
-    /// The slides are at the kernel's position.
+    /// The slides are at the position that the kernel has commanded.
     Known,
-    /// The slides may be at another position, for this reason.
+    /// The slides may be at another position than commanded, for this reason.
     Uncertain(Uncertainty),
 }
 
-/// State, time and pending events of a link.
+/// State, time and pending events of the connection to a board.
 #[derive(Clone, Debug)]
 pub struct LinkSession {
     pub(crate) state: LinkState,
@@ -46,7 +46,7 @@ impl LinkSession {
         matches!(self.state, LinkState::Off | LinkState::Lost)
     }
 
-    /// Changes the state and reports the change to the kernel.
+    /// Changes the state of the link and reports the change to the kernel.
     pub(crate) fn enter(&mut self, state: LinkState) {
         if self.state != state {
             self.state = state;
@@ -77,7 +77,7 @@ impl LinkSession {
         self.position = Position::Known;
     }
 
-    /// Allows manual motion with an unknown position.
+    /// Permits manual motion although the position is unknown.
     pub(crate) const fn release(&mut self) {
         self.position = Position::Uncertain(Uncertainty::Unreferenced);
         self.released = true;

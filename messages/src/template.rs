@@ -18,7 +18,7 @@ pub enum TemplateError {
     Name(String),
 }
 
-/// What a placeholder can be filled with.
+/// The kind of value that fills a placeholder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PlaceholderKind {
     /// A value that is printed with this format specification; empty for the default.
@@ -38,7 +38,7 @@ pub enum TemplatePiece<'a> {
     Value {
         /// The name that the placeholder has in the text.
         name: &'a str,
-        /// What the placeholder can be filled with.
+        /// The kind of value that fills the placeholder.
         kind: PlaceholderKind,
     },
 }

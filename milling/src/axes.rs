@@ -4,7 +4,7 @@
 use crate::memory::{MillMemory, parameter};
 use crate::space::{Length, MillAxis, MillPosition};
 
-/// An axis besides X, Y and Z.
+/// A fourth or fifth axis of a mill, besides X, Y and Z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FurtherAxis {
     /// The axis's address in programs: A, B or C.
@@ -152,7 +152,7 @@ impl Axes {
     }
 }
 
-/// Wraps a value into one turn, from 0.
+/// Returns the value reduced to one turn: from 0 to below `turn`.
 const fn wrap_into_turn(value: Length, turn: Length) -> Length {
     Length::from_nm(value.nm().rem_euclid(turn.nm()))
 }

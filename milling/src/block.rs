@@ -15,31 +15,31 @@ use crate::space::{Length, MillPosition};
 use crate::state::{MillState, Polar};
 use crate::words::{BlockWords, OnOff, OneShotCode};
 
-/// What runs after a block: another block, a subprogram, or nothing.
+/// What runs after a block: the next block, a subprogram, another block, or nothing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum BlockFlow {
     Next,
-    /// The program stops (M00).
+    /// The program stops at the block (M00).
     Stop,
-    /// The program ends (M02, M30).
+    /// The program ends with the block (M02, M30).
     End,
-    /// A subprogram is called, by M98 or an M code with a subprogram.
+    /// The block calls a subprogram, by M98 or an M code with a subprogram.
     Call {
         program: i64,
         runs: u16,
         name: String,
     },
-    /// A macro is called by M9000 to M9999.
+    /// The block calls a macro by M9000 to M9999.
     Macro {
         program: i64,
         runs: u16,
         name: String,
     },
-    /// The subprogram returns (M99), to the block that P names if it is given.
+    /// The subprogram returns (M99), to the block with this sequence number if it has P.
     Back(Option<i64>),
 }
 
-/// What a block has done and which block follows.
+/// The result of an executed block: what it has moved and which block follows.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct BlockResult {
     pub(crate) flow: BlockFlow,
@@ -225,7 +225,7 @@ fn offset_number(value: WordNumber) -> Result<u16, Alarm> {
     }
 }
 
-/// Selects the work zero of G54 to G59 or G54.1.
+/// Selects the work zero that the block names, G54 to G59 or G54.1.
 fn set_zero(state: &mut MillState, words: &BlockWords, memory: &MillMemory) -> Result<(), Alarm> {
     let zero = match words.zero {
         _ if words.additional => {
@@ -321,7 +321,7 @@ fn apply_m_after_motion(
     Ok(())
 }
 
-/// Returns what an M code does; `None` if it calls a program or only the ladder knows it.
+/// Returns the function of an M code; `None` if it calls a program or only the ladder knows it.
 fn m_function(code: i64, memory: &MillMemory) -> Result<Option<MCode>, Alarm> {
     if memory.model.is_macro_m_code(code) || memory.model.m_subprogram(code).is_some() {
         return Ok(None);
@@ -361,7 +361,7 @@ fn run_count(words: &BlockWords, by_p: i64) -> Result<u16, Alarm> {
     }
 }
 
-/// Returns what runs after a block, by its M code.
+/// Determines what runs after a block, by its M code.
 pub(crate) fn block_flow(words: &BlockWords, memory: &MillMemory) -> Result<BlockFlow, Alarm> {
     let Some(code) = words.letters.m.map(WordNumber::integer) else {
         return Ok(BlockFlow::Next);

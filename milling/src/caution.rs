@@ -39,7 +39,7 @@ impl MillSlip {
     }
 }
 
-/// A warning and the block that caused it.
+/// A probable mistake with the block in which it occurs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MillCaution {
     /// The probable mistake.

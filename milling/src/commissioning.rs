@@ -16,7 +16,7 @@ pub struct ElectronicGear {
     pub divider: u32,
 }
 
-/// The greatest value of the multiplier and of the divider.
+/// The greatest multiplier and the greatest divider of the electronic gear.
 const GREATEST: u64 = 32_767;
 
 /// Numbers of teeth of the gear wheels between motor and screw.
@@ -100,11 +100,12 @@ pub const fn backlash_rate(parameter_010: u8, an_eighth: bool) -> u32 {
 /// The pitch error table of an axis, as parameters and interval errors.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MillPitchTable {
-    /// Number of the table at the reference point (3620).
+    /// Number of the interval at the reference point (parameter 3620).
     origin: i64,
-    /// Length of an interval (3624), 0.001 mm.
+    /// Length of an interval (parameter 3624), 0.001 mm.
     interval: i64,
-    /// Least and greatest number whose error acts (3621, 3622).
+    /// Least and greatest number of the intervals whose errors are compensated (parameters 3621,
+    /// 3622).
     window: (i64, i64),
     /// Error of each interval by its number N, 0.001 mm: between `(N − 1 − origin)` and
     /// `(N − origin)` intervals.

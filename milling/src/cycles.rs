@@ -18,7 +18,7 @@ use crate::space::{Length, MillAxis, MillPosition, Plane};
 /// The words of a hole cycle, which remain in force for the next holes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct HoleData {
-    /// Level before the first hole, a machine coordinate.
+    /// Level of the tool before the first hole, a machine coordinate.
     pub(crate) initial: Length,
     /// R level as programmed; `None` until it is. With G91 it counts from the initial level.
     pub(crate) r: Option<HoleLevel>,
@@ -38,23 +38,23 @@ pub(crate) struct HoleLevel {
     pub(crate) incremental: bool,
 }
 
-/// A step of a hole cycle; its points are in machine coordinates.
+/// A step of a hole cycle: a move, a dwell or a spindle change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum HoleStep {
-    /// Moves to a point at rapid.
+    /// The tool moves to this point at rapid, machine coordinates.
     Rapid(MillPosition),
-    /// Moves to a point at the feed.
+    /// The tool moves to this point at the feed, machine coordinates.
     Feed(MillPosition),
-    /// Moves to a point, synchronised with the spindle.
+    /// The tap moves to a point, synchronised with the spindle.
     Tap {
-        /// End of the move.
+        /// End of the tap's move, machine coordinates.
         to: MillPosition,
         /// Whether the tap moves out of the hole.
         out: bool,
     },
-    /// Dwells for a number of seconds.
+    /// The cycle dwells for this number of seconds.
     Dwell(f64),
-    /// Changes the state of the spindle.
+    /// The spindle changes to this state.
     Spindle(SpindleState),
 }
 
@@ -63,7 +63,7 @@ pub(crate) enum HoleStep {
 pub(crate) struct Drilling<'a> {
     pub(crate) hole: Hole,
     pub(crate) plane: Plane,
-    /// Position over the hole, at the level where the tool is before the cycle.
+    /// Position over the hole, at the level at which the tool is before the cycle.
     pub(crate) over: MillPosition,
     pub(crate) initial: Length,
     pub(crate) r: Length,
@@ -72,7 +72,7 @@ pub(crate) struct Drilling<'a> {
     pub(crate) dwell_s: f64,
     pub(crate) to_r: bool,
     pub(crate) spindle: SpindleState,
-    /// Whether taps are rigid (M29). Q is then the depth of a peck.
+    /// Whether taps are rigid (M29); then Q is the depth of a peck.
     pub(crate) rigid: bool,
     pub(crate) memory: &'a MillMemory,
 }
@@ -85,7 +85,7 @@ fn too_many_pecks() -> Alarm {
 }
 
 impl Drilling<'_> {
-    /// Returns the point of the hole at a level.
+    /// Returns the point over the hole with Z at `level`.
     fn at(&self, level: Length) -> MillPosition {
         let mut point = self.over;
         point.set(self.plane.across(), level);
@@ -175,7 +175,7 @@ impl Drilling<'_> {
         if self.to_r { self.r } else { self.initial }
     }
 
-    /// Appends the dwell after every hole (5108), and removes dwells of 0.
+    /// Appends the dwell that parameter 5108 adds after every hole, and removes dwells of 0.
     fn with_dwell(&self, mut steps: Vec<HoleStep>) -> Vec<HoleStep> {
         let dwell = self.memory.value(parameter::HOLE_DWELL);
         if dwell > 0 {

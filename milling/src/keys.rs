@@ -1,7 +1,7 @@
 //! Lists the keys of the GSK980MDi in its diagnosis numbers 016 to 024. A bit is 1 while its
 //! key is pressed.
 
-/// The names of the keys by diagnosis number, bit 7 first.
+/// The names of the panel keys by diagnosis number; the first name is that of bit 7.
 pub const KEYS: [(u16, [&str; 8]); 9] = [
     (16, ["VF1", "RST", "O", "N", "G", "7", "8", "9"]),
     (17, ["VF2", "X", "Y/&", "Z", "U/W", "4", "5", "6"]),

@@ -14,102 +14,108 @@ use crate::space::{AxisValues, Length, MillAxis, MillPosition};
 pub mod parameter {
     use crate::space::MillAxis;
 
-    /// Bit 7: D is a diameter. Bit 1: cutter radius compensation is available.
+    /// Parameter 002. Bit 7: D is a diameter. Bit 1: cutter radius compensation is available.
     pub const TOOLS: u16 = 2;
-    /// Bit 4: offsets shift the coordinates without motion.
+    /// Parameter 003. Bit 4: offsets shift the coordinates without motion.
     pub const OFFSETS: u16 = 3;
-    /// Bit 6: every motion block ends with an exact stop.
+    /// Parameter 007. Bit 6: every motion block ends with an exact stop.
     pub const CORNERS: u16 = 7;
-    /// Bit 7: the axes of a rapid arrive together. Bit 4: G01 is in force at power-on.
+    /// Parameter 012. Bit 7: the axes of a rapid arrive together. Bit 4: G01 is in force at
+    /// power-on.
     pub const MOTION: u16 = 12;
-    /// Bit 7: length offsets stay in force after a reference return and G53.
+    /// Parameter 013. Bit 7: length offsets stay in force after a reference return and G53.
     pub const LENGTHS: u16 = 13;
-    /// Rapid rate of an axis, mm/min.
+    /// Parameter 022: rapid rate of an axis, mm/min.
     pub const RAPID_RATE: u16 = 22;
-    /// Time constant of rapids, ms.
+    /// Parameter 023: time constant of rapids, ms.
     pub const RAPID_TIME: u16 = 23;
-    /// Feed at power-on, mm/min.
+    /// Parameter 026: feed at power-on, mm/min.
     pub const FIRST_FEED: u16 = 26;
-    /// The greatest feed, mm/min.
+    /// Parameter 027: the greatest feed, mm/min.
     pub const FEED_LIMIT: u16 = 27;
-    /// Time constant of cuts, ms.
+    /// Parameter 029: time constant of cuts, ms.
     pub const FEED_TIME: u16 = 29;
-    /// Speed at which cuts begin and end, mm/min.
+    /// Parameter 030: speed at which cuts begin and end, mm/min.
     pub const FEED_START: u16 = 30;
-    /// Bit 7: a scale counts in 0.00001 instead of 0.001.
+    /// Parameter 036. Bit 7: a scale counts in 0.00001 instead of 0.001.
     pub const SCALE_UNIT: u16 = 36;
-    /// Positive travel limit, machine coordinates, 0.001 mm.
+    /// Parameter 045: positive travel limit, machine coordinates, 0.001 mm.
     pub const TRAVEL_PLUS: u16 = 45;
-    /// Negative travel limit, machine coordinates, 0.001 mm.
+    /// Parameter 046: negative travel limit, machine coordinates, 0.001 mm.
     pub const TRAVEL_MINUS: u16 = 46;
-    /// Feed of G31 with 551.2 = 1, mm/min.
+    /// Parameter 071: feed of G31 with 551.2 = 1, mm/min.
     pub const SKIP_FEED: u16 = 71;
-    /// Rapid rate of the index axis, mm/min or degrees/min.
+    /// Parameter 076: rapid rate of the index axis, mm/min or degrees/min.
     pub const INDEX_RATE: u16 = 76;
-    /// Bit 4: soft limits are off.
+    /// Parameter 172. Bit 4: soft limits are off.
     pub const LIMITS: u16 = 172;
-    /// Type of a fourth or fifth axis, bits 1 and 0: 00 linear, 01 rotary A, 11 rotary B.
+    /// Parameter 187. Type of a fourth or fifth axis, bits 1 and 0: 00 linear, 01 rotary A, 11
+    /// rotary B.
     pub const KIND: u16 = 187;
-    /// Rollover of a rotary axis A. Bit 0: coordinates restart after a turn. Bit 1: the sign of
-    /// an absolute word is the direction.
+    /// Parameter 188. Rollover of a rotary axis A. Bit 0: coordinates restart after a turn. Bit 1:
+    /// the sign of an absolute word is the direction.
     pub const ROLLOVER: u16 = 188;
-    /// Bit 7: ASIN and ATAN return angles from −180 to 180 degrees.
+    /// Parameter 520. Bit 7: ASIN and ATAN return angles from −180 to 180 degrees.
     pub const ANGLES: u16 = 520;
-    /// Bit 4: G54 to G59 clear the shift of G92.
+    /// Parameter 540. Bit 4: G54 to G59 clear the shift of G92.
     pub const ZEROS: u16 = 540;
-    /// Local coordinates are cancelled by M30 and M02 (bit 1) or by a reference return (bit 0).
+    /// Parameter 542. Local coordinates are cancelled by M30 and M02 (bit 1) or by a reference
+    /// return (bit 0).
     pub const LOCAL: u16 = 542;
-    /// Bit 2: G31 runs at the feed of 071.
+    /// Parameter 551. Bit 2: G31 runs at the feed of 071.
     pub const SKIP: u16 = 551;
-    /// Bit 7: G91 adds to the angle of G68. Bit 4: a scale for each axis. Bits 2 to 0: Z, Y and
-    /// X are scaled.
+    /// Parameter 562. Bit 7: G91 adds to the angle of G68. Bit 4: a scale for each axis. Bits 2 to
+    /// 0: Z, Y and X are scaled.
     pub const TRANSFORM: u16 = 562;
-    /// Shift of G76 and G87. Bit 1: along the second axis. Bit 0: negative.
+    /// Parameter 584. Shift of G76 and G87. Bit 1: along the second axis. Bit 0: negative.
     pub const SHIFT: u16 = 584;
-    /// Bit 5: a rigid tap retracts by 5213 between pecks, otherwise to R.
+    /// Parameter 588. Bit 5: a rigid tap retracts by 5213 between pecks, otherwise to R.
     pub const TAPS: u16 = 588;
-    /// Number of axes, 3 to 5.
+    /// Parameter 1010: number of axes, 3 to 5.
     pub const AXES: u16 = 1010;
-    /// Address of a fourth or fifth axis: 65 A, 66 B, 67 C.
+    /// Parameter 1020: address of a fourth or fifth axis: 65 A, 66 B, 67 C.
     pub const NAME: u16 = 1020;
-    /// The axis that the fourth one follows: 1 X, 2 Y, 3 Z.
+    /// Parameter 1026: the axis with which the fourth axis moves synchronously: 0 none, 1 X, 2 Y, 3
+    /// Z.
     pub const FOURTH_FOLLOWS: u16 = 1026;
-    /// The axis that the fifth one follows: 1 X, 2 Y, 3 Z.
+    /// Parameter 1027: the axis with which the fifth axis moves synchronously: 0 none, 1 X, 2 Y, 3
+    /// Z.
     pub const FIFTH_FOLLOWS: u16 = 1027;
-    /// The index axis: 4 or 5.
+    /// Parameter 1030: which axis is the index axis, 4 or 5.
     pub const INDEX: u16 = 1030;
-    /// A turn of a rotary axis, 0.001 degrees.
+    /// Parameter 1260: length of a full turn of a rotary axis, 0.001 degrees.
     pub const TURN: u16 = 1260;
-    /// First of four parameters of each axis: position of reference points 1 to 4, machine
-    /// coordinates, 0.001 mm.
+    /// Parameter 1240. First of four parameters of each axis: position of reference points 1 to 4,
+    /// machine coordinates, 0.001 mm.
     pub const REFERENCE: u16 = 1240;
-    /// Greatest distance of an arc's end from its circle, 0.001 mm.
+    /// Parameter 3410: greatest distance of an arc's end from its circle, 0.001 mm.
     pub const ARC_ERROR: u16 = 3410;
-    /// Lines of the spindle encoder. With 0, G74 and G84 drill.
+    /// Parameter 3720: lines of the spindle encoder. With 0, G74 and G84 drill.
     pub const ENCODER: u16 = 3720;
-    /// Feed of G37, mm/min.
+    /// Parameter 5040: feed of G37, mm/min.
     pub const MEASURE_FEED: u16 = 5040;
-    /// Distance before its point where G37 changes to its feed, 0.001 mm.
+    /// Parameter 5043: distance before the measuring point at which G37 changes to its feed, 0.001
+    /// mm.
     pub const MEASURE_BEFORE: u16 = 5043;
-    /// Dwell after a hole, ms.
+    /// Parameter 5108: dwell after a hole, ms.
     pub const HOLE_DWELL: u16 = 5108;
-    /// Retraction of G73, 0.001 mm.
+    /// Parameter 5114: retraction of G73, 0.001 mm.
     pub const PECK_BACK: u16 = 5114;
-    /// Distance before the last depth where G83 changes to feed, 0.001 mm.
+    /// Parameter 5115: distance before the last depth where G83 changes to feed, 0.001 mm.
     pub const PECK_CLEARANCE: u16 = 5115;
-    /// Retraction of a rigid tap with 588.5 = 1, 0.001 mm.
+    /// Parameter 5213: retraction of a rigid tap with 588.5 = 1, 0.001 mm.
     pub const TAP_BACK: u16 = 5213;
-    /// Override for retracting a rigid tap, %. 0 means 100.
+    /// Parameter 5211: override for retracting a rigid tap, %. 0 means 100.
     pub const TAP_OUT: u16 = 5211;
-    /// Time constant of a rigid tap on its way in, ms.
+    /// Parameter 5261: time constant of a rigid tap on its way in, ms.
     pub const TAP_TIME: u16 = 5261;
-    /// Time constant of a rigid tap on its way out, ms. 0 means the same as in.
+    /// Parameter 5271: time constant of a rigid tap on its way out, ms. 0 means the same as in.
     pub const TAP_TIME_OUT: u16 = 5271;
-    /// Angle of G68 without R, 0.001 degrees.
+    /// Parameter 5410: angle of G68 without R, 0.001 degrees.
     pub const ANGLE: u16 = 5410;
-    /// Scale of G51 without P, in the unit of 036.7.
+    /// Parameter 5411: scale of G51 without P, in the unit of 036.7.
     pub const SCALE: u16 = 5411;
-    /// Scale of an axis for G51 without I, J or K, in the unit of 036.7.
+    /// Parameter 5421: scale of an axis for G51 without I, J or K, in the unit of 036.7.
     pub const AXIS_SCALE: u16 = 5421;
     /// Returns the number of a parameter of one axis.
     pub const fn axis_parameter(number: u16, axis: MillAxis) -> u16 {
@@ -117,26 +123,26 @@ pub mod parameter {
     }
 }
 
-/// Number of tool offsets.
+/// Number of tool offsets that a mill has.
 const OFFSETS: u16 = 400;
-/// The greatest offset: 999.999 mm, or 99.9999 inches.
+/// The greatest tool offset: 999.999 mm, or 99.9999 inches.
 const GREATEST: Length = Length::from_increments(999_999);
 const GREATEST_INCHES: Length = Length::from_nm(2_539_997_460);
 
-/// A row of the tool offset table.
+/// A row of the tool offset table: length and radius of a tool, each with its wear.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MillOffset {
-    /// H: the length of the tool.
+    /// Length of the tool (H).
     pub length: Length,
     /// Wear of the tool length, added to the length.
     pub length_wear: Length,
-    /// D: the radius of the cutter, or its diameter with 002.7 = 1.
+    /// Radius of the cutter (D), or its diameter with 002.7 = 1.
     pub radius: Length,
-    /// Wear of the radius or diameter, added to it.
+    /// Wear of the radius or diameter, added to the radius or diameter.
     pub radius_wear: Length,
 }
 
-/// A column of the tool offset table, which G10 and variables write.
+/// A column of the tool offset table that G10 and variables write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MillOffsetColumn {
     Length,

@@ -7,16 +7,16 @@ use crate::space::Plane;
 /// The modal kind of motion (G codes of group 01).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MillMotion {
-    /// Rapid traverse (G00).
+    /// Rapid traverse is in force (G00).
     Rapid,
-    /// Straight cut (G01).
+    /// Straight cuts are in force (G01).
     Line,
-    /// Arc (G02, G03).
+    /// Arcs are in force (G02, G03).
     Arc {
         /// Whether the arc is clockwise (G02).
         clockwise: bool,
     },
-    /// Thread (G33).
+    /// Thread cutting is in force (G33).
     Thread,
 }
 
@@ -36,40 +36,40 @@ impl MillMotion {
 /// The modal tool length offset (G codes of group 08).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LengthOffset {
-    /// No length offset (G49).
+    /// No tool length offset is in force (G49).
     Off,
-    /// Adds the offset H (G43).
+    /// The tool length offset H is added (G43).
     Plus,
-    /// Subtracts the offset H (G44).
+    /// The tool length offset H is subtracted (G44).
     Minus,
 }
 
 /// The modal hole cycle (G codes of group 09).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hole {
-    /// High-speed peck drilling (G73).
+    /// The hole cycle for high-speed peck drilling (G73).
     HighSpeedPeck,
-    /// Left-hand tapping (G74).
+    /// The hole cycle for left-hand tapping (G74).
     LeftTap,
-    /// Fine boring (G76).
+    /// The hole cycle for fine boring (G76).
     FineBore,
-    /// Drilling (G81).
+    /// The hole cycle for drilling (G81).
     Drill,
-    /// Drilling with a dwell at the bottom (G82).
+    /// The hole cycle for drilling with a dwell at the bottom (G82).
     DrillDwell,
-    /// Peck drilling with full retraction (G83).
+    /// The hole cycle for peck drilling with full retraction (G83).
     Peck,
-    /// Right-hand tapping (G84).
+    /// The hole cycle for right-hand tapping (G84).
     RightTap,
-    /// Boring with retraction at the feed (G85).
+    /// The hole cycle for boring with retraction at the feed (G85).
     Bore,
-    /// Boring with a spindle stop (G86).
+    /// The hole cycle for boring with a spindle stop (G86).
     BoreStop,
-    /// Back boring (G87).
+    /// The hole cycle for back boring (G87).
     BackBore,
-    /// Boring with manual retraction (G88).
+    /// The hole cycle for boring with manual retraction (G88).
     BoreByHand,
-    /// Boring with a dwell and retraction at the feed (G89).
+    /// The hole cycle for boring with a dwell and retraction at the feed (G89).
     BoreDwell,
 }
 
@@ -100,10 +100,10 @@ pub struct WorkZero(pub u8);
 impl WorkZero {
     /// Number of work zeros of a mill.
     pub const COUNT: usize = 54;
-    /// Index of G54.1 P1.
+    /// Index of the first additional work zero (G54.1 P1).
     pub const FIRST_ADDITIONAL: u8 = 6;
 
-    /// Returns the zero's code as it is programmed: `G54`, `G54.1P12`.
+    /// Returns the code of the work zero as it is programmed: `G54`, `G54.1P12`.
     pub fn name(self) -> String {
         match self.0 {
             low @ ..Self::FIRST_ADDITIONAL => format!("G{}", 54 + low),
@@ -112,7 +112,7 @@ impl WorkZero {
     }
 }
 
-/// The state of the spindle.
+/// Whether the spindle is stopped, turns forward or turns in reverse.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SpindleState {
     /// The spindle is stopped (M05).
@@ -127,9 +127,9 @@ pub enum SpindleState {
 /// The codes and words that remain in force for the next blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MillModal {
-    /// The kind of motion (group 01).
+    /// The kind of motion in force (group 01).
     pub motion: MillMotion,
-    /// The plane of arcs and holes (group 02).
+    /// The plane of arcs and holes in force (group 02).
     pub plane: Plane,
     /// Whether axis words are incremental (G91) instead of absolute (G90, group 03).
     pub incremental: bool,
@@ -137,31 +137,32 @@ pub struct MillModal {
     pub per_revolution: bool,
     /// Whether lengths are in inches (G20) instead of mm (G21, group 06).
     pub inch: bool,
-    /// Side of the cutter radius compensation (group 07).
+    /// On which side of the path cutter radius compensation is, or off (group 07).
     pub cutter: CutterSide,
     /// Whether the tool length offset is added, subtracted or off (group 08).
     pub length: LengthOffset,
-    /// The hole cycle (group 09). `None` is G80.
+    /// The hole cycle in force (group 09); `None` under G80.
     pub hole: Option<Hole>,
-    /// Whether holes return to R (G99, group 10) instead of the initial level (G98).
+    /// Whether the tool returns to R after a hole (G99, group 10) instead of the initial level
+    /// (G98).
     pub to_r: bool,
     /// The work zero in force (group 14).
     pub zero: WorkZero,
     /// Whether every cut ends with an exact stop (G61, group 15).
     pub exact_stop: bool,
-    /// Number of the cutter radius offset in force (D).
+    /// Number of the cutter radius offset in force (word D).
     pub d: u16,
-    /// Number of the tool length offset in force (H).
+    /// Number of the tool length offset in force (word H).
     pub h: u16,
-    /// The feed (F), mm/min or mm/rev. 0 if not yet programmed.
+    /// The feed in force (F), mm/min or mm/rev; 0 if not yet programmed.
     pub feed: f64,
-    /// The lead of threads (F of G33), mm. 0 if not yet programmed.
+    /// The lead of threads in force (F of G33), mm; 0 if not yet programmed.
     pub lead: f64,
-    /// The spindle speed (S), r/min.
+    /// The spindle speed in force (S), r/min.
     pub speed: f64,
     /// Whether the spindle turns, and in which direction.
     pub spindle: SpindleState,
-    /// Whether taps are rigid (M29).
+    /// Whether taps are rigid: the spindle and Z move synchronously (M29).
     pub rigid: bool,
     /// Whether the coolant is on.
     pub coolant: bool,
@@ -169,7 +170,7 @@ pub struct MillModal {
     pub tool: u16,
     /// Number of the tool that the last T word called.
     pub called: u16,
-    /// Number of the last M code.
+    /// Number of the M code that was executed last.
     pub m: u16,
 }
 
@@ -204,7 +205,7 @@ impl Default for MillModal {
 }
 
 impl MillModal {
-    /// Returns the number of the plane's G code (group 02).
+    /// Returns the number of the G code of the plane in force (group 02).
     pub(crate) const fn plane_code(&self) -> u8 {
         match self.plane {
             Plane::Xy => 17,
@@ -213,7 +214,7 @@ impl MillModal {
         }
     }
 
-    /// Returns the number of the cutter compensation's G code (group 07).
+    /// Returns the number of the G code of the cutter compensation in force (group 07).
     pub(crate) const fn cutter_code(&self) -> u8 {
         match self.cutter {
             CutterSide::On => 40,
@@ -222,7 +223,7 @@ impl MillModal {
         }
     }
 
-    /// Returns the number of the length offset's G code (group 08).
+    /// Returns the number of the G code of the length offset in force (group 08).
     pub(crate) const fn length_code(&self) -> u8 {
         match self.length {
             LengthOffset::Off => 49,

@@ -5,14 +5,14 @@ use std::sync::LazyLock;
 
 const TABLE: &str = include_str!("../../assets/tables/mill-parameters.tsv");
 
-/// A row of the parameter table: a parameter, or a bit of one.
+/// A row of the parameter table: a parameter, or one of its bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MillParameterRow {
     /// Number of the parameter. For an axis add 10000 (X) to 50000 (fifth).
     pub number: u16,
     /// Number of the bit (0 to 7) in a state parameter; `None` for a whole parameter.
     pub bit: Option<u8>,
-    /// The symbol of the bit in the manual.
+    /// The symbol of the bit in the manual, such as `ZRN`.
     pub symbol: &'static str,
     /// The axes that have such a parameter each: 1 X, 2 Y, 3 Z, 4 and 5 the further ones.
     /// Empty if there is only one parameter.
@@ -21,7 +21,7 @@ pub struct MillParameterRow {
     pub unit: &'static str,
     /// Least and greatest value as the manual writes them, `-` if it gives none.
     pub range: &'static str,
-    /// Whether the parameter affects `check` and `plot`.
+    /// Whether the parameter affects the commands `check` and `plot`.
     pub acts: bool,
     /// The meaning of the parameter in English.
     pub en: &'static str,

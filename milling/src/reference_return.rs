@@ -7,7 +7,7 @@ use gsk_messages::{Message, say};
 use crate::memory::parameter;
 use crate::parameter_table::{MillParameterRow, mill_parameter_rows};
 
-/// Values of mill parameters that were read from a file. Missing ones are 0.
+/// Values of mill parameters read from a file, by number; missing ones are 0.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ParameterValues(BTreeMap<u16, i32>);
 
@@ -15,18 +15,19 @@ pub struct ParameterValues(BTreeMap<u16, i32>);
 /// at +24 V, 0 when open.
 const SWITCHES: u16 = 4;
 const FIRST_SWITCH: usize = 3;
-/// Parameter and bit: the jog key of a reference return is self-holding.
+/// Parameter number and bit: 1 if the jog key holds itself during a reference return.
 const KEY: (u16, usize) = (11, 2);
-/// Parameter whose bits, from 0 on, are 1 for axes that return in minus.
+/// Number of the parameter whose bits, from bit 0 on, are 1 for axes that return in minus
+/// direction.
 const DIRECTIONS: u16 = 13;
-/// Parameters with the speeds of a reference return, mm/min.
+/// Number of the parameter with the fast speed of a reference return, mm/min.
 const FAST: u16 = 31;
 const SLOW: u16 = 32;
-/// Parameter and bit: the axes have absolute encoders.
+/// Parameter number and bit: 1 if the axes have absolute encoders.
 const ENCODERS: (u16, usize) = (760, 0);
-/// Parameter and bit of a fourth or fifth axis: the return is method D.
+/// Parameter number and bit of a fourth or fifth axis: 1 if its reference return is method D.
 const METHOD_D: (u16, usize) = (parameter::ROLLOVER, 6);
-/// Parameter of each axis: distance of machine zero from the stop, 0.001 mm.
+/// Number of the axis parameter with the distance of machine zero from the stop, 0.001 mm.
 const OFFSET: u16 = 1246;
 /// Letters of the axes X, Y and Z.
 const BASIC: [char; 3] = ['X', 'Y', 'Z'];

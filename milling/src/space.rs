@@ -40,7 +40,7 @@ impl Length {
         self.0 as f64 / PER_MM
     }
 
-    /// Rounds to the least increment of 0.001 mm, halves away from zero.
+    /// Returns the length rounded to the least increment of 0.001 mm, halves away from zero.
     #[must_use]
     pub const fn rounded(self) -> Self {
         let half = if self.0 < 0 {
@@ -134,7 +134,7 @@ impl MillPosition {
         MillAxis::BASIC.map(|axis| self.get(axis).mm())
     }
 
-    /// Returns the point with X, Y and Z replaced.
+    /// Returns the point with X, Y and Z replaced by these values.
     #[must_use]
     pub(crate) fn with_basic(mut self, [x, y, z]: [Length; 3]) -> Self {
         for (axis, value) in MillAxis::BASIC.into_iter().zip([x, y, z]) {
@@ -191,12 +191,12 @@ impl Sub for MillPosition {
 /// The plane in which arcs, rotation and cutter compensation act. Holes are made across it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Plane {
-    /// X and Y (G17).
+    /// The plane of X and Y (G17).
     #[default]
     Xy,
-    /// Z and X (G18).
+    /// The plane of Z and X (G18).
     Zx,
-    /// Y and Z (G19).
+    /// The plane of Y and Z (G19).
     Yz,
 }
 
@@ -216,12 +216,12 @@ impl Plane {
     }
 }
 
-/// A point in a plane, or a distance between two, mm.
+/// A point in a plane, or the displacement between two points, mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlanePoint {
-    /// Coordinate along the first axis of the plane.
+    /// Coordinate along the first axis of the plane, mm.
     pub first: f64,
-    /// Coordinate along the second axis of the plane.
+    /// Coordinate along the second axis of the plane, mm.
     pub second: f64,
 }
 

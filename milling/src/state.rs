@@ -20,9 +20,9 @@ pub(crate) struct MillState {
     pub(crate) machine: MillPosition,
     /// The programmed point before scaling and rotation, work coordinates.
     pub(crate) programmed: MillPosition,
-    /// The tool length offset in force, added to Z.
+    /// The tool length offset in force, which is added to Z.
     pub(crate) length: Length,
-    /// Shift of all work zeros by G92.
+    /// Shift of all work zeros by G92, mm or degrees.
     pub(crate) shift: MillPosition,
     /// Origin of the local coordinates (G52), relative to the work zero.
     pub(crate) local: MillPosition,
@@ -32,9 +32,9 @@ pub(crate) struct MillState {
     /// The intermediate point of the last G28 or G30, machine coordinates.
     pub(crate) intermediate: MillPosition,
     pub(crate) hole: HoleData,
-    /// End of the last G31, work coordinates.
+    /// End position of the last G31 (skip), work coordinates.
     pub(crate) skipped: MillPosition,
-    /// Whether M06 has been commanded. From then on T only calls a tool.
+    /// Whether M06 has been commanded; from then on T only selects a tool for M06.
     pub(crate) changes_tools: bool,
 }
 
@@ -52,8 +52,8 @@ impl MillState {
         memory.external + memory.zero(self.modal.zero) + self.shift + self.local
     }
 
-    /// Returns the offset that turns work into machine coordinates: work zero and length
-    /// offset.
+    /// Returns the offset that converts work coordinates to machine coordinates: work zero and
+    /// length offset.
     pub(crate) fn frame(&self, memory: &MillMemory) -> MillPosition {
         let mut frame = self.zero(memory);
         frame.set(MillAxis::Z, frame.get(MillAxis::Z) + self.length);
@@ -74,12 +74,12 @@ impl MillState {
         to.with_further_of(&(self.machine + distance))
     }
 
-    /// Sets the machine position after a move, wrapped into one turn.
+    /// Sets the machine position after a move, with rotary axes reduced to one turn.
     pub(crate) fn set_machine(&mut self, machine: MillPosition) {
         self.machine = self.axes.wrapped(machine);
     }
 
-    /// Sets the programmed point after a block, wrapped into one turn.
+    /// Sets the programmed point after a block, with rotary axes reduced to one turn.
     pub(crate) fn set_programmed(&mut self, programmed: MillPosition) {
         self.programmed = self.axes.wrapped(programmed);
     }
@@ -92,7 +92,7 @@ impl MillState {
         if rotary { value.rounded() } else { value }
     }
 
-    /// Sets the programmed point to the position of the tool tip.
+    /// Sets the programmed point to the current position of the tool tip.
     pub(crate) fn resync(&mut self, memory: &MillMemory) {
         self.programmed = self.transform.undo(self.work(memory));
     }

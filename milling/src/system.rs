@@ -27,14 +27,14 @@ use crate::modal::{Hole, WorkZero};
 use crate::space::{Length, MillAxis, MillPosition};
 use crate::state::MillState;
 
-/// The values of variables that programs write, and the counters of the control.
+/// The values of the variables that programs write, and of the counters of the control.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MillVariables {
     common: BTreeMap<u32, f64>,
     registers: Registers,
-    /// Running time (#3002) before the start of the program, ms.
+    /// Running time of the control (#3002) before the start of the program, ms.
     hours_before: i64,
-    /// Number of parts made (#3901). `required` is that of #3902.
+    /// Number of parts made, variable #3901.
     pub(crate) parts: u32,
     required: u32,
 }
@@ -48,19 +48,19 @@ impl MillVariables {
         }
     }
 
-    /// Sets a variable that all programs share.
+    /// Sets a common variable, which all programs share.
     pub(crate) fn set_common(&mut self, number: u32, value: f64) {
         self.common.insert(number, value);
     }
 }
 
-/// What a read or written system variable can refer to.
+/// The state that system variables read: program, time, position and modal values.
 pub(crate) struct VariableContext<'a> {
     pub(crate) state: &'a mut MillState,
     pub(crate) memory: &'a mut MillMemory,
     pub(crate) variables: &'a mut MillVariables,
     pub(crate) source: SourcePosition,
-    /// Number of the running program, O.
+    /// Number of the running program (word O).
     pub(crate) program: u16,
     /// Machine time since the start of the program, s.
     pub(crate) now: f64,
@@ -75,9 +75,9 @@ enum StoredVariable {
     Zero(WorkZero, MillAxis),
 }
 
-/// Number of milliseconds in an hour.
+/// Number of milliseconds in an hour, the unit of variable #3002.
 const HOUR_MS: f64 = 3.6e6;
-/// The bit of #3005 that is 1 in inches (G20).
+/// Number of the bit of #3005 that is 1 in inches (G20).
 const INCH: u8 = 4;
 
 /// Returns the axis of a variable's last digit: 4 is the fourth, 5 the fifth; `None` if the
@@ -120,12 +120,12 @@ fn unknown(variable: u32) -> Alarm {
     Alarm::new(number::BAD_VARIABLE).with_detail(detail)
 }
 
-/// Whether all programs share the variable.
+/// Whether the variable is a common one, which all programs share.
 const fn is_common(number: u32) -> bool {
     matches!(number, 100..=199 | 500..=999)
 }
 
-/// The variable that contains all outputs to the ladder as bits.
+/// Number of the variable that contains all outputs to the ladder as bits.
 const OUTPUTS: u32 = 1132;
 
 /// Returns the least and greatest value of a variable that is a signal to the ladder, or a
@@ -206,7 +206,7 @@ impl VariableContext<'_> {
         (self.now * 1000.0) as u64
     }
 
-    /// Returns the stored value of a signal or setting.
+    /// Returns the stored value of a variable that is a signal or a setting.
     fn stored_value(&self, variable: u32) -> f64 {
         let value = |number: u32| self.variables.common.get(&number).copied().unwrap_or(0.0);
         match variable {
@@ -235,7 +235,8 @@ impl VariableContext<'_> {
         self.variables.set_common(variable, value as f64);
     }
 
-    /// Returns the value of a timer, clock or counter; `None` for other variables.
+    /// Returns the value of a variable that is a timer, clock or counter; `None` for other
+    /// variables.
     fn control(&self, variable: u32) -> Option<f64> {
         let variables = &self.variables;
         let now = self.now_ms();

@@ -2,31 +2,31 @@
 
 use crate::space::{AxisValues, Length, MillAxis, MillPosition, Plane, PlanePoint};
 
-/// Scaling in force (G51).
+/// The scaling that is in force (G51): its centre and factors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scaling {
-    /// Point that scaling does not move, work coordinates.
+    /// Centre of the scaling, which does not move, work coordinates.
     pub(crate) center: MillPosition,
     /// Factors of X, Y and Z. A negative one mirrors. The fourth and fifth axis have 1.
     pub(crate) factors: AxisValues<f64>,
 }
 
-/// Rotation in force (G68).
+/// The rotation that is in force (G68): its centre and angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rotation {
     pub(crate) plane: Plane,
-    /// Point that the rotation does not move, mm, after scaling.
+    /// Centre of the rotation, which does not move, mm, after scaling.
     pub(crate) center: PlanePoint,
-    /// Effective angle, degrees counter-clockwise.
+    /// Angle by which points are rotated, degrees counter-clockwise.
     pub(crate) degrees: f64,
-    /// Programmed angle, degrees counter-clockwise.
+    /// Angle of the rotation as programmed, degrees counter-clockwise.
     pub(crate) programmed: f64,
     /// Tool position at G68, until the first motion; then `None`. If that motion is
     /// incremental, the position is the centre.
     pub(crate) tool_at_start: Option<PlanePoint>,
 }
 
-/// Scaling and rotation in force; `None` if off.
+/// The scaling and rotation in force; each is `None` if it is off.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Transform {
     pub(crate) scaling: Option<Scaling>,
@@ -34,7 +34,7 @@ pub(crate) struct Transform {
 }
 
 impl Transform {
-    /// Returns whether neither scaling nor rotation is in force.
+    /// Returns true if neither scaling nor rotation is in force.
     pub(crate) const fn is_none(&self) -> bool {
         self.scaling.is_none() && self.rotation.is_none()
     }
@@ -50,7 +50,7 @@ impl Transform {
         self.factor(first) * self.factor(second) < 0.0
     }
 
-    /// Returns a programmed point after scaling, before rotation: X, Y and Z, mm.
+    /// Scales a programmed point, without rotating it; returns X, Y and Z, mm.
     pub(crate) fn scaled(&self, point: MillPosition) -> [f64; 3] {
         let point = point.mm();
         let Some(Scaling { center, factors }) = self.scaling else {
@@ -60,7 +60,7 @@ impl Transform {
         core::array::from_fn(|axis| center[axis] + factors.0[axis] * (point[axis] - center[axis]))
     }
 
-    /// Returns a programmed point after scaling and rotation, rounded to the least increment.
+    /// Scales and rotates a programmed point, and rounds it to the least increment.
     pub(crate) fn apply(&self, point: MillPosition) -> MillPosition {
         if self.is_none() {
             return point;
@@ -75,7 +75,7 @@ impl Transform {
         point.with_basic(mm.map(|value| Length::from_mm(value).rounded()))
     }
 
-    /// Returns the programmed point that scaling and rotation turn into `point`.
+    /// Returns the programmed point whose scaled and rotated point is `point`.
     pub(crate) fn undo(&self, point: MillPosition) -> MillPosition {
         if self.is_none() {
             return point;

@@ -10,7 +10,7 @@ use crate::axes::Axes;
 use crate::modal::{Hole, LengthOffset, MillMotion, WorkZero};
 use crate::space::{AxisValues, Length, MillAxis, Plane};
 
-/// A code that acts only in its own block (group 00).
+/// A G code that acts only in its block (group 00).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum OneShotCode {
     Dwell,
@@ -33,7 +33,7 @@ pub(crate) enum OnOff {
     Off,
 }
 
-/// The words of a block, sorted by what they mean; `None` where the block has no such word.
+/// The words of a block, sorted by their meaning; `None` where the block has no such word.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct BlockWords {
     pub(crate) one_shot: Option<OneShotCode>,
@@ -49,7 +49,7 @@ pub(crate) struct BlockWords {
     pub(crate) to_r: Option<bool>,
     pub(crate) scaling: Option<OnOff>,
     pub(crate) zero: Option<WorkZero>,
-    /// Whether G54.1 is programmed. Its P names the zero.
+    /// Whether the block has G54.1, whose P selects the work zero.
     pub(crate) additional: bool,
     pub(crate) exact_mode: Option<bool>,
     pub(crate) exact_stop: bool,
@@ -61,7 +61,7 @@ pub(crate) struct BlockWords {
     pub(crate) unused_word: Option<char>,
 }
 
-/// The numbers after the letters of a block, as programmed.
+/// The values of the words of a block by their letters, as programmed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Letters {
     pub(crate) axes: AxisValues<Option<WordNumber>>,
@@ -237,7 +237,7 @@ impl BlockWords {
         Err(Alarm::new(number::BAD_ADDRESS).with_detail(detail))
     }
 
-    /// Returns whether a word of the block names an axis.
+    /// Returns whether the block has a word for any axis.
     pub(crate) fn has_axes(&self) -> bool {
         self.letters.axes.0.iter().any(Option::is_some)
     }

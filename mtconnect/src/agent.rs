@@ -18,18 +18,18 @@ use crate::reading::MachineReading;
 use crate::status;
 use crate::time_stamp::TimeStamp;
 
-/// A document with observations, and where the next one begins.
+/// An MTConnectStreams document, with the sequence number at which the next one begins.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SampleDocument {
-    /// The document.
+    /// The document as XML text.
     pub text: String,
     /// Sequence number from which the next document continues.
     pub next_sequence: u64,
-    /// Whether the document has observations.
+    /// Whether the document has any observation.
     pub has_observations: bool,
 }
 
-/// The observations and assets of a lathe.
+/// The MTConnect agent: stores the observations and assets of a lathe, and writes its documents.
 #[derive(Debug)]
 pub struct Agent {
     identity: AgentIdentity,
@@ -52,23 +52,23 @@ impl Agent {
         }
     }
 
-    /// What identifies the agent.
+    /// Returns names, addresses and versions of the agent and its lathe.
     pub const fn identity(&self) -> &AgentIdentity {
         &self.identity
     }
 
-    /// Sequence number of the next observation.
+    /// Returns the sequence number that the next observation will get.
     pub const fn next_sequence(&self) -> u64 {
         self.buffer.next_sequence()
     }
 
-    /// Records the state of the machine at `time_ms` since 1970.
+    /// Records the values of all data items at `time_ms`, ms since 1970.
     pub fn record(&mut self, time_ms: u64, reading: MachineReading) {
         self.buffer.record(TimeStamp(time_ms), &reading);
         self.reading = reading;
     }
 
-    /// Takes over the current assets at `time_ms` since 1970.
+    /// Stores the current assets at `time_ms`, ms since 1970, and records which have changed.
     pub fn set_assets(&mut self, time_ms: u64, assets: &AgentAssets) {
         let time = TimeStamp(time_ms);
         for (change, element, id) in self.assets.update(time, assets) {
@@ -80,12 +80,12 @@ impl Agent {
         }
     }
 
-    /// Sets the machine time of the whole selected program, s.
+    /// Sets the machine time of the whole selected program, s; `None` if it is not known.
     pub const fn set_program_time(&mut self, seconds: Option<f64>) {
         self.program_s = seconds;
     }
 
-    /// The text of a stored program; `None` if it is not stored.
+    /// Returns the text of the stored program asset with this name; `None` if it is not stored.
     pub fn program_text(&self, name: &str) -> Option<Arc<str>> {
         match &self.assets.get(name)?.content {
             AssetContent::Program { text } => Some(Arc::clone(text)),
@@ -93,7 +93,8 @@ impl Agent {
         }
     }
 
-    /// The state of the machine for a page, as JSON. `now_ms` is the moment of the response.
+    /// Returns the state of the lathe as JSON, for the page in the browser. `now_ms` is the time of
+    /// the response, ms since 1970.
     pub fn status(&self, language: Language, now_ms: u64) -> String {
         let name = &self.identity.description.lathe_name;
         status::write_status(
@@ -105,15 +106,17 @@ impl Agent {
         )
     }
 
-    /// The document with the device model.
+    /// Writes the probe document, with the device model. `now_ms` is the time of the response, ms
+    /// since 1970.
     pub fn probe(&self, now_ms: u64) -> String {
         write_probe(self.context(now_ms), self.assets.count())
     }
 
-    /// The document with the state of the selected items.
+    /// Writes the document with the values of the selected items at one moment.
     ///
     /// # Errors
-    /// The moment is not stored.
+    ///
+    /// Returns an error if the queried sequence number is not stored.
     pub fn current(&self, query: &CurrentQuery, now_ms: u64) -> Result<String, AgentError> {
         let past = match query.at {
             Some(at) => Some(
@@ -135,10 +138,12 @@ impl Agent {
         ))
     }
 
-    /// The document with observations from `from` on, or from the sequence number of the query.
+    /// Writes the document with observations from the sequence number `from` on, or from that of
+    /// the query.
     ///
     /// # Errors
-    /// The first observation is not stored.
+    ///
+    /// Returns an error if the first observation is no longer stored.
     pub fn sample(
         &self,
         query: &SampleQuery,
@@ -174,10 +179,11 @@ impl Agent {
         })
     }
 
-    /// The document with assets.
+    /// Writes the document with the selected assets.
     ///
     /// # Errors
-    /// An asset is not stored.
+    ///
+    /// Returns an error if an asset is not stored.
     pub fn assets(&self, query: &AssetQuery, now_ms: u64) -> Result<String, AgentError> {
         let mut listed: Vec<&StoredAsset> = Vec::new();
         for id in &query.ids {
@@ -200,7 +206,7 @@ impl Agent {
         ))
     }
 
-    /// The document that explains a refusal.
+    /// Writes the document that reports a refused request to the client.
     pub fn error(&self, error: &AgentError, now_ms: u64) -> String {
         write_error(self.context(now_ms), error)
     }

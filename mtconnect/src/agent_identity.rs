@@ -6,18 +6,18 @@ use crate::assets::text_hash;
 use crate::device_description::DeviceDescription;
 use crate::model::Component;
 
-/// A version of the schemas.
+/// A version of the MTConnect schemas, such as 2.5.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct SchemaVersion {
-    /// The first number: 2 of 2.5.
+    /// First number of the version: 2 of 2.5.
     pub major: u8,
-    /// The second number: 5 of 2.5.
+    /// Second number of the version: 5 of 2.5.
     pub minor: u8,
 }
 
 impl SchemaVersion {
-    /// The versions in whose schemas the documents are valid. From 2.6 on errors have other
-    /// elements.
+    /// The schema versions in which the documents are valid. From 2.6 on, error documents have
+    /// other elements.
     pub const ALL: [Self; 7] = [
         Self::new(1, 8),
         Self::new(2, 0),
@@ -32,14 +32,16 @@ impl SchemaVersion {
         Self { major, minor }
     }
 
-    /// The version that a text names; `None` if the documents are not valid in it.
+    /// Parses a schema version such as `2.0`; `None` for a version in which the documents are not
+    /// valid.
     pub fn from_text(text: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|it| it.to_string() == text)
     }
 }
 
 impl Default for SchemaVersion {
-    /// The oldest version of the second generation: the clients of later ones read it.
+    /// Returns version 2.0, the oldest of the second generation, which clients of all later
+    /// versions can read.
     fn default() -> Self {
         Self::new(2, 0)
     }
@@ -51,7 +53,7 @@ impl fmt::Display for SchemaVersion {
     }
 }
 
-/// What identifies an agent and its lathe.
+/// Names, addresses and versions that identify an agent and its lathe.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AgentIdentity {
     /// Name of the lathe in addresses: `GSK980TD`.
@@ -62,18 +64,19 @@ pub struct AgentIdentity {
     pub sender: String,
     /// Start of the addresses of the agent's files: `http://127.0.0.1:5000`.
     pub base_url: String,
-    /// Number of this run of the agent: sequence numbers begin again with another number.
+    /// Number of this run of the agent. A client that reads another number knows that the sequence
+    /// numbers have restarted.
     pub instance_id: u64,
-    /// Moment of the start, ms since 1970.
+    /// Time at which the agent started, ms since 1970.
     pub started_ms: u64,
-    /// Version of the schemas.
+    /// Version of the MTConnect schemas that the documents follow.
     pub schema: SchemaVersion,
-    /// The lathe.
+    /// Name, model, travel and speed of the lathe.
     pub description: DeviceDescription,
 }
 
 impl AgentIdentity {
-    /// Name and identifier of a device: of the lathe or of the agent.
+    /// Returns name and identifier (UUID) of a device component: of the lathe or of the agent.
     pub(crate) fn name_and_uuid(&self, device: &Component) -> (&str, String) {
         match device.name {
             Some(name) => (name, format!("{}.{name}", self.uuid)),
@@ -81,7 +84,8 @@ impl AgentIdentity {
         }
     }
 
-    /// The identity of the agent that listens at `address` since `started_ms`.
+    /// Creates the identity of an agent that has listened at `address` since `started_ms`, ms since
+    /// 1970.
     pub fn new(
         description: DeviceDescription,
         schema: SchemaVersion,

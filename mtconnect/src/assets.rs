@@ -12,15 +12,15 @@ use crate::xml::XmlWriter;
 
 /// Greatest number of stored assets.
 pub(crate) const ASSET_BUFFER_SIZE: usize = 1024;
-/// Element of a tool.
+/// Name of the XML element of a tool asset.
 const TOOL_ELEMENT: &str = "CuttingTool";
-/// Element of a program.
+/// Name of the XML element of a program asset.
 const FILE_ELEMENT: &str = "File";
 
-/// The assets of the lathe at one moment.
+/// The job and the program whose tools and text are the assets at one moment.
 #[derive(Clone, Debug, Default)]
 pub struct AgentAssets {
-    /// Job of the selected program; `None` without one.
+    /// Job of the selected program, whose tools are assets; `None` without one.
     pub job: Option<Job>,
     /// Name and text of the selected program; `None` without one.
     pub program: Option<(String, Program)>,
@@ -31,7 +31,7 @@ pub(crate) enum AssetContent {
     Tool {
         number: u8,
         tool: Tool,
-        /// True length of the tool; `None` if the job does not have it.
+        /// Length of the tool in X and Z, mm; `None` if the job does not have it.
         length: Option<DiameterPoint>,
     },
     Program {
@@ -48,7 +48,7 @@ pub(crate) struct StoredAsset {
 }
 
 impl StoredAsset {
-    /// The name of the element, which is the type of the asset.
+    /// Returns the name of the XML element, which is the type of the asset.
     pub(crate) const fn element(&self) -> &'static str {
         match self.content {
             AssetContent::Tool { .. } => TOOL_ELEMENT,
@@ -57,21 +57,22 @@ impl StoredAsset {
     }
 }
 
-/// What has happened to an asset.
+/// Whether an asset is new or changed, or was removed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum AssetChange {
     Changed,
     Removed,
 }
 
-/// The assets of the lathe, the latest last; removed ones stay until newer ones need their room.
+/// The stored assets, the latest last. Removed ones stay stored until newer ones need their space.
 #[derive(Debug, Default)]
 pub(crate) struct AssetBuffer {
     entries: Vec<StoredAsset>,
 }
 
 impl AssetBuffer {
-    /// Takes over the current assets; returns what has changed, with element and identifier.
+    /// Stores the current assets; returns the changed and removed ones, each with XML element and
+    /// identifier.
     pub(crate) fn update(
         &mut self,
         time: TimeStamp,
@@ -103,17 +104,17 @@ impl AssetBuffer {
         changes
     }
 
-    /// Number of assets that are not removed.
+    /// Returns the number of stored assets that are not removed.
     pub(crate) fn count(&self) -> usize {
         self.entries.iter().filter(|it| !it.is_removed).count()
     }
 
-    /// The asset with this identifier; `None` if it is not stored.
+    /// Returns the asset with this identifier; `None` if it is not stored.
     pub(crate) fn get(&self, id: &str) -> Option<&StoredAsset> {
         self.entries.iter().find(|asset| &*asset.id == id)
     }
 
-    /// All assets, the newest first.
+    /// Returns all stored assets, also removed ones, the newest first.
     pub(crate) fn newest_first(&self) -> impl Iterator<Item = &StoredAsset> {
         self.entries.iter().rev()
     }
@@ -145,13 +146,14 @@ fn list_assets(time: TimeStamp, assets: &AgentAssets) -> Vec<StoredAsset> {
     tools.chain(program).collect()
 }
 
-/// The FNV-1a hash of a text: the version of a program.
+/// Returns the FNV-1a hash of a text, which is the version of a program asset.
 pub(crate) fn text_hash(text: &str) -> u64 {
     let hash = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
     text.bytes().fold(0xcbf2_9ce4_8422_2325, hash)
 }
 
-/// Writes an asset. `device` is the identifier of the lathe, `base_url` the address of the agent.
+/// Writes one asset as XML. `device` is the identifier of the lathe, `base_url` the address of the
+/// agent.
 pub(crate) fn write_asset(xml: &mut XmlWriter, asset: &StoredAsset, device: &str, base_url: &str) {
     xml.open(asset.element())
         .attribute("assetId", &asset.id)

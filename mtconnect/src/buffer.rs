@@ -8,15 +8,15 @@ use crate::reading::{ActiveFault, FaultLevel, MachineReading};
 use crate::time_stamp::TimeStamp;
 use crate::value::AgentValue;
 
-/// Greatest number of stored observations.
+/// Greatest number of observations that the agent stores.
 pub(crate) const BUFFER_SIZE: usize = 65_536;
-/// Shortest time between two observations of one sample, ms.
+/// Shortest time between two recorded observations of one sample item, ms.
 const SAMPLE_INTERVAL_MS: u64 = 100;
 
-/// The state of a condition in an observation.
+/// The state of a condition item in an observation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum ConditionState {
-    /// Not known.
+    /// Not known whether an alarm is active.
     Unavailable,
     /// No alarm is active; with a number, that alarm has ended.
     Normal(Option<u16>),
@@ -28,7 +28,7 @@ pub(crate) enum ConditionState {
     },
 }
 
-/// What was observed.
+/// The value of an observation: of a sample or event, of a condition, or of an asset.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum ObservationContent {
     Value(AgentValue),
@@ -40,19 +40,19 @@ pub(crate) enum ObservationContent {
 pub(crate) struct Observation {
     pub(crate) sequence: u64,
     pub(crate) time: TimeStamp,
-    /// Index of the item.
+    /// Index of the data item in [`DATA_ITEMS`](crate::model::DATA_ITEMS).
     pub(crate) item: usize,
     pub(crate) content: ObservationContent,
 }
 
-/// The observations in force after a sequence number, by item. A condition may have several.
+/// The latest observation of each data item up to a sequence number. A condition may have several.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Checkpoint {
     items: Vec<Vec<Observation>>,
 }
 
 impl Checkpoint {
-    /// The observations in force, by the order of the items.
+    /// Returns the observations of the checkpoint, in the order of the data items.
     pub(crate) fn observations(&self) -> impl Iterator<Item = &Observation> {
         self.items.iter().flatten()
     }
@@ -88,7 +88,8 @@ impl Checkpoint {
     }
 }
 
-/// The number of the alarm that an observation reports as active.
+/// Returns the number of the alarm that an observation reports as active; `None` if it reports no
+/// alarm.
 const fn active_number(observation: &Observation) -> Option<u16> {
     match observation.content {
         ObservationContent::Condition(ConditionState::Active { number, .. }) => Some(number),
@@ -96,20 +97,20 @@ const fn active_number(observation: &Observation) -> Option<u16> {
     }
 }
 
-/// The observations of a device, at most [`BUFFER_SIZE`].
+/// The stored observations of the lathe, at most [`BUFFER_SIZE`].
 #[derive(Debug)]
 pub(crate) struct ObservationBuffer {
     entries: VecDeque<Observation>,
     next_sequence: u64,
-    /// State before the first entry.
+    /// Latest observation of each item before the oldest stored one.
     before: Checkpoint,
     latest: Checkpoint,
-    /// Time of the last observation of each item, ms; for samples.
+    /// Time at which each data item was recorded last, ms since 1970; limits the rate of samples.
     recorded_ms: Vec<u64>,
 }
 
 impl ObservationBuffer {
-    /// Begins with an observation of each item: it is unavailable.
+    /// Creates a buffer with one observation of each data item: its value is unavailable.
     pub(crate) fn new(time: TimeStamp) -> Self {
         let mut buffer = Self {
             entries: VecDeque::new(),
@@ -130,22 +131,23 @@ impl ObservationBuffer {
         buffer
     }
 
-    /// Sequence number of the oldest stored observation.
+    /// Returns the sequence number of the oldest stored observation.
     pub(crate) fn first_sequence(&self) -> u64 {
         self.next_sequence - self.entries.len() as u64
     }
 
-    /// Sequence number of the next observation.
+    /// Returns the sequence number that the next observation will get.
     pub(crate) const fn next_sequence(&self) -> u64 {
         self.next_sequence
     }
 
-    /// The state after the last observation.
+    /// Returns the latest observation of each item.
     pub(crate) const fn latest(&self) -> &Checkpoint {
         &self.latest
     }
 
-    /// The state after the observation `sequence`; `None` if it is not stored.
+    /// Returns the latest observation of each item up to the observation `sequence`; `None` if that
+    /// one is not stored.
     pub(crate) fn state_at(&self, sequence: u64) -> Option<Checkpoint> {
         let count = sequence.checked_sub(self.first_sequence())? + 1;
         let count = usize::try_from(count).ok()?;
@@ -159,15 +161,15 @@ impl ObservationBuffer {
         Some(state)
     }
 
-    /// The stored observations from the sequence number `from` on.
+    /// Returns the stored observations from the sequence number `from` on, the oldest first.
     pub(crate) fn since(&self, from: u64) -> impl DoubleEndedIterator<Item = &Observation> {
         let skipped = from.saturating_sub(self.first_sequence());
         let skipped = usize::try_from(skipped).unwrap_or(usize::MAX);
         self.entries.range(skipped.min(self.entries.len())..)
     }
 
-    /// Records what differs from the last recorded reading. Samples are recorded ten times a
-    /// second at most; their last value is recorded by a later reading.
+    /// Records the values that differ from the last recorded ones. A sample item is recorded ten
+    /// times a second at most; its last value is recorded by a later reading.
     pub(crate) fn record(&mut self, time: TimeStamp, reading: &MachineReading) {
         for (item, row) in DATA_ITEMS.iter().enumerate() {
             if row.category == ItemCategory::Condition {
@@ -186,7 +188,8 @@ impl ObservationBuffer {
         }
     }
 
-    /// Records that an asset is new, has changed or was removed. `id` names the data item.
+    /// Records that an asset is new, has changed or was removed. `id` is the identifier of the data
+    /// item that reports this.
     pub(crate) fn record_asset(
         &mut self,
         time: TimeStamp,

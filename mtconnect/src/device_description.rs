@@ -4,12 +4,12 @@ use gsk_core::cnc::Cnc;
 use gsk_core::machine::{AxisConfig, LatheConfig};
 use gsk_core::units::Axis;
 
-/// What the machine file adds to the model of a device.
+/// The properties of a lathe that the probe document states besides its data items.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeviceDescription {
     /// Name of the lathe in its machine file.
     pub lathe_name: String,
-    /// Name of the control model.
+    /// Name of the control model, such as `GSK980TD`.
     pub control_model: String,
     /// Greatest spindle speed of the current gear, r/min.
     pub max_speed_rpm: f64,

@@ -4,14 +4,14 @@ use crate::readers;
 use crate::value::{AgentValue, MachineSource};
 use ItemCategory::{Event, Sample};
 
-/// The type of a component, which is the name of its element.
+/// A component of the device model, such as an axis or the controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Component {
-    /// Name of the element: `Linear`.
+    /// Name of the component's XML element, such as `Linear`.
     pub element: &'static str,
-    /// Identifier, unique in the device.
+    /// Identifier of the component, unique in the device.
     pub id: &'static str,
-    /// Name in the device; `None` for groups.
+    /// Name of the component, such as `X`; `None` for groups.
     pub name: Option<&'static str>,
     /// Identifier of the component that contains this one; `None` for the lathe and the agent.
     pub parent: Option<&'static str>,
@@ -44,19 +44,19 @@ pub static COMPONENTS: [Component; 9] = [
     component("Path", "path", Some("path"), Some("control")),
 ];
 
-/// The kind of the observations of a data item.
+/// The category of a data item: sample, event or condition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ItemCategory {
     /// A quantity that changes continuously.
     Sample,
     /// A state, or a number that changes at discrete moments.
     Event,
-    /// Alarms.
+    /// A condition: alarms that are active or not.
     Condition,
 }
 
 impl ItemCategory {
-    /// The name of the category in a document.
+    /// Returns the name of the category in a document: `SAMPLE`, `EVENT` or `CONDITION`.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Sample => "SAMPLE",
@@ -66,29 +66,29 @@ impl ItemCategory {
     }
 }
 
-/// Reads the value of a data item.
+/// A function that reads the current value of a data item from control and lathe.
 pub type ItemReader = fn(&MachineSource<'_>) -> AgentValue;
 
-/// One quantity or state of the lathe.
+/// A quantity, state or condition of the lathe that the agent observes.
 #[derive(Clone, Copy, Debug)]
 pub struct DataItem {
-    /// Identifier, unique in the device.
+    /// Identifier of the data item, unique in the device.
     pub id: &'static str,
     /// Identifier of the component to which the item belongs.
     pub component: &'static str,
-    /// Kind of the observations.
+    /// Whether the item is a sample, an event or a condition.
     pub category: ItemCategory,
-    /// Type of the quantity: `POSITION`.
+    /// MTConnect type of the item, such as `POSITION`.
     pub item_type: &'static str,
-    /// Element of an observation: `Position`; empty for conditions.
+    /// Name of the XML element of an observation, such as `Position`; empty for conditions.
     pub element: &'static str,
-    /// Sub-type: `ACTUAL`; empty without one.
+    /// MTConnect sub-type of the item, such as `ACTUAL`; empty without one.
     pub sub_type: &'static str,
-    /// Unit; empty without one.
+    /// MTConnect unit of the value, such as `MILLIMETER`; empty without one.
     pub units: &'static str,
-    /// Coordinate system; empty without one.
+    /// MTConnect coordinate system of a position, such as `MACHINE`; empty without one.
     pub coordinates: &'static str,
-    /// Reads the value; conditions have no value.
+    /// Function that reads the value; the value of a condition is always unavailable.
     pub read: ItemReader,
 }
 
@@ -124,7 +124,7 @@ const fn condition(component: &'static str, id: &'static str, item_type: &'stati
     )
 }
 
-/// `POSITION` and its element.
+/// Creates the data item for the actual position of an axis, mm.
 const fn position(
     component: &'static str,
     id: &'static str,
@@ -161,7 +161,7 @@ const fn sample(
     item(component, id, Sample, names, [units, ""], read)
 }
 
-/// An override in percent.
+/// Creates the data item for an override, %.
 const fn percentage(
     component: &'static str,
     id: &'static str,
@@ -171,7 +171,7 @@ const fn percentage(
     item(component, id, Event, names, ["PERCENT", ""], read)
 }
 
-/// A position of the tool in the plane of both slides.
+/// Creates the data item for the position of the tool in X and Z, mm.
 const fn path_position(id: &'static str, coordinates: &'static str, read: ItemReader) -> DataItem {
     let names = ["PATH_POSITION", "PathPosition", "ACTUAL"];
     item(
@@ -420,12 +420,12 @@ pub(crate) const ASSET_CHANGED_ID: &str = "asset_changed";
 /// Identifier of the item that names an asset that was removed.
 pub(crate) const ASSET_REMOVED_ID: &str = "asset_removed";
 
-/// Index of a data item in [`DATA_ITEMS`]; `None` for an unknown identifier.
+/// Returns the index of a data item in [`DATA_ITEMS`]; `None` for an unknown identifier.
 pub fn item_index(id: &str) -> Option<usize> {
     DATA_ITEMS.iter().position(|item| item.id == id)
 }
 
-/// The device that contains a component: the lathe or the agent.
+/// Returns the device that contains a component: the lathe or the agent.
 pub(crate) fn device_of(component: &'static Component) -> &'static Component {
     let mut device = component;
     while let Some(parent) = device.parent.and_then(component_index) {
@@ -434,7 +434,7 @@ pub(crate) fn device_of(component: &'static Component) -> &'static Component {
     device
 }
 
-/// Index of a component in [`COMPONENTS`]; `None` for an unknown identifier.
+/// Returns the index of a component in [`COMPONENTS`]; `None` for an unknown identifier.
 pub fn component_index(id: &str) -> Option<usize> {
     COMPONENTS.iter().position(|component| component.id == id)
 }

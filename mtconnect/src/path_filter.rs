@@ -6,12 +6,12 @@
 
 use crate::model::{COMPONENTS, Component, DATA_ITEMS, DataItem, component_index};
 
-/// Greatest length of an expression, bytes.
+/// Greatest length of an XPath expression, bytes.
 const MAX_LENGTH: usize = 1024;
-/// Greatest number of steps and comparisons in an expression.
+/// Greatest number of steps and comparisons in an XPath expression.
 const MAX_TERMS: usize = 64;
 
-/// An element of the probe document.
+/// An element of the probe document, to which a step of an XPath expression is compared.
 #[derive(Clone, Copy)]
 enum Node {
     /// `MTConnectDevices`, `Devices`, or a group inside a component: `Components`, `DataItems`.
@@ -45,7 +45,7 @@ impl Node {
     }
 }
 
-/// The elements from the document down to a data item.
+/// Returns the elements from the root of the probe document down to a data item.
 fn ancestry(item: &'static DataItem) -> Vec<Node> {
     let mut nodes = vec![Node::Item(item)];
     let mut next = component_index(item.component).map(|index| &COMPONENTS[index]);
@@ -72,14 +72,15 @@ struct AttributeTest {
     is_equal: bool,
 }
 
-/// Alternatives, each a list of comparisons that must all hold.
+/// The comparisons in brackets of a step: alternatives, each a list of comparisons that must all
+/// hold.
 type Predicate = Vec<Vec<AttributeTest>>;
 
 #[derive(Debug, PartialEq, Eq)]
 struct Step {
-    /// Whether elements may be between this one and the one before.
+    /// Whether further elements may be between this step and the one before (`//`).
     is_deep: bool,
-    /// `None` for `*`.
+    /// Name of the element; `None` for `*`, any element.
     element: Option<String>,
     predicates: Vec<Predicate>,
 }
@@ -101,10 +102,11 @@ impl Step {
     }
 }
 
-/// The data items that an expression selects, by their index.
+/// Returns for each data item, by its index, whether an XPath expression selects it.
 ///
 /// # Errors
-/// The expression is not of the supported part of XPath; the error describes where.
+///
+/// Returns an error with the position if the expression is outside the supported part of XPath.
 pub(crate) fn select_items(expression: &str) -> Result<Vec<bool>, String> {
     if expression.len() > MAX_LENGTH {
         return Err(format!("The path is longer than {MAX_LENGTH} bytes."));
@@ -130,7 +132,8 @@ pub(crate) fn select_items(expression: &str) -> Result<Vec<bool>, String> {
     }
 }
 
-/// Whether the steps lead to one of the nodes, each the child of the one before.
+/// Whether the steps of an XPath expression lead to one of `nodes`, each the child of the one
+/// before.
 fn selects(steps: &[Step], nodes: &[Node]) -> bool {
     // Depths at which the steps so far may end; -1 is the root above the document.
     let mut ends: Vec<isize> = vec![-1];

@@ -6,53 +6,53 @@ use crate::path_filter::select_items;
 
 /// Greatest number of observations in one document.
 pub const MAX_COUNT: usize = 4096;
-/// Number of observations in a document if the client names none.
+/// Number of observations in a document if the client does not give one.
 const DEFAULT_COUNT: usize = 100;
 /// Time after which a stream sends a document without observations.
 const DEFAULT_HEARTBEAT: Duration = Duration::from_secs(10);
-/// Longest such time, so that a client that is gone is noticed.
+/// Longest heartbeat of a stream, so that the agent notices when a client has disconnected.
 const MAX_HEARTBEAT: Duration = Duration::from_secs(60);
 /// Shortest time between two documents of a stream.
 const MIN_INTERVAL: Duration = Duration::from_millis(10);
 /// Longest time between two documents of a stream.
 const MAX_INTERVAL: Duration = Duration::from_secs(60);
 
-/// What a client requests.
+/// A request of a client to the agent.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum AgentRequest {
-    /// The device model.
+    /// The probe document, with the device model.
     Probe,
-    /// The state of all selected items.
+    /// The current values of the selected data items.
     Current(CurrentQuery),
-    /// Observations.
+    /// Observations from a sequence number on.
     Sample(SampleQuery),
-    /// Assets.
+    /// Assets: tools and program of the lathe.
     Assets(AssetQuery),
 }
 
-/// A request for the state at one moment.
+/// A request for the values of data items at one moment.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct CurrentQuery {
-    /// Sequence number of the moment; `None`: the present.
+    /// Sequence number of the moment; `None` for the newest.
     pub at: Option<u64>,
-    /// Which data items are selected; `None`: all.
+    /// For each data item, by its index, whether it is selected; `None` selects all.
     pub items: Option<Vec<bool>>,
-    /// Time between the documents of a stream; `None`: one document.
+    /// Time between the documents of a stream; `None` for a single document.
     pub interval: Option<Duration>,
 }
 
-/// A request for observations.
+/// A request for observations from the buffer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SampleQuery {
-    /// Sequence number of the first observation; `None`: the oldest.
+    /// Sequence number of the first observation; `None` for the oldest.
     pub from: Option<u64>,
-    /// Sequence number of the last observation; `None`: the newest.
+    /// Sequence number of the last observation; `None` for the newest.
     pub to: Option<u64>,
-    /// Greatest number of observations.
+    /// Greatest number of observations in the document.
     pub count: usize,
-    /// Which data items are selected; `None`: all.
+    /// For each data item, by its index, whether it is selected; `None` selects all.
     pub items: Option<Vec<bool>>,
-    /// Shortest time between the documents of a stream; `None`: one document.
+    /// Shortest time between the documents of a stream; `None` for a single document.
     pub interval: Option<Duration>,
     /// Time after which a stream sends a document without observations.
     pub heartbeat: Duration,
@@ -61,39 +61,39 @@ pub struct SampleQuery {
 /// A request for assets.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AssetQuery {
-    /// Identifiers; empty: all assets.
+    /// Identifiers of the requested assets; empty for all assets.
     pub ids: Vec<String>,
-    /// Type of the assets; `None`: all types.
+    /// Type of the requested assets; `None` for all types.
     pub asset_type: Option<String>,
-    /// Whether removed assets are listed, too.
+    /// Whether the document also lists removed assets.
     pub with_removed: bool,
-    /// Greatest number of assets.
+    /// Greatest number of assets in the document.
     pub count: usize,
 }
 
-/// The code of a refusal.
+/// The MTConnect error code of a refused request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ErrorCode {
-    /// The device is not the lathe.
+    /// The request names a device that is not the lathe.
     NoDevice,
-    /// A number is outside its range.
+    /// A number in the request is outside its range.
     OutOfRange,
-    /// The address names no document.
+    /// The address names no document of the agent.
     InvalidUri,
-    /// A parameter cannot be read.
+    /// A parameter of the request cannot be parsed.
     InvalidRequest,
-    /// The path cannot be read.
+    /// The XPath expression of the request cannot be parsed.
     InvalidPath,
-    /// The method is not `GET`.
+    /// The HTTP method is not `GET`.
     Unsupported,
-    /// No such asset is stored.
+    /// An asset with the requested identifier is not stored.
     AssetNotFound,
     /// Too many clients are connected.
     TooMany,
 }
 
 impl ErrorCode {
-    /// The word of the standard.
+    /// Returns the word of the MTConnect standard for the error, such as `NO_DEVICE`.
     pub const fn word(self) -> &'static str {
         match self {
             Self::NoDevice => "NO_DEVICE",
@@ -107,7 +107,7 @@ impl ErrorCode {
         }
     }
 
-    /// The status line of the HTTP response.
+    /// Returns the status line of the HTTP response, such as `404 Not Found`.
     pub const fn http_status(self) -> &'static str {
         match self {
             Self::NoDevice | Self::InvalidUri | Self::AssetNotFound => "404 Not Found",
@@ -118,17 +118,17 @@ impl ErrorCode {
     }
 }
 
-/// Why a request is refused.
+/// A refused request: its error code, with the reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AgentError {
-    /// The code of the standard.
+    /// The MTConnect error code.
     pub code: ErrorCode,
-    /// The reason in one sentence.
+    /// Explanation of the refusal for the client, one sentence.
     pub reason: String,
 }
 
 impl AgentError {
-    /// A refusal with its reason.
+    /// Creates a refusal with its reason.
     pub fn new(code: ErrorCode, reason: impl Into<String>) -> Self {
         let reason = reason.into();
         Self { code, reason }
@@ -174,7 +174,7 @@ impl AgentRequest {
     }
 }
 
-/// The parameters after `?`, decoded.
+/// The parameters after `?` in an address, decoded, as pairs of name and value.
 struct Parameters(Vec<(String, String)>);
 
 impl Parameters {
@@ -192,7 +192,7 @@ impl Parameters {
         pairs.find_map(|(own, value)| (own == name).then_some(value.as_str()))
     }
 
-    /// A number of a parameter; `None` without the parameter.
+    /// Returns the number of a parameter; `None` if the address does not have the parameter.
     fn number(&self, name: &str) -> Result<Option<u64>, AgentError> {
         let Some(text) = self.text(name) else {
             return Ok(None);
@@ -222,7 +222,8 @@ impl Parameters {
         Ok(interval.map(|interval| interval.clamp(MIN_INTERVAL, MAX_INTERVAL)))
     }
 
-    /// A number from 1 to `largest`; a larger one is reduced.
+    /// Returns the parameter `count`, from 1 to `largest`, or `default` without it; a larger number
+    /// is reduced.
     fn count(&self, default: usize, largest: usize) -> Result<usize, AgentError> {
         match self.number("count")? {
             Some(0) => Err(AgentError::new(
@@ -273,7 +274,7 @@ impl Parameters {
     }
 }
 
-/// Decodes `%41`.
+/// Decodes percent escapes such as `%41`.
 fn decode(text: &str) -> Result<String, AgentError> {
     let malformed = || {
         let reason = "The address has a malformed `%`.";

@@ -10,12 +10,12 @@ use gsk_core::units::Point;
 
 use crate::value::{AgentValue, MachineSource, tool_asset_id};
 
-/// Greatest length of a block's text in an observation, characters.
+/// Greatest length of a block text in an observation, characters.
 const MAX_BLOCK_CHARACTERS: usize = 256;
-/// Seconds of a minute: feeds are in mm/min in the control, in mm/s in a document.
+/// Number of seconds in a minute: feeds are in mm/min in the control and in mm/s in a document.
 const MINUTE_S: f64 = 60.0;
 
-/// Rounds to a thousandth, so that noise below the display is no change.
+/// Creates a number rounded to a thousandth, so that changes below the display are not observed.
 fn thousandths(value: f64) -> AgentValue {
     AgentValue::Number(round_to_thousandth(value))
 }
@@ -74,7 +74,8 @@ pub(crate) fn path_work(from: &MachineSource<'_>) -> AgentValue {
     point_value(from.cnc.position_absolute())
 }
 
-/// The measured speed: of the board's spindle, of the encoder, or of the simulated spindle.
+/// Reads the measured spindle speed, r/min: of the board's spindle, of the encoder, or of the
+/// simulated spindle.
 pub(crate) fn speed_actual(from: &MachineSource<'_>) -> AgentValue {
     let simulated = || (!from.cnc.has_board()).then(|| from.lathe.spindle_rpm());
     let measured = (from.cnc.board_spindle_rpm())
@@ -106,7 +107,7 @@ pub(crate) const fn rotary_mode(_: &MachineSource<'_>) -> AgentValue {
     AgentValue::Word("SPINDLE")
 }
 
-/// The power chuck of the simulated lathe. A board has no input for it.
+/// Reads whether the power chuck of the simulated lathe is open. A board has no input for it.
 pub(crate) fn chuck_state(from: &MachineSource<'_>) -> AgentValue {
     if from.cnc.has_board() || !from.cnc.parameters().has_chuck() {
         return AgentValue::Unavailable;
@@ -128,7 +129,7 @@ fn is_emergency_stopped(cnc: &Cnc) -> bool {
     alarms.any(|alarm| alarm.class() == AlarmClass::EmergencyStop)
 }
 
-/// Number and text of the first active message of the ladder.
+/// Reads number and text of the first active message of the PLC ladder.
 pub(crate) fn message(from: &MachineSource<'_>) -> AgentValue {
     let first = from.cnc.plc_messages().next();
     first.map_or(AgentValue::Unavailable, |(number, message)| {
@@ -156,7 +157,8 @@ pub(crate) fn feed_actual(from: &MachineSource<'_>) -> AgentValue {
     thousandths(from.cnc.feed_actual() / MINUTE_S)
 }
 
-/// The F word as a speed; with G99 at the commanded spindle speed.
+/// Reads the programmed feed (F word) as a speed, mm/s; with G99 it is computed at the commanded
+/// spindle speed.
 pub(crate) fn feed_programmed(from: &MachineSource<'_>) -> AgentValue {
     let feed = from.cnc.feed_commanded();
     let per_minute = if from.cnc.modal().feed_per_revolution {
@@ -194,7 +196,7 @@ pub(crate) fn execution(from: &MachineSource<'_>) -> AgentValue {
     })
 }
 
-/// Name of a program in a document.
+/// Returns the name of a program in a document, such as `O0001`.
 pub fn program_name(cnc: &Cnc, id: ProgramId) -> String {
     let number = match id {
         ProgramId::Stored(number) => Some(number),
@@ -217,7 +219,7 @@ pub(crate) fn program(from: &MachineSource<'_>) -> AgentValue {
     })
 }
 
-/// The text of the block at the cursor, without comments of other lines.
+/// Reads the text of the line at the cursor, at most 256 characters.
 pub(crate) fn block(from: &MachineSource<'_>) -> AgentValue {
     let cursor = from.cnc.cursor();
     let line = match cursor.program {

@@ -7,7 +7,7 @@ use gsk_core::alarm::{Alarm, AlarmClass, number};
 use crate::model::{DATA_ITEMS, item_index};
 use crate::value::{AgentValue, MachineSource};
 
-/// How serious a condition is.
+/// How serious an active condition is: a warning or a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FaultLevel {
     /// The machine works, but the operator must act.
@@ -16,12 +16,12 @@ pub enum FaultLevel {
     Fault,
 }
 
-/// An active alarm as a condition.
+/// An active alarm, reported as a condition.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ActiveFault {
-    /// Index of the condition in the data items.
+    /// Index of the condition item in [`DATA_ITEMS`](crate::model::DATA_ITEMS).
     pub item: usize,
-    /// How serious it is.
+    /// Whether the alarm is a warning or a fault.
     pub level: FaultLevel,
     /// Number of the alarm.
     pub number: u16,
@@ -41,7 +41,7 @@ pub struct MachineReading {
 }
 
 impl MachineReading {
-    /// Reads control and lathe.
+    /// Reads the values of all data items from control and lathe.
     pub fn new(from: &MachineSource<'_>) -> Self {
         let alarms = from.cnc.alarms().iter().filter_map(fault_of_alarm);
         let messages = from
@@ -54,7 +54,7 @@ impl MachineReading {
         }
     }
 
-    /// The reading of a machine that is switched off.
+    /// Returns the reading of a machine that is switched off: all values are unavailable.
     pub fn unavailable() -> Self {
         Self {
             values: vec![AgentValue::Unavailable; DATA_ITEMS.len()],
@@ -62,14 +62,14 @@ impl MachineReading {
         }
     }
 
-    /// The value of the item with this identifier; unavailable for an unknown one.
+    /// Returns the value of the data item with this identifier; unavailable for an unknown one.
     pub(crate) fn value(&self, id: &str) -> &AgentValue {
         let value = item_index(id).and_then(|index| self.values.get(index));
         value.unwrap_or(&AgentValue::Unavailable)
     }
 }
 
-/// Identifier of the condition to which an alarm belongs.
+/// Returns the identifier of the condition item to which an alarm belongs.
 fn condition_id(alarm: &Alarm) -> &'static str {
     match (alarm.class(), alarm.number) {
         (AlarmClass::Ps, _) => "motion",

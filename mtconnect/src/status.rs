@@ -8,7 +8,7 @@ use crate::reading::MachineReading;
 use crate::time_stamp::TimeStamp;
 use crate::value::AgentValue;
 
-/// The items that the page shows, by their identifiers.
+/// Identifiers of the data items that the page in the browser shows.
 const SHOWN_ITEMS: [&str; 18] = [
     "mode",
     "execution",
@@ -30,7 +30,8 @@ const SHOWN_ITEMS: [&str; 18] = [
     "process_time",
 ];
 
-/// Writes the state. `program_s` is the machine time of the whole program, s.
+/// Writes the state of the lathe as JSON. `program_s` is the machine time of the whole program, s;
+/// `None` if it is unknown.
 pub(crate) fn write_status(
     lathe: &str,
     reading: &MachineReading,
@@ -78,8 +79,8 @@ pub(crate) fn write_status(
     json
 }
 
-/// Machine time until the end of the running program, s; `None` if no program runs or its time
-/// is not known.
+/// Returns the machine time until the end of the running program, s; `None` if no program runs or
+/// its time is not known.
 fn time_left_s(reading: &MachineReading, program_s: Option<f64>) -> Option<f64> {
     let is_started = matches!(
         reading.value("execution"),

@@ -2,15 +2,15 @@
 
 use core::fmt;
 
-/// Milliseconds of a day.
+/// Number of milliseconds in a day.
 const DAY_MS: u64 = 86_400_000;
 
-/// A moment in UTC, ms since 1970.
+/// A time in UTC, ms since 1970.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct TimeStamp(pub(crate) u64);
 
 impl fmt::Display for TimeStamp {
-    /// Writes `2026-03-01T07:05:09.250Z`.
+    /// Formats the time as `2026-03-01T07:05:09.250Z`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (days, ms) = (self.0 / DAY_MS, self.0 % DAY_MS);
         let (year, month, day) = civil_date(days);
@@ -26,8 +26,8 @@ impl fmt::Display for TimeStamp {
     }
 }
 
-/// Year, month and day of a number of days after 1970-01-01. The year is counted from March, so
-/// that the leap day is its last day.
+/// Converts a number of days since 1970-01-01 to year, month and day. The year is counted from
+/// March, so that the leap day is its last day.
 const fn civil_date(days: u64) -> (u64, u64, u64) {
     let from_march_0 = days + 719_468;
     let (era, day_of_era) = (from_march_0 / 146_097, from_march_0 % 146_097);

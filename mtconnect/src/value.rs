@@ -7,12 +7,12 @@ use gsk_core::cnc::Cnc;
 use gsk_core::machine::SimulatedLathe;
 use gsk_workpiece::job::Job;
 
-/// The machine from which values are read.
+/// Control, lathe and job from which the values of data items are read.
 #[derive(Clone, Copy, Debug)]
 pub struct MachineSource<'a> {
-    /// The control.
+    /// The control from which values are read.
     pub cnc: &'a Cnc,
-    /// The simulated lathe, also beside a pulse board.
+    /// The simulated lathe, which also exists while a pulse board moves the axes.
     pub lathe: &'a SimulatedLathe,
     /// Job of the selected program; `None` without one.
     pub job: Option<&'a Job>,
@@ -20,20 +20,20 @@ pub struct MachineSource<'a> {
     pub run_ms: u64,
 }
 
-/// The value of a data item.
+/// The observed value of a data item.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AgentValue {
     /// The lathe does not have the quantity, or does not report it now.
     Unavailable,
-    /// A number in the unit of the item.
+    /// A number in the unit of the data item.
     Number(f64),
-    /// X, Y and Z, mm.
+    /// A point: X, Y and Z, mm.
     Point([f64; 3]),
-    /// A word that the standard lists.
+    /// One of the words that the MTConnect standard lists for the item.
     Word(&'static str),
-    /// A text of the machine.
+    /// A free text, such as a block or a program name.
     Text(Arc<str>),
-    /// The element and the identifier of an asset.
+    /// XML element and identifier of an asset.
     Asset(&'static str, Arc<str>),
 }
 
@@ -49,7 +49,7 @@ impl fmt::Display for AgentValue {
     }
 }
 
-/// Identifier of the asset of a tool of the job.
+/// Returns the identifier of the asset for a tool of the job, by its tool number.
 pub(crate) fn tool_asset_id(number: u8) -> String {
     format!("T{number:02}")
 }

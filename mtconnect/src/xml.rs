@@ -2,7 +2,7 @@
 
 use core::fmt::{Display, Write};
 
-/// A document under construction.
+/// Writes an XML document, element by element.
 #[derive(Debug)]
 pub(crate) struct XmlWriter {
     text: String,
@@ -13,7 +13,7 @@ pub(crate) struct XmlWriter {
 }
 
 impl XmlWriter {
-    /// Begins a document.
+    /// Begins an XML document with its declaration.
     pub(crate) fn new() -> Self {
         Self {
             text: "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned(),
@@ -43,7 +43,7 @@ impl XmlWriter {
         self
     }
 
-    /// Adds an attribute if `value` has one.
+    /// Adds an attribute to the element that was opened last, if `value` is not `None`.
     pub(crate) fn attribute_if(&mut self, name: &str, value: Option<impl Display>) -> &mut Self {
         if let Some(value) = value {
             self.attribute(name, value);
@@ -71,12 +71,12 @@ impl XmlWriter {
         self
     }
 
-    /// Writes a whole element with text as its content.
+    /// Writes a whole element that has only text as its content.
     pub(crate) fn element(&mut self, name: &'static str, value: impl Display) -> &mut Self {
         self.open(name).text(value).close()
     }
 
-    /// Closes all open elements and returns the document.
+    /// Closes all open elements and returns the document as text.
     pub(crate) fn finish(mut self) -> String {
         while !self.open.is_empty() {
             self.close();

@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use gsk_core::alarm::Alarm;
 use gsk_core::cnc::Cnc;
 
-/// Greatest number of records. The oldest is removed first.
+/// Greatest number of recorded alarms; the oldest is removed first.
 pub const MAX_RECORDS: usize = 100;
 
 /// An alarm that was raised, with the block and the time at which it was raised.
@@ -16,11 +16,11 @@ pub struct AlarmRecord {
     pub alarm: Alarm,
     /// Text of the program block that raised the alarm; empty if no block raised it.
     pub block: String,
-    /// Machine time since power-on, ms.
+    /// Machine time since power-on at which the alarm was raised, ms.
     pub at_ms: u64,
-    /// The control's date, YYYYMMDD.
+    /// The control's date when the alarm was raised, YYYYMMDD.
     pub date: u32,
-    /// The control's time of day, hhmmss.
+    /// The control's time of day when the alarm was raised, hhmmss.
     pub time: u32,
 }
 

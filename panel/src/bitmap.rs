@@ -2,7 +2,7 @@
 
 use crate::lcd::{COLUMNS, HEIGHT, WIDTH};
 
-/// A 320x240 one-bit picture.
+/// A picture of the whole LCD, 320×240 dots, one bit each.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Bitmap {
     /// 40 bytes a dot row; bit 7 of a byte is its leftmost dot.
@@ -12,18 +12,18 @@ pub struct Bitmap {
 /// A rectangle of LCD dots; the edge dots belong to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DotArea {
-    /// X of the leftmost dots, from 0.
+    /// X of the leftmost dots in the rectangle, from 0.
     pub left: i32,
     /// Y of the topmost dots, from 0 (top of the LCD).
     pub top: i32,
-    /// X of the rightmost dots.
+    /// X of the rightmost dots in the rectangle.
     pub right: i32,
-    /// Y of the lowest dots.
+    /// Y of the lowest dots in the rectangle.
     pub bottom: i32,
 }
 
 impl DotArea {
-    /// The whole LCD.
+    /// The rectangle of the whole LCD.
     pub const LCD: Self = Self {
         left: 0,
         top: 0,
@@ -64,7 +64,7 @@ impl Default for Bitmap {
 }
 
 impl Bitmap {
-    /// Creates a picture without dots.
+    /// Creates a picture in which no dot is set.
     pub fn new() -> Self {
         Self {
             bytes: vec![0; COLUMNS * HEIGHT].into_boxed_slice(),
@@ -99,7 +99,7 @@ impl Bitmap {
         }
     }
 
-    /// Sets every dot that is set in `other`.
+    /// Sets every dot that is set in the picture `other`.
     pub fn add(&mut self, other: &Self) {
         for (mine, theirs) in self.bytes.iter_mut().zip(&other.bytes) {
             *mine |= theirs;
@@ -127,7 +127,7 @@ impl Bitmap {
         self.dot_line(from, to, stroke);
     }
 
-    /// Draws a line between two dots inside the LCD (Bresenham).
+    /// Draws a line between two dots of the LCD (Bresenham).
     fn dot_line(&mut self, (mut x, mut y): (i32, i32), (x1, y1): (i32, i32), stroke: Stroke) {
         let (dx, dy) = ((x1 - x).abs(), -(y1 - y).abs());
         let (step_x, step_y) = ((x1 - x).signum(), (y1 - y).signum());
@@ -208,7 +208,7 @@ fn clip(from: (f64, f64), to: (f64, f64), area: DotArea) -> Option<((i32, i32), 
     Some((dot_at(first), dot_at(last)))
 }
 
-/// Returns the dot nearest to a point.
+/// Returns the dot of the LCD nearest to a point.
 fn nearest((x, y): (f64, f64)) -> (i32, i32) {
     ((x + 0.5).floor() as i32, (y + 0.5).floor() as i32)
 }

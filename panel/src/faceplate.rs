@@ -32,28 +32,28 @@ pub(crate) const LINE_HEIGHT: f32 = 16.0;
 pub enum Outline {
     /// A rectangle whose corners are rounded with this radius, panel units.
     Rounded(f32),
-    /// The circle whose diameter is the rectangle's width.
+    /// The outline is a circle whose diameter is the rectangle's width.
     Round,
 }
 
 /// The kind of a panel part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PartKind {
-    /// The background of the panel.
+    /// The part is the background of the panel.
     Housing,
-    /// A raised plate on which keys or print are placed.
+    /// The part is a raised plate on which keys or print are placed.
     Plate,
-    /// The dark frame around the LCD.
+    /// The part is the dark frame around the LCD.
     Bezel,
-    /// The LCD's picture.
+    /// The part is the picture of the LCD.
     Lcd,
     /// A lamp of the status strip, by its index in [`crate::keys::STRIP`].
     Strip(usize),
-    /// A key or button, with its lamp and legend.
+    /// The part is a key or button, with its lamp and legend.
     Key(Key),
-    /// The handwheel with its pointer.
+    /// The part is the handwheel with its pointer.
     Handwheel,
-    /// The printed name of the control model.
+    /// The part is the printed name of the control model.
     Model,
     /// Printed text, centred in the part's rectangle, and its line height in panel units.
     Text(&'static str, f32),
@@ -68,9 +68,9 @@ pub enum PartKind {
 pub struct PanelPart {
     /// The kind of the part, with the data that it shows.
     pub what: PartKind,
-    /// Position and size on the panel, panel units.
+    /// Position and size of the part on the panel, panel units.
     pub rect: Rect,
-    /// The outline inside the rectangle.
+    /// The outline of the part inside its rectangle.
     pub outline: Outline,
     /// Drawing order, 0 at the bottom. Parts of one layer do not overlap.
     pub layer: u8,
@@ -81,7 +81,7 @@ pub struct PanelPart {
 }
 
 impl PanelPart {
-    /// Returns the key if the part is one, otherwise `None`.
+    /// Returns the key if the part is a key, otherwise `None`.
     pub const fn key(&self) -> Option<Key> {
         match self.what {
             PartKind::Key(key) => Some(key),
@@ -151,7 +151,7 @@ pub struct PanelArea {
 }
 
 impl PanelArea {
-    /// The area of the whole panel.
+    /// The area that covers the whole panel.
     pub const WHOLE: Self = Self {
         rect: Rect::new(0.0, 0.0, SIZE.0, SIZE.1),
     };

@@ -13,13 +13,13 @@ pub(crate) const GLYPH_HEIGHT: usize = 16;
 /// The character that is drawn instead of one without a glyph.
 const REPLACEMENT: char = '?';
 
-/// The dots of a character on the LCD.
+/// The dot pattern of a character on the LCD.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GlyphDots {
     /// Rows of 16 dots, the leftmost dot in bit 15. A half-width character uses the upper byte
     /// only.
     pub rows: [u16; GLYPH_HEIGHT],
-    /// Width in LCD columns of 8 dots: 1 or 2.
+    /// Width of the character in LCD columns of 8 dots: 1 or 2.
     pub columns: usize,
 }
 

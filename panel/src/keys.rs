@@ -82,8 +82,8 @@ pub enum Key {
     /// 输出: sends programs or data through the serial port; starts the MDI block with 004.2 =
     /// 1.
     Output,
-    /// 转换: changes what a page shows or how values are entered; starts a search in the
-    /// program.
+    /// 转换: switches between the contents of a page, or between ways to enter values; starts a
+    /// search in the program.
     Change,
     /// 取消: deletes the last typed character.
     Cancel,
@@ -91,9 +91,9 @@ pub enum Key {
     Insert,
     /// 删除: deletes program text or a whole program.
     Delete,
-    /// Shows the previous screen or page.
+    /// Page-up key: shows the previous screen or page.
     PageUp,
-    /// Shows the next screen or page.
+    /// Page-down key: shows the next screen or page.
     PageDown,
     /// Moves the cursor up.
     Up,
@@ -197,36 +197,36 @@ pub enum Key {
     CycleStart,
     /// 急停: the mushroom button. Pressing it latches it; pressing it again releases it.
     EmergencyStop,
-    /// 超程解除: bridges the limit switches while held.
+    /// 超程解除: bridges the limit switches while it is held.
     OvertravelRelease,
     /// 卡盘 (NC-B08): clamps or releases the chuck.
     Chuck,
     /// 尾座 (NC-B08): moves the tailstock out or in.
     Tailstock,
-    /// 示教 (NC-B08): opens the pages of teaching and graphic.
+    /// 示教 (NC-B08): opens the pages for teaching and graphic.
     Teach,
-    /// PRGRM 程序 (Huaxing): opens the main function of programs.
+    /// PRGRM 程序 (Huaxing): opens the main function for programs.
     MainProgram,
-    /// OPERT 加工 (Huaxing): opens the main function of machining.
+    /// OPERT 加工 (Huaxing): opens the main function for machining.
     MainOperate,
-    /// PARAM 参数 (Huaxing): opens the main function of parameters.
+    /// PARAM 参数 (Huaxing): opens the main function for parameters.
     MainParameter,
-    /// F1 (Huaxing): does what the first label of the soft key bar names.
+    /// F1 (Huaxing): triggers the action of the first soft key label.
     Soft1,
-    /// F2 (Huaxing): does what the second label of the soft key bar names.
+    /// F2 (Huaxing): triggers the action of the second soft key label.
     Soft2,
-    /// F3 (Huaxing): does what the third label of the soft key bar names.
+    /// F3 (Huaxing): triggers the action of the third soft key label.
     Soft3,
-    /// F4 (Huaxing): does what the fourth label of the soft key bar names.
+    /// F4 (Huaxing): triggers the action of the fourth soft key label.
     Soft4,
-    /// F5 (Huaxing): does what the fifth label of the soft key bar names.
+    /// F5 (Huaxing): triggers the action of the fifth soft key label.
     Soft5,
 }
 
 /// The address of a bit in the X or Y memory of the PLC.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Bit {
-    /// Number of the byte in its memory, from 0.
+    /// Number of the byte in its PLC area, from 0.
     pub byte: u16,
     /// Number of the bit in its byte, 0 to 7.
     pub bit: u8,
@@ -257,30 +257,30 @@ pub enum KeyRole {
     Character(char, Option<char>),
     /// Acts on the display; a key of the edit keyboard other than a character or page key.
     Edit,
-    /// Opens a group of pages on the LCD.
+    /// The key opens a group of pages on the LCD.
     Page,
-    /// Does what a label of the soft key bar names, by its position from 0.
+    /// The key triggers the action of the soft key label at this position, from 0.
     Soft(u8),
     /// Latches and opens the emergency stop contact, until the key is pressed again.
     EmergencyStop,
-    /// Bridges the limit switches while held.
+    /// The key bridges the limit switches while it is held.
     OvertravelRelease,
 }
 
-/// A row of the key table: what a panel key is called, shows and does.
+/// A row of the key table: names, legend, PC key and role of a panel key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KeyRow {
     /// The key that this row describes.
     pub key: Key,
     /// The key's name in operator scripts and in `gsk980td keys`.
     pub id: &'static str,
-    /// The lines printed on the key, from the top.
+    /// The lines of text printed on the key, from the top.
     pub legend: &'static [&'static str],
     /// The key's accessible name in Chinese.
     pub name_zh: &'static str,
     /// The key's accessible name in English.
     pub name_en: &'static str,
-    /// What pressing the key does.
+    /// The effect of pressing the key.
     pub role: KeyRole,
     /// The Y bit that lights the lamp in the key; `None` if the key has no lamp.
     pub lamp: Option<Bit>,
@@ -388,13 +388,13 @@ pub(crate) fn distance(a: &str, b: &str) -> usize {
 pub struct StripLamp {
     /// The lamp's name in operator scripts.
     pub id: &'static str,
-    /// The label printed beside the lamp.
+    /// The text printed beside the lamp.
     pub label: &'static str,
     /// The lamp's accessible name in Chinese.
     pub name_zh: &'static str,
     /// The lamp's accessible name in English.
     pub name_en: &'static str,
-    /// The Y bit that lights the lamp.
+    /// The Y bit that lights the lamp while it is 1.
     pub lamp: Bit,
     /// Whether the lamp is fitted. Those of the Y axis, which the machine does not have, are
     /// not.

@@ -42,14 +42,14 @@ pub(crate) const REPEAT_DELAY: u64 = 500;
 /// Interval between repetitions of a held key, ticks (ms).
 pub(crate) const REPEAT_PERIOD: u64 = 100;
 
-/// An operator's action on the panel.
+/// An action of the operator on the panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum KeyEvent {
     /// Presses a key. The emergency stop latches, and is released by the next press.
     Down(Key),
     /// Releases a key that was pressed.
     Up(Key),
-    /// Releases all held keys, because the window lost the focus.
+    /// Releases all keys, because the window has lost the focus.
     ReleaseAll,
     /// Types a character on the PC keyboard, as if it had its own key.
     Type(char),
@@ -101,11 +101,11 @@ pub struct Panel {
     /// first.
     followed: Option<(Option<ProgramId>, u32)>,
     traced: Option<(Frame, Point)>,
-    /// Number of pulse board stops that the path has followed.
+    /// Number of stops of a pulse board after which the drawn path was corrected.
     stops: u64,
     wheel: i32,
     transfer: Transfer,
-    /// What an exercise refuses.
+    /// The keys and pages that an exercise refuses.
     #[serde(default, skip_serializing_if = "PanelLimits::is_empty")]
     limits: PanelLimits,
 }
@@ -212,7 +212,7 @@ impl Panel {
         self.page
     }
 
-    /// Returns the panel's state that the pages draw.
+    /// Returns the state that the LCD pages draw.
     pub const fn view(&self) -> &PageView {
         &self.view
     }
@@ -222,7 +222,7 @@ impl Panel {
         &self.held
     }
 
-    /// Returns whether this key is held and accepted.
+    /// Returns whether this key is held down and was accepted.
     pub fn is_held(&self, key: Key) -> bool {
         self.held.contains(&key)
     }
@@ -237,7 +237,7 @@ impl Panel {
         self.wheel
     }
 
-    /// Returns whether the self-test picture is shown.
+    /// Returns whether the self-test picture after power-on is shown.
     pub(crate) const fn in_self_test(&self) -> bool {
         self.picture_until.is_some()
     }
@@ -346,7 +346,7 @@ impl Panel {
         }
     }
 
-    /// Carries out what a key does on the display; `requests` receives those to the control.
+    /// Carries out the effect of a key on the display; `requests` receives those to the control.
     fn act(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         if self.refused_page(key, cnc).is_none() {
             self.act_unlimited(key, cnc, requests);

@@ -7,10 +7,10 @@ use crate::glyphs::{self, GLYPH_HEIGHT};
 use crate::lcd::LcdColours;
 use crate::screen::{BigText, COLUMNS, Cell, CellStyle, HEIGHT, ROWS, Screen, WIDTH};
 
-/// Number of bytes of a 320x240 RGBA picture.
+/// Number of bytes of an RGBA picture of 320×240 dots.
 pub(crate) const RGBA_BYTES: usize = WIDTH * HEIGHT * 4;
 
-/// Greatest scale of [`render`], pixels a dot.
+/// Greatest scale of [`render`], pixels per dot.
 pub(crate) const MAX_SCALE: u32 = 16;
 
 /// A colour: red, green, blue, 0 to 255 each.
@@ -19,12 +19,12 @@ pub type Rgb = [u8; 3];
 /// Dot rows of a cell that the bar of [`CellStyle::Underline`] covers.
 const BAR: core::ops::Range<usize> = 14..16;
 
-/// The two colours of the LCD at a brightness.
+/// The two colours of the LCD at its current brightness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Palette {
-    /// Colour of the lit background.
+    /// Colour of the lit background of the LCD.
     pub background: Rgb,
-    /// Colour of text and lines.
+    /// Colour of text and lines on the LCD.
     pub text: Rgb,
 }
 

@@ -16,7 +16,7 @@ use crate::keys::Key;
 /// and the whole ladder has run with it.
 pub const CHECK_DELAY_TICKS: u64 = 48;
 
-/// PLC signals by which the ladder answers machine keys.
+/// PLC signal by which the ladder requests cycle start.
 const START: BitAddress = BitAddress::new(Area::G, 7, 2);
 const NEXT_TOOL: BitAddress = BitAddress::new(Area::G, 44, 7);
 const TOOL_STROBE: BitAddress = BitAddress::new(Area::F, 7, 3);
@@ -62,7 +62,7 @@ impl KeyPress {
         })
     }
 
-    /// The key.
+    /// Returns the key that was pressed.
     pub const fn key(&self) -> Key {
         self.key
     }

@@ -10,18 +10,18 @@ use crate::glyphs;
 use crate::lcd::LcdColours;
 pub use crate::lcd::{COLUMNS, HEIGHT, ROWS, WIDTH};
 
-/// Stored in the right half of a full-width character.
+/// Character that is stored in the right half of a full-width character.
 const TAIL: char = '\0';
 
-/// How a cell of the LCD is drawn.
+/// The colours and underline with which a cell of the LCD is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CellStyle {
-    /// Draws pale text on blue.
+    /// The cell has pale text on blue.
     #[default]
     Plain,
-    /// Draws blue text on pale.
+    /// The cell has blue text on pale.
     Inverse,
-    /// Draws pale text on blue with a bar below.
+    /// The cell has pale text on blue with a bar below.
     Underline,
     /// Keeps the character in the row's text, but draws it elsewhere at double size.
     Big,
@@ -35,11 +35,11 @@ pub enum CellStyle {
 pub struct Cell {
     /// The character in the cell, or NUL in the right half of a full-width one.
     pub character: char,
-    /// How the cell is drawn.
+    /// The colours and underline with which the cell is drawn.
     pub style: CellStyle,
 }
 
-/// A cell with a blank.
+/// A cell that contains a blank.
 const BLANK: Cell = Cell {
     character: ' ',
     style: CellStyle::Plain,
@@ -52,11 +52,11 @@ pub struct BigText {
     pub row: usize,
     /// Column of the text's left edge, from 0. A half-width character takes two columns.
     pub column: usize,
-    /// The characters that are drawn.
+    /// The characters that are drawn large.
     pub text: String,
 }
 
-/// What the LCD shows at one moment.
+/// The contents of the LCD at one moment.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Screen {
     cells: [[Cell; COLUMNS]; ROWS],
@@ -73,7 +73,7 @@ impl Default for Screen {
 }
 
 impl Screen {
-    /// Creates an empty Chinese screen.
+    /// Creates an empty screen in Chinese.
     pub const fn new() -> Self {
         Self {
             cells: [[BLANK; COLUMNS]; ROWS],

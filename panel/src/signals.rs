@@ -25,10 +25,10 @@ pub struct Signal {
     pub text_en: &'static str,
     /// The sections of the manual that describe the signal.
     pub manual: &'static str,
-    /// What reacts to the signal: `control`, `ladder` or both; otherwise `free` or why none
-    /// does.
+    /// The part that reacts to the signal: `control`, `ladder` or both; otherwise `free`, or why
+    /// none reacts.
     pub acts: &'static str,
-    /// What the help says about the signal.
+    /// The help texts about the signal in both languages.
     pub help: HelpColumns,
 }
 

@@ -29,9 +29,9 @@ const TOLERANCE: f64 = 0.001;
 /// A straight segment of the tool path, in work coordinates (X as a radius, mm).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PathSegment {
-    /// Point at which the segment starts.
+    /// Point at which the segment starts, work coordinates.
     pub from: Point,
-    /// Point at which the segment ends.
+    /// Point at which the segment ends, work coordinates.
     pub to: Point,
     /// Whether the tool moved at rapid traverse.
     pub rapid: bool,
@@ -59,7 +59,7 @@ pub struct PendingMotion {
     pub tick: u64,
     /// The coordinate frame in which the motion was commanded.
     pub frame: Frame,
-    /// The motion of the tick, in work coordinates.
+    /// The motion of one tick, in work coordinates.
     pub piece: PathSegment,
 }
 
@@ -170,7 +170,7 @@ impl PathTrace {
         self.open.is_none() && self.ahead.is_empty()
     }
 
-    /// Returns the number of segments, with pending ones.
+    /// Returns the number of segments, including pending ones.
     pub fn len(&self) -> usize {
         self.stored_len() + usize::from(self.open.is_some()) + self.ahead.len()
     }

@@ -210,7 +210,7 @@ pub enum AddressError {
 }
 
 impl AddressError {
-    /// Returns the message that says what is wrong with the address and what is expected.
+    /// Returns the message about the error in the address, with the expected form.
     #[must_use]
     pub fn message(&self) -> Message {
         match self {

@@ -26,9 +26,9 @@ pub(crate) const MAX_CALL_DEPTH: usize = 8;
 enum ProgramSection {
     Level1,
     Level2,
-    /// After END2 and outside subprograms.
+    /// After END2 and not within a subprogram.
     Outside,
-    /// Within the subprogram that starts at this statement index.
+    /// Within the subprogram whose SP instruction has this statement index.
     Subprogram(usize),
 }
 

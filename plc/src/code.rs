@@ -21,11 +21,11 @@ pub(crate) enum Op {
     Out(MemoryBit),
     Set(MemoryBit),
     Rst(MemoryBit),
-    /// A function instruction: its index in [`Code::functions`].
+    /// A function instruction; the value is its index in [`Code::functions`].
     Function(u16),
     /// A jump: the index of the operation that runs next if the jump is taken.
     Jump(u16),
-    /// A call: the index of the first operation of the subprogram.
+    /// A call of a subprogram; the value is the index of the subprogram's first operation.
     Call(u16),
     Return,
     /// No operation: END1, END2, LBL and SP.
@@ -47,7 +47,7 @@ pub(crate) enum OperandValue {
     Address(u16),
 }
 
-/// A function instruction with resolved operands. Indices point into the memory array.
+/// A function instruction with resolved operands. Indices are those of bytes in the memory array.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Function {
     Compare {
@@ -65,7 +65,7 @@ pub(crate) enum Function {
     },
     Counter {
         down: bool,
-        /// Initial value CN0, 0 or 1.
+        /// Initial value of the counter (CN0), 0 or 1.
         initial: i32,
         reset: MemoryBit,
         at: u16,
@@ -87,7 +87,7 @@ pub(crate) enum Function {
     },
     Table {
         length: u8,
-        /// Number of the first entry: 1, or 0 with `.OPT codb0`.
+        /// Number of the first entry of the table: 1, or 0 with `.OPT codb0`.
         first: u8,
         index: u16,
         to: u16,
@@ -104,7 +104,7 @@ pub(crate) enum Function {
     },
 }
 
-/// The compiled program as the scan runs it.
+/// The compiled ladder program, which the scan executes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Code {
     pub ops: Vec<Op>,
@@ -115,7 +115,7 @@ pub(crate) struct Code {
     pub part_ends: Vec<usize>,
     /// Number of CTRC instructions; the scan state stores the previous input of each.
     pub counter_count: usize,
-    /// Timers in level 1, one bit per timer number.
+    /// The timers in level 1, as a bit set with one bit per timer number.
     pub level1_timers: u128,
 }
 

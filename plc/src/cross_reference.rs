@@ -37,11 +37,11 @@ impl Access {
 pub struct CrossReference {
     /// Index of the statement in the program, from 0.
     pub statement: usize,
-    /// Number of the rung, from 1.
+    /// Number of the rung that contains the instruction, from 1.
     pub rung: u32,
-    /// Line of the source text, from 1.
+    /// Line of the instruction in the source text, from 1.
     pub line: u32,
-    /// The instruction that uses the address.
+    /// Name of the instruction that uses the address.
     pub mnemonic: Mnemonic,
     /// Whether the instruction reads or writes the address.
     pub access: Access,
@@ -51,7 +51,7 @@ pub struct CrossReference {
 struct OperandExtent {
     first: ByteAddress,
     bytes: u16,
-    /// Mask of the covered bits in the first byte.
+    /// Mask of the covered bits in the first byte; 255 for whole bytes.
     mask: u8,
     access: Access,
 }

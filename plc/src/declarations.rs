@@ -3,7 +3,8 @@
 use crate::directive::{MCode, StartValue};
 use crate::parser;
 
-/// The declarations of a ladder text that do not need its instructions.
+/// The declarations of a ladder text that can be read without compiling it: start values and M
+/// codes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LadderDeclarations {
     /// Initial values of retained addresses, for an empty retained memory.

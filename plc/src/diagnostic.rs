@@ -9,34 +9,34 @@ use thiserror::Error;
 /// A rule of the ladder compiler: E00 to E07 are errors, W01 to W04 are warnings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Rule {
-    /// The line is neither an instruction nor a directive.
+    /// Error: the line is neither an instruction nor a directive.
     E00,
-    /// END1 or END2 is missing, repeated or in the wrong order.
+    /// Error: END1 or END2 is missing, repeated or in the wrong order.
     E01,
     /// A rung has not exactly one result at its output, or has contacts after it.
     E02,
-    /// The instruction cannot use the area, bit or value of an operand.
+    /// Error: the instruction cannot use the area, bit or value of an operand.
     E03,
     /// A label, subprogram or timer number is duplicate, or a label or subprogram is
     /// missing.
     E04,
-    /// A jump or call leaves its program section.
+    /// Error: a jump or call leaves its program section.
     E05,
-    /// The number of operands, the length code or the table size is wrong.
+    /// Error: the number of operands, the length code or the table size is wrong.
     E06,
-    /// The program or its level 1 is too long.
+    /// Error: the program or its level 1 has too many steps.
     E07,
-    /// Two OUT instructions write the same coil.
+    /// Warning: two OUT instructions write the same coil.
     W01,
-    /// No JMPB uses the label.
+    /// Warning: no JMPB jumps to the label.
     W02,
-    /// The rung has no output and therefore no effect.
+    /// Warning: the rung has no output and therefore no effect.
     W03,
-    /// Level 1 has more than 400 steps.
+    /// Warning: level 1 has more than 400 steps.
     W04,
 }
 
-/// The rule that a line breaks and the message for it.
+/// A rule that a line breaks, with the message about it.
 pub(crate) type RuleViolation = (Rule, Message);
 
 impl Rule {
@@ -62,7 +62,7 @@ pub struct CompileError {
     pub rung: u32,
     /// The rule that the line breaks.
     pub code: Rule,
-    /// The message: what is wrong and what the manual requires.
+    /// Message about the error and the rule of the manual.
     pub message: Message,
 }
 

@@ -9,24 +9,24 @@ use crate::diagnostic::{Rule, RuleViolation};
 /// The information about the ladder that the version page shows.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Header {
-    /// Design unit (`.UNIT`), 梯形图设计单位.
+    /// Name of the design unit in the header (`.UNIT`, 梯形图设计单位).
     pub unit: String,
-    /// Designer (`.AUTHOR`), 梯形图设计者.
+    /// Name of the designer in the header (`.AUTHOR`, 梯形图设计者).
     pub author: String,
-    /// Version (`.VERSION`), 梯形图版本号.
+    /// Version of the ladder in the header (`.VERSION`, 梯形图版本号).
     pub version: String,
-    /// Remark (`.REMARK`), 备注.
+    /// Remark in the header (`.REMARK`, 备注).
     pub remark: String,
 }
 
 /// A message that the control shows while its request bit is 1 (`.MSG`).
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LadderMessage {
-    /// Request bit, in A0 to A24.
+    /// Bit that requests the message while it is 1, in A0 to A24.
     pub bit: BitAddress,
-    /// Message number, 1000 to 9999.
+    /// Number of the message that the control shows, 1000 to 9999.
     pub number: u16,
-    /// Text of the message.
+    /// Text of the message that the control shows.
     pub text: String,
 }
 
@@ -42,11 +42,11 @@ pub enum PlcAddress {
 /// The names of an address in both languages (`.CMT`).
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Comment {
-    /// The named address.
+    /// The address that gets the names.
     pub subject: PlcAddress,
-    /// Chinese name, at most 15 characters.
+    /// Chinese name of the address, at most 15 characters.
     pub chinese: String,
-    /// English name, at most 30 characters.
+    /// English name of the address, at most 30 characters.
     pub english: String,
 }
 
@@ -73,17 +73,17 @@ pub struct MCode {
 pub struct NetworkTitle {
     /// Index of the first statement after the title, from 0.
     pub statement: usize,
-    /// Text of the title.
+    /// Text of the title that the following rungs get.
     pub title: String,
 }
 
-/// All directives of a ladder text.
+/// All directives (lines that begin with a dot) of a ladder text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Directives {
     pub header: Header,
     /// Whether the entries of CODB tables are numbered from 0 (`.OPT codb0`).
     pub table_from_0: bool,
-    /// Whether level 2 is not divided into parts (`.OPT n1`).
+    /// Whether level 2 runs as a whole in each slot instead of in parts (`.OPT n1`).
     pub undivided: bool,
     pub network_titles: Vec<NetworkTitle>,
     pub comments: Vec<Comment>,

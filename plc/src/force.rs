@@ -5,12 +5,12 @@ use serde::{Deserialize, Serialize};
 use crate::address::BitAddress;
 use crate::memory::{SIZE, offset};
 
-/// A forced bit and its value.
+/// A bit that the operator has forced, with its fixed value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Force {
     /// Address of the forced bit.
     pub bit: BitAddress,
-    /// Value that the bit holds.
+    /// Value that the forced bit keeps, whatever the ladder writes.
     pub value: bool,
 }
 

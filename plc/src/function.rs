@@ -18,7 +18,7 @@ const ROTATE_STEP_COUNT: u8 = 1 << 0;
 
 type MemoryBytes = [u8; SIZE];
 
-/// State of the function instructions that is kept between scans outside PLC memory.
+/// State of function instructions that is kept from scan to scan, besides PLC memory.
 pub(crate) struct FunctionState<'a> {
     pub timers: &'a mut Timers,
     /// Previous input state (ACT) of each CTRC.

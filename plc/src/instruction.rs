@@ -61,71 +61,71 @@ pub enum Mnemonic {
     End2,
 }
 
-/// The position of an instruction in a rung.
+/// The position that an instruction takes in a rung: start, contact, output, or outside rungs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InstructionRole {
-    /// Starts a rung or a branch: LD and LDI.
+    /// The instruction starts a rung or a branch: LD and LDI.
     Start,
-    /// A contact or a block instruction within a rung.
+    /// The instruction is a contact, or connects blocks, within a rung.
     Contact,
-    /// Uses the result of the rung.
+    /// The instruction uses the result of the rung, as a coil or a function.
     Output,
-    /// Is outside rungs: labels, subprograms and ends of levels.
+    /// The instruction is outside rungs: labels, subprograms and ends of levels.
     Structure,
 }
 
 /// The kind of operand that an instruction accepts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OperandKind {
-    /// Any bit of X Y F G R K A.
+    /// Operand: any bit of X Y F G R K A.
     Contact,
-    /// A writable bit, of Y G R K A.
+    /// Operand: a writable bit, of Y G R K A.
     Coil,
-    /// The first of three adjacent result bits, bit 0 to 5 of a byte.
+    /// Operand: the first of three adjacent result bits, bit 0 to 5 of a byte.
     ThreeCoils,
-    /// Length of the values, 1, 2 or 4 bytes.
+    /// Operand: the length of the values, 1, 2 or 4 bytes.
     Length,
-    /// A number, or any byte or entry.
+    /// Operand: a number, or any byte or entry.
     Value,
-    /// Any byte or entry.
+    /// Operand: any byte or entry to read.
     Source,
-    /// A writable byte or entry.
+    /// Operand: a byte or entry to write.
     Target,
-    /// The byte that receives eight decoded bits.
+    /// Operand: the byte that receives eight decoded bits.
     DecodeTarget,
-    /// The byte with a table index.
+    /// Operand: the byte that contains a table index.
     Index,
-    /// The byte or entry that receives a table value.
+    /// Operand: the byte or entry that receives a table value.
     TableTarget,
-    /// The byte or entry with a position of a rotating part.
+    /// Operand: the byte or entry that contains the position of a rotating part.
     Position,
-    /// The byte or entry that receives the result of a rotation.
+    /// Operand: the byte or entry that receives the target or steps of a rotation.
     RotationTarget,
-    /// A timer, T0 to T99.
+    /// Operand: a timer, T0 to T99.
     Timer,
-    /// A counter, C0 to C99.
+    /// Operand: a counter, C0 to C99.
     Counter,
-    /// A time, ms, as a number or a DT entry.
+    /// Operand: a time in ms, as a number or a DT entry.
     Time,
-    /// A count, as a number or a DC entry.
+    /// Operand: a count, as a number or a DC entry.
     Count,
-    /// A constant number.
+    /// Operand: a constant number.
     Number,
-    /// Number of stations, from 1.
+    /// Operand: the number of stations of a rotating part, from 1.
     Stations,
-    /// Code of a table size, 1 to 8 for 2, 4, … 256 entries.
+    /// Operand: the code of a table size, 1 to 8 for 2, 4, … 256 entries.
     TableSize,
-    /// Counter format, four digits `0 0 CN0 U/D`.
+    /// Operand: the counter format, four digits `0 0 CN0 U/D`.
     CounterFormat,
-    /// Rotation format, four digits `RN0 DIR POS INC`.
+    /// Operand: the rotation format, four digits `RN0 DIR POS INC`.
     RotationFormat,
-    /// A label, L0 to L9999.
+    /// Operand: a label, L0 to L9999.
     Label,
-    /// A subprogram, P0 to P9999.
+    /// Operand: a subprogram, P0 to P9999.
     Subprogram,
 }
 
-/// Areas with writable bits.
+/// The areas whose bits a coil may write.
 const COILS: &[Area] = &[Area::Y, Area::G, Area::R, Area::K, Area::A];
 
 impl OperandKind {
@@ -209,9 +209,9 @@ impl OperandKind {
 pub struct InstructionRow {
     /// The instruction that the row describes.
     pub mnemonic: Mnemonic,
-    /// Name in a listing, in capital letters.
+    /// Name of the instruction in a listing, in capital letters.
     pub name: &'static str,
-    /// Position of the instruction in a rung.
+    /// Position that the instruction takes in a rung.
     pub role: InstructionRole,
     /// Kinds of the operands, in order. The table of CODB follows them.
     pub operands: &'static [OperandKind],
@@ -415,7 +415,7 @@ pub static INSTRUCTIONS: [InstructionRow; 25] = [
 ];
 
 impl Mnemonic {
-    /// Returns the properties of the instruction.
+    /// Returns the row of the instruction in the table [`INSTRUCTIONS`].
     #[must_use]
     pub fn row(self) -> &'static InstructionRow {
         // The rows are in the order of the enumeration; a test below checks it.
@@ -436,17 +436,17 @@ impl Mnemonic {
 /// One operand of a statement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operand {
-    /// Address of a bit.
+    /// Operand that is the address of a bit.
     Bit(BitAddress),
-    /// Address of a byte or an entry.
+    /// Operand that is the address of a byte or an entry.
     Byte(ByteAddress),
-    /// A constant number.
+    /// Operand that is a constant number.
     Number(i32),
-    /// A format of four binary digits; the first digit is bit 3.
+    /// Operand that is a format of four binary digits; the first digit is bit 3.
     Format(u8),
-    /// Number of a label, 7 for L7.
+    /// Operand that is the number of a label, 7 for L7.
     Label(u16),
-    /// Number of a subprogram, 7 for P7.
+    /// Operand that is the number of a subprogram, 7 for P7.
     Subprogram(u16),
 }
 
@@ -459,14 +459,14 @@ pub struct Statement {
     pub operands: Vec<Operand>,
     /// The entries of a CODB table; empty for other instructions.
     pub table: Vec<i32>,
-    /// Line of the source text, from 1.
+    /// Line of the statement in the source text, from 1.
     pub line: u32,
-    /// Number of the rung, from 1.
+    /// Number of the rung that contains the statement, from 1.
     pub rung: u32,
 }
 
 impl Statement {
-    /// Returns the steps that the statement takes of the 5000 steps of program memory.
+    /// Returns the number of steps that the statement takes in the program memory of 5000 steps.
     #[must_use]
     pub fn steps(&self) -> u32 {
         self.mnemonic.row().steps + u32::try_from(self.table.len()).unwrap_or(u32::MAX)

@@ -29,7 +29,7 @@ pub struct Ladder {
     rungs: u32,
 }
 
-/// One rung of the listing.
+/// One rung of the ladder with its instructions.
 #[derive(Clone, Copy, Debug)]
 pub struct Rung<'a> {
     /// Number of the rung, from 1.
@@ -38,7 +38,7 @@ pub struct Rung<'a> {
     pub title: Option<&'a str>,
     /// Step number of the first instruction, from 0.
     pub step: u32,
-    /// The instructions of the rung.
+    /// The instructions of the rung, in their order.
     pub statements: &'a [Statement],
 }
 
@@ -77,7 +77,7 @@ impl Ladder {
         })
     }
 
-    /// Returns the source text.
+    /// Returns the source text from which the ladder was compiled.
     #[must_use]
     pub fn source(&self) -> &str {
         &self.source
@@ -113,7 +113,7 @@ impl Ladder {
         self.code.part_ends.len()
     }
 
-    /// Returns the number of rungs.
+    /// Returns the number of rungs of the ladder.
     #[must_use]
     pub fn rung_count(&self) -> u32 {
         self.rungs
@@ -132,7 +132,7 @@ impl Ladder {
         &self.directives.comments
     }
 
-    /// Returns the name of an address; `None` without one.
+    /// Returns the Chinese and English name of an address; `None` without one.
     #[must_use]
     pub fn comment(&self, subject: PlcAddress) -> Option<&Comment> {
         let comments = &self.directives.comments;

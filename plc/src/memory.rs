@@ -31,7 +31,7 @@ const FIRST_RETAINED_T: usize = 80;
 /// Number of the first retained byte of D.
 const FIRST_RETAINED_D: usize = 300;
 
-/// Initial value of DC and DT entries, practically unlimited.
+/// Initial value of counter and timer presets, which is practically unlimited.
 const NEW_PRESET: i32 = i32::MAX;
 
 /// Signals to the CNC that are inactive at 1: *IT G8.0, *ESP G8.4, *SP G8.5, the limits *+L
@@ -166,7 +166,7 @@ impl PlcMemory {
         &self.bytes[Y..G]
     }
 
-    /// Returns all bytes of an area, an entry as four bytes from the lowest.
+    /// Returns all bytes of an area; an entry is four bytes, the lowest first.
     #[must_use]
     pub fn area(&self, area: Area) -> &[u8] {
         &self.bytes[area_start(area)..area_end(area)]
@@ -239,7 +239,7 @@ impl PlcMemory {
         self.bytes[A..K].iter().any(|byte| *byte != 0)
     }
 
-    /// Clears what power-off loses: X Y F G R A, T0 to T79 and D0 to D299 become 0. The
+    /// Clears the memory that power-off loses: X Y F G R A, T0 to T79 and D0 to D299 become 0. The
     /// signals to the CNC that interlock at 0 become 1.
     pub(crate) fn clear_volatile(&mut self) {
         self.written = true;
@@ -312,7 +312,7 @@ impl PlcMemory {
         }
     }
 
-    /// Copies X and F to the latched copies for level 2.
+    /// Copies X and F to the latched copies that level 2 reads.
     pub(crate) fn latch_inputs(&mut self) {
         self.bytes.copy_within(..LATCH_OFFSET, LATCH_OFFSET);
     }
@@ -359,7 +359,7 @@ impl Default for PlcMemory {
 }
 
 impl fmt::Debug for PlcMemory {
-    /// Writes only the bytes and entries that are not 0.
+    /// Formats only the bytes and entries that are not 0.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut map = f.debug_map();
         for area in Area::ALL {
@@ -403,9 +403,9 @@ impl TryFrom<Vec<u8>> for PlcMemory {
 /// The retained part of PLC memory, as files store it.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RetainedMemory {
-    /// Keep relays K0 to K39.
+    /// Bytes of the keep relays K0 to K39.
     pub k: Vec<u8>,
-    /// Data table D300 to D999.
+    /// Bytes of the data table D300 to D999.
     pub d300: Vec<u8>,
     /// Timer values T80 to T99, ms.
     pub t80: Vec<i32>,

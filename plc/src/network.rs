@@ -15,7 +15,7 @@ use crate::address::BitAddress;
 use crate::instruction::{InstructionRole, Mnemonic, Operand, Statement};
 use crate::ladder::{Ladder, Rung};
 
-/// One contact of a ladder diagram.
+/// One contact of a ladder diagram: the bit that it reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Contact {
     /// The bit that the contact reads.
@@ -40,7 +40,7 @@ pub enum Element {
 /// One member of a series or parallel connection.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Branch {
-    /// The connected element.
+    /// The contact or the connection of elements that forms this member.
     pub element: Element,
     /// Whether the member is written as a block, with LD and ANB or ORB. A member of
     /// several contacts is always a block.
@@ -59,16 +59,16 @@ pub struct Network {
     pub title: Option<String>,
     /// Index of the rung's first statement in the program, from 0.
     pub first: usize,
-    /// The contents of the rung.
+    /// The contacts and outputs of the rung, or its structural instruction.
     pub body: RungBody,
 }
 
 /// The contents of a rung: a structural instruction, or contacts and outputs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum RungBody {
-    /// END1, END2, LBL, SP or SPE.
+    /// The rung consists of one structural instruction: END1, END2, LBL, SP or SPE.
     Structure(Statement),
-    /// Contacts with outputs.
+    /// The rung consists of contacts and outputs.
     Rung {
         /// The contacts as one element. Only a rung without output has several elements; the
         /// compiler warns that such a rung has no effect.

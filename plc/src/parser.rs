@@ -24,7 +24,7 @@ pub(crate) struct ParsedLadder {
     pub statements: Vec<Statement>,
     pub directives: Directives,
     pub errors: Vec<CompileError>,
-    /// Number of rungs so far.
+    /// Number of rungs that were parsed so far.
     pub rungs: u32,
 }
 
@@ -73,7 +73,7 @@ pub(crate) fn parse_declarations(source: &str) -> Directives {
     directives
 }
 
-/// Splits a text into lines, with their trailing whitespace.
+/// Splits a text into lines, each with its trailing whitespace.
 fn split_lines(source: &str) -> impl Iterator<Item = &str> {
     let mut rest = Some(source);
     core::iter::from_fn(move || {
@@ -87,7 +87,7 @@ fn split_lines(source: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// Returns the line up to the first `;` outside a string.
+/// Returns the line without the comment that begins at the first `;` outside a string.
 fn strip_comment(line: &str) -> &str {
     let mut quoted = false;
     let end = line.bytes().position(|byte| {

@@ -4,7 +4,7 @@ use crate::code::{Code, Function, Op, OperandValue};
 use crate::instruction::Statement;
 use crate::memory::{RESULT_FLAGS, SIZE};
 
-/// A list of indices for each byte or rung, stored in one vector.
+/// Lists of indices, one for each byte or rung, stored in one vector.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct IndexLists {
     /// Start of each list in `members`, and the end of the last list.
@@ -43,9 +43,9 @@ impl IndexLists {
 pub(crate) struct RungDependencies {
     /// Index of the first operation of each rung, and the end of the last rung.
     starts: Vec<usize>,
-    /// Bytes of the memory array that a rung may write.
+    /// For each rung, the bytes of the memory array that it may write.
     writes: IndexLists,
-    /// Rungs that read or write a byte of the memory array.
+    /// For each byte of the memory array, the rungs that read or write it.
     rungs_by_byte: IndexLists,
     /// For each operation index, the first rung that starts there or later; last the number
     /// of rungs.
@@ -97,7 +97,7 @@ impl RungDependencies {
         })
     }
 
-    /// Returns the number of rungs.
+    /// Returns the number of rungs of the ladder.
     pub fn rung_count(&self) -> usize {
         self.starts.len().saturating_sub(1)
     }
@@ -109,7 +109,7 @@ impl RungDependencies {
         (at(rung), at(rung + 1))
     }
 
-    /// Returns the first rung that starts at or after an operation index.
+    /// Returns the index of the first rung that starts at or after an operation index.
     pub fn first_rung_from(&self, operation: usize) -> usize {
         let rung = self.first_rung_from.get(operation).copied();
         rung.map_or(self.rung_count(), usize::from)
@@ -147,7 +147,7 @@ impl RungDependencies {
     }
 }
 
-/// Bytes that the operations of one rung read and write.
+/// The bytes of memory that the operations of one rung read and write.
 #[derive(Default)]
 struct RungBytes {
     reads: Vec<u16>,

@@ -18,7 +18,7 @@ use crate::scan_position::{ScanPosition, ScanStop};
 use crate::skippable_rungs::SkippableRungs;
 use crate::timer::{SLOT_MS, Timers};
 
-/// Watchdog limit of one slot, operations.
+/// Number of operations in one slot at which the watchdog stops the PLC.
 const MAX_SLOT_OPERATIONS: usize = 100_000;
 
 /// The reason why the PLC has stopped until the next power-on.
@@ -26,7 +26,7 @@ const MAX_SLOT_OPERATIONS: usize = 100_000;
 pub enum PlcFault {
     /// Watchdog: jumps kept one slot running for more than 100000 instructions.
     Watchdog {
-        /// Line of the jump at which the watchdog stopped the scan, from 1.
+        /// Line of the jump that was executed when the watchdog stopped the scan, from 1.
         line: u32,
     },
 }
@@ -57,15 +57,15 @@ pub struct Plc {
     pub(crate) ladder: Arc<Ladder>,
     pub(crate) memory: PlcMemory,
     pub(crate) state: ScanState,
-    /// Rungs that the scan may skip.
+    /// Tracks which rungs the scan may skip because their result cannot change.
     #[serde(skip)]
     pub(crate) skippable: SkippableRungs,
 }
 
-/// State of the scan outside PLC memory.
+/// State of the scan that is not in PLC memory.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct ScanState {
-    /// Part of level 2 that the next slot runs, from 0.
+    /// Index of the part of level 2 that the next slot runs, from 0.
     part: usize,
     /// First operation of level 2 in the next slot after a jump beyond the end of a part.
     #[serde(rename = "resume")]
@@ -75,10 +75,11 @@ pub(crate) struct ScanState {
     #[serde(rename = "edges")]
     counter_inputs: Vec<bool>,
     pub fault: Option<PlcFault>,
-    /// Bits that hold a value set by hand.
+    /// Bits that the operator has forced to a value.
     #[serde(default)]
     pub forces: Forces,
-    /// Position at which a slot in single-rung steps continues; `None` between two slots.
+    /// Position at which a slot that is run in single-rung steps continues; `None` between two
+    /// slots.
     #[serde(default, rename = "place")]
     pub paused_at: Option<ScanPosition>,
 }
@@ -148,7 +149,7 @@ impl Plc {
         self.state.fault
     }
 
-    /// Returns the part of level 2 that the next slot runs, from 0.
+    /// Returns the index of the part of level 2 that the next slot runs, from 0.
     #[must_use]
     pub fn next_part(&self) -> usize {
         self.state.part
@@ -267,7 +268,8 @@ impl Plc {
         }
     }
 
-    /// Runs the rungs that may change something, and returns `end`. The ladder has no jumps.
+    /// Runs the rungs whose result may have changed, and returns `end`. The ladder must have no
+    /// jumps.
     fn run_active_rungs(
         &mut self,
         ladder: &Ladder,
@@ -289,7 +291,8 @@ impl Plc {
         Ok(end)
     }
 
-    /// Runs the awake rungs in a range, including those that other rungs wake.
+    /// Runs the rungs of a range that must run, including those that must run again because another
+    /// rung has changed their bytes.
     fn run_pass(
         &mut self,
         ladder: &Ladder,

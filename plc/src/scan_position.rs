@@ -2,21 +2,21 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Where a run of the scan stops.
+/// The point at which a run of the scan stops: at the end of the slot or of a rung.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ScanStop {
-    /// At the end of the slot.
+    /// The scan stops at the end of the slot.
     SlotEnd,
     /// The scan stops at the end of a rung, after the subprograms that the rung calls.
     RungEnd,
 }
 
-/// A position within a slot.
+/// The position of the scan within a slot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct ScanPosition {
-    /// Whether the scan is in level 1; otherwise it is in the part of level 2.
+    /// Whether the scan is in level 1; otherwise it is in the current part of level 2.
     pub level1: bool,
-    /// Index of the operation that runs next.
+    /// Index of the operation that runs next, in the compiled program.
     #[serde(rename = "at")]
     pub next_op: usize,
     /// Number of operations in this slot so far, for the watchdog.

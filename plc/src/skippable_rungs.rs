@@ -22,32 +22,32 @@ use crate::memory::{RESULT_FLAGS, SIZE};
 use crate::rung_dependencies::RungDependencies;
 use crate::timer::Timers;
 
-/// Number of rungs in a word of a bit set.
+/// Number of rungs that one word of a bit set stores.
 const RUNGS_PER_WORD: usize = u64::BITS as usize;
-/// Sizes of the blocks in which memory is compared, bytes: large blocks first, then small
-/// blocks of those that differ.
+/// Size of a large block in which memory is compared, bytes; blocks that differ are compared in
+/// small blocks of `SUBCHUNK_BYTES`.
 const CHUNK_BYTES: usize = 1024;
 const SUBCHUNK_BYTES: usize = 32;
 
-/// The rungs that must run, and the memory contents for which these rungs are known; empty if
-/// they are unknown.
+/// The rungs that must run in the next slot, and the memory contents for which this is known; empty
+/// if unknown.
 ///
-/// This is a cache and not part of the PLC's state: it is not serialized, all values are
-/// equal, and a clone is empty.
+/// This is a cache and not part of the PLC's state: it is not serialized, all values are equal, and
+/// a clone is empty.
 #[derive(Debug, Default)]
 pub(crate) struct SkippableRungs {
-    /// Memory at the last update; `None` if unknown.
+    /// Copy of PLC memory at the last update; `None` if unknown.
     memory: Option<Box<[u8; SIZE]>>,
-    /// Rungs that must run, one bit each.
+    /// Bit set of the rungs that must run.
     awake: Vec<u64>,
-    /// Rungs that must run if another rung of their pass runs, one bit each.
+    /// Bit set of the rungs that must run only if another rung of their pass runs.
     resting: Vec<u64>,
     /// Input state (ACT) of each counter after the last run of a rung; empty before the
     /// first.
     counter_inputs: Vec<bool>,
-    /// Changes of the current pass.
+    /// Changes of memory, timers and counters in the current pass.
     pass: RungPass,
-    /// The result flags that each rung with a comparison wrote in its last run; `None` if
+    /// For each rung with a comparison, the result flags that it wrote in its last run; `None` if
     /// it did not compare.
     result_flags: Vec<Option<u8>>,
 }
@@ -56,13 +56,14 @@ pub(crate) struct SkippableRungs {
 #[derive(Debug, Default)]
 struct RungPass {
     timers: Timers,
-    /// Whether the input (ACT) of a counter has changed in the pass.
+    /// Whether the input (ACT) of any counter has changed in the pass.
     counter_input_changed: bool,
-    /// Changed bytes with their previous values, in the order of the changes.
+    /// Index and previous value of each changed byte, in the order of the changes.
     changed: Vec<(u16, u8)>,
 }
 
-/// Maximum number of changes for which a pass is checked for having no effect as a whole.
+/// Greatest number of changes in a pass for which it is checked whether the pass as a whole changed
+/// nothing.
 const MAX_PASS_CHANGES: usize = 64;
 
 impl Clone for SkippableRungs {
@@ -78,7 +79,7 @@ impl PartialEq for SkippableRungs {
 }
 
 impl SkippableRungs {
-    /// Marks all rungs as awake, after a change that was not made by the scan.
+    /// Marks all rungs as rungs that must run, after a change that the scan did not make.
     pub fn invalidate(&mut self) {
         self.memory = None;
     }
@@ -88,7 +89,8 @@ impl SkippableRungs {
         self.memory.is_some()
     }
 
-    /// Wakes the rungs that use bytes changed from outside. Call it before a slot.
+    /// Marks the rungs that use bytes changed outside the scan as rungs that must run. Call it
+    /// before a slot.
     ///
     /// `written` is the length, from the start of memory, in which bytes may have changed.
     pub fn apply_memory_changes(
@@ -131,8 +133,8 @@ impl SkippableRungs {
         }
     }
 
-    /// Returns false if none of `rungs` must run. Otherwise starts a pass through them and
-    /// wakes the resting rungs.
+    /// Returns false if none of `rungs` must run. Otherwise starts a pass through them, in which
+    /// also the rungs run that were skipped because of a pass without changes.
     pub fn begin_pass(&mut self, rungs: &Range<usize>, timers: Timers) -> bool {
         let awake = |word| self.awake.get(word).copied().unwrap_or(0);
         if rung_masks(rungs).all(|(word, mask)| awake(word) & mask == 0) {
@@ -145,8 +147,8 @@ impl SkippableRungs {
         true
     }
 
-    /// Ends a pass through `rungs`. If the pass has changed nothing as a whole, the rungs
-    /// that it woke for the next pass rest.
+    /// Ends a pass through `rungs`. If the pass as a whole has changed nothing, its rungs need not
+    /// run again until one of their bytes changes.
     pub fn end_pass(&mut self, rungs: &Range<usize>, bytes: &[u8; SIZE], timers: Timers) {
         let pass = &self.pass;
         let first = |at: &u16| pass.changed.iter().find(|(first, _)| first == at);
@@ -162,8 +164,8 @@ impl SkippableRungs {
         }
     }
 
-    /// Returns the next awake rung from `rung` to before `end`, and marks it as done; `None`
-    /// without one.
+    /// Returns the next rung that must run, from `rung` to before `end`, and marks it as done;
+    /// `None` if there is none.
     pub fn take_next_awake(&mut self, rung: usize, end: usize) -> Option<usize> {
         let mut word = rung / RUNGS_PER_WORD;
         let mut of_word = self.awake.get(word)? & (u64::MAX << (rung % RUNGS_PER_WORD));
@@ -183,8 +185,8 @@ impl SkippableRungs {
         Some(next)
     }
 
-    /// Records the run of a rung and wakes all rungs that use a byte changed by this run,
-    /// including the rung itself.
+    /// Records the run of a rung. All rungs that use a byte changed by it, including the rung
+    /// itself, must run again.
     pub fn record_run(
         &mut self,
         rung: usize,
@@ -215,8 +217,7 @@ impl SkippableRungs {
         }
     }
 
-    /// Sets R900 to a value that no comparison writes, before a rung with a comparison
-    /// runs.
+    /// Sets R900 to a value that no comparison writes, to find out whether the next rung compares.
     pub fn mark_result_flags(bytes: &mut [u8; SIZE]) {
         bytes[RESULT_FLAGS] |= RESULT_OVERFLOW;
     }
@@ -269,7 +270,7 @@ fn rung_masks(rungs: &Range<usize>) -> impl Iterator<Item = (usize, u64)> + use<
     })
 }
 
-/// Moves the bits of these rungs from the bit set `from` to the bit set `to`.
+/// Moves the bits of these rungs from one bit set to the other.
 fn move_rungs(from: &mut [u64], to: &mut [u64], rungs: &Range<usize>) {
     for (word, mask) in rung_masks(rungs) {
         if let (Some(from), Some(to)) = (from.get_mut(word), to.get_mut(word)) {

@@ -11,7 +11,7 @@ pub(crate) const SLOT_MS: i32 = 8;
 pub(crate) struct Timers {
     /// Timers whose ACT was 1 at their last execution and whose time has not elapsed.
     running: u128,
-    /// Running timers that were executed in the current scan of their level.
+    /// Bit set of the running timers that were executed in the current scan of their level.
     executed: u128,
 }
 

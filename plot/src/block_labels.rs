@@ -8,10 +8,10 @@ use std::collections::BTreeMap;
 use gsk_core::command::{ProgramId, SourcePosition};
 use gsk_core::units::Point;
 
-/// Maximum number of stored labels; this many fill a picture.
+/// Maximum number of stored labels, with which a picture is full.
 const MAX_LABELS: usize = 1 << 16;
 
-/// Size of the finest cell of the label grid, mm.
+/// Size of the smallest cell of the label grid, mm.
 const FINEST_MM: f64 = 1.0 / 1024.0;
 
 /// The number that labels a block.
@@ -28,14 +28,14 @@ enum BlockLabelNumber {
 struct BlockLabel {
     position: Point,
     number: BlockLabelNumber,
-    /// Number of labels added up to this one, from 1.
+    /// Number of this label in the order in which labels were added, from 1.
     order: u64,
 }
 
 /// The labels of the blocks of a path, at most one in each cell of a grid.
 #[derive(Clone, Debug)]
 pub(super) struct BlockLabels {
-    /// The labels by their cells, as indexes in X and Z.
+    /// The label in each cell of the grid, by the indices of the cell in X and Z.
     labels_by_cell: BTreeMap<(i32, i32), BlockLabel>,
     cell_mm: f64,
     /// The block in progress, and the end of its last move; `None` before the first.
@@ -77,14 +77,14 @@ impl BlockLabels {
         }
     }
 
-    /// Makes the cells as coarse as the height of a label, mm.
+    /// Enlarges the grid cells to the height of a label, mm.
     pub fn fit_cells(&mut self, height_mm: f64) {
         if self.cell_mm * 2.0 <= height_mm {
             self.coarsen(height_mm);
         }
     }
 
-    /// The end points of blocks and the labels there, earlier blocks first.
+    /// Returns the end points of blocks with their labels, earlier blocks first.
     pub fn all(&self) -> Vec<(Point, String)> {
         let mut labels: Vec<&BlockLabel> = self.labels_by_cell.values().collect();
         labels.sort_by_key(|label| label.order);
@@ -130,7 +130,7 @@ impl BlockLabels {
         (cell(at.x), cell(at.z))
     }
 
-    /// Makes the cells as coarse as possible, but not larger than `most_mm`.
+    /// Enlarges the grid cells as much as possible, to at most `most_mm`.
     fn coarsen(&mut self, most_mm: f64) {
         while self.cell_mm * 2.0 <= most_mm {
             self.cell_mm *= 2.0;

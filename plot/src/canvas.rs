@@ -14,7 +14,7 @@ const MAX_STROKE_POINTS: usize = 128;
 /// Distance from the previous point below which a point is not drawn, picture units.
 const MIN_POINT_DISTANCE: f32 = 0.5;
 
-/// Which end of a text is at its reference point.
+/// Which end of a text, or its middle, is at its reference point.
 #[derive(Clone, Copy)]
 pub(super) enum TextAlign {
     Left,
@@ -25,9 +25,9 @@ pub(super) enum TextAlign {
 /// A pixel picture on which callers draw in picture units.
 pub(super) struct PictureCanvas {
     pixels: Pixmap,
-    /// Pixels per picture unit.
+    /// Number of pixels per picture unit.
     unit_px: u32,
-    /// Whether lines have smooth edges.
+    /// Whether lines are drawn with smooth edges.
     has_smooth_edges: bool,
 }
 
@@ -55,7 +55,7 @@ impl PictureCanvas {
         self.has_smooth_edges = smooth;
     }
 
-    /// The finished picture as pixels.
+    /// Returns the finished picture as pixels.
     pub fn into_pixels(self) -> Pixmap {
         self.pixels
     }
@@ -293,7 +293,7 @@ mod tests {
     use super::*;
     use crate::path_pieces::PathLine;
 
-    /// Column and row of every pixel that is not white.
+    /// Returns column and row of every pixel that is not white.
     fn drawn_pixels(canvas: &PictureCanvas) -> Vec<(u32, u32)> {
         let width = canvas.pixels.width();
         let pixels = canvas.pixels.pixels().iter().zip(0..);

@@ -11,7 +11,7 @@ type FramePoint = (f64, f64);
 /// Number of grid cells per pixel along each side.
 const CELLS_PER_PIXEL_SIDE: f64 = 2.0;
 
-/// Which grid cells of a frame one pen has already covered.
+/// The grid cells of a frame that lines of one style have already covered.
 pub(super) struct Coverage {
     /// Upper left corner of the frame.
     corner: FramePoint,

@@ -19,16 +19,16 @@ use crate::text_width::text_width;
 
 /// Gap between a surface or a line and its text, picture units.
 const TEXT_GAP: f64 = 5.0;
-/// Number of rows below the spindle axis for the Z figures of shoulders.
+/// Number of text rows below the spindle axis for the Z values of shoulders.
 const SHOULDER_ROWS: u32 = 3;
-/// Height of the rows for shoulders below the spindle axis, picture units.
+/// Height of the area below the spindle axis for the Z values of shoulders, picture units.
 pub(super) const BELOW_AXIS: f64 = 2.0 * TEXT_GAP + SHOULDER_ROWS as f64 * HEIGHT;
-/// Least distance between two shoulders that both get a figure, picture units.
+/// Least distance between two shoulders that both get a Z value, picture units.
 const MIN_SHOULDER_DISTANCE: f64 = 6.0;
 /// Length below which a surface gets no text, picture units: it comes from a tool nose and not
 /// from the drawing.
 const MIN_SURFACE_LENGTH: f64 = 14.0;
-/// Deviation up to which an angle counts as 45°, degrees.
+/// Difference up to which an angle counts as 45°, degrees.
 const ANGLE_TOLERANCE_DEG: f64 = 0.001;
 
 /// The surfaces and shoulders of a part that get dimensions in a picture.
@@ -45,7 +45,7 @@ pub(super) struct Dimensions {
 struct DimensionedSurface {
     ends: [Point; 2],
     middle: Point,
-    /// Whether the surface is outside (material towards the axis) or inside.
+    /// Whether the surface is on the outside of the part or in its bore.
     side: SectionSide,
     text: String,
 }
@@ -63,7 +63,7 @@ pub struct Dimension {
 }
 
 impl Dimensions {
-    /// Finds the surfaces and shoulders in a half section of the part.
+    /// Finds the surfaces and shoulders of a half section that get dimensions.
     pub fn measure(section: &Region) -> Self {
         let mut found = Self::default();
         let sides = [SectionSide::Outside, SectionSide::Inside];
@@ -193,7 +193,7 @@ fn format_figure(value: f64) -> String {
     rounded.to_string()
 }
 
-/// The point half-way along an outline.
+/// Returns the point half-way along an outline.
 fn outline_middle(outline: &[Point]) -> Point {
     let lengths = || outline.windows(2).map(|ends| (ends[1] - ends[0]).length());
     let mut left = lengths().sum::<f64>() / 2.0;

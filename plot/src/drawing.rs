@@ -16,17 +16,18 @@ use gsk_runner::times::{ProgramTimes, TimesByUse};
 /// Height of a block label, pixels.
 const NUMBER_HEIGHT_PX: f64 = 16.0;
 
-/// Options for the drawing of a toolpath.
+/// Options for the drawing of a toolpath: its size, and whether it contains part, tools and
+/// dimensions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DrawingOptions {
-    /// Size of the picture.
+    /// Size of the picture, pixels.
     pub size: PictureSize,
     /// Whether the picture is fitted to the whole path. If not, it is fitted to the cuts, and
     /// rapids end at the frame.
     pub shows_whole_path: bool,
     /// Whether the end of each block is labelled with the number of the block.
     pub labels: bool,
-    /// Whether the part has its dimensions written on it.
+    /// Whether dimensions are drawn on the part.
     pub dimensions: bool,
     /// Whether each tool is drawn at the end of its last cut.
     pub tools: bool,
@@ -35,7 +36,7 @@ pub struct DrawingOptions {
 /// The drawing of a toolpath, built move by move.
 #[derive(Clone, Debug)]
 pub struct PathDrawing {
-    /// Text in the upper left corner.
+    /// Text that is drawn in the upper left corner.
     pub title: String,
     options: DrawingOptions,
     pieces: PathPieces,
@@ -160,7 +161,7 @@ impl PathDrawing {
         }
     }
 
-    /// The part and clamping drawn under the path.
+    /// Returns the part and its clamping, which are drawn under the path.
     pub(super) const fn scenery(&self) -> &PathScenery {
         &self.scenery
     }
@@ -170,7 +171,7 @@ impl PathDrawing {
         self.omitted_moves
     }
 
-    /// The options of the drawing.
+    /// Returns the options of the drawing.
     pub const fn options(&self) -> DrawingOptions {
         self.options
     }
@@ -184,12 +185,12 @@ impl PathDrawing {
         self.cut_extent.or(self.full_extent)
     }
 
-    /// The lines of the path.
+    /// Returns the lines of the path.
     pub(super) const fn pieces(&self) -> &PathPieces {
         &self.pieces
     }
 
-    /// The ends of blocks and the labels there, earlier blocks first.
+    /// Returns the end points of blocks with their labels, earlier blocks first.
     pub(super) fn labels(&self) -> Vec<(Point, String)> {
         self.labels.all()
     }
@@ -205,7 +206,7 @@ impl PathDrawing {
         })
     }
 
-    /// The time of the whole program.
+    /// Returns the machine time of the whole program, by kind of activity.
     pub(super) const fn spent(&self) -> &TimesByUse {
         self.times.spent()
     }
@@ -265,9 +266,9 @@ impl PathDrawing {
     }
 }
 
-/// A point outside every picture in the axes whose position is unknown.
+/// Returns the point moved outside every picture along the axes whose position is unknown.
 fn far_point(point: Point, unplaced: PerAxis<bool>) -> Point {
-    /// Distance beyond every picture, mm.
+    /// Distance by which a point is moved outside every picture, mm.
     const FAR: f64 = 100_000.0;
     let outwards = if point.x < 0.0 { -FAR } else { FAR };
     Point::new(

@@ -10,7 +10,7 @@ pub(super) const PATH_MARGIN: f64 = 70.0;
 /// Height of the texts above the path, picture units.
 pub(super) const HEAD_HEIGHT: f64 = 60.0;
 
-/// The size of a picture in pixels, within the limits of the program.
+/// The size of a picture in pixels, limited to what the program can draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PictureSize {
     width: u32,
@@ -31,12 +31,12 @@ impl InvalidPictureSize {
 }
 
 impl PictureSize {
-    /// Smallest size: the texts of a picture still fit.
+    /// Smallest size, at which the texts of a picture still fit.
     const MIN: Self = Self {
         width: 480,
         height: 320,
     };
-    /// Largest size: the picture still fits into the memory of a small computer.
+    /// Largest size, at which the picture still fits into the memory of a small computer.
     const MAX: Self = Self {
         width: 7680,
         height: 7680,
@@ -47,18 +47,18 @@ impl PictureSize {
         height: 800,
     };
 
-    /// A wide picture that leaves space for text on a page.
+    /// Size of a wide picture that leaves space for text on a page.
     pub const WIDE: Self = Self {
         width: 1280,
         height: 600,
     };
 
-    /// Width of the picture in pixels.
+    /// Returns the width of the picture, pixels.
     pub const fn width(self) -> u32 {
         self.width
     }
 
-    /// Height of the picture in pixels.
+    /// Returns the height of the picture, pixels.
     pub const fn height(self) -> u32 {
         self.height
     }
@@ -69,7 +69,7 @@ impl PictureSize {
         across.min(self.height / Self::STANDARD.height).max(1)
     }
 
-    /// Width and height in picture units.
+    /// Returns width and height in picture units.
     pub(super) fn units(self) -> (f64, f64) {
         let unit = f64::from(self.unit_px());
         (f64::from(self.width) / unit, f64::from(self.height) / unit)

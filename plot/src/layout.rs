@@ -14,32 +14,32 @@ use crate::number_placement::{OccupancyMap, PictureArea, PlacedNumber, place_num
 pub struct GridTick {
     /// Position of the line along its axis, picture units from the left or the top.
     pub position: f64,
-    /// The coordinate of the line, mm; X as a diameter.
+    /// Text of the grid line: its coordinate in mm; X as a diameter.
     pub label: String,
 }
 
-/// The mapping from mm to picture units, and everything placed with it.
+/// The mapping from mm to picture units, and the positions of grid, texts and dimensions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathLayout {
     /// Width and height of the picture, picture units.
     pub size: (f64, f64),
-    /// The texts above the path.
+    /// The title and legend above the path.
     pub head: PictureHead,
     /// The frame around the path, picture units.
     pub frame: PictureArea,
     scale: f64,
     left_z: f64,
     bottom_x: f64,
-    /// Vertical grid lines (Z).
+    /// Vertical grid lines, at round values of Z.
     pub z_ticks: Vec<GridTick>,
-    /// Horizontal grid lines (X as a diameter).
+    /// Horizontal grid lines, at round values of the X diameter.
     pub x_ticks: Vec<GridTick>,
     /// Vertical position of the spindle axis, picture units; `None` if it is outside the
     /// frame.
     pub spindle_axis: Option<f64>,
-    /// The dimensions of the part, placed in the picture.
+    /// The dimensions of the part with their positions in the picture.
     pub dimensions: Vec<Dimension>,
-    /// The block labels, placed in the picture.
+    /// The labels of blocks with their positions in the picture.
     pub numbers: Vec<PlacedNumber>,
 }
 
@@ -97,7 +97,7 @@ impl PathLayout {
         layout
     }
 
-    /// Least and greatest point of the frame, mm; X as a radius.
+    /// Returns the least and greatest point of the frame, mm; X as a radius.
     pub fn visible_range(&self) -> (Point, Point) {
         let (left, top, right, bottom) = self.frame;
         let size = Point::new(bottom - top, right - left) * (1.0 / self.scale);

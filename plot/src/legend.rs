@@ -10,7 +10,7 @@ use crate::text_width::text_width;
 use gsk_runner::report::tool_word;
 use gsk_runner::text_format::{format_time, short_description};
 
-/// Distance of texts from the left and the right edge, picture units.
+/// Distance of texts from the left and the right edge of the picture, picture units.
 pub(super) const EDGE: f64 = 20.0;
 /// Distance from the top to the first row of the legend, picture units.
 const LEGEND_TOP: f64 = 50.0;
@@ -19,12 +19,12 @@ const ROW_HEIGHT: f64 = 22.0;
 /// Length of the line of an entry (`SAMPLE`) and its gap to the text (`GAP`), picture units.
 pub(super) const SAMPLE: f64 = 28.0;
 pub(super) const GAP: f64 = 8.0;
-/// Gap between two entries, picture units.
+/// Gap between two entries of the legend, picture units.
 const ENTRY_GAP: f64 = 24.0;
 /// Height of the space below the legend, which holds the name of the X axis, picture units.
 const LEGEND_BOTTOM: f64 = 32.0;
 
-/// An entry of the legend: a line and its meaning.
+/// An entry of the legend: a sample line and its meaning.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LegendEntry {
     /// The style of the line.
@@ -35,16 +35,16 @@ pub struct LegendEntry {
     pub text: String,
 }
 
-/// The texts above the path.
+/// The title, times and legend above the path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureHead {
     /// The title of the drawing, shortened to the available width.
     pub title: String,
     /// Total time and cutting time of the program; empty without a time.
     pub summary: String,
-    /// The entries of the legend: tools, then rapids.
+    /// The entries of the legend: first tools, then rapids.
     pub entries: Vec<LegendEntry>,
-    /// Vertical position where the path begins, picture units from the top.
+    /// Vertical position at which the path begins, picture units from the top.
     pub height: f64,
 }
 
@@ -105,7 +105,7 @@ fn arrange_entries(entries: Vec<(LinePen, String)>, wide: f64) -> (Vec<LegendEnt
     (placed, row + 1)
 }
 
-/// A text, shortened with an ellipsis to a width of `room` picture units.
+/// Returns the text, shortened with an ellipsis if it is wider than `room` picture units.
 fn shorten(text: &str, room: f64) -> String {
     if text_width(text) <= room {
         return text.to_owned();

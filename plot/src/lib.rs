@@ -41,7 +41,7 @@ const LCD_SCALE: u32 = 2;
 /// Pixels per panel unit in a picture of the whole panel.
 const PANEL_SCALE: f32 = 1.5;
 
-/// Why a picture cannot be made.
+/// The reason why a picture cannot be made.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum PictureError {
@@ -52,7 +52,7 @@ pub enum PictureError {
 }
 
 impl PictureError {
-    /// The message that explains why the picture cannot be made.
+    /// Returns the message that explains why the picture cannot be made.
     pub fn message(&self) -> Message {
         match self {
             Self::Memory => say::picture_too_large(),
@@ -61,13 +61,13 @@ impl PictureError {
     }
 }
 
-/// A file name whose extension is not that of a picture format.
+/// Error: the extension of this file name is not that of a picture format.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub struct UnknownPictureFormat(pub PathBuf);
 
 impl UnknownPictureFormat {
-    /// The message for the user; lists the valid extensions.
+    /// Returns the message for the user, which lists the valid extensions.
     pub fn message(&self) -> Message {
         say::picture_ending(self.0.display())
     }
@@ -76,9 +76,9 @@ impl UnknownPictureFormat {
 /// The file format of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureFormat {
-    /// PNG, a picture of pixels.
+    /// PNG format: a picture of pixels.
     Png,
-    /// SVG, lines and texts as XML.
+    /// SVG format: lines and texts as XML.
     Svg,
 }
 

@@ -25,14 +25,14 @@ use crate::{PictureError, PictureFormat, png_file, svg};
 use gsk_runner::mill::MillTimes;
 use items::{PictureItem, TextAnchor};
 
-/// Maximum number of points of a drawing.
+/// Maximum number of points that a drawing stores.
 const MAX_POINTS: usize = 3_000_000;
 /// Angle that each chord of an arc spans, radians.
 const CHORD_ANGLE_RAD: f64 = 0.06;
 /// Maximum number of points of a path that is drawn with smooth edges.
 const MAX_SMOOTH_CHORDS: usize = 30_000;
 
-/// Successive lines of the same kind: points in mm.
+/// Successive lines of the same kind through these points, mm.
 #[derive(Clone, Debug)]
 struct MillStroke {
     line_kind: PathLine,
@@ -105,7 +105,7 @@ impl MillDrawing {
         }
     }
 
-    /// Adds a move to the path and to the times.
+    /// Adds a move to the drawn path and to the machine times.
     pub fn add_move(&mut self, made: &MillMove) {
         self.times.add_move(made);
         if made.kind == MillMoveKind::Dwell {

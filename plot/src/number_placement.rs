@@ -2,27 +2,27 @@
 
 use crate::text_width::text_width;
 
-/// Height of a label, picture units.
+/// Height of a block label, picture units.
 pub(super) const HEIGHT: f64 = 16.0;
 
 /// Gap between the end of a block and its label, picture units.
 const NUMBER_GAP: f64 = 4.0;
 
-/// Side of a square of the occupancy map, picture units.
+/// Side length of a square of the occupancy map, picture units.
 const SQUARE_SIDE: f64 = 8.0;
 
 /// A block label with its position in the picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlacedNumber {
-    /// End of the block, picture units.
+    /// End point of the block, picture units.
     pub end: (f64, f64),
-    /// Upper left corner of the text, picture units.
+    /// Upper left corner of the label's text, picture units.
     pub corner: (f64, f64),
     /// The text of the label: `N10`, or the line number.
     pub text: String,
 }
 
-/// An area of the picture, units: left, top, right, bottom.
+/// An area of the picture in picture units: left, top, right, bottom.
 pub(super) type PictureArea = (f64, f64, f64, f64);
 
 /// Places labels at the ends of blocks in the free parts of a frame, in their order. Labels
@@ -53,7 +53,7 @@ pub(super) fn place_numbers(
         .collect()
 }
 
-/// Which squares of a frame are already occupied by texts.
+/// The squares of a frame that texts already occupy.
 pub(super) struct OccupancyMap {
     frame: PictureArea,
     across: usize,

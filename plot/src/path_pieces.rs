@@ -16,13 +16,13 @@ use gsk_core::units::Point;
 /// Size of the finest grid cell, mm: less than the least increment of the control.
 const FINEST_MM: f64 = 1.0 / 1024.0;
 
-/// Least number of grid cells across a pixel, while there is memory.
+/// Least number of grid cells across a pixel, unless memory is exhausted.
 const CELLS_PER_PIXEL: f64 = 4.0;
 
 /// Maximum number of stored pieces: about 100 MB.
 const MAX_PIECES: usize = 1 << 20;
 
-/// How a line of the path is drawn.
+/// Whether a line of the path is a rapid, or a cut of a certain tool.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PathLine {
     /// The line is a rapid.
@@ -68,7 +68,7 @@ impl Default for PathPieces {
 }
 
 impl PathPieces {
-    /// The size of a grid cell, mm.
+    /// Returns the size of a grid cell, mm.
     pub const fn cell_mm(&self) -> f64 {
         self.cell_mm
     }
@@ -88,18 +88,18 @@ impl PathPieces {
         })
     }
 
-    /// Adds a straight line from `from` to `to`, mm.
+    /// Adds a straight line of the kind `made` from `from` to `to`, mm.
     pub fn add_line(&mut self, made: PathLine, from: Point, to: Point) {
         let (from, to) = (self.grid_cell(from), self.grid_cell(to));
         self.add_piece(made, from, to);
     }
 
-    /// Whether there is memory for another line.
+    /// Whether there is memory for one more line.
     pub fn has_room(&self) -> bool {
         self.drawn.len() < self.max_pieces
     }
 
-    /// Makes the grid as coarse as a pixel of `pixel_mm` allows.
+    /// Enlarges the grid cells as far as a pixel of `pixel_mm` permits.
     pub fn fit_grid(&mut self, pixel_mm: f64) {
         let cell = pixel_mm / CELLS_PER_PIXEL;
         if self.cell_mm * 2.0 <= cell {
@@ -168,7 +168,7 @@ impl PathPieces {
         }
     }
 
-    /// Number of stored straight pieces.
+    /// Returns the number of stored straight pieces.
     pub fn len(&self) -> usize {
         self.drawn.len()
     }

@@ -3,10 +3,10 @@
 
 use crate::path_pieces::PathLine;
 
-/// The style of a line.
+/// The style of a line: colour, width and dashes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinePen {
-    /// Red, green and blue, 0 to 255.
+    /// Red, green and blue of the line, 0 to 255.
     pub color: [u8; 3],
     /// Width of the line, picture units.
     pub width: f32,
@@ -25,10 +25,10 @@ const COLORS: [[u8; 3]; 7] = [
     [0x00, 0x00, 0x00],
 ];
 
-/// Dashes for the cuts of further tools when the colours repeat.
+/// Dash patterns for the cuts of further tools, used when the colours repeat.
 const DASHES: [&[f32]; 3] = [&[], &[14.0, 3.0], &[3.0, 2.0]];
 
-/// Length of the arms of the cross that marks a collision, picture units.
+/// Length of each arm of the cross that marks a collision, picture units.
 pub(super) const MARK_ARM: f64 = 6.0;
 pub(super) const COLLISION_MARK: LinePen = LinePen {
     color: [0xE0, 0x00, 0x20],
@@ -36,7 +36,7 @@ pub(super) const COLLISION_MARK: LinePen = LinePen {
     dash: &[],
 };
 
-/// The style of the line from a shoulder to its figure.
+/// The style of the line from a shoulder to its Z value.
 pub(super) const DIMENSION: LinePen = LinePen {
     color: [0x60; 3],
     width: 0.8,
@@ -44,7 +44,7 @@ pub(super) const DIMENSION: LinePen = LinePen {
 };
 
 impl LinePen {
-    /// The style for rapids, or for the cuts of a tool.
+    /// Returns the style of a rapid, or of the cuts of a tool.
     pub const fn for_line(made: PathLine) -> Self {
         match made {
             PathLine::Rapid => Self {

@@ -12,7 +12,7 @@ use crate::legend::{EDGE, GAP, SAMPLE};
 use crate::path_pieces::PathLine;
 use crate::pens::{COLLISION_MARK, DIMENSION, LinePen, MARK_ARM};
 
-/// Styles of the grid, of its frame and of the spindle axis.
+/// Style of the grid lines.
 const GRID: LinePen = grey_pen(0xE0, &[]);
 const FRAME: LinePen = grey_pen(0xB0, &[]);
 const SPINDLE_AXIS: LinePen = grey_pen(0x80, &[16.0, 4.0, 3.0, 4.0]);
@@ -88,7 +88,7 @@ const fn grey_pen(shade: u8, dash: &'static [f32]) -> LinePen {
     }
 }
 
-/// Draws part and clamping below the path.
+/// Draws the part and its clamping under the path.
 fn draw_scenery(canvas: &mut PictureCanvas, drawing: &PathDrawing, layout: &PathLayout) {
     let (low, high) = layout.visible_range();
     for (look, polygons) in drawing.scenery().clip_to(low, high) {

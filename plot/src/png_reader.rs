@@ -6,13 +6,13 @@ use png::{ColorType, Decoder, Limits, Transformations};
 
 /// Greatest width and height of a picture that is read, pixels.
 const MAX_SIDE: u32 = 8192;
-/// Greatest size of a picture in memory, bytes.
+/// Greatest size in memory of a picture that is read, bytes.
 const MAX_BYTES: usize = 128 * 1024 * 1024;
 
-/// A picture that was read.
+/// A picture that was read from a PNG file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DecodedPicture {
-    /// Width and height, pixels.
+    /// Width and height of the picture, pixels.
     pub size: [usize; 2],
     /// Red, green, blue and opacity of each pixel, row by row; the colours are not premultiplied.
     pub rgba: Vec<u8>,

@@ -15,7 +15,7 @@ use gsk_runner::machining::Machining;
 /// How an area is drawn: fill and edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct AreaStyle {
-    /// Fill colour, red, green, blue; `None` for an area that is not filled.
+    /// Fill colour of the area: red, green, blue; `None` for an area that is not filled.
     pub fill: Option<[u8; 3]>,
     /// Style of the outline of the area.
     pub edge: LinePen,
@@ -58,7 +58,7 @@ pub(super) struct PathScenery {
     /// The tools of the job, by their T number.
     pub tools: BTreeMap<u8, Tool>,
     pub dimensions: Dimensions,
-    /// Contact points of collisions, mm.
+    /// Points at which collisions are marked, mm.
     pub marks: Vec<Point>,
 }
 

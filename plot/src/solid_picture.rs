@@ -10,7 +10,7 @@ use crate::png_file;
 use crate::solid::{self, BodyResolution, SolidView, ViewDirection, clamping_bodies, part_bodies};
 use gsk_runner::machining::Machining;
 
-/// Margin around the part, where the texts are, picture units.
+/// Margin around the part for its texts, picture units.
 const SOLID_MARGIN: f64 = 48.0;
 /// Distance of the texts from the upper left corner, picture units.
 const TEXT_INSET: f64 = 16.0;

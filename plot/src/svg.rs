@@ -62,7 +62,7 @@ pub fn render(drawing: &PathDrawing, language: Language) -> String {
     out
 }
 
-/// The beginning of an SVG file of a size, with a white background.
+/// Returns the beginning of an SVG file for a picture of this size, with a white background.
 pub(super) fn begin_file(size: PictureSize) -> String {
     let (wide, tall) = size.units();
     let (width, height) = (size.width(), size.height());
@@ -96,7 +96,7 @@ pub(super) fn write_text(out: &mut String, (x, y): (f64, f64), words: &str, anch
     );
 }
 
-/// Writes part and clamping, below the path.
+/// Writes the part and its clamping, under the path.
 fn write_scenery(out: &mut String, drawing: &PathDrawing, layout: &PathLayout) {
     let (low, high) = layout.visible_range();
     for (look, polygons) in drawing.scenery().clip_to(low, high) {

@@ -3,31 +3,31 @@
 
 use crate::number::Number;
 
-/// A word of a block.
+/// A word of a foreign program: a letter with a number, or with a variable or formula in its place.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct ForeignWord {
     /// Upper-case letter of the address.
     pub letter: u8,
     /// Whether a comma precedes the letter, as in `,C2.`.
     pub has_comma: bool,
-    /// Value; `None` if a variable or formula stands for the number.
+    /// Value of the number after the letter; `None` if a variable or formula stands in its place.
     pub number: Option<Number>,
-    /// Text as written, with the comma and blanks inside the word.
+    /// The word as written, with the comma and the blanks inside it.
     pub written: String,
 }
 
 impl ForeignWord {
-    /// The word for a message, without blanks.
+    /// Returns the word as messages show it: in upper case and without blanks.
     pub fn shown(&self) -> String {
         let upper = self.written.to_ascii_uppercase();
         upper.split_whitespace().collect()
     }
 }
 
-/// A piece of a line.
+/// A piece of a foreign block: a word, a text that stays unchanged, or a formula.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum LinePiece {
-    /// A word.
+    /// A letter with a number or variable, such as `X12.5`.
     Word(ForeignWord),
     /// Text that stays unchanged: blanks, comments, a skip mark, `%`.
     Text(String),
@@ -35,12 +35,12 @@ pub(crate) enum LinePiece {
     Formula(String),
 }
 
-/// The pieces of one block.
+/// A foreign block, split into pieces, with the lines that the porter adds around it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct ForeignBlock {
-    /// Line of the text, from 1.
+    /// Line of the block in the foreign text, from 1.
     pub line: u32,
-    /// Pieces in their order.
+    /// The words, texts and formulas of the block, in the order of the text.
     pub pieces: Vec<LinePiece>,
     /// Lines that the porter writes before the block.
     pub before: Vec<String>,
@@ -49,7 +49,7 @@ pub(crate) struct ForeignBlock {
 }
 
 impl ForeignBlock {
-    /// The words of the block.
+    /// Returns the words of the block, in the order of the text.
     pub fn words(&self) -> impl Iterator<Item = &ForeignWord> {
         self.pieces.iter().filter_map(|piece| match piece {
             LinePiece::Word(word) => Some(word),
@@ -57,13 +57,14 @@ impl ForeignBlock {
         })
     }
 
-    /// The first word with this letter and no comma.
+    /// Returns the first word with this letter and no comma; `None` if the block has none.
     pub fn word(&self, letter: u8) -> Option<&ForeignWord> {
         self.words()
             .find(|word| word.letter == letter && !word.has_comma)
     }
 
-    /// The value of the first word with this letter.
+    /// Returns the number of the first word with this letter; `None` if the block has no such word,
+    /// or a variable stands for the number.
     pub fn number(&self, letter: u8) -> Option<Number> {
         self.word(letter)?.number
     }
@@ -83,13 +84,14 @@ impl ForeignBlock {
         self.g_codes().any(|it| it == code)
     }
 
-    /// The G codes of the block in tenths.
+    /// Returns the G codes of the block, in tenths: G92.1 is 921.
     pub fn g_codes(&self) -> impl Iterator<Item = i64> {
         let words = self.words().filter(|word| word.letter == b'G');
         words.filter_map(|word| Some(word.number?.micro / 100_000))
     }
 
-    /// Replaces the first word with this letter by a text; `false` if the block has none.
+    /// Replaces the first word with this letter by `text`; returns `false` if the block has no such
+    /// word.
     pub fn replace(&mut self, letter: u8, text: &str) -> bool {
         for piece in &mut self.pieces {
             if let LinePiece::Word(word) = piece
@@ -103,7 +105,7 @@ impl ForeignBlock {
         false
     }
 
-    /// Replaces the first G code `code` (tenths) by a text.
+    /// Replaces the first G code equal to `code` (tenths: G92 is 920) by `text`.
     pub fn replace_g(&mut self, code: i64, text: &str) {
         self.replace_where(
             |word| word.letter == b'G' && word.number.is_some_and(|it| it.micro / 100_000 == code),
@@ -111,7 +113,8 @@ impl ForeignBlock {
         );
     }
 
-    /// Replaces the first word that `is` accepts by a text.
+    /// Replaces the first word for which `is` returns true by `text`; returns `false` if there is
+    /// none.
     pub fn replace_where(&mut self, is: impl Fn(&ForeignWord) -> bool, text: &str) -> bool {
         let found = self
             .pieces
@@ -126,7 +129,7 @@ impl ForeignBlock {
         }
     }
 
-    /// Removes all words that `is` accepts and returns them.
+    /// Removes all words for which `is` returns true, and returns them.
     pub fn remove_where(&mut self, is: impl Fn(&ForeignWord) -> bool) -> Vec<ForeignWord> {
         let mut removed = Vec::new();
         let mut at = 0;
@@ -143,12 +146,12 @@ impl ForeignBlock {
         removed
     }
 
-    /// Removes the words with one of these letters.
+    /// Removes all words with one of these letters, and returns them.
     pub fn remove(&mut self, letters: &[u8]) -> Vec<ForeignWord> {
         self.remove_where(|word| !word.has_comma && letters.contains(&word.letter))
     }
 
-    /// Removes the G codes with these numbers (tenths).
+    /// Removes the G codes with these numbers, in tenths: G92 is 920.
     pub fn remove_g(&mut self, codes: &[i64]) {
         self.remove_where(|word| {
             let code = word.number.map(|it| it.micro / 100_000);
@@ -179,7 +182,7 @@ impl ForeignBlock {
             .dedup_by(|next, kept| is_blank(next) && is_blank(kept));
     }
 
-    /// Adds a word after the last word of the block, before comments.
+    /// Adds the word `text` after the last word of the block, before comments.
     pub fn append(&mut self, text: &str) {
         let is_content = |piece: &LinePiece| match piece {
             LinePiece::Word(_) | LinePiece::Formula(_) => true,
@@ -195,7 +198,7 @@ impl ForeignBlock {
         self.pieces.insert(at, LinePiece::Text(text));
     }
 
-    /// Adds a word after N and the skip mark, before the other words.
+    /// Adds the word `text` after N and the block skip mark, before the other words.
     pub fn prepend(&mut self, text: &str) {
         let is_first = |piece: &LinePiece| match piece {
             LinePiece::Word(word) => word.letter != b'N' && word.letter != b'O',
@@ -207,7 +210,7 @@ impl ForeignBlock {
         self.pieces.insert(at, LinePiece::Text(format!("{text} ")));
     }
 
-    /// Whether the block commands anything apart from its numbers.
+    /// Whether the block has anything besides its program and sequence numbers and comments.
     pub fn has_content(&self) -> bool {
         self.pieces.iter().any(|piece| match piece {
             LinePiece::Word(word) => word.letter != b'N',
@@ -216,7 +219,7 @@ impl ForeignBlock {
         })
     }
 
-    /// The text of the block.
+    /// Returns the block as text, with the changes made so far.
     pub fn text(&self) -> String {
         let texts = self.pieces.iter().map(|piece| match piece {
             LinePiece::Word(word) => word.written.as_str(),
@@ -226,14 +229,15 @@ impl ForeignBlock {
     }
 }
 
-/// Whether a text holds a word that the porter wrote.
+/// Whether a text begins with an upper-case letter, as the words that the porter writes do.
 fn is_word_text(text: &str) -> bool {
     text.bytes()
         .next()
         .is_some_and(|byte| byte.is_ascii_uppercase())
 }
 
-/// Splits one block into pieces.
+/// Splits the text of one block into words, unchanged texts and formulas; `line` is its line, from
+/// 1.
 pub(crate) fn split_block(line: u32, text: &str) -> ForeignBlock {
     let mut pieces = Vec::new();
     let bytes = text.as_bytes();
@@ -276,7 +280,7 @@ fn push_formula(pieces: &mut Vec<LinePiece>, text: &str) {
     }
 }
 
-/// The end of the comment that begins at byte `at`; brackets inside it count.
+/// Returns the byte after the comment that begins at byte `at`; brackets inside it are counted.
 fn comment_end(text: &str, at: usize) -> usize {
     let mut depth = 0;
     for (offset, byte) in text[at..].bytes().enumerate() {
@@ -292,8 +296,8 @@ fn comment_end(text: &str, at: usize) -> usize {
     text.len()
 }
 
-/// The end of the word at byte `at`, and the word; `None` if no number or variable follows
-/// the letter.
+/// Returns the byte after the word that begins at byte `at`, and the word; `None` if no number or
+/// variable follows the letter.
 fn split_word(text: &str, at: usize) -> (usize, Option<ForeignWord>) {
     let bytes = text.as_bytes();
     let blank = |mut at: usize| {
@@ -340,7 +344,7 @@ fn split_word(text: &str, at: usize) -> (usize, Option<ForeignWord>) {
     (end, Some(word))
 }
 
-/// The end of a variable or of a formula in brackets.
+/// Returns the byte after the variable, or after the formula in brackets, that begins at `at`.
 fn variable_end(bytes: &[u8], at: usize) -> usize {
     let mut end = at;
     while bytes.get(end) == Some(&b'#') {

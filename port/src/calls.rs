@@ -10,7 +10,8 @@ use crate::program_numbers::{has_m, whole};
 use crate::thread_cycles::shown_word;
 
 impl Porter<'_> {
-    /// Converts O and N. A local subprogram gets its O word in a line before it.
+    /// Converts the program number O and the sequence number N of a block. A local subprogram gets
+    /// its O word in a line before the block.
     pub fn convert_numbers(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
         if let Some(word) = block.word(b'O').cloned() {
             let number = word.number.and_then(Number::whole);
@@ -51,7 +52,7 @@ impl Porter<'_> {
         }
     }
 
-    /// Converts M98 with its number of calls.
+    /// Converts M98 (subprogram call) with the number of its repetitions.
     pub fn convert_call(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
         let refuse =
             |block: &ForeignBlock| Refusal::new(shown_word(block, b'P'), say::ported_note_call());
@@ -153,7 +154,8 @@ impl Porter<'_> {
         Ok(())
     }
 
-    /// Checks an operation of macro A, which this control has, too.
+    /// Checks that this control has the operation of a macro A block (G65 H), and refuses the block
+    /// if not.
     pub fn convert_macro(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
         let operation = whole(block, b'H');
         let is_known =

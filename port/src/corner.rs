@@ -8,12 +8,13 @@ use crate::porter::{Porter, Refusal};
 use crate::program_numbers::whole;
 use crate::source::SourcePart;
 
-/// A point or direction: X as a radius, Z; millionths of a millimetre.
+/// A point or direction: X as a radius, then Z; millionths of a millimetre.
 type Vector = [f64; 2];
 
 impl<'a> Porter<'a> {
-    /// Converts `,C` `,R` and C, R of a line. Between lines parallel to the axes it is I, K or
-    /// R here; otherwise the tangent points are computed and the corner becomes its own block.
+    /// Converts a chamfer or rounding (`,C` `,R`, C, R) at the end of a line. Between lines
+    /// parallel to the axes it becomes I, K or R of this control; otherwise the tangent points are
+    /// computed and the corner becomes a separate block.
     pub fn convert_corner(
         &mut self,
         block: &mut ForeignBlock,
@@ -126,7 +127,8 @@ impl<'a> Porter<'a> {
         Some(())
     }
 
-    /// The next block with axis words, if it is a line, and its end point.
+    /// Returns the next block with axis words and its end point, if that block is a straight line;
+    /// `None` if it is not.
     fn next_line(
         &self,
         index: usize,
@@ -142,7 +144,8 @@ impl<'a> Porter<'a> {
     }
 }
 
-/// The distance of a move along an axis: 0 if the block does not command it.
+/// Returns the distance of a move along an axis, with its sign: 0 if the block does not command the
+/// axis, `None` if a position is unknown.
 fn leg(from: Option<i64>, to: Option<i64>, block: &ForeignBlock, axis: usize) -> Option<f64> {
     let (position, distance) = crate::motion::AXIS_LETTERS[axis];
     if !block.has(position) && !block.has(distance) {

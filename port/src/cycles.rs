@@ -9,11 +9,13 @@ use crate::porter::{Porter, Refusal};
 use crate::program_numbers::whole;
 use crate::state::{ActiveCode, RoughProfile};
 
-/// Retract of cycles whose one-block form takes it from a parameter.
+/// The R word with the retract distance, mm, for cycles whose one-block form takes it from a
+/// parameter.
 const RETRACT: &str = "R0.5";
 
 impl Porter<'_> {
-    /// Notes that the blocks of a roughing cycle begin.
+    /// Notes that the profile of a roughing cycle begins, if `sequence` is the number of its first
+    /// block.
     pub fn enter_profile(&mut self, sequence: Option<i64>) {
         if let Some(profile) = &mut self.state.profile
             && sequence == Some(profile.first)
@@ -22,7 +24,8 @@ impl Porter<'_> {
         }
     }
 
-    /// Returns to the position before a roughing cycle after the last block of its profile.
+    /// Sets the position back to the one before the roughing cycle, after the last block of its
+    /// profile.
     pub fn leave_profile(&mut self, sequence: Option<i64>) {
         if let Some(profile) = self.state.profile
             && profile.is_inside
@@ -34,8 +37,8 @@ impl Porter<'_> {
         }
     }
 
-    /// The first block of a profile moves one axis only: removes a word that does not move the
-    /// other one.
+    /// Converts the first block of a roughing profile, which moves one axis only here: removes a
+    /// word that does not move the other axis.
     pub fn start_profile(&mut self, block: &mut ForeignBlock) {
         let Some(profile) = self.state.profile else {
             return;
@@ -68,12 +71,12 @@ impl Porter<'_> {
         }
     }
 
-    /// Removes what a profile may not contain here; `None` outside profiles.
+    /// Whether the current block belongs to the profile of a roughing cycle.
     pub fn is_inside_profile(&self) -> bool {
         self.state.profile.is_some_and(|profile| profile.is_inside)
     }
 
-    /// Converts G71, G72 or G73 in both forms.
+    /// Converts a roughing cycle G71, G72 or G73, in its one-block or two-block form.
     pub fn convert_rough(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
         let cycle = block.g_codes().find(|code| (710..=730).contains(code));
         let cycle = cycle.unwrap_or(710);
@@ -99,7 +102,8 @@ impl Porter<'_> {
         Ok(())
     }
 
-    /// Converts the first block of the two-block form.
+    /// Converts the first block of a two-block roughing cycle, which has no P and Q; `cycle` is its
+    /// G code in tenths.
     fn convert_rough_depth(&mut self, block: &mut ForeignBlock, cycle: i64) -> Result<(), Refusal> {
         self.convert_feed(block);
         self.convert_length(block, b'U');
@@ -116,7 +120,7 @@ impl Porter<'_> {
         Ok(())
     }
 
-    /// Writes the depth of a one-block G71 or G72 in a block before it.
+    /// Writes the depth of cut of a one-block G71 or G72 as a block before it.
     fn split_rough(&mut self, block: &mut ForeignBlock, cycle: i64) -> Result<(), Refusal> {
         for word in block.remove(b"IK") {
             if word.number.is_none_or(|it| it.micro != 0) {
@@ -141,7 +145,7 @@ impl Porter<'_> {
         Ok(())
     }
 
-    /// Writes relief and number of passes of a one-block G73 in a block before it.
+    /// Writes the relief and the number of passes of a one-block G73 as a block before it.
     fn split_pattern(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
         let Some(count) = block.number(b'D') else {
             return Ok(());
@@ -159,13 +163,13 @@ impl Porter<'_> {
         Ok(())
     }
 
-    /// Converts G70.
+    /// Converts a finishing cycle G70.
     pub fn convert_finish(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
         self.convert_feed(block);
         self.convert_sequence_words(block, b"PQ")
     }
 
-    /// Converts words that name sequence numbers.
+    /// Converts the words that refer to sequence numbers, to the new sequence numbers.
     pub fn convert_sequence_words(
         &self,
         block: &mut ForeignBlock,
@@ -187,13 +191,14 @@ impl Porter<'_> {
         Ok(())
     }
 
-    /// A word in thousandths of a millimetre: without a point it counts least increments.
+    /// Returns the number of a word in thousandths of a millimetre; a number without a point counts
+    /// least increments.
     pub fn thousandths(&self, number: Number, factor: i64) -> i64 {
         divide_rounded(self.state.cycle_length(number) * factor, 1_000)
     }
 
-    /// Converts G74 or G75 in both forms. Steps along X are radius values there and diameters
-    /// here.
+    /// Converts G74 or G75 in the one-block or two-block form. Steps along X are radius values on
+    /// foreign controls and diameters on this one.
     pub fn convert_peck(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
         let along_z = block.has_g(740);
         self.convert_feed(block);
@@ -236,7 +241,7 @@ impl Porter<'_> {
         Ok(())
     }
 
-    /// Whether the block had a step along X, which is doubled.
+    /// Whether the foreign block has a step along X (P or I) that is not 0.
     fn word_is_step(&self, block: &ForeignBlock) -> bool {
         let source = self.parts.iter().find(|part| part.block.line == block.line);
         let word = |letter| source.and_then(|part| part.block.word(letter));

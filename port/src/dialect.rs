@@ -5,22 +5,22 @@ use gsk_messages::{Message, say};
 /// A family of lathe programs that other controls or CAM systems read or write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ForeignDialect {
-    /// Fanuc 0T and later: two-block cycles.
+    /// Fanuc 0T and later controls: a cycle has two blocks.
     Fanuc0t,
-    /// Fanuc 10T, 15T: cycles in one block.
+    /// Fanuc 10T and 15T: a cycle has one block.
     Fanuc10t,
-    /// Haas lathes.
+    /// Programs of Haas lathes.
     Haas,
-    /// Fanuc posts of Fusion 360.
+    /// Fanuc programs from the postprocessors of Fusion 360.
     Fusion,
-    /// Mach3 Turn.
+    /// Programs of Mach3 Turn.
     Mach3,
-    /// LinuxCNC lathes.
+    /// Programs of LinuxCNC lathes.
     LinuxCnc,
 }
 
 impl ForeignDialect {
-    /// All dialects, in the order of the command line.
+    /// All dialects, in the order in which the command line lists them.
     pub const ALL: [Self; 6] = [
         Self::Fanuc0t,
         Self::Fanuc10t,
@@ -30,7 +30,7 @@ impl ForeignDialect {
         Self::LinuxCnc,
     ];
 
-    /// The word of the command line.
+    /// Returns the word that selects the dialect on the command line, such as `haas`.
     pub const fn command_word(self) -> &'static str {
         match self {
             Self::Fanuc0t => "fanuc0t",
@@ -42,7 +42,7 @@ impl ForeignDialect {
         }
     }
 
-    /// The name for readers.
+    /// Returns the name of the dialect as users read it, such as `Fanuc 0T`.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Fanuc0t => "Fanuc 0T",
@@ -54,7 +54,7 @@ impl ForeignDialect {
         }
     }
 
-    /// The dialect of a word of the command line; `None` for other words.
+    /// Returns the dialect that a word of the command line selects; `None` for other words.
     pub fn from_command_word(word: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|it| it.command_word() == word)
     }
@@ -80,24 +80,24 @@ pub enum PlainNumbers {
     AsWritten,
 }
 
-/// The meaning of the codes: Fanuc has two systems, and the interpreters that follow RS-274
-/// have their codes.
+/// A set of G and M codes with their meaning. Fanuc has two sets, and the interpreters after RS-274
+/// have their own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CodeSet {
-    /// Fanuc, G code system A.
+    /// The codes of Fanuc, G code system A.
     FanucA,
-    /// Fanuc, G code system B.
+    /// The codes of Fanuc, G code system B.
     FanucB,
-    /// Haas.
+    /// The codes of Haas lathes.
     Haas,
-    /// Mach3.
+    /// The codes of Mach3 Turn.
     Mach3,
-    /// LinuxCNC.
+    /// The codes of LinuxCNC lathes.
     LinuxCnc,
 }
 
 impl CodeSet {
-    /// The name for the table of codes.
+    /// Returns the name of the set in the table of codes, such as `Fanuc A`.
     pub const fn name(self) -> &'static str {
         match self {
             Self::FanucA => "Fanuc A",
@@ -108,17 +108,17 @@ impl CodeSet {
         }
     }
 
-    /// Whether the set is one of an interpreter after RS-274: feed per minute at power-on,
-    /// G90 and G91 for absolute and incremental words.
+    /// Whether the set is that of an interpreter after RS-274: feed per minute at power-on, G90 and
+    /// G91 for absolute and incremental words.
     pub(crate) const fn is_rs274(self) -> bool {
         matches!(self, Self::Mach3 | Self::LinuxCnc)
     }
 }
 
-/// The switches of the foreign control that its programs do not contain.
+/// Settings of the foreign control that its programs do not contain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PortOptions {
-    /// How numbers without a point are read; `None` selects the custom of the dialect.
+    /// How numbers without a decimal point are read; `None` selects the default of the dialect.
     pub plain_numbers: Option<PlainNumbers>,
     /// Whether lengths are inches before the first G20 or G21.
     pub starts_in_inches: bool,
@@ -129,16 +129,16 @@ pub struct PortOptions {
 pub struct PortFinding {
     /// Line of the foreign text, from 1.
     pub line: u32,
-    /// The word as written.
+    /// The foreign word as written.
     pub word: String,
     /// Whether the block was not ported. It stops the ported program with alarm 500.
     pub is_refused: bool,
-    /// What differs, or why there is no equivalent.
+    /// What differs on this control, or why there is no equivalent.
     pub note: Message,
 }
 
 impl PortFinding {
-    /// The message without the line.
+    /// Returns the message about the word, without its line.
     pub fn message(&self) -> Message {
         match self.is_refused {
             true => say::ported_refused(&self.word, self.note.clone()),

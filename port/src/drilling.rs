@@ -7,11 +7,12 @@ use crate::motion::length_word;
 use crate::number::{UNIT, round_to, write_number};
 use crate::porter::{Porter, Refusal};
 
-/// Maximum number of pecks of a hole.
+/// Greatest number of pecks into which a hole is divided.
 const MAX_PECKS: i64 = 200;
 /// Least depth of a peck, 10⁻⁶ mm: the least increment of this control.
 const LEAST_PECK: i64 = 1_000;
-/// Distance before the bottom of the last peck at which the drill feeds again.
+/// Distance before the bottom of the last peck at which the drill changes from rapid to feed, 10⁻⁶
+/// mm.
 const CLEARANCE: i64 = UNIT / 2;
 
 impl Porter<'_> {
@@ -70,7 +71,7 @@ impl Porter<'_> {
         Ok(())
     }
 
-    /// Keeps the words that stay valid for the next hole.
+    /// Stores the words of a drilling cycle that also apply to its next hole.
     fn convert_drill_words(&mut self, block: &ForeignBlock) {
         let state = &mut self.state;
         let length = |letter| block.number(letter).map(|it| state.length(it));
@@ -89,7 +90,8 @@ impl Porter<'_> {
         drill.dwell = dwell.or(drill.dwell);
     }
 
-    /// The feed of the block as a word with a blank before it; empty without F.
+    /// Removes the F word of the block, and returns the feed as a word with a blank before it;
+    /// empty without F.
     fn take_drill_feed(&mut self, block: &mut ForeignBlock, code: i64) -> String {
         let Some(number) = block.number(b'F') else {
             return String::new();
@@ -102,7 +104,8 @@ impl Porter<'_> {
     }
 }
 
-/// The pecks of a hole with full retraction; `None` if there are none or too many.
+/// Returns the lines that drill a hole in pecks with full retraction; `None` if there is no peck
+/// depth or there are too many pecks.
 fn peck_lines(
     lines: &mut Vec<String>,
     (level, bottom): (i64, i64),

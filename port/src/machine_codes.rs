@@ -9,16 +9,16 @@ use crate::program_numbers::whole;
 use crate::table::{CodeRule, ForeignCodeRow, find_row};
 use crate::thread_cycles::shown_word;
 
-/// Greatest tool and offset number.
+/// Greatest tool number and greatest offset number of this control.
 const MAX_TOOL: i64 = 32;
 
-/// Whether a word is this M code (tenths).
+/// Whether a word is the M code `code`, in tenths: M03 is 30.
 fn is_m(word: &ForeignWord, code: i64) -> bool {
     word.letter == b'M' && word.number.is_some_and(|it| it.micro / 100_000 == code)
 }
 
 impl Porter<'_> {
-    /// Converts the M codes of a block; this control has one in each block.
+    /// Converts the M codes of a block; this control permits one M code in a block.
     pub fn convert_m_codes(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
         let codes: Vec<i64> = (block.words().filter(|word| word.letter == b'M'))
             .filter_map(|word| Some(word.number?.micro / 100_000))
@@ -92,7 +92,8 @@ impl Porter<'_> {
         Ok(())
     }
 
-    /// Stops the spindle before it turns in the other direction: here M05 is needed between.
+    /// Writes M05 before the block if `code` reverses the turning spindle: this control needs the
+    /// stop.
     fn convert_spindle(&mut self, block: &mut ForeignBlock, code: i64) {
         let direction = self.state.machine.spindle.replace(code);
         if direction.is_some_and(|it| it != code) {
@@ -123,7 +124,7 @@ impl Porter<'_> {
         }
     }
 
-    /// Moves all M codes but one into lines of their own.
+    /// Moves all M codes but one into separate lines.
     fn split_m_codes(&mut self, block: &mut ForeignBlock) {
         let is_code = |text: &str| text.starts_with('M') && text.len() > 1;
         let mut codes: Vec<(usize, String)> = Vec::new();
@@ -158,7 +159,7 @@ impl Porter<'_> {
         self.note(line, codes[main].1.clone(), say::ported_note_one_m());
     }
 
-    /// Converts T to tool and offset with two digits each.
+    /// Converts a T word to the tool and offset of this control, two digits each.
     pub fn convert_tool(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
         if self.is_thread_taper(block) {
             return Ok(());
@@ -206,7 +207,7 @@ impl Porter<'_> {
         Ok(())
     }
 
-    /// Converts S and the D of G96: whole r/min, or m/min.
+    /// Converts S, and D of G96: to whole r/min, or m/min.
     pub fn convert_speed(
         &mut self,
         block: &mut ForeignBlock,

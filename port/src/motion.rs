@@ -7,13 +7,13 @@ use crate::number::{Number, UNIT, divide_rounded, round_to, write_number};
 use crate::porter::{Porter, Refusal};
 use crate::state::ActiveCode;
 
-/// Letters of position and distance of X and Z.
+/// Letters for the position and for the distance of the axes X and Z.
 pub(crate) const AXIS_LETTERS: [(u8, u8); 2] = [(b'X', b'U'), (b'Z', b'W')];
-/// Decimals of lengths, and of feeds and leads.
+/// Number of decimals in the written lengths.
 pub(crate) const LENGTH_DECIMALS: u32 = 3;
 const FEED_DECIMALS: u32 = 5;
 
-/// Writes a length after its letter.
+/// Formats a length in millionths of a millimetre as a word with this letter.
 pub(crate) fn length_word(letter: u8, micro: i64) -> String {
     format!(
         "{}{}",
@@ -23,7 +23,8 @@ pub(crate) fn length_word(letter: u8, micro: i64) -> String {
 }
 
 impl Porter<'_> {
-    /// Converts X or U (axis 0), Z or W (axis 1). With `moves` the position follows.
+    /// Converts X or U (axis 0) or Z or W (axis 1). If `moves`, the tracked position changes to the
+    /// end point.
     pub fn convert_axis(&mut self, block: &mut ForeignBlock, axis: usize, moves: bool) {
         let (position, distance) = AXIS_LETTERS[axis];
         let letter = match (block.has(position), block.has(distance)) {
@@ -54,7 +55,7 @@ impl Porter<'_> {
         }
     }
 
-    /// The value of an axis word in millionths of a millimetre, X as a diameter.
+    /// Returns the value of an axis word in millionths of a millimetre, X as a diameter.
     pub fn axis_value(&self, number: Number, axis: usize) -> i64 {
         match axis {
             0 => self.state.diameter(number),
@@ -62,7 +63,8 @@ impl Porter<'_> {
         }
     }
 
-    /// The end point of the axis words of a block; `None` if the text does not show it.
+    /// Returns the end point of the axis words of a block, X and Z; `None` for an axis whose
+    /// position the text does not show.
     pub fn end_point(&self, block: &ForeignBlock, from: [Option<i64>; 2]) -> [Option<i64>; 2] {
         let end = |axis: usize| {
             let (position, distance) = AXIS_LETTERS[axis];
@@ -83,12 +85,13 @@ impl Porter<'_> {
         [end(0), end(1)]
     }
 
-    /// The positions of both axes.
+    /// Returns the current positions of X and Z, millionths of a millimetre; `None` for an unknown
+    /// one.
     pub fn position(&self) -> [Option<i64>; 2] {
         self.state.axes.map(|axis| axis.position)
     }
 
-    /// Converts a word that is a length.
+    /// Converts the word with this letter, which is a length, to millimetres with a point.
     pub fn convert_length(&self, block: &mut ForeignBlock, letter: u8) {
         if let Some(number) = block.number(letter)
             && self.state.changes_length(number)
@@ -97,7 +100,7 @@ impl Porter<'_> {
         }
     }
 
-    /// Converts F.
+    /// Converts the F word of the block to the feed unit of this control.
     pub fn convert_feed(&mut self, block: &mut ForeignBlock) {
         let Some(number) = block.number(b'F') else {
             return;
@@ -121,7 +124,8 @@ impl Porter<'_> {
         }
     }
 
-    /// Writes the feed mode of the foreign control's power-on before the first feed.
+    /// Writes, before the first feed, the G98 or G99 that equals the feed mode of the foreign
+    /// control at power-on.
     pub fn start_feed(&mut self, block: &mut ForeignBlock) {
         if self.state.per_revolution.is_none() && !self.state.set.is_rs274() {
             self.state.per_revolution = Some(true);
@@ -130,8 +134,8 @@ impl Porter<'_> {
         }
     }
 
-    /// Writes it in a line before a call: the called program may feed before the first F of
-    /// this text.
+    /// Writes the feed mode at power-on in a line before a call: the called program may feed before
+    /// the first F of this text.
     pub fn start_feed_before_call(&mut self, block: &mut ForeignBlock) {
         if self.state.per_revolution.is_none() && !self.state.set.is_rs274() {
             self.state.per_revolution = Some(true);
@@ -140,7 +144,7 @@ impl Porter<'_> {
         }
     }
 
-    /// Converts the lead of a thread, F or E.
+    /// Converts F or E of a threading block to a thread lead of this control.
     pub fn convert_lead(&mut self, block: &mut ForeignBlock) {
         let letter = match (block.has(b'E'), block.has(b'F')) {
             (true, _) => b'E',
@@ -168,7 +172,7 @@ impl Porter<'_> {
         block.replace(letter, &format!("F{}", write_number(lead, FEED_DECIMALS)));
     }
 
-    /// Converts a block of G00 to G03.
+    /// Converts a block of G00 to G03: rapid, line or arc.
     pub fn convert_motion(
         &mut self,
         block: &mut ForeignBlock,
@@ -189,7 +193,7 @@ impl Porter<'_> {
         Ok(())
     }
 
-    /// Converts R, or I and K, of an arc.
+    /// Converts R, or I and K, of an arc to those of this control.
     fn convert_arc(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
         let start = self.position();
         let end = self.end_point(block, start);

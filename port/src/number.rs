@@ -1,20 +1,21 @@
 //! Numbers of part programs as whole millionths, so that no conversion depends on binary
 //! fractions.
 
-/// Millionths in one unit.
+/// Number of millionths in one unit of a number.
 pub(crate) const UNIT: i64 = 1_000_000;
 
 /// A number as written: its value in millionths and whether it has a decimal point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Number {
-    /// Value in millionths.
+    /// Value in millionths of the written unit.
     pub micro: i64,
     /// Whether the number has a decimal point.
     pub has_point: bool,
 }
 
 impl Number {
-    /// Parses `-12.5`, `.5` or `12.`; `None` for other text and for values beyond a million.
+    /// Parses `-12.5`, `.5` or `12.`; returns `None` for other text and for values beyond a
+    /// million.
     pub fn parse(text: &str) -> Option<Self> {
         let text = text.trim();
         let (negative, digits) = match text.as_bytes().first()? {
@@ -47,7 +48,7 @@ impl Number {
         })
     }
 
-    /// The value if it is a whole number that is not negative.
+    /// Returns the value if it is a whole number from 0 up; else `None`.
     pub const fn whole(self) -> Option<i64> {
         match self.micro >= 0 && self.micro % UNIT == 0 {
             true => Some(self.micro / UNIT),
@@ -56,7 +57,7 @@ impl Number {
     }
 }
 
-/// Divides and rounds half away from zero.
+/// Divides `value` by `by`, and rounds half away from zero.
 pub(crate) const fn divide_rounded(value: i64, by: i64) -> i64 {
     let half = by / 2;
     if value >= 0 {
@@ -72,8 +73,8 @@ pub(crate) const fn round_to(micro: i64, decimals: u32) -> i64 {
     divide_rounded(micro, step) * step
 }
 
-/// Writes millionths with at most `decimals` places. A whole number keeps its point, because
-/// every control reads it then as a length.
+/// Formats millionths with at most `decimals` places. A whole number keeps its point, because every
+/// control then reads it as a length.
 pub(crate) fn write_number(micro: i64, decimals: u32) -> String {
     let micro = round_to(micro, decimals);
     let sign = if micro < 0 { "-" } else { "" };
@@ -83,7 +84,7 @@ pub(crate) fn write_number(micro: i64, decimals: u32) -> String {
     format!("{sign}{}.{}", size / unit, digits.trim_end_matches('0'))
 }
 
-/// Writes the nearest whole number of `micro`, without a point.
+/// Formats `micro`, in millionths, as the nearest whole number without a point.
 pub(crate) fn write_whole(micro: i64) -> String {
     divide_rounded(micro, UNIT).to_string()
 }

@@ -10,10 +10,10 @@ use crate::source::{SourcePart, read_source, without_brackets};
 use crate::state::{ActiveCode, ForeignState};
 use crate::table::{CodeRule, ForeignCodeRow, find_row};
 
-/// A program for this control, and what differs from the foreign one.
+/// A foreign program converted to this control, with the differences between both.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PortedProgram {
-    /// The text for this control.
+    /// The text of the program for this control.
     pub text: String,
     /// Changes that the reader should know and blocks without an equivalent, in the order of
     /// the text.
@@ -27,17 +27,17 @@ impl PortedProgram {
     }
 }
 
-/// Why a block has no equivalent.
+/// The reason why a foreign block has no equivalent, with the word that causes it.
 #[derive(Debug)]
 pub(crate) struct Refusal {
-    /// The word that has none.
+    /// The foreign word without an equivalent.
     pub word: String,
-    /// The reason.
+    /// The message with the reason for the refusal.
     pub note: Message,
 }
 
 impl Refusal {
-    /// A refusal of a word.
+    /// Creates the refusal of a word, with its reason.
     pub fn new(word: impl Into<String>, note: Message) -> Self {
         Self {
             word: word.into(),
@@ -95,7 +95,7 @@ pub fn port_program(text: &str, dialect: ForeignDialect, options: PortOptions) -
     }
 }
 
-/// The porter at a block.
+/// State of the port at one block of the foreign program.
 pub(crate) struct Porter<'a> {
     pub parts: &'a [SourcePart],
     pub numbers: ProgramNumbers,
@@ -132,7 +132,7 @@ impl Porter<'_> {
         }
     }
 
-    /// Reports a change of a word once per word and note.
+    /// Reports how a word has changed, but the same word with the same note once only.
     pub fn note(&mut self, line: u32, word: impl Into<String>, note: Message) {
         let finding = PortFinding {
             line,
@@ -170,7 +170,8 @@ impl Porter<'_> {
         Ok(())
     }
 
-    /// Converts the words that belong to the main code of the block, or to the modal one.
+    /// Converts the words that belong to the main G code of the block, or to the modal code if the
+    /// block has none.
     fn convert_role(
         &mut self,
         block: &mut ForeignBlock,
@@ -201,8 +202,8 @@ impl Porter<'_> {
         }
     }
 
-    /// Reads the G codes of a block. Returns the row of the code that the other words belong
-    /// to; `None` if they belong to the modal code.
+    /// Reads the G codes of a block. Returns the table row of the code to which the other words
+    /// belong; `None` if they belong to the modal code.
     fn convert_g_codes(
         &mut self,
         block: &mut ForeignBlock,
@@ -235,7 +236,8 @@ impl Porter<'_> {
         Ok(main)
     }
 
-    /// Executes codes that change how later words are read; `false` for other codes.
+    /// Executes a code that changes how later words are read, such as G20 or G91; returns `false`
+    /// for other codes.
     fn convert_modal_code(
         &mut self,
         block: &mut ForeignBlock,
@@ -282,7 +284,7 @@ impl Porter<'_> {
         Ok(true)
     }
 
-    /// Selects the code that the axis words of this and later blocks belong to.
+    /// Selects `code` as the code to which the axis words of this and of later blocks belong.
     fn select_active(&mut self, block: &mut ForeignBlock, code: i64, rule: CodeRule) {
         let state = &mut self.state;
         state.active = match rule {
@@ -312,7 +314,8 @@ impl Porter<'_> {
         block.replace_g(code, here);
     }
 
-    /// Puts a code of group 01 beside one of group 00 into a line before the block.
+    /// Moves a code of group 01 that shares a block with a code of group 00 into a line before the
+    /// block.
     fn separate_motion_code(&mut self, block: &mut ForeignBlock) {
         let codes: Vec<i64> = block.g_codes().filter(|it| *it <= 30).collect();
         for code in codes {
@@ -321,7 +324,7 @@ impl Porter<'_> {
         }
     }
 
-    /// Removes or refuses words that no code of this control has.
+    /// Removes or refuses the words that are left over and that no code of this control has.
     fn convert_remaining(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
         let words: Vec<_> = block.words().cloned().collect();
         for word in words {
@@ -348,13 +351,13 @@ impl Porter<'_> {
     }
 }
 
-/// The note of a row, or the general one.
+/// Returns the note of a table row; a general note if the row has none.
 pub(crate) fn row_note(row: &ForeignCodeRow) -> Message {
     row.note
         .map_or_else(say::ported_note_unknown_code, |note| note())
 }
 
-/// Whether a rule is of group 00, which shares no block with group 01.
+/// Whether the rule is for a code of group 00, which shares no block with a code of group 01.
 const fn is_group_00(rule: CodeRule) -> bool {
     matches!(
         rule,
@@ -371,8 +374,9 @@ const fn is_group_00(rule: CodeRule) -> bool {
     )
 }
 
-/// Turns a block that has nothing to command here into a comment: an empty block would repeat
-/// a cycle. If a word names its sequence number, it keeps the number and waits for no time.
+/// Turns a block without any command for this control into a comment, because an empty block would
+/// repeat a cycle. If a word refers to the block (`is_named`), the block keeps its sequence number
+/// and becomes a G04 without time.
 fn comment_out(block: &mut ForeignBlock, source: &ForeignBlock, is_named: bool) {
     if is_named {
         block.append("G04");

@@ -8,28 +8,28 @@ use crate::dialect::{CodeSet, ForeignDialect};
 use crate::number::Number;
 use crate::source::SourcePart;
 
-/// Greatest program and sequence number.
+/// Greatest program number and greatest sequence number of this control.
 const MAX_NUMBER: i64 = 9999;
-/// First number of the subprograms that the porter makes.
+/// First program number for the subprograms that the porter makes from local ones.
 const FIRST_LOCAL: i64 = 9001;
 
-/// What the whole text shows before its blocks are ported.
+/// Numbers of the whole foreign text, collected before its blocks are ported.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ProgramNumbers {
-    /// New sequence numbers of those beyond the range that other words name.
+    /// New sequence number for each foreign one beyond 9999 to which a word refers.
     sequences: BTreeMap<i64, i64>,
-    /// New program numbers of those beyond the range.
+    /// New program number for each foreign one beyond 9999.
     programs: BTreeMap<i64, i64>,
-    /// Program numbers of the local subprograms, by their sequence number.
+    /// Program number of each local subprogram, by the foreign sequence number of its first block.
     pub locals: BTreeMap<i64, i64>,
-    /// Sequence numbers that other words name.
+    /// Sequence numbers to which words of the program refer.
     pub named: BTreeSet<i64>,
-    /// Whether a block has M06.
+    /// Whether any block has M06 (tool change).
     pub has_tool_change: bool,
 }
 
 impl ProgramNumbers {
-    /// Reads all blocks of a text.
+    /// Collects the numbers of all blocks of a text.
     pub fn collect(parts: &[SourcePart]) -> Self {
         let blocks = || parts.iter().map(|part| &part.block);
         let mut used: BTreeSet<i64> = BTreeSet::new();
@@ -75,8 +75,8 @@ impl ProgramNumbers {
         numbers
     }
 
-    /// The sequence number here; `None` if no word names a number beyond the range, so that it
-    /// can be left out.
+    /// Returns the sequence number on this control; `None` if it is beyond 9999 and no word refers
+    /// to it, so that it can be left out.
     pub fn sequence(&self, number: i64) -> Option<i64> {
         match number > MAX_NUMBER {
             true => self.sequences.get(&number).copied(),
@@ -84,7 +84,8 @@ impl ProgramNumbers {
         }
     }
 
-    /// The program number here; `None` if it has too many digits and a short one is taken.
+    /// Returns the program number on this control; `None` if it is beyond 9999 and has no new
+    /// number.
     pub fn program(&self, number: i64) -> Option<i64> {
         match number > MAX_NUMBER {
             true => self.programs.get(&number).copied(),
@@ -93,7 +94,8 @@ impl ProgramNumbers {
     }
 }
 
-/// The meaning of the codes of a text: Fanuc's system B if a code shows it.
+/// Finds the code set of a text: that of the dialect; for Fanuc, system B if a code of the text
+/// exists in B only, else A.
 pub(crate) fn find_code_set(dialect: ForeignDialect, parts: &[SourcePart]) -> CodeSet {
     match dialect {
         ForeignDialect::Haas => CodeSet::Haas,
@@ -112,13 +114,13 @@ pub(crate) fn find_code_set(dialect: ForeignDialect, parts: &[SourcePart]) -> Co
     }
 }
 
-/// Whether a block has an M code.
+/// Whether a block has the M code `code`, in tenths: M03 is 30.
 pub(crate) fn has_m(block: &ForeignBlock, code: i64) -> bool {
     let mut words = block.words().filter(|word| word.letter == b'M');
     words.any(|word| word.number.and_then(Number::whole) == Some(code))
 }
 
-/// The value of a word if it is a whole number.
+/// Returns the value of the first word with this letter if it is a whole number; else `None`.
 pub(crate) fn whole(block: &ForeignBlock, letter: u8) -> Option<i64> {
     block.number(letter)?.whole()
 }

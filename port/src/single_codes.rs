@@ -10,7 +10,7 @@ use crate::program_numbers::whole;
 use crate::thread_cycles::shown_word;
 
 impl Porter<'_> {
-    /// Converts G04: P counts milliseconds here, X and U seconds.
+    /// Converts a dwell G04: on this control P is in milliseconds, X and U are in seconds.
     pub fn convert_dwell(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
         let is_rs274 = self.state.set.is_rs274();
         for letter in [b'P', b'X', b'U'] {
@@ -46,7 +46,8 @@ impl Porter<'_> {
         Ok(())
     }
 
-    /// Converts G28. Without axis words it moves both axes on some controls.
+    /// Converts G28 (return to the reference point). Without axis words it moves both axes on some
+    /// controls.
     pub fn convert_home(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
         let set = self.state.set;
         let is_bare = !block.has_any(b"XUZW");
@@ -63,7 +64,7 @@ impl Porter<'_> {
         Ok(())
     }
 
-    /// Converts G30: this control has one reference point.
+    /// Converts G30 (return to a further reference point): this control has only the first one.
     pub fn convert_second_home(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
         self.note(block.line, "G30", say::ported_note_second_home());
         block.replace_g(300, "G28");
@@ -140,8 +141,8 @@ impl Porter<'_> {
         Ok(())
     }
 
-    /// Removes D of G41 and G42: the nose radius belongs to the offset of T. Inside a profile
-    /// the code has no place.
+    /// Removes D of G41 and G42: on this control the nose radius belongs to the offset of T. Inside
+    /// a roughing profile also the code is removed, because it is not permitted there.
     pub fn convert_compensation(&mut self, block: &mut ForeignBlock, code: i64) {
         block.remove(b"D");
         if self.is_inside_profile() {

@@ -3,14 +3,15 @@
 
 use crate::block::{ForeignBlock, LinePiece, split_block};
 
-/// A block and the text up to the next one.
+/// A foreign block, and the text between it and the next block.
 #[derive(Clone, Debug)]
 pub(crate) struct SourcePart {
-    /// The block.
+    /// The block, split into its pieces.
     pub block: ForeignBlock,
-    /// `;` or the end of the line, or both.
+    /// The text after the block: `;`, the end of the line, or both.
     pub separator: String,
-    /// The end of a line of this text, for lines that the porter adds.
+    /// The characters that end a line of the foreign text; the porter ends added lines with the
+    /// same.
     pub line_end: &'static str,
 }
 
@@ -59,7 +60,7 @@ pub(crate) fn read_source(text: &str, semicolon_comments: bool) -> Vec<SourcePar
     parts
 }
 
-/// The position of a byte outside comments.
+/// Returns the position of the first byte `wanted` outside comments; `None` if there is none.
 fn find_outside(text: &str, wanted: u8) -> Option<usize> {
     let mut depth = 0;
     for (at, byte) in text.bytes().enumerate() {
@@ -84,7 +85,7 @@ fn is_prose(text: &str) -> bool {
     !has_formula && block.pieces.iter().map(letters).sum::<usize>() > 1
 }
 
-/// Writes a comment after `;` or `//` as a comment in brackets.
+/// Rewrites a comment after `;` or `//` as a comment in brackets.
 fn bracket_comment(line: &str) -> String {
     let slashes = line.find("//");
     let semicolon = find_outside(line, b';');
@@ -101,7 +102,8 @@ fn bracket_comment(line: &str) -> String {
     }
 }
 
-/// Replaces round brackets by square ones: a comment ends at the first round one.
+/// Replaces round brackets by square ones, because a comment ends at the first closing round
+/// bracket.
 pub(crate) fn without_brackets(text: &str) -> String {
     text.replace('(', "[").replace(')', "]")
 }

@@ -3,39 +3,40 @@
 use crate::dialect::{CodeSet, PlainNumbers};
 use crate::number::{Number, divide_rounded, round_to};
 
-/// The code that the axis words of a block without a G code belong to.
+/// The code to which the axis words of a block without a G code belong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ActiveCode {
-    /// G00.
+    /// G00: rapid.
     Rapid,
-    /// G01.
+    /// G01: straight line at the feed.
     Line,
-    /// G02 or G03.
+    /// G02 or G03: arc.
     Arc,
-    /// G32, G34.
+    /// G32 or G34: thread of one pass.
     Thread,
-    /// G90 here.
+    /// The turning cycle, which is G90 on this control.
     Turn,
-    /// G92 here.
+    /// The thread cycle of one pass, which is G92 on this control.
     ThreadTurn,
-    /// G94 here.
+    /// The facing cycle, which is G94 on this control.
     Face,
-    /// A drilling cycle, tenths of its number.
+    /// A drilling cycle; the value is its G code in tenths: G83 is 830.
     Drill(i64),
 }
 
-/// An axis: its position and the rounding that the written words carry.
+/// Position of one axis, with the rounding error of the words written for it so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct TrackedAxis {
     /// Position in millionths of a millimetre (X as a diameter); `None` if the text does not
     /// show it.
     pub position: Option<i64>,
-    /// Written position minus true position.
+    /// Written position minus true position, millionths of a millimetre.
     pub rounding: i64,
 }
 
 impl TrackedAxis {
-    /// Moves to a position and returns what to write for it.
+    /// Moves the axis to `position` and returns the rounded value to write, both in millionths of a
+    /// millimetre.
     pub fn move_to(&mut self, position: i64) -> i64 {
         let written = round_to(position, 3);
         self.position = Some(position);
@@ -43,7 +44,8 @@ impl TrackedAxis {
         written
     }
 
-    /// Moves by a distance and returns what to write for it.
+    /// Moves the axis by `distance` and returns the rounded value to write, both in millionths of a
+    /// millimetre.
     pub fn move_by(&mut self, distance: i64) -> i64 {
         let written = self.written_distance(distance);
         self.position = self.position.map(|it| it + distance);
@@ -51,47 +53,48 @@ impl TrackedAxis {
         written
     }
 
-    /// What to write for a distance from the position.
+    /// Returns the value to write for a distance, rounded so that rounding errors do not add up;
+    /// millionths of a millimetre.
     pub const fn written_distance(self, distance: i64) -> i64 {
         round_to(distance - self.rounding, 3)
     }
 
-    /// Forgets the position.
+    /// Marks the position as unknown.
     pub const fn forget(&mut self) {
         self.position = None;
         self.rounding = 0;
     }
 }
 
-/// The blocks that a roughing cycle reads.
+/// The range of blocks that a roughing cycle reads as its profile.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RoughProfile {
-    /// Code of the cycle in tenths.
+    /// G code of the roughing cycle, in tenths: G71 is 710.
     pub cycle: i64,
-    /// Sequence number of the first block.
+    /// Sequence number of the first block of the profile.
     pub first: i64,
-    /// Sequence number of the last block.
+    /// Sequence number of the last block of the profile.
     pub last: i64,
-    /// Positions at which the cycle ends.
+    /// Positions of X and Z at which the roughing cycle ends.
     pub resume: [TrackedAxis; 2],
-    /// Code that is modal after the cycle.
+    /// The code that is modal after the roughing cycle.
     pub active: ActiveCode,
-    /// Whether the first block was reached.
+    /// Whether the first block of the profile was reached.
     pub is_inside: bool,
 }
 
-/// The words that a drilling cycle keeps.
+/// The modal words of a drilling cycle, which apply to each following hole.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct DrillWords {
-    /// Bottom, in millionths of a millimetre.
+    /// Z at the bottom of the hole, millionths of a millimetre.
     pub bottom: Option<i64>,
-    /// Level from which the drill feeds.
+    /// Z at which the drill changes from rapid to feed (R), millionths of a millimetre.
     pub level: Option<i64>,
-    /// Depth of one peck.
+    /// Depth of one peck (Q), millionths of a millimetre.
     pub peck: Option<i64>,
-    /// Dwell at the bottom, millionths of a second.
+    /// Dwell at the bottom of the hole (P), millionths of a second.
     pub dwell: Option<i64>,
-    /// Level before the cycle.
+    /// Z before the drilling cycle, millionths of a millimetre.
     pub initial: Option<i64>,
 }
 
@@ -105,27 +108,29 @@ pub(crate) struct ForeignState {
     pub is_radius: bool,
     pub has_absolute_centers: bool,
     pub active: ActiveCode,
-    /// Feed per revolution; `None` before the first code.
+    /// Whether the feed is per revolution; `None` before the first code that selects it.
     pub per_revolution: Option<bool>,
     pub has_surface_speed: bool,
-    /// X and Z.
+    /// The tracked positions of X and Z.
     pub axes: [TrackedAxis; 2],
     pub profile: Option<RoughProfile>,
     pub drill: DrillWords,
-    /// Switches and selections of the machine.
+    /// Tool, spindle and coordinate system that the program has selected.
     pub machine: MachineState,
 }
 
-/// Selections of the machine.
+/// Tool, spindle and coordinate system that a foreign program has selected, and its M switches.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct MachineState {
-    /// Tool that T selected for the next M06.
+    /// Number of the tool that T selected for the next M06; `None` without one.
     pub pending_tool: Option<i64>,
-    /// Coordinate system that the program selected.
+    /// Coordinate system that the program selected: its G code in tenths, times 1000, plus P of
+    /// G54.1; `None` before the first selection.
     pub work_offset: Option<i64>,
-    /// Direction of the spindle: the M code in tenths.
+    /// The last M code that turns or stops the spindle, in tenths: M03 is 30; `None` before the
+    /// first one.
     pub spindle: Option<i64>,
-    /// Run-out of threads by M23 and M24; `None` before the first one.
+    /// Whether threads get a run-out, as M23 and M24 select; `None` before the first of them.
     pub run_out: Option<bool>,
     /// Whether the porter wrote J0 and K0 since the last M24.
     pub wrote_run_out: bool,
@@ -152,7 +157,8 @@ impl ForeignState {
         }
     }
 
-    /// A length in millionths of a millimetre.
+    /// Returns a length in millionths of a millimetre; without a point it may count least
+    /// increments.
     pub fn length(&self, number: Number) -> i64 {
         let units = if number.has_point || self.plain == PlainNumbers::AsWritten {
             number.micro
@@ -162,8 +168,8 @@ impl ForeignState {
         self.to_metric(units)
     }
 
-    /// A length whose numbers without a point always count least increments, such as D of
-    /// cycles.
+    /// Returns a length in millionths of a millimetre, where a number without a point always counts
+    /// least increments, such as D of cycles.
     pub fn cycle_length(&self, number: Number) -> i64 {
         let units = match number.has_point {
             true => number.micro,
@@ -172,7 +178,7 @@ impl ForeignState {
         self.to_metric(units)
     }
 
-    /// A length along X in the diameter of this control.
+    /// Returns a length along X as a diameter, millionths of a millimetre.
     pub fn diameter(&self, number: Number) -> i64 {
         self.length(number) * if self.is_radius { 2 } else { 1 }
     }
@@ -181,7 +187,8 @@ impl ForeignState {
         divide_rounded(number.micro, if self.is_inch { 10_000 } else { 1_000 })
     }
 
-    /// Converts inches to millimetres.
+    /// Converts a length to millionths of a millimetre: from millionths of an inch if the program
+    /// is in inches.
     pub fn to_metric(&self, units: i64) -> i64 {
         match self.is_inch {
             true => divide_rounded(units * 254, 10),
@@ -189,18 +196,19 @@ impl ForeignState {
         }
     }
 
-    /// Whether a length without a point must be rewritten.
+    /// Whether a length must be rewritten because it is in inches or in least increments without a
+    /// point.
     pub fn changes_length(&self, number: Number) -> bool {
         let counts = !number.has_point && self.plain == PlainNumbers::Increments;
         number.micro != 0 && (self.is_inch || counts)
     }
 
-    /// Whether feeds are per revolution.
+    /// Whether feeds are per revolution: as selected, or as at power-on.
     pub fn is_per_revolution(&self) -> bool {
         self.per_revolution.unwrap_or(!self.set.is_rs274())
     }
 
-    /// A feed in millionths of mm/min or mm/rev.
+    /// Returns a feed in millionths of mm/min or mm/rev.
     pub fn feed(&self, number: Number) -> i64 {
         let units = if number.has_point || self.plain == PlainNumbers::AsWritten {
             number.micro
@@ -219,7 +227,7 @@ impl ForeignState {
         }
     }
 
-    /// A thread lead in millionths of a millimetre.
+    /// Returns a thread lead in millionths of a millimetre.
     pub fn lead(&self, number: Number) -> i64 {
         let units = if number.has_point || self.plain == PlainNumbers::AsWritten {
             number.micro

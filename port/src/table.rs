@@ -5,112 +5,112 @@ use gsk_messages::{Language, Message, say};
 
 use crate::dialect::CodeSet;
 
-/// Rule by which the porter treats a code.
+/// The rule by which the porter converts a G or M code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum CodeRule {
-    /// The code means the same here.
+    /// The code stays, because it means the same on this control.
     Keep,
-    /// The code is removed, because this control does it always or has no need of it.
+    /// The code is removed, because this control always behaves so or does not need it.
     Remove,
     /// The code is removed, and the report names the difference.
     RemoveNoted,
-    /// The code has no equivalent.
+    /// The code is refused, because it has no equivalent.
     Refuse,
-    /// The code of the column `becomes` means the same.
+    /// The code is replaced by the code in the column `becomes`, which means the same.
     Rename,
-    /// Lengths in inches.
+    /// The code selects lengths in inches.
     Inch,
-    /// Lengths in millimetres.
+    /// The code selects lengths in millimetres.
     Metric,
-    /// X and Z are positions.
+    /// The code selects absolute words: X and Z are positions.
     Absolute,
-    /// X and Z are distances.
+    /// The code selects incremental words: X and Z are distances.
     Incremental,
-    /// X is a diameter.
+    /// The code selects X as a diameter.
     Diameter,
-    /// X is a radius.
+    /// The code selects X as a radius.
     Radius,
-    /// I and K are positions of the centre.
+    /// The code selects I and K as positions of the arc's centre.
     AbsoluteCenters,
-    /// I and K are distances from the start of the arc.
+    /// The code selects I and K as distances from the start of the arc to its centre.
     RelativeCenters,
-    /// Feed per minute.
+    /// The code selects feed per minute.
     PerMinute,
-    /// Feed per revolution.
+    /// The code selects feed per revolution.
     PerRevolution,
-    /// A code of group 01 that moves.
+    /// A code of group 01 that moves the axes: rapid, line or arc.
     Motion,
-    /// Dwell.
+    /// The code commands a dwell.
     Dwell,
-    /// Return to the reference point.
+    /// The code returns the axes to the reference point.
     Home,
-    /// Return to a further reference point.
+    /// The code returns the axes to a further reference point.
     SecondHome,
-    /// Move in machine coordinates.
+    /// The code moves in machine coordinates.
     MachineCoordinates,
-    /// Selection of a coordinate system.
+    /// The code selects a coordinate system.
     WorkOffset,
-    /// Setting of coordinates or of the maximum speed.
+    /// The code sets the coordinates or the maximum spindle speed.
     SetCoordinates,
-    /// Thread of one pass.
+    /// The code cuts a thread in one pass.
     Thread,
-    /// Thread with a variable lead.
+    /// The code cuts a thread with a variable lead.
     VariableThread,
-    /// Roughing cycle along a profile.
+    /// A roughing cycle along a profile (G71–G73).
     Rough,
-    /// Finishing cycle.
+    /// The finishing cycle (G70).
     Finish,
-    /// Peck drilling or grooving cycle.
+    /// A peck drilling or grooving cycle (G74, G75).
     Peck,
-    /// Thread cycle of several passes.
+    /// A thread cycle of several passes (G76).
     ManyPassThread,
-    /// Turning cycle.
+    /// A turning cycle (G90 on this control).
     Turn,
-    /// Thread cycle of one pass.
+    /// A thread cycle of one pass (G92 on this control).
     ThreadTurn,
-    /// Facing cycle.
+    /// A facing cycle (G94 on this control).
     Face,
-    /// Constant surface speed.
+    /// The code selects constant surface speed.
     SurfaceSpeed,
-    /// Drilling cycle.
+    /// A drilling cycle (G81–G85).
     Drill,
-    /// Nose radius compensation.
+    /// The code switches nose radius compensation.
     Compensation,
-    /// Macro call or operation.
+    /// A macro call, or an operation of macro A.
     Macro,
-    /// Optional stop.
+    /// The code is an optional stop.
     OptionalStop,
-    /// Tool change by M code.
+    /// The code changes the tool (M06).
     ToolChange,
-    /// Call of a subprogram.
+    /// The code calls a subprogram in another program.
     Call,
-    /// Call of a part of the same program.
+    /// The code calls a subprogram within the same program.
     LocalCall,
-    /// Threads get a run-out.
+    /// The code switches on the run-out of threads.
     RunOut,
-    /// Threads get no run-out.
+    /// The code switches off the run-out of threads.
     NoRunOut,
 }
 
-/// A row of the table.
+/// A row of the code table: foreign codes with the rule by which the porter converts them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ForeignCodeRow {
-    /// `G` or `M`.
+    /// Letter of the codes: `G` or `M`.
     pub letter: u8,
-    /// Numbers in tenths: G92.1 is 921.
+    /// Numbers of the codes in tenths: G92.1 is 921.
     pub codes: &'static [i64],
-    /// Sets of codes that have them with this meaning.
+    /// Code sets in which the codes have this meaning.
     pub sets: &'static [CodeSet],
-    /// How the porter treats them.
+    /// How the porter converts the codes.
     pub rule: CodeRule,
-    /// What they become here; empty for codes that are removed or refused.
+    /// The code of this control that replaces them; empty for codes that are removed or refused.
     pub becomes: &'static str,
-    /// What the reader should know.
+    /// Message about the difference, for the user; `None` if there is nothing to note.
     pub note: Option<fn() -> Message>,
 }
 
 impl ForeignCodeRow {
-    /// The codes as written, such as `G54`, for the table of the manual.
+    /// Returns the codes as written, such as `G54 G55`, for the table in the documentation.
     pub fn written_codes(&self) -> String {
         let letter = char::from(self.letter);
         let written = |code: &i64| match code % 10 {
@@ -149,7 +149,7 @@ const fn row(
     }
 }
 
-/// All codes that the porter knows. The first row that has a code and a set is valid.
+/// All codes that the porter knows. For each code and set the first matching row is valid.
 #[rustfmt::skip] // One row a line.
 pub(crate) static CODES: &[ForeignCodeRow] = &[
     row(b'G', &[0, 10, 20, 30], ALL, CodeRule::Motion, "G00 G01 G02 G03", Some(say::ported_note_corner)),
@@ -233,21 +233,22 @@ pub(crate) static CODES: &[ForeignCodeRow] = &[
     row(b'M', &[480, 490], RS274, CodeRule::Remove, "", Some(say::ported_note_override)),
 ];
 
-/// The row of a code (tenths) in a set; `None` for codes that the table lacks.
+/// Finds the row of a code (tenths: G92 is 920) in a code set; `None` for codes that the table
+/// lacks.
 pub(crate) fn find_row(letter: u8, code: i64, set: CodeSet) -> Option<&'static ForeignCodeRow> {
     CODES
         .iter()
         .find(|row| row.letter == letter && row.codes.contains(&code) && row.sets.contains(&set))
 }
 
-/// A row for words other than G and M.
+/// A table row for a foreign word other than G and M.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WordRow {
-    /// The word as written in the foreign program.
+    /// The foreign word, as written in a program.
     pub foreign: &'static str,
-    /// What it becomes here.
+    /// The word of this control that replaces it.
     pub becomes: &'static str,
-    /// What the reader should know.
+    /// Message about the difference, for the user.
     pub note: fn() -> Message,
 }
 
@@ -259,7 +260,7 @@ const fn word(foreign: &'static str, becomes: &'static str, note: fn() -> Messag
     }
 }
 
-/// Words whose form differs, for the table of the manual.
+/// The words that are written differently, for the table in the documentation.
 pub(crate) static WORDS: &[WordRow] = &[
     word("X1500 Z-200", "X1.5 Z-0.2", say::ported_note_increments),
     word("F30 E1.5", "F0.3 F1.5", say::ported_note_feed_increments),
@@ -277,10 +278,10 @@ pub(crate) static WORDS: &[WordRow] = &[
     word("B C V Y", REFUSED, say::ported_note_axis),
 ];
 
-/// Stands in the table for codes and words that have no equivalent.
+/// Mark in the printed table for a code or word without an equivalent.
 const REFUSED: &str = "✗";
 
-/// The whole table as Markdown, for the manual and the command line.
+/// Returns the whole table as Markdown, for the documentation and the command line.
 pub fn code_table(language: Language) -> String {
     let text = |message: Message| message.text(language);
     let mut out = format!(

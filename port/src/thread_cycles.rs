@@ -8,22 +8,22 @@ use crate::motion::length_word;
 use crate::number::{Number, UNIT, divide_rounded, write_number};
 use crate::porter::{Porter, Refusal};
 
-/// Data of a thread of several passes. Lengths in millionths of a millimetre.
+/// The data of a G76 thread of several passes. Lengths are in millionths of a millimetre.
 #[derive(Clone, Copy, Debug, Default)]
 struct ThreadData {
-    /// Finishing passes.
+    /// Number of finishing passes.
     finishing: i64,
-    /// Run-out, tenths of the lead.
+    /// Length of the run-out, in tenths of the lead.
     run_out: i64,
-    /// Angle of the flanks, degrees.
+    /// Angle between the thread flanks, degrees.
     angle: i64,
-    /// Least infeed.
+    /// Least depth of cut of a pass, millionths of a millimetre.
     least: i64,
-    /// Taper as a radius.
+    /// Difference of the radius between start and end of the thread, millionths of a millimetre.
     taper: i64,
-    /// Height of the thread.
+    /// Height of the thread as a radius, millionths of a millimetre.
     height: i64,
-    /// Depth of the first pass.
+    /// Depth of the first pass as a radius, millionths of a millimetre.
     first: i64,
     lead: i64,
 }
@@ -39,7 +39,7 @@ impl ThreadData {
         )
     }
 
-    /// The words of the second block apart from the end point.
+    /// Returns the words for the second G76 block, apart from the end point.
     fn words(&self) -> String {
         let taper = match self.taper {
             0 => String::new(),
@@ -55,7 +55,7 @@ impl ThreadData {
 }
 
 impl Porter<'_> {
-    /// Converts a block of G76.
+    /// Converts a G76 block, in the form of any dialect.
     pub fn convert_thread_cycle(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
         match self.state.set {
             CodeSet::Mach3 => self.convert_mach_thread(block),
@@ -70,7 +70,7 @@ impl Porter<'_> {
         }
     }
 
-    /// Converts the units of the two-block form.
+    /// Converts the units of a G76 in the two-block form.
     fn convert_two_block_thread(&mut self, block: &mut ForeignBlock) {
         let is_data = !block.has_any(b"XUZW");
         let whole = |letter: u8, thousandths: i64| format!("{}{thousandths}", char::from(letter));
@@ -92,7 +92,7 @@ impl Porter<'_> {
         self.convert_axis(block, 1, false);
     }
 
-    /// Converts G76 X Z I K D F A P of the 10T format and of Haas.
+    /// Converts the one-block G76 X Z I K D F A P of Fanuc 10T and of Haas.
     fn convert_one_block_thread(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
         let length = |letter| block.number(letter).map(|it| self.state.length(it));
         let missing = |letter: &str| Refusal::new(letter, say::ported_note_thread_cycle());
@@ -196,7 +196,8 @@ impl Porter<'_> {
         Ok(())
     }
 
-    /// Writes the first block before the block, and the words of the second one.
+    /// Writes the first G76 block in a line before the block, and the words of the second one into
+    /// it.
     fn write_thread(&mut self, block: &mut ForeignBlock, data: ThreadData) {
         block.remove(b"IJKDAPQREFHLCBT");
         self.convert_axis(block, 0, false);
@@ -205,7 +206,7 @@ impl Porter<'_> {
         block.append(&data.words());
     }
 
-    /// Whether the block calls a thread cycle whose T is no tool.
+    /// Whether the block calls a thread cycle in which T is a taper and not a tool.
     pub fn is_thread_taper(&self, block: &ForeignBlock) -> bool {
         self.state.set == CodeSet::Mach3 && block.has_g(760)
     }
@@ -222,7 +223,7 @@ const fn twice(number: Number) -> Number {
     }
 }
 
-/// The words of a block that have a letter, for messages.
+/// Returns the word with this letter as messages show it; the letter alone if the block has none.
 pub(crate) fn shown_word(block: &ForeignBlock, letter: u8) -> String {
     let word = block.word(letter).map(ForeignWord::shown);
     word.unwrap_or_else(|| char::from(letter).to_string())

@@ -442,33 +442,33 @@ impl ProjectKey {
 /// A group of project values that can be imported separately.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ProjectSection {
-    /// The control model and the parameters that only it has.
+    /// Section: the control model and the parameters that only it has.
     Model,
-    /// The switches of the setting page and the option of macro B.
+    /// Section: the switches of the setting page and the option of macro B.
     Settings,
-    /// Parameters that the control uses.
+    /// Section: the parameters that the control uses.
     Parameters,
-    /// Tool offsets that the control uses.
+    /// Section: the tool offsets that the control uses.
     Offsets,
-    /// Pitch errors that the control uses.
+    /// Section: the pitch errors that the control uses.
     Pitch,
-    /// Values of the macro variables.
+    /// Section: the values of the macro variables.
     Variables,
-    /// Counts of parts, and times.
+    /// Section: the counters of parts and times.
     Counters,
-    /// Parameters, offsets and pitch errors on the electronic disks.
+    /// Section: parameters, offsets and pitch errors on the electronic disks.
     Disks,
-    /// LCD brightness and settings of the graphic page.
+    /// Section: LCD brightness and settings of the graphic page.
     Panel,
-    /// Programs, and which one is selected.
+    /// Section: the programs, and the number of the selected one.
     Programs,
-    /// The ladder with its messages, comments and start values.
+    /// Section: the ladder with its messages, comments and start values.
     Ladder,
-    /// PLC data that are retained over power-off.
+    /// Section: the PLC data that are retained over power-off.
     Data,
-    /// The machine file, which describes the lathe.
+    /// Section: the machine file, which describes the lathe.
     Machine,
-    /// The jobs of programs: blank and tools.
+    /// Section: the jobs of programs: blank and tools.
     Jobs,
 }
 

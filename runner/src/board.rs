@@ -3,7 +3,7 @@
 
 use gsk_core::simulation::Simulation;
 
-/// A pulse board that makes the motion and sets the pace of the control.
+/// A pulse board that moves the axes and determines the pace of machine time.
 pub trait PulseBoard {
     /// Blocks until the control may make its next tick. Returns false if the end was requested
     /// (Ctrl-C); the board then moves nothing more.
@@ -15,11 +15,11 @@ pub trait PulseBoard {
     fn close(self: Box<Self>, simulation: &mut Simulation);
 }
 
-/// The operator at the terminal, who confirms that a stopped program continues.
+/// The operator at the terminal, who confirms there that a stopped program continues.
 pub trait TerminalOperator {
     /// Discards all input typed so far, so that it does not answer the next question.
     fn discard_input(&self);
-    /// What the operator has typed since the last call; returns at once, also without input.
+    /// Returns the operator's input since the last call; returns at once, also without input.
     fn read_answer(&self) -> OperatorAnswer;
 }
 

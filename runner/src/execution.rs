@@ -40,7 +40,7 @@ pub enum ExecutionError {
 }
 
 impl ExecutionError {
-    /// The message that explains why the program cannot be executed.
+    /// Returns the message that explains why the program cannot be executed.
     pub fn message(self) -> Message {
         match self {
             Self::NoDncKeys => say::dnc_no_way(),
@@ -57,10 +57,10 @@ pub struct ExecutionLimits {
     pub time_ms: u64,
 }
 
-/// Why a watcher ends an execution.
+/// The reason for which a watcher ends an execution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WatcherStop {
-    /// A tool has hit something.
+    /// A tool has collided, and the run was set to end then.
     Collision,
     /// The run has reached the location at which it was set to end.
     Location,
@@ -91,7 +91,7 @@ pub trait ExecutionWatcher {
     fn show(&mut self, message: &Message);
 }
 
-/// How a program ended.
+/// The reason for which an execution ended.
 #[derive(Clone, Debug, PartialEq)]
 enum ExecutionEnd {
     M30,
@@ -105,7 +105,7 @@ enum ExecutionEnd {
     /// The program stopped on a board, and no operator is at the terminal to continue it; the
     /// message describes the stop.
     Stop(Message),
-    /// The end was requested: Ctrl-C, `kill`.
+    /// The user requested the end: Ctrl-C or `kill`.
     Requested,
     /// The watcher ends the run.
     Watcher(WatcherStop),
@@ -113,7 +113,7 @@ enum ExecutionEnd {
 }
 
 impl ExecutionEnd {
-    /// Converts to the kind of end that the report names.
+    /// Converts to the kind of end that reports name.
     const fn to_run_end(&self) -> report::RunEnd {
         match self {
             Self::M30 => report::RunEnd::M30,
@@ -138,7 +138,7 @@ struct ProgramRun<'a> {
     stop_state: StopState,
     watcher: &'a mut dyn ExecutionWatcher,
     start_ticks: u64,
-    /// Whether the program has run since cycle start.
+    /// Whether the program has run since cycle start was pressed.
     has_begun: bool,
     wanted_parts: u32,
     parts: u32,
@@ -212,8 +212,8 @@ pub fn execute<'a>(
 }
 
 impl ProgramRun<'_> {
-    /// The text of why cycle start was refused or what the program waits for; `None` after any
-    /// other end.
+    /// Returns the text why cycle start was refused, or about the condition for which the program
+    /// waits; `None` after any other end.
     fn wait_text(&self, end: &ExecutionEnd, language: Option<Language>) -> Option<String> {
         match end {
             ExecutionEnd::Refused(why) | ExecutionEnd::Stop(why) => {
@@ -367,7 +367,8 @@ impl ProgramRun<'_> {
         }
     }
 
-    /// Why cycle start has no effect; `None` if the program runs or may be started.
+    /// Returns the reason why cycle start has no effect; `None` if the program runs or may be
+    /// started.
     fn start_refusal(&self) -> Option<ExecutionEnd> {
         let cnc = &self.simulation.cnc;
         let is_stopped = matches!(cnc.run_state(), RunState::Reset | RunState::Stop);

@@ -32,7 +32,7 @@ impl JsonLine {
         self.bytes.extend_from_slice(text.as_bytes());
     }
 
-    /// Appends the text `before`, then an integer.
+    /// Appends the text `before`, then an integer in decimal digits.
     #[inline]
     pub(crate) fn push_integer(&mut self, before: &str, number: u64) {
         self.push_text(before);

@@ -145,7 +145,7 @@ fn report_position(preview: &MillPreview, point: &MillPosition) -> MillReportPos
     }
 }
 
-/// The number of a tool as the digits of a T word.
+/// Returns the number of a tool as the digits of a T word.
 pub fn tool_word(tool: u16) -> String {
     format!("{tool:02}")
 }
@@ -153,7 +153,7 @@ pub fn tool_word(tool: u16) -> String {
 /// Machine time of a mill program: total, and of each tool in the order of use.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MillTimes {
-    /// Time of all moves.
+    /// Machine time of all moves, by kind.
     pub total: TimeReport,
     tools: Vec<(u16, TimeReport)>,
 }
@@ -178,7 +178,7 @@ impl MillTimes {
         }
     }
 
-    /// The tools that cut, with their cutting time, s.
+    /// Returns the numbers of the tools that cut, each with its cutting time, s.
     pub fn cutting(&self) -> impl Iterator<Item = (u16, f64)> {
         let cuts = |(tool, seconds): &(u16, TimeReport)| (*tool, seconds.feed + seconds.thread);
         self.tools

@@ -13,7 +13,7 @@ pub fn round_to_millionth(value: f64) -> f64 {
     if rounded == 0.0 { 0.0 } else { rounded }
 }
 
-/// A point as diameter and Z, mm, rounded to six decimals.
+/// Returns a point as diameter and Z, mm, rounded to six decimals.
 pub fn diameter_z(point: Point) -> (f64, f64) {
     (
         round_to_millionth(point.diameter().0),

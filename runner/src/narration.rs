@@ -24,7 +24,7 @@ pub fn block_text(line: u32, text: &str, modal: &ModalState) -> String {
     )
 }
 
-/// The text that explains a pass of a cycle in one line.
+/// Returns the text that explains a pass of a cycle in one line.
 pub fn pass_text(explanation: &Explanation, language: Language) -> String {
     let (description, formula) = describe_pass(explanation, language);
     format!("        {description}\n          {formula}\n")
@@ -57,7 +57,7 @@ pub fn describe_pass(explanation: &Explanation, language: Language) -> (String, 
     (description, format!("{formula}   [{words}]"))
 }
 
-/// The text that describes an executed move: target, feed and duration.
+/// Returns the text that describes an executed move: target, feed and duration.
 pub fn move_text(executed: &ExecutedMove, language: Language) -> String {
     format!("        {}\n", move_sentence(executed, language))
 }

@@ -3,13 +3,13 @@
 use gsk_core::cnc::{Cnc, DncInput};
 use gsk_panel::emulator::{Emulator, EmulatorInput, InputAnswer};
 
-/// Whether the control waits for the partner.
+/// Whether the control may wait for data from the partner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PartnerWait {
     /// The control may wait: machine time stops until the partner has sent. A program then
     /// takes the same machine time with a slow partner as with a fast one.
     Allowed,
-    /// The control must not wait: machine time continues without data.
+    /// The control must not wait: machine time continues while no data arrives.
     Forbidden,
 }
 
@@ -18,7 +18,8 @@ pub trait DncReceiver {
     /// Returns the control that receives.
     fn control(&self) -> &Cnc;
 
-    /// Passes what the partner does to the control. Returns the number of accepted characters.
+    /// Passes an event of the partner, such as characters, to the control. Returns the number of
+    /// accepted characters.
     fn pass(&mut self, input: DncInput) -> usize;
 }
 
@@ -45,14 +46,14 @@ impl DncReceiver for Emulator {
     }
 }
 
-/// Reports to a control that its partner is connected, unless the control knows it.
+/// Reports to the control that its partner is connected, unless the control has that state already.
 pub fn connect_partner(line: &mut dyn DncReceiver) {
     if !line.control().has_dnc_partner() {
         line.pass(DncInput::Connected(true));
     }
 }
 
-/// Passes as many of the characters as the control's buffer takes. Returns their number.
+/// Passes as many characters to the control as its buffer takes. Returns their number.
 pub fn pass_characters(line: &mut dyn DncReceiver, characters: &[u8]) -> usize {
     let count = characters.len().min(line.control().dnc_free_characters());
     match characters.get(..count) {

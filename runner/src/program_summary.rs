@@ -19,14 +19,14 @@ use crate::times::ProgramTimes;
 /// Margin around the cuts in the range for the graphic page, mm.
 const MARGIN_MM: f64 = 5.0;
 
-/// What one preview of a program shows: its end, time, tools and bounds.
+/// The result of the preview of a program: its end, time, tools and bounds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProgramSummary {
     /// Name of the program: the number, or the name of the program file.
     pub name: String,
-    /// How the preview ended.
+    /// How the preview ended: at the program end, with an alarm, or at a limit.
     pub end: PreviewEnd,
-    /// Machine time up to the end, s.
+    /// Machine time up to the end of the preview, s.
     pub time_s: f64,
     /// Number of tools that cut.
     pub cutting_tools: usize,
@@ -68,7 +68,7 @@ pub fn summarize_past_alarms(
     (summary, alarms, preview.cautions)
 }
 
-/// The times and the bounds that the moves of a preview add up to.
+/// Sums over the moves of a preview: times, and bounds of the cuts.
 #[derive(Debug, Default)]
 struct MoveTotals {
     times: ProgramTimes,

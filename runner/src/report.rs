@@ -34,7 +34,7 @@ use self::lint_levels::{LintLevel, LintLevels};
 use crate::move_output::diameter_z;
 use crate::text_format::shorten_line;
 
-/// An alarm in a report.
+/// An alarm as a report contains it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AlarmReport {
     /// Class of the alarm: PS, SYS, OT, ESTOP, SERVO, LINK or PLC.
@@ -62,7 +62,7 @@ pub struct AlarmReport {
     pub block: Option<String>,
     /// Text that names the cause of the alarm more precisely; `None` without one.
     pub detail: Option<String>,
-    /// What raises the alarm, from the alarm table; `None` if the table has no cause.
+    /// The cause of the alarm, from the alarm table; `None` if the table has no cause.
     pub cause: Option<&'static str>,
     /// Text that explains how to remove the alarm: the parameter, the word or the key; `None`
     /// without one.
@@ -78,13 +78,13 @@ pub struct WarningReport {
     pub is_denied: bool,
     /// The program that contains the block.
     pub program: ProgramId,
-    /// Line of the block in the program, from 1.
+    /// Line of the block with the mistake in its program, from 1.
     pub line: u32,
     /// First and last column of the mistake, in characters from 1; `None` if unknown.
     pub columns: Option<(u32, u32)>,
-    /// The message without its line.
+    /// The message about the mistake, without its line.
     pub text: String,
-    /// The message with its line.
+    /// The message about the mistake, with its line.
     pub sentence: String,
 }
 
@@ -137,7 +137,7 @@ pub enum ReportPosition {
 /// A position of a mill: X, Y, Z, and the further axes (the fourth and fifth) of the machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MillReportPosition {
-    /// X, Y and Z, mm.
+    /// X, Y and Z of the position, mm.
     pub basic: [f64; 3],
     /// Letter and value of each further axis: mm, or degrees for a rotary axis.
     pub further: Vec<(char, f64)>,
@@ -159,17 +159,17 @@ impl From<(f64, f64)> for ReportPosition {
 /// Positions at the end of the program; X of a lathe is a diameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FinalPositions {
-    /// Position in absolute coordinates.
+    /// Final position in absolute coordinates.
     pub abs: ReportPosition,
-    /// Position in machine coordinates.
+    /// Final position in machine coordinates.
     pub machine: ReportPosition,
-    /// Position in relative coordinates; `None` for a mill.
+    /// Final position in relative coordinates; `None` for a mill.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rel: Option<ReportPosition>,
 }
 
 impl FinalPositions {
-    /// Converts points of the control, with X as a radius.
+    /// Creates the final positions from points of the control, whose X is a radius.
     pub fn new(absolute: Point, machine: Point, relative: Point) -> Self {
         Self {
             abs: diameter_z(absolute).into(),
@@ -184,21 +184,21 @@ impl FinalPositions {
 pub struct ProgramReport {
     /// Name of the program file.
     pub file: String,
-    /// How the program ended.
+    /// The reason for which the program ended.
     pub end: RunEnd,
     /// The alarm, or the message of the ladder, that ended the program; `None` after any other
     /// end.
     pub alarm: Option<AlarmReport>,
-    /// Why cycle start was refused, or what the program waited for at the limit or at a stop;
-    /// `None` after any other end.
+    /// The reason why cycle start was refused, or the condition for which the program waited at the
+    /// limit or at a stop; `None` after any other end.
     pub waits_for: Option<String>,
     /// Machine time of the program, s.
     pub time_s: f64,
     /// Part of the machine time with a cutting feed, s.
     pub cutting_s: f64,
-    /// Number of executed blocks.
+    /// Number of blocks that were executed.
     pub blocks: u64,
-    /// Number of executed moves.
+    /// Number of moves that were executed.
     pub moves: u64,
     /// Number of parts that the program counted.
     pub parts: u32,
@@ -207,17 +207,17 @@ pub struct ProgramReport {
     /// Positions at the end of the program.
     #[serde(rename = "final")]
     pub position: FinalPositions,
-    /// G codes in force at the end.
+    /// G codes in force at the end of the program.
     pub modal: Vec<String>,
     /// F word in force at the end: the feed in the unit of the G code in force.
     pub f: f64,
-    /// S word at the end: r/min, or m/min under G96.
+    /// Value of S at the end of the program: r/min, or m/min under G96.
     pub s: f64,
     /// Tool and offset in force at the end, as the digits of a T word.
     pub t: String,
-    /// State of the spindle at the end: cw, ccw or stop.
+    /// State of the spindle at the end of the program: cw, ccw or stop.
     pub spindle: &'static str,
-    /// Whether the coolant is on at the end.
+    /// Whether the coolant is on at the end of the program.
     pub coolant: bool,
     /// Parameters that the program changed: key is the three-digit number, value the new
     /// value.
@@ -256,7 +256,7 @@ pub struct PathReport {
     /// Bounds of the path; `None` for a program without a path.
     #[serde(rename = "box")]
     pub bounds: Option<ReportBounds>,
-    /// Machine time by kind of motion.
+    /// Machine time of the program, by kind of motion.
     pub times: TimeReport,
     /// Machine time of each tool, in the order of their use.
     pub tool_times: Vec<ToolTimeReport>,
@@ -276,17 +276,17 @@ pub struct ReportBounds {
     /// letter.
     #[serde(flatten)]
     pub further: BTreeMap<&'static str, (f64, f64)>,
-    /// Letters of the further axes whose values are degrees.
+    /// Letters of the further axes whose values are in degrees.
     #[serde(skip)]
     pub turning: Vec<&'static str>,
 }
 
-/// Converts a message to text in `language`, English if `None`.
+/// Converts a message to text in `language`; in English for `None`.
 pub fn message_text(message: &Message, language: Option<Language>) -> String {
     message.text(language.unwrap_or(Language::En))
 }
 
-/// The short name of an alarm class, as in reports: `PS`, for example.
+/// Returns the short name of an alarm class, as in reports: `PS`, for example.
 pub const fn class_name(class: AlarmClass) -> &'static str {
     match class {
         AlarmClass::Ps => "PS",
@@ -347,7 +347,7 @@ fn own_column(alarm: &Alarm) -> Option<u32> {
 }
 
 impl ProgramReport {
-    /// Whether the program ended in another way than its own end.
+    /// Whether the program ended with an alarm, a refusal or another failure instead of normally.
     pub const fn has_failed(&self) -> bool {
         !self.end.is_expected_end()
     }
@@ -384,7 +384,7 @@ impl ProgramReport {
     }
 }
 
-/// The names of the G codes in force, one of each group.
+/// Returns the names of the G codes in force, one of each group.
 pub fn modal_codes(modal: &ModalState) -> Vec<String> {
     vec![
         format!("G{:02}", modal.motion.number()),
@@ -399,12 +399,13 @@ pub fn modal_codes(modal: &ModalState) -> Vec<String> {
     ]
 }
 
-/// The digits of the T word for a tool number and an offset number.
+/// Returns the digits of the T word for a tool number and an offset number.
 pub fn tool_word((tool, offset): (u8, u8)) -> String {
     format!("{tool:02}{offset:02}")
 }
 
-/// The parameters that differ: key is the three-digit number, value the value in `after`.
+/// Returns the parameters that differ: the key is the three-digit number, the value that in
+/// `after`.
 pub fn changed_parameters(
     before: &ControlParameters,
     after: &ControlParameters,

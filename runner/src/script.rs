@@ -16,15 +16,15 @@ use crate::partner::{PartnerWait, ProgramPartner};
 /// Maximum number of ticks per call of a script without a board.
 const SLICE_TICKS: u64 = 100_000;
 
-/// What a script needs from the program that runs it: files, output, a serial partner.
+/// The services that a script needs from the program that runs it: files, output, a serial partner.
 pub trait ScriptHost {
-    /// The error of a failed operation; converts to a message for the user.
+    /// The error of a failed operation of the host; converts to a message for the user.
     type Error: Into<Message>;
 
     /// Shows the rows of the LCD as text.
     fn show_screen(&mut self, screen: &str);
 
-    /// Shows the chain of causes of a state.
+    /// Shows the chain of causes that explains a state of the machine.
     fn show_chain(&mut self, chain: &CauseChain);
 
     /// Draws a picture of the machine and stores it under a file name.
@@ -60,29 +60,29 @@ pub trait ScriptHost {
     fn open_partner(&mut self, name: &str) -> Result<Box<dyn ProgramPartner>, Self::Error>;
 }
 
-/// What a picture of a script shows.
+/// The area that a picture of a script shows: the LCD or the whole panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ScriptPicture {
-    /// The LCD alone.
+    /// The picture shows the LCD alone.
     Lcd,
-    /// The whole panel.
+    /// The picture shows the whole panel.
     Panel,
 }
 
-/// How a script ended.
+/// The reason for which a script ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ScriptEnd {
     /// The script has run to its last line.
     Finished,
     /// A line failed: an expectation was not met, or an operation was not possible.
     Failed(Failure),
-    /// The end was requested from outside (Ctrl-C).
+    /// The user requested the end of the script (Ctrl-C).
     Requested,
 }
 
-/// Observes control and lathe while a script runs.
+/// Observes control and lathe, tick by tick, while a script runs.
 pub trait TickObserver {
-    /// Called after each tick.
+    /// Called after each tick with the state of control and lathe.
     fn follow_tick(&mut self, simulation: &Simulation);
 }
 
@@ -130,7 +130,7 @@ impl<'a, S: ScriptHost> ScriptSession<'a, S> {
         Self { observer, ..self }
     }
 
-    /// Runs the script to its end.
+    /// Runs the script to its end, and returns how it ended.
     pub fn run(mut self, script: Script) -> ScriptEnd {
         let mut runner = Runner::new(script);
         let slice = if self.record.is_some() || self.observer.is_some() {
@@ -235,7 +235,7 @@ pub struct ScriptRecord {
 }
 
 impl ScriptRecord {
-    /// An empty recording of a script.
+    /// Creates an empty recording of a script.
     pub fn new(script: &Script) -> Self {
         Self {
             lines: script.lines.clone(),
@@ -244,7 +244,7 @@ impl ScriptRecord {
         }
     }
 
-    /// The recording as an operator script with `@tick` times.
+    /// Returns the recording as an operator script with `@tick` times.
     pub fn text(&self) -> &str {
         &self.text
     }

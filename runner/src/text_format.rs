@@ -9,7 +9,7 @@ use gsk_workpiece::tool::{Insert, Tool};
 /// program.
 const MAX_SHOWN_CHARS: usize = 160;
 
-/// Shortens a line to 160 characters and an ellipsis.
+/// Shortens a line that has more than 160 characters, with an ellipsis at its end.
 pub fn shorten_line(text: &str) -> Cow<'_, str> {
     match text.char_indices().nth(MAX_SHOWN_CHARS) {
         Some((end, _)) => Cow::Owned(format!("{} …", &text[..end])),
@@ -17,7 +17,7 @@ pub fn shorten_line(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// Formats seconds as `1:02:03` or `2:03.4`.
+/// Formats seconds as hours, minutes and seconds, `1:02:03`, or below an hour `2:03.4`.
 pub fn format_time(seconds: f64) -> String {
     let whole = seconds as u64;
     let (hours, minutes) = (whole / 3600, whole / 60 % 60);
@@ -37,7 +37,7 @@ pub fn format_whole_seconds(seconds: f64) -> String {
     format!("{minutes}:{seconds:02}")
 }
 
-/// The message that describes a tool briefly, as in a tool list.
+/// Returns the message that describes a tool briefly, as in a tool list.
 pub fn short_description(tool: &Tool) -> Message {
     match tool.insert {
         Insert::Turning {

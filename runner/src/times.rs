@@ -6,23 +6,23 @@
 use gsk_core::command::{ExecutedMove, MoveKind};
 use gsk_messages::{Message, say};
 
-/// What machine time is spent on.
+/// The kind of activity that takes machine time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TimeUse {
-    /// Rapids of the slides.
+    /// Machine time of rapids.
     Rapid,
-    /// Straight and circular cuts.
+    /// Machine time of straight and circular cuts.
     Feed,
-    /// Threads with their run-outs, and taps.
+    /// Machine time of threads with their run-outs, and of taps.
     Thread,
-    /// Dwells programmed with G04.
+    /// Machine time of dwells programmed with G04.
     Dwell,
-    /// M, S and T functions, tool changes, and other waits of the slides.
+    /// Machine time of M, S and T functions, tool changes, and other waits of the axes.
     Other,
 }
 
 impl TimeUse {
-    /// All uses of time, in their display order.
+    /// All kinds of activity, in their display order.
     pub const ALL: [Self; 5] = [
         Self::Rapid,
         Self::Feed,
@@ -31,7 +31,7 @@ impl TimeUse {
         Self::Other,
     ];
 
-    /// The use of the time that a move of this kind takes.
+    /// Returns the kind of activity to which the time of a move counts.
     pub const fn from_move_kind(kind: MoveKind) -> Self {
         match kind {
             MoveKind::Rapid => Self::Rapid,
@@ -41,7 +41,7 @@ impl TimeUse {
         }
     }
 
-    /// The key of this use in the JSON of a report.
+    /// Returns the key of this kind of activity in the JSON of a report.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Rapid => "rapid",
@@ -52,7 +52,7 @@ impl TimeUse {
         }
     }
 
-    /// The name of this use of time for the user, as a message.
+    /// Returns the name of this kind of activity, for the user.
     pub fn message(self) -> Message {
         match self {
             Self::Rapid => say::report_kind_rapid(),
@@ -64,24 +64,24 @@ impl TimeUse {
     }
 }
 
-/// Machine time added up for each use.
+/// Sums of machine time by kind of activity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TimesByUse {
     seconds: [f64; TimeUse::ALL.len()],
 }
 
 impl TimesByUse {
-    /// Machine time of one use, s.
+    /// Returns the machine time of one kind of activity, s.
     pub const fn seconds_of(&self, time_use: TimeUse) -> f64 {
         self.seconds[time_use as usize]
     }
 
-    /// Time with the tool in the material, s: cuts and threads.
+    /// Returns the time with the tool in the material, s: cuts and threads.
     pub const fn cutting_s(&self) -> f64 {
         self.seconds_of(TimeUse::Feed) + self.seconds_of(TimeUse::Thread)
     }
 
-    /// Sum over all uses, s.
+    /// Returns the sum over all kinds of activity, s.
     pub fn total_s(&self) -> f64 {
         self.seconds.iter().sum()
     }
@@ -91,15 +91,15 @@ impl TimesByUse {
     }
 }
 
-/// Machine time of one tool, by use.
+/// Machine time of one tool, by kind of activity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolTime {
-    /// Tool number; 0 for no tool.
+    /// Number of the tool; 0 for no tool.
     pub tool: u8,
     /// Number of the offset at the tool's first cut; before a cut, of the offset it last moved
     /// with.
     pub offset: u8,
-    /// Machine time of the tool by use.
+    /// Machine time of the tool, by kind of activity.
     pub times: TimesByUse,
 }
 
@@ -111,12 +111,12 @@ pub struct ProgramTimes {
     tools: Vec<ToolTime>,
     /// Index of the tool in use in the list of tools; `None` before the first.
     current: Option<usize>,
-    /// Machine time up to which all time is counted, s.
+    /// Machine time up to which the sums are complete, s.
     until_s: f64,
 }
 
 impl ProgramTimes {
-    /// Adds a move. Moves must come in the order of execution.
+    /// Adds the time of a move. Moves must come in the order of execution.
     pub fn add_move(&mut self, executed: &ExecutedMove) {
         let (tool, offset) = (executed.conditions.tool, executed.conditions.offset);
         let index = self.select_tool(tool, offset);
@@ -138,12 +138,12 @@ impl ProgramTimes {
         self.add_wait_until(time_s);
     }
 
-    /// Machine time of the whole program, by use.
+    /// Returns the machine time of the whole program, by kind of activity.
     pub const fn spent(&self) -> &TimesByUse {
         &self.spent
     }
 
-    /// Machine time of each tool, in the order of their first use.
+    /// Returns the machine time of each tool, in the order of their first use.
     pub fn tools(&self) -> &[ToolTime] {
         &self.tools
     }
@@ -167,7 +167,7 @@ impl ProgramTimes {
         index
     }
 
-    /// Counts the time from the last move until `time_s` as other.
+    /// Counts the time from the last move until `time_s` as [`TimeUse::Other`].
     fn add_wait_until(&mut self, time_s: f64) {
         let waited = time_s - self.until_s;
         // Blended moves overlap by rounding errors.

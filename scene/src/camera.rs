@@ -9,23 +9,23 @@ use crate::placement;
 
 /// Vertical field of view, radians.
 const FIELD_OF_VIEW: f32 = 0.56;
-/// Turn per point of a drag, radians.
+/// Angle by which the camera turns when the pointer is dragged by one point, radians.
 const TURN_PER_POINT: f32 = 0.006;
-/// Least and greatest height angle, radians.
+/// Least and greatest angle of the camera above the horizontal, radians.
 const PITCH_LIMITS: (f32, f32) = (-0.12, FRAC_PI_2);
-/// Least and greatest distance from the target, mm.
+/// Least and greatest distance of the camera from its target, mm.
 const DISTANCE_LIMITS: (f32, f32) = (60.0, 20_000.0);
 
 /// A camera that turns about a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrbitCamera {
-    /// The position in the middle of the picture, mm.
+    /// The position at which the camera points, mm.
     pub target: Vec3,
     /// Turn to the right about the vertical, radians; 0 looks from the operator's side.
     pub yaw: f32,
-    /// Height angle, radians.
+    /// Angle of the camera above the horizontal, radians.
     pub pitch: f32,
-    /// Distance from the target, mm.
+    /// Distance of the camera from its target, mm.
     pub distance: f32,
     /// Whether the projection is parallel, as in a drawing.
     pub is_parallel: bool,
@@ -34,16 +34,16 @@ pub struct OrbitCamera {
 /// A camera position that the operator can choose.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CameraPreset {
-    /// The work area as the operator sees it.
+    /// The camera shows the work area as the operator sees it.
     #[default]
     Operator,
-    /// The tool tip, followed.
+    /// The camera follows the tool tip.
     Tool,
-    /// The chuck with the part, from the tailstock.
+    /// The camera shows the chuck with the part, seen from the tailstock.
     Chuck,
-    /// The work area from above.
+    /// The camera shows the work area from above.
     Top,
-    /// The plane of the half section, in parallel projection.
+    /// The camera faces the plane of the half section, in parallel projection.
     Section,
 }
 
@@ -132,7 +132,7 @@ impl OrbitCamera {
         }
     }
 
-    /// Unit vectors of the picture: right, up, and from the target to the eye.
+    /// Returns the unit vectors of the picture: right, up, and from the target to the camera.
     fn axes(&self) -> [Vec3; 3] {
         let (yaw_sine, yaw_cosine) = self.yaw.sin_cos();
         let (pitch_sine, pitch_cosine) = self.pitch.sin_cos();
@@ -145,19 +145,20 @@ impl OrbitCamera {
         [right, back.cross(right), back]
     }
 
-    /// Position of the eye, mm.
+    /// Returns the position of the camera, mm.
     pub fn eye(&self) -> Vec3 {
         self.target + self.axes()[2] * self.distance
     }
 
-    /// Turns the camera by a drag, points of the window.
+    /// Turns the camera about its target. `by` is the drag of the pointer, points of the window.
     pub fn orbit(&mut self, by: Vec2) {
         self.yaw -= by.x * TURN_PER_POINT;
         self.pitch += by.y * TURN_PER_POINT;
         *self = self.limited();
     }
 
-    /// Moves the target so that the picture follows a drag, points of a window of a height.
+    /// Moves the target so that the picture follows the pointer. `by` is the drag and `height` that
+    /// of the window, points.
     pub fn pan(&mut self, by: Vec2, height: f32) {
         let mm_per_point = self.mm_per_point(height);
         let [right, up, _] = self.axes();
@@ -165,8 +166,8 @@ impl OrbitCamera {
         *self = self.limited();
     }
 
-    /// Divides the distance by `factor`. The position in the plane of the target at `offset`,
-    /// points from the middle of a window of a height, remains there.
+    /// Divides the distance from the target by `factor`. The position shown at `offset` from the
+    /// middle of the window stays there; `offset` and `height` of the window are in points.
     pub fn zoom(&mut self, factor: f32, offset: Vec2, height: f32) {
         let before = self.mm_per_point(height);
         let distance = self.distance;
@@ -186,7 +187,8 @@ impl OrbitCamera {
         2.0 * self.distance * (FIELD_OF_VIEW * 0.5).tan() / height.max(1.0)
     }
 
-    /// Projects positions of the scene to clip coordinates, for a picture of an aspect ratio.
+    /// Returns the matrix that projects scene positions to clip coordinates. `aspect` is the width
+    /// of the picture divided by its height.
     pub fn projection(&self, aspect: f32) -> Mat4 {
         let camera = self.limited();
         let aspect = if aspect.is_finite() {
@@ -213,7 +215,7 @@ impl OrbitCamera {
     }
 }
 
-/// The perspective matrix of OpenGL for half the height at distance 1.
+/// Returns the perspective matrix of OpenGL. `half` is half the visible height at distance 1.
 fn perspective(half: f32, aspect: f32, near: f32, far: f32) -> Mat4 {
     let depth = near - far;
     Mat4::from_cols_array(&[
@@ -236,8 +238,8 @@ fn perspective(half: f32, aspect: f32, near: f32, far: f32) -> Mat4 {
     ])
 }
 
-/// A parallel projection of half a height, mm. Depths start far before the eye, so that a
-/// close camera cuts nothing off.
+/// Returns the matrix of a parallel projection. `half` is half the visible height, mm. Depths start
+/// far before the camera, so that a close camera cuts nothing off.
 fn parallel(half: f32, aspect: f32, far: f32) -> Mat4 {
     Mat4::from_cols_array(&[
         1.0 / (half * aspect),

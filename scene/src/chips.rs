@@ -10,11 +10,11 @@ use crate::part::material::{ChipShape, PartMaterial};
 
 /// Greatest number of chips, flying or in the tray.
 pub const MAX_CHIPS: usize = 140;
-/// Time between two chips, s.
+/// Time between two chips that a cut throws, s.
 const CHIP_INTERVAL_S: f32 = 0.045;
-/// Acceleration of a fall, mm/s²: slower than real, so that the eye follows.
+/// Acceleration with which chips fall, mm/s²: slower than real, so that the eye follows.
 const GRAVITY: f32 = 2200.0;
-/// Life of a spark, s.
+/// Time after which a spark disappears, s.
 const SPARK_LIFE_S: f32 = 0.35;
 
 /// A cut that makes chips.
@@ -22,32 +22,32 @@ const SPARK_LIFE_S: f32 = 0.35;
 pub struct ChipSource {
     /// Position of the cut in the scene, mm.
     pub at: Vec3,
-    /// Direction in which chips leave it.
+    /// Direction in which the chips leave the cut, of any length.
     pub away: Vec3,
     /// Feed, mm per turn.
     pub feed: f32,
     /// Cutting speed, m/min.
     pub speed: f32,
-    /// What is cut.
+    /// Material of the part that is cut.
     pub material: PartMaterial,
     /// Height at which chips come to rest, mm.
     pub tray_y: f32,
 }
 
-/// A chip at one moment.
+/// Shape, colour and position of a chip at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChipState {
-    /// Form.
+    /// Whether the chip is a needle, a curl, a ribbon or a spark.
     pub shape: ChipShape,
     /// Colour as sRGB bytes.
     pub color: [u8; 3],
-    /// Position, mm.
+    /// Position of the chip in the scene, mm.
     pub position: Vec3,
-    /// Orientation.
+    /// Orientation of the chip.
     pub turn: Quat,
 }
 
-/// A chip from its birth on.
+/// A chip with the data of its flight, from which its position at any time follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct ThrownChip {
     shape: ChipShape,
@@ -56,23 +56,23 @@ struct ThrownChip {
     from: Vec3,
     velocity: Vec3,
     axis: Vec3,
-    /// Turns per second while it flies.
+    /// Speed of its rotation while it flies, turns per second.
     spin: f32,
-    /// Time of the fall, s.
+    /// Time from the throw until it reaches the tray, s.
     flight_s: f32,
 }
 
-/// All chips.
+/// All chips that fly or are in the tray.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ChipFlow {
     chips: VecDeque<ThrownChip>,
     now_s: f32,
     next_s: f32,
-    /// Number of chips since the start: the seed of the next one.
+    /// Number of chips thrown so far; it is the random seed of the next chip.
     thrown: u32,
 }
 
-/// A number from -1 to 1 that depends on a seed and nothing else.
+/// Returns a pseudorandom number from -1 to 1 that depends only on `seed` and `salt`.
 fn scatter(seed: u32, salt: u32) -> f32 {
     let mut value = seed.wrapping_mul(0x9e37_79b9) ^ salt.wrapping_mul(0x85eb_ca6b);
     value ^= value >> 15;
@@ -82,7 +82,7 @@ fn scatter(seed: u32, salt: u32) -> f32 {
 }
 
 impl ChipFlow {
-    /// Moves all chips on, and throws new ones while a tool cuts.
+    /// Moves all chips by `elapsed_s` seconds, and throws new ones if `source` is a cut.
     pub fn advance(&mut self, elapsed_s: f32, source: Option<&ChipSource>) {
         let elapsed_s = if elapsed_s.is_finite() {
             elapsed_s.clamp(0.0, 0.5)
@@ -117,13 +117,13 @@ impl ChipFlow {
         self.chips.clear();
     }
 
-    /// Whether a chip flies.
+    /// Whether any chip still flies.
     pub fn is_moving(&self) -> bool {
         let flies = |it: &ThrownChip| self.now_s - it.born_s < it.flight_s;
         self.chips.iter().any(flies)
     }
 
-    /// All chips at this moment.
+    /// Returns shape, colour and position of all chips at this moment.
     pub fn states(&self) -> Vec<ChipState> {
         let state = |chip: &ThrownChip| {
             let time = (self.now_s - chip.born_s).min(chip.flight_s);

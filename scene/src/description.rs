@@ -6,7 +6,7 @@ use crate::chips::ChipState;
 use crate::part::outline::PartOutline;
 use crate::tool_path::ToolPath;
 
-/// The construction of a lathe.
+/// The type of a drawn lathe: flat bed, slant bed or bench lathe.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LatheKind {
     /// A horizontal bed with a tool post of four tools in front of the axis.
@@ -19,7 +19,7 @@ pub enum LatheKind {
 }
 
 impl LatheKind {
-    /// Number of tools that the lathe carries.
+    /// Returns the number of tools that the tool post or turret holds.
     pub const fn station_count(self) -> usize {
         match self {
             Self::FlatBed | Self::Bench => 4,
@@ -31,19 +31,20 @@ impl LatheKind {
 /// Dimensions from which the machine is built, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LatheDimensions {
-    /// Length of the bed from the front of the chuck's body.
+    /// Length of the bed from the front of the chuck body, mm.
     pub bed_length: f32,
-    /// Height of the spindle axis above the bed.
+    /// Height of the spindle axis above the bed, mm.
     pub centre_height: f32,
-    /// Diameter of the chuck.
+    /// Diameter of the chuck, mm.
     pub chuck_diameter: f32,
-    /// Length of the chuck's body.
+    /// Length of the chuck body, mm.
     pub chuck_length: f32,
-    /// Distance of the jaws' front from the chuck's body.
+    /// Distance by which the jaws project from the chuck body, mm.
     pub jaw_length: f32,
-    /// Radial height of a jaw.
+    /// Radial height of a jaw, mm.
     pub jaw_height: f32,
-    /// Distance of the steady rest from the front of the chuck's body; `None`: there is none.
+    /// Distance of the steady rest from the front of the chuck body, mm; `None` without a steady
+    /// rest.
     pub steady_rest: Option<f32>,
 }
 
@@ -62,7 +63,7 @@ impl Default for LatheDimensions {
 }
 
 impl LatheDimensions {
-    /// Replaces dimensions that are not finite, or out of all proportion.
+    /// Returns the dimensions with those replaced that are not finite or not plausible.
     #[must_use]
     pub fn sanitized(&self) -> Self {
         let usual = Self::default();
@@ -86,40 +87,40 @@ impl LatheDimensions {
     }
 }
 
-/// How a tool cuts and how it is held.
+/// The form of a tool and of its holder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MountedToolForm {
-    /// A shank across the axis.
+    /// A turning tool with a square shank across the spindle axis.
     Shank,
-    /// A boring bar along the axis.
+    /// A boring bar along the spindle axis.
     Bar,
-    /// A drill on the axis: diameter, mm, point angle, degrees, and length of the flutes, mm.
+    /// A drill on the spindle axis.
     Drill {
-        /// Diameter, mm.
+        /// Diameter of the drill, mm.
         diameter: f32,
-        /// Point angle, degrees.
+        /// Point angle of the drill, degrees.
         point: f32,
-        /// Length of the flutes, mm.
+        /// Length of the flutes of the drill, mm.
         reach: f32,
     },
 }
 
-/// A tool. Its polygons are points (along the axis, away from the axis) relative to its tip,
-/// mm.
+/// A tool in the tool post or turret. Its polygons are points (along the axis, away from the axis)
+/// relative to its tip, mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MountedTool {
-    /// How the tool is held.
+    /// Whether the tool is a turning tool, a boring bar or a drill.
     pub form: MountedToolForm,
-    /// Polygons of the insert.
+    /// Polygons of the insert, mm.
     pub insert: Vec<Vec<[f32; 2]>>,
-    /// Polygons of the holder.
+    /// Polygons of the holder, mm.
     pub holder: Vec<Vec<[f32; 2]>>,
 }
 
-/// The quill of the tailstock in the part.
+/// The tailstock quill whose centre supports the part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuillDescription {
-    /// x of the point of the centre in the part, mm.
+    /// Distance of the centre's point from the front of the chuck body, mm.
     pub tip_x: f32,
     /// Diameter of the quill, mm.
     pub diameter: f32,
@@ -130,11 +131,11 @@ pub struct QuillDescription {
 /// A lamp of the signal tower, from below.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TowerLamp {
-    /// A program runs.
+    /// The green lamp: a program runs.
     Green,
-    /// The machine waits.
+    /// The yellow lamp: the machine waits.
     Yellow,
-    /// An alarm.
+    /// The red lamp: an alarm is active.
     Red,
 }
 
@@ -143,18 +144,18 @@ impl TowerLamp {
     pub const ALL: [Self; 3] = [Self::Green, Self::Yellow, Self::Red];
 }
 
-/// What happens beside the motion of the axes.
+/// Visible states besides the positions of the axes: chips, damage, lamps and handwheel.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SceneEffects {
-    /// Chips, flying or in the tray.
+    /// The chips that fly or are in the tray.
     pub chips: Vec<ChipState>,
     /// Angle by which a crash has bent the bar in the jaws, radians; 0 without one.
     pub bar_bend: f32,
-    /// Turn of the tool carrier that remains until its station is in position, stations.
+    /// Remaining turn of the tool post or turret until its station is in position, in stations.
     pub station_offset: f32,
-    /// Whether the spindle is too fast for the eye: its jaws are drawn as a haze.
+    /// Whether the spindle is so fast that its jaws are drawn blurred.
     pub is_spindle_blurred: bool,
-    /// Positions of collisions as (x, radius), mm.
+    /// Positions of collisions as (x, radius), mm; each is marked with a ring.
     pub marks: Vec<[f32; 2]>,
     /// Which lamps of the signal tower are lit, from below: green, yellow, red.
     pub lit_lamps: [bool; 3],
@@ -162,81 +163,81 @@ pub struct SceneEffects {
     pub wheel_detents: i32,
 }
 
-/// The sector that is cut out of the part. A cut part does not turn.
+/// The sector of the part that is cut out to show its inside. A cut part does not turn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SectionCut {
-    /// Nothing is cut out.
+    /// The whole part is drawn.
     #[default]
     Whole,
-    /// A quarter on the side of the operator.
+    /// A quarter of the part on the operator's side is cut out.
     Quarter,
-    /// The half above the plane of the tool.
+    /// The half of the part above the plane of the tool is cut out.
     Half,
 }
 
 impl SectionCut {
-    /// All cuts.
+    /// All section cuts.
     pub const ALL: [Self; 3] = [Self::Whole, Self::Quarter, Self::Half];
 }
 
-/// What is drawn in addition to the machine.
+/// Section cut and programmed path, which are drawn in addition to the machine.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SceneOverlay {
     /// The sector that is cut out of the part.
     pub section_cut: SectionCut,
-    /// The programmed path; `None`: it is hidden.
+    /// The programmed path; `None` while it is hidden.
     pub path: Option<Arc<ToolPath>>,
 }
 
-/// Colours around the machine.
+/// The brightness of the workshop around the machine: night or day.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SceneTheme {
-    /// A dark workshop.
+    /// The workshop is dark.
     #[default]
     Night,
-    /// A bright workshop.
+    /// The workshop is bright.
     Day,
 }
 
 /// Position of the tool tip in the scene, mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TipPosition {
-    /// Distance along the axis from the front of the chuck's body.
+    /// Distance along the axis from the front of the chuck body, mm.
     pub x: f32,
-    /// Distance from the axis, towards the tool post.
+    /// Distance from the spindle axis, towards the tool post, mm.
     pub radius: f32,
 }
 
-/// A lathe at one moment.
+/// Everything that a picture of a lathe shows at one moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LatheDescription {
-    /// Construction.
+    /// Type of the lathe: flat bed, slant bed or bench lathe.
     pub kind: LatheKind,
-    /// Dimensions.
+    /// Dimensions of the lathe, mm.
     pub dimensions: LatheDimensions,
     /// Angle of the spindle, radians.
     pub spindle_angle: f32,
-    /// Radius at which the jaws hold, mm.
+    /// Radius at which the jaws hold the part, mm.
     pub jaw_radius: f32,
-    /// Position of the tool tip.
+    /// Position of the tool tip, mm.
     pub tip: TipPosition,
-    /// Index of the tool in the working position.
+    /// Index of the station whose tool is in the working position, from 0.
     pub station: usize,
-    /// The tools by station; `None`: an empty station.
+    /// The tool in each station; `None` for an empty station.
     pub tools: Vec<Option<MountedTool>>,
-    /// The quill in the part; `None`: the tailstock is parked.
+    /// The quill that supports the part; `None` while the tailstock is parked.
     pub quill: Option<QuillDescription>,
     /// Whether coolant flows.
     pub has_coolant: bool,
     /// Opening of the guard, 0 (closed) to 1 (open).
     pub door_opening: f32,
-    /// The half section of the part.
+    /// Surfaces of the part, as a half section.
     pub part: Arc<PartOutline>,
-    /// What is drawn in addition to the machine.
+    /// Section cut and programmed path.
     pub overlay: SceneOverlay,
-    /// Chips, damage and the like.
+    /// Chips, damage, lamps and handwheel.
     pub effects: SceneEffects,
-    /// Colours around the machine.
+    /// Brightness of the workshop around the machine.
     pub theme: SceneTheme,
 }
 
@@ -265,7 +266,7 @@ impl Default for LatheDescription {
 }
 
 impl LatheDescription {
-    /// The tool in the working position; `None` if the station is empty.
+    /// Returns the tool in the working position; `None` if the station is empty.
     pub fn current_tool(&self) -> Option<&MountedTool> {
         self.tools.get(self.station)?.as_ref()
     }

@@ -6,14 +6,14 @@ use glam::{Mat4, Vec2, Vec3, vec2, vec3};
 use crate::description::{LatheDescription, LatheDimensions, LatheKind, MountedTool};
 use crate::placement::tool_side;
 
-/// Share of an insert that breaks off.
+/// Part of an insert's size that breaks off in a crash, 0 to 1.
 const BROKEN_SHARE: f32 = 0.36;
-/// Distance by which a struck bar slips out of the jaws, mm.
+/// Distance by which a crash pulls the bar out of the jaws, mm.
 const SLIP_MM: f32 = 4.0;
-/// Greatest bend of a bar, radians.
+/// Greatest angle by which a crash bends the bar, radians.
 const MAX_BEND: f32 = 0.2;
 
-/// The bend of the bar after a crash: it pivots in the jaws, away from the tool.
+/// Returns the matrix that bends the bar after a crash: it pivots in the jaws, away from the tool.
 pub fn bar_bend(lathe: &LatheDescription) -> Mat4 {
     let bend = lathe.effects.bar_bend;
     if bend == 0.0 || !bend.is_finite() {
@@ -27,7 +27,7 @@ pub fn bar_bend(lathe: &LatheDescription) -> Mat4 {
         * side.inverse()
 }
 
-/// Height of the tray into which chips fall, mm.
+/// Returns the height of the tray into which chips fall, relative to the spindle axis, mm.
 pub fn tray_y(kind: LatheKind, dimensions: &LatheDimensions) -> f32 {
     let below = match kind {
         LatheKind::FlatBed => 2.05,
@@ -37,8 +37,8 @@ pub fn tray_y(kind: LatheKind, dimensions: &LatheDimensions) -> f32 {
     -dimensions.sanitized().centre_height * below
 }
 
-/// Returns a tool whose insert has lost its corner in a crash. A drill has no insert, and stays
-/// as it is.
+/// Returns a tool whose insert has lost its corner in a crash. A drill has no insert and does not
+/// change.
 #[must_use]
 pub fn break_insert(tool: &MountedTool) -> MountedTool {
     MountedTool {

@@ -10,17 +10,17 @@ use crate::lathe::MeshGroup;
 use crate::part::details::part_model;
 use crate::placement::{LathePlacement, tool_side};
 
-/// Direction to the key light.
+/// Direction from the scene to the main light.
 pub const LIGHT: Vec3 = vec3(0.40, 0.80, 0.45);
 
-/// Opacity of panes, 0–1.
+/// Opacity of panes, 0 (invisible) to 1.
 pub const PANE_ALPHA: f32 = 0.10;
-/// Opacity of coolant, 0–1.
+/// Opacity of coolant, 0 (invisible) to 1.
 pub const COOLANT_ALPHA: f32 = 0.42;
-/// Opacity of a jaw of a fast spindle, 0–1.
+/// Opacity of a blurred jaw of a fast spindle, 0 (invisible) to 1.
 pub const HAZE_ALPHA: f32 = 0.13;
 
-/// The groups that stand still while a program runs.
+/// The mesh groups that do not move while a program runs.
 pub const STILL_GROUPS: [MeshGroup; 6] = [
     MeshGroup::Floor,
     MeshGroup::Fixed,
@@ -30,14 +30,15 @@ pub const STILL_GROUPS: [MeshGroup; 6] = [
     MeshGroup::Door,
 ];
 
-/// Number of transparent jaws that are drawn as a haze.
+/// Number of transparent jaws that are drawn for a fast spindle.
 const HAZY_JAWS: usize = 12;
 
-/// What the programs need to know of a frame.
+/// Matrices, colours and states that the shaders need for one picture.
 pub struct FrameInputs {
     pub placement: LathePlacement,
     pub part_model: Mat4,
-    /// The frame of the tool side.
+    /// Matrix of the side of the spindle axis on which the tools are: it tilts the tools of a slant
+    /// bed.
     pub tool_side: Mat4,
     pub projection: Mat4,
     pub light_projection: Mat4,
@@ -50,21 +51,22 @@ pub struct FrameInputs {
     pub has_coolant: bool,
     /// Which lamps of the tower are lit, from below.
     pub lit_lamps: [bool; 3],
-    /// Whether the jaws are drawn as a haze.
+    /// Whether the jaws are drawn blurred, as of a fast spindle.
     pub is_spindle_blurred: bool,
 }
 
-/// What determines the layer of what stands still: camera, quill, door and colours.
+/// Matrices and colours on which the picture of the stationary parts depends: camera, quill, door
+/// and background. The picture is drawn again when one changes.
 pub type LayerInputs = ([Mat4; 3], [Vec3; 2]);
 
 impl FrameInputs {
-    /// What determines the layer of what stands still.
+    /// Returns the matrices and colours on which the picture of the stationary parts depends.
     pub fn layer(&self) -> LayerInputs {
         let LathePlacement { quill, door, .. } = self.placement;
         ([self.projection, quill, door], self.ground)
     }
 
-    /// Computes the inputs for a picture of a size, pixels.
+    /// Computes the inputs for a picture of `size` pixels.
     pub fn new(lathe: &LatheDescription, camera: &OrbitCamera, size: [i32; 2]) -> Self {
         let dimensions = lathe.dimensions.sanitized();
         let [width, height] = size.map(|it| it as f32);
@@ -98,7 +100,7 @@ impl FrameInputs {
         }
     }
 
-    /// The model matrices of the jaws in a haze; empty while the eye can follow them.
+    /// Returns the model matrices of the blurred jaws; empty while the spindle turns slowly.
     pub fn hazy_jaws(&self) -> Vec<Mat4> {
         let count = if self.is_spindle_blurred {
             HAZY_JAWS
@@ -111,7 +113,7 @@ impl FrameInputs {
         (0..count).map(turned).collect()
     }
 
-    /// The model matrices with which a group is drawn.
+    /// Returns the model matrices with which a mesh group is drawn, one for each copy.
     pub fn models(&self, group: MeshGroup) -> Vec<Mat4> {
         let placement = &self.placement;
         match group {
@@ -137,7 +139,7 @@ impl FrameInputs {
     }
 }
 
-/// Projects the scene as the key light sees it: a cube of a radius around its centre.
+/// Returns the projection from the main light: a cube with half side `radius` around `centre`.
 fn light_projection(centre: Vec3, light: Vec3, radius: f32) -> Mat4 {
     let right = Vec3::Y.cross(light).normalize();
     let up = light.cross(right);

@@ -1,30 +1,32 @@
 //! Levels of detail, and the choice of one by measured times.
 
-/// Time between two pictures above which a level is too slow, s.
+/// Time between two pictures above which a level of detail counts as too slow, s.
 const SLOW_S: f64 = 0.060;
-/// Time between two pictures up to which a level has time left, s.
+/// Time between two pictures up to which a level of detail counts as fast, s.
 const FAST_S: f64 = 0.040;
-/// Number of pictures that are judged together.
+/// Number of pictures whose times are judged together.
 const JUDGED_PICTURES: usize = 24;
-/// Number of judgements in a row that must find a level fast before a higher one is tried.
+/// Number of judgements in a row that must be fast before a higher level of detail is tried.
 const FAST_JUDGEMENTS: u32 = 6;
 
-/// How much of the picture is drawn, from the least to the most.
+/// Level of detail of the picture, from the least to the most.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SceneLevel {
-    /// Without OpenGL: see [`crate::software`].
+    /// The picture is drawn without OpenGL, by [`crate::software`].
     Processor,
-    /// A third of the size while something moves, few sides of the part, old shadows.
+    /// While something moves, the picture is drawn at a third of its size, with half the sides of
+    /// the part, and shadows every six pictures.
     Coarse,
-    /// Half the size while something moves.
+    /// While something moves, the picture is drawn at half its size.
     #[default]
     Half,
-    /// The full size, new shadows in each picture, with soft edges.
+    /// The picture is drawn at its full size, with new shadows in each picture and soft shadow
+    /// edges.
     Full,
 }
 
 impl SceneLevel {
-    /// The size of the viewport divided by the one of a picture while something moves.
+    /// Returns the factor by which the picture is smaller than its viewport while something moves.
     pub const fn moving_share(self) -> i32 {
         match self {
             Self::Processor | Self::Coarse => 3,
@@ -42,12 +44,12 @@ impl SceneLevel {
         }
     }
 
-    /// Whether the edges of shadows are soft.
+    /// Whether the level of detail draws soft edges of shadows.
     pub const fn has_soft_shadow(self) -> bool {
         matches!(self, Self::Full)
     }
 
-    /// Number of sides of the finest part that make one side of the drawn part.
+    /// Returns the number of sides of the finest part that are merged to one drawn side.
     pub const fn sides_per_side(self) -> u32 {
         match self {
             Self::Processor | Self::Coarse => 2,
@@ -56,20 +58,20 @@ impl SceneLevel {
     }
 }
 
-/// Chooses the level by the times between pictures.
+/// Chooses the level of detail from the measured times between pictures.
 #[derive(Clone, Debug, Default)]
 pub struct LevelChooser {
-    /// The level; `None` before the first picture.
+    /// Current level of detail; `None` before the first picture.
     level: Option<SceneLevel>,
-    /// The highest level that was not too slow.
+    /// Highest level of detail that was not too slow; `None` if none is known.
     ceiling: Option<SceneLevel>,
     times_s: Vec<f64>,
     fast_judgements: u32,
 }
 
 impl LevelChooser {
-    /// The current level. `is_software`: the processor computes OpenGL, which begins with half
-    /// the size.
+    /// Returns the current level of detail. If `is_software`, the processor computes OpenGL, and
+    /// the choice begins with half the size.
     pub fn level(&mut self, is_software: bool) -> SceneLevel {
         *self.level.get_or_insert(match is_software {
             true => SceneLevel::Half,
@@ -77,8 +79,8 @@ impl LevelChooser {
         })
     }
 
-    /// Adds the time from one picture to the next while something moves, s. Returns the new
-    /// level if it has changed.
+    /// Adds the time from one picture to the next while something moves, s. Returns the new level
+    /// of detail if it has changed.
     pub fn add_time(&mut self, time_s: f64) -> Option<SceneLevel> {
         let level = self.level?;
         self.times_s.push(time_s);

@@ -11,15 +11,16 @@ use crate::description::{
 };
 use hand_wheels::{HandWheels, WheelMotion};
 
-/// Angle about the spindle axis that turns the tool side of a flat bed to the one of a slant
-/// bed, radians: away from the operator and up at 45 degrees.
+/// Angle about the spindle axis between the tool directions of a flat bed and of a slant bed,
+/// radians: away from the operator and up at 45 degrees.
 const SLANT: f32 = -3.0 * FRAC_PI_2 / 2.0;
-/// Distance of the tailstock's body from the point of its centre, mm.
+/// Distance of the tailstock body from the point of its centre, mm.
 const QUILL_OUT_MM: f32 = 95.0;
-/// Overhang of a shank without a described holder, mm.
+/// Default overhang of a shank without a described holder, mm.
 const USUAL_OVERHANG_MM: f32 = 30.0;
 
-/// The tool side: z points away from the axis towards the tool post.
+/// Returns the matrix of the frame of the tools, in which z points from the spindle axis to the
+/// tool post.
 pub fn tool_side(kind: LatheKind) -> Mat4 {
     match kind {
         LatheKind::FlatBed | LatheKind::Bench => Mat4::IDENTITY,
@@ -27,12 +28,12 @@ pub fn tool_side(kind: LatheKind) -> Mat4 {
     }
 }
 
-/// Scale of tool post, turret and slides relative to a lathe of 190 mm centre height.
+/// Returns the scale of tool post, turret and slides relative to a lathe of 190 mm centre height.
 pub fn tool_scale(dimensions: &LatheDimensions) -> f32 {
     (dimensions.centre_height / 190.0).clamp(0.45, 2.0)
 }
 
-/// Half the side of a tool post, or the radius of a turret, mm.
+/// Returns half the side of a tool post, or the radius of a turret, mm.
 pub fn carrier_radius(kind: LatheKind, dimensions: &LatheDimensions) -> f32 {
     let scale = tool_scale(dimensions);
     match kind {
@@ -41,7 +42,7 @@ pub fn carrier_radius(kind: LatheKind, dimensions: &LatheDimensions) -> f32 {
     }
 }
 
-/// Position of the tool tip in the scene, mm.
+/// Returns the position of the tool tip in the scene, mm.
 pub fn tip(lathe: &LatheDescription) -> Vec3 {
     let finite = |value: f32| {
         if value.is_finite() {
@@ -54,13 +55,14 @@ pub fn tip(lathe: &LatheDescription) -> Vec3 {
     tool_side(lathe.kind).transform_point3(at)
 }
 
-/// Least x, greatest x and greatest radius of the part, mm; of the jaws without a part.
+/// Returns least x, greatest x and greatest radius of the part, mm; those of the jaws without a
+/// part.
 pub fn part_bounds(lathe: &LatheDescription) -> (f32, f32, f32) {
     let jaws = lathe.dimensions.sanitized().jaw_length;
     lathe.part.bounds().unwrap_or((0.0, jaws, lathe.jaw_radius))
 }
 
-/// Distance of a tool's tip from the end of its holder, mm.
+/// Returns the distance of a tool's tip from the end of its holder, mm.
 fn overhang(tool: &MountedTool) -> f32 {
     let points = tool.holder.iter().flatten();
     let far = |axis: usize| points.clone().map(|it| it[axis]).fold(0.0, f32::max);
@@ -75,8 +77,8 @@ fn overhang(tool: &MountedTool) -> f32 {
     }
 }
 
-/// Position of a tool's tip relative to the centre of post or turret while its station is in
-/// the working position, mm, in the frame of the tool side.
+/// Returns the position of a tool's tip relative to the centre of tool post or turret while its
+/// station is in the working position, mm, in the frame of the tools.
 pub fn mounted_tip(
     kind: LatheKind,
     dimensions: &LatheDimensions,
@@ -96,12 +98,12 @@ pub fn mounted_tip(
     }
 }
 
-/// Turn of a station from the working position, in the frame of the tool side.
+/// Returns the rotation of a station from the working position, in the frame of the tools.
 pub fn station_turn(kind: LatheKind, station: usize) -> Mat4 {
     carrier_turn(kind, station as f32)
 }
 
-/// Turn of post or turret by a share of its stations, in the frame of the tool side.
+/// Returns the rotation of tool post or turret by a number of stations, in the frame of the tools.
 fn carrier_turn(kind: LatheKind, stations: f32) -> Mat4 {
     let share = match stations.is_finite() {
         true => stations / kind.station_count() as f32 % 1.0,
@@ -113,18 +115,20 @@ fn carrier_turn(kind: LatheKind, stations: f32) -> Mat4 {
     }
 }
 
-/// Inner and outer radius of the ring of a steady rest, mm.
+/// Returns the inner and outer radius of the steady rest's ring, mm.
 pub fn steady_ring(dimensions: &LatheDimensions) -> (f32, f32) {
     let inner = dimensions.centre_height * 0.5;
     (inner, inner + 26.0 * tool_scale(dimensions))
 }
 
-/// Turn of a jaw of the steady rest from one that points up: one below, two above.
+/// Returns the rotation of a jaw of the steady rest from one that points up: one jaw is below, two
+/// are above.
 pub fn steady_jaw_turn(jaw: usize) -> Mat4 {
     Mat4::from_rotation_x((jaw as f32 + 0.5) * TAU / 3.0)
 }
 
-/// The jaws of the steady rest, which touch the part; `None` without a steady rest.
+/// Returns the matrices of the steady rest's jaws, which touch the part; `None` without a steady
+/// rest.
 fn steady_jaws(lathe: &LatheDescription, dimensions: &LatheDimensions) -> Option<[Mat4; 3]> {
     let x = dimensions.steady_rest?;
     let (inner, _) = steady_ring(dimensions);
@@ -134,35 +138,35 @@ fn steady_jaws(lathe: &LatheDescription, dimensions: &LatheDimensions) -> Option
     Some([jaw(0), jaw(1), jaw(2)])
 }
 
-/// The model matrices of a moment.
+/// The model matrices of all moving groups of a lathe at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LathePlacement {
-    /// Chuck and part.
+    /// Matrix of the chuck and the part, which turn with the spindle.
     pub spindle: Mat4,
-    /// The three jaws.
+    /// Matrices of the three jaws of the chuck.
     pub jaws: [Mat4; 3],
-    /// The carriage, which moves along the axis only.
+    /// Matrix of the carriage, which moves along the axis only.
     pub carriage: Mat4,
-    /// The cross slide.
+    /// Matrix of the cross slide.
     pub cross_slide: Mat4,
-    /// Tool post or turret with its tools.
+    /// Matrix of the tool post or turret with its tools.
     pub carrier: Mat4,
-    /// The body of the tailstock.
+    /// Matrix of the tailstock body.
     pub tailstock: Mat4,
-    /// The quill of the tailstock.
+    /// Matrix of the tailstock quill.
     pub quill: Mat4,
-    /// The hand wheels.
+    /// Matrices of the hand wheels.
     pub wheels: HandWheels,
-    /// The jaws of the steady rest; `None` without one.
+    /// Matrices of the steady rest's jaws; `None` without a steady rest.
     pub steady_jaws: Option<[Mat4; 3]>,
-    /// The guard.
+    /// Matrix of the machine guard or door.
     pub door: Mat4,
-    /// The coolant at the tool tip.
+    /// Matrix of the coolant jet at the tool tip.
     pub coolant: Mat4,
 }
 
 impl LathePlacement {
-    /// Computes where everything is.
+    /// Computes the matrices of a lathe at one moment.
     pub fn new(lathe: &LatheDescription) -> Self {
         let dimensions = lathe.dimensions.sanitized();
         let angle = match lathe.spindle_angle.is_finite() {
@@ -220,7 +224,7 @@ impl LathePlacement {
         }
     }
 
-    /// All matrices.
+    /// Returns the matrices of all groups but jaws, hand wheels and steady rest.
     pub fn all(&self) -> [Mat4; 11] {
         let [a, b, c] = self.jaws;
         let Self {
@@ -253,7 +257,8 @@ impl LathePlacement {
     }
 }
 
-/// A chuck guard swings up and back; the door of a slant bed slides to the right.
+/// Returns the matrix of the guard: a chuck guard swings up and back, the door of a slant bed
+/// slides to the right.
 fn door(lathe: &LatheDescription, dimensions: &LatheDimensions) -> Mat4 {
     let opening = match lathe.door_opening.is_finite() {
         true => lathe.door_opening.clamp(0.0, 1.0),

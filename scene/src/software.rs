@@ -28,20 +28,21 @@ use visibility::{SurfaceCorner, VisibilityBuffer};
 const MAX_SIDE: usize = 8192;
 /// Triangles of depth pictures that one picture may draw for ambient occlusion.
 const TRIANGLES_PER_PICTURE: usize = 130_000;
-/// Pictures after which the shadows are computed again.
+/// Number of pictures after which the shadows are computed again.
 const SHADOW_PICTURES: u32 = 3;
 
-/// How much work a picture may take.
+/// The quality of a picture that the processor draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SoftwareQuality {
-    /// For a window: one sample for each pixel, old shadows, ambient occlusion after a while.
+    /// Fast, for a window: one sample per pixel, shadows of earlier pictures, ambient occlusion
+    /// after some pictures.
     Quick,
-    /// For a file: four samples for each pixel, everything complete.
+    /// Complete, for a file: four samples per pixel, new shadows and ambient occlusion.
     Thorough,
 }
 
 impl SoftwareQuality {
-    /// Samples along a side of a pixel.
+    /// Returns the number of samples along one side of a pixel.
     const fn samples(self) -> usize {
         match self {
             Self::Quick => 1,
@@ -49,7 +50,7 @@ impl SoftwareQuality {
         }
     }
 
-    /// Flat sides of the revolved part.
+    /// Returns the number of flat sides with which the part is revolved.
     const fn part_sides(self) -> u32 {
         match self {
             Self::Quick => 48,
@@ -58,25 +59,25 @@ impl SoftwareQuality {
     }
 }
 
-/// A picture.
+/// A finished picture of a lathe.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SoftwarePicture {
     /// Width and height, pixels.
     pub size: [usize; 2],
     /// Red, green, blue and 255 of each pixel, row by row from above.
     pub pixels: Vec<u8>,
-    /// Whether the next picture will be better without any change of the description.
+    /// Whether the next picture of the same description will be better.
     pub is_refining: bool,
 }
 
-/// The triangles of the revolved part, three corners each, mm.
+/// Returns the triangles of the revolved part, three corners each, mm.
 pub fn part_triangles(part: &PartOutline, sides: u32) -> Vec<[[f32; 3]; 3]> {
     let triangles = part::triangles(part, sides, [0.0, TAU], Mat4::IDENTITY);
     let corners = triangles.map(|it| it.map(|corner| corner.position.to_array()));
     corners.collect()
 }
 
-/// A group of triangles; `bake`: its ambient occlusion until it is complete.
+/// A mesh group; `bake` is the computation of its ambient occlusion until it is complete.
 #[derive(Debug)]
 struct SoftwareGroup {
     group: MeshGroup,
@@ -84,7 +85,7 @@ struct SoftwareGroup {
     bake: Option<OcclusionBake>,
 }
 
-/// The layer of what stands still.
+/// The finished picture of the stationary parts.
 #[derive(Debug)]
 struct StillLayer {
     inputs: LayerInputs,
@@ -93,7 +94,7 @@ struct StillLayer {
     colors: Vec<Vec3>,
 }
 
-/// Draws lathes with the processor.
+/// Draws lathes with the processor, without OpenGL.
 #[derive(Debug, Default)]
 pub struct SoftwareRenderer {
     design: Option<MeshDesign>,
@@ -104,7 +105,7 @@ pub struct SoftwareRenderer {
 }
 
 impl SoftwareRenderer {
-    /// Draws a lathe in a size, pixels.
+    /// Draws a lathe in a picture of `size` pixels.
     pub fn draw(
         &mut self,
         lathe: &LatheDescription,
@@ -241,7 +242,7 @@ impl SoftwareRenderer {
         colors
     }
 
-    /// Draws what stands still, unless it is drawn already.
+    /// Draws the stationary parts, unless their picture is current.
     fn draw_still(
         &mut self,
         scene: &FrameInputs,
@@ -280,7 +281,7 @@ impl SoftwareRenderer {
     }
 }
 
-/// Height of a pixel in the picture, 0 (below) to 1.
+/// Returns the height of a pixel in the picture, 0 (below) to 1.
 fn pixel_height(at: usize, [columns, rows]: [usize; 2]) -> f32 {
     1.0 - ((at / columns) as f32 + 0.5) / rows as f32
 }
@@ -299,7 +300,7 @@ fn shade_buffer(
     }
 }
 
-/// The triangles of a group wherever it is drawn.
+/// Returns the triangles of a mesh group, for each copy that is drawn.
 fn group_triangles<'a>(
     it: &'a SoftwareGroup,
     scene: &FrameInputs,
@@ -310,7 +311,7 @@ fn group_triangles<'a>(
         .flat_map(|model| mesh_triangles(&it.mesh, model))
 }
 
-/// The triangles of a mesh with a model matrix.
+/// Returns the triangles of a mesh, moved by a model matrix.
 fn mesh_triangles(mesh: &SceneMesh, model: Mat4) -> impl Iterator<Item = [SurfaceCorner; 3]> + '_ {
     let corners = move_corners(mesh, model);
     mesh.indices.chunks_exact(3).filter_map(move |three| {
@@ -319,7 +320,7 @@ fn mesh_triangles(mesh: &SceneMesh, model: Mat4) -> impl Iterator<Item = [Surfac
     })
 }
 
-/// The triangles of the part: revolved surfaces, threads and cut faces.
+/// Returns the triangles of the part: revolved surfaces, threads and cut faces.
 fn part_surfaces(
     lathe: &LatheDescription,
     scene: &FrameInputs,
@@ -348,7 +349,7 @@ fn move_corners(mesh: &SceneMesh, model: Mat4) -> Vec<SurfaceCorner> {
     corners.collect()
 }
 
-/// Averages the samples of each pixel.
+/// Averages the samples of each pixel; returns red, green, blue and alpha bytes.
 fn average(colors: &[Vec3], [columns, rows]: [usize; 2], samples: usize) -> Vec<u8> {
     let mut pixels = Vec::with_capacity(columns * rows * 4);
     let weight = 1.0 / (samples * samples) as f32;

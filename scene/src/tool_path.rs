@@ -1,18 +1,18 @@
 //! The programmed path as lines in the plane of the tool. Its cost is bounded: pieces that look
 //! the same are kept once.
 
-/// Greatest number of pieces.
+/// Greatest number of straight pieces of a drawn path.
 pub const MAX_PIECES: usize = 20_000;
-/// Steps over the longer side of the path: differences below one step are invisible.
+/// Number of steps over the longer side of the path: differences below one step are invisible.
 const RESOLUTION: f32 = 2048.0;
-/// Slots of the hash table of known pieces, of which few are used.
+/// Number of slots in the hash table of known pieces; few are used.
 const SLOTS: usize = 1 << 16;
-/// A slot without a piece.
+/// Value of a hash table slot without a piece.
 const EMPTY: u64 = 0;
-/// Bytes of an end in a buffer: position as 3 floats, colour as 4 bytes.
+/// Size of a line end in a buffer, bytes: position as 3 floats, colour as 4 bytes.
 pub const LINE_VERTEX_BYTES: usize = 16;
 
-/// A straight piece of a path.
+/// A straight piece of the drawn programmed path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolPathPiece {
     /// Both ends as (x, distance from the axis), mm.
@@ -21,13 +21,13 @@ pub struct ToolPathPiece {
     pub color: [u8; 3],
 }
 
-/// A path of a bounded number of pieces.
+/// The drawn programmed path, with a limited number of straight pieces.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ToolPath {
     pieces: Vec<ToolPathPiece>,
 }
 
-/// Adds pieces to a path and leaves out those that cannot be told apart.
+/// Builds a path from pieces and leaves out those that look the same as earlier ones.
 #[derive(Clone, Debug)]
 pub struct ToolPathBuilder {
     pieces: Vec<ToolPathPiece>,
@@ -37,7 +37,7 @@ pub struct ToolPathBuilder {
 }
 
 impl ToolPathBuilder {
-    /// Begins a path of an extent, mm: its longer side.
+    /// Begins a path whose longer side is `extent_mm`.
     pub fn new(extent_mm: f32) -> Self {
         let extent = match extent_mm.is_finite() {
             true => extent_mm.clamp(1.0, 20_000.0),
@@ -50,7 +50,7 @@ impl ToolPathBuilder {
         }
     }
 
-    /// Adds a piece. A short one extends the piece before it.
+    /// Adds a piece to the path. A short one extends the piece before it.
     pub fn add(&mut self, piece: ToolPathPiece) {
         if !piece.ends.iter().flatten().all(|it| it.is_finite()) {
             return;
@@ -90,7 +90,7 @@ impl ToolPathBuilder {
         self.pieces.push(piece);
     }
 
-    /// The path of the pieces.
+    /// Returns the path of the added pieces.
     pub fn build(self) -> ToolPath {
         ToolPath {
             pieces: self.pieces,
@@ -99,12 +99,12 @@ impl ToolPathBuilder {
 }
 
 impl ToolPath {
-    /// The pieces.
+    /// Returns the straight pieces of the path.
     pub fn pieces(&self) -> &[ToolPathPiece] {
         &self.pieces
     }
 
-    /// The ends of all pieces, in the frame of the tool side, with their indices.
+    /// Returns the ends of all pieces, in the frame of the tools, and their indices, as bytes.
     pub(crate) fn bytes(&self) -> [Vec<u8>; 2] {
         let mut vertices = Vec::with_capacity(self.pieces.len() * 2 * LINE_VERTEX_BYTES);
         for piece in &self.pieces {

@@ -86,13 +86,13 @@ pub enum TransferRequest {
         /// Size of the file in bytes.
         size: u32,
     },
-    /// Ends the directory.
+    /// Ends the list of the directory.
     End,
     /// Announces a file that follows in blocks.
     Put(PutRequest),
     /// Contains the next block of the announced file.
     Data(Vec<u8>),
-    /// Ends the announced file.
+    /// Ends the file that was announced before.
     Eof,
     /// Requests the file with this path.
     Get(RemotePath),

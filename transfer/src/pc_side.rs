@@ -61,7 +61,7 @@ pub enum TransferOutcome {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum ConnectionLoss {
-    /// The PC receives no byte.
+    /// The PC has received no byte for too long.
     Silent,
     /// The PC receives bytes, but no valid frame.
     Noise,
@@ -72,7 +72,7 @@ pub enum ConnectionLoss {
 }
 
 impl ConnectionLoss {
-    /// Returns the message that tells why the connection is lost.
+    /// Returns the message for the operator about the lost connection.
     pub fn message(self) -> Message {
         match self {
             Self::Silent => say::transfer_loss_silent(),
@@ -83,7 +83,7 @@ impl ConnectionLoss {
     }
 }
 
-/// What the PC waits for.
+/// The reply or data that the PC waits for.
 #[derive(Clone, Debug)]
 enum Activity {
     /// No command; the control may send files.

@@ -2,11 +2,11 @@
 
 use gsk_messages::{Message, say};
 
-/// Why a request is refused. Each reason has a code on the wire.
+/// The reason for which a request is refused. Each reason has a code on the wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum TransferFault {
-    /// A file of this name exists.
+    /// A file of this name already exists.
     Exists,
     /// No file of this name exists.
     NotFound,
@@ -55,7 +55,7 @@ impl TransferFault {
         row.map(|(_, fault)| *fault)
     }
 
-    /// Returns the message that tells why the request was refused.
+    /// Returns the message for the operator about why the request was refused.
     pub fn message(self) -> Message {
         match self {
             Self::Exists => say::transfer_fault_exists(),

@@ -29,7 +29,7 @@ pub use settings::GrblSettings;
 use spindle::TwinThreadPass;
 pub use spindle::{GrblSpindle, PassTrace};
 
-/// Step in which virtual time advances, ns.
+/// Time step in which virtual time advances, ns.
 const STEP_NS: u64 = 100_000;
 /// Time that the firmware takes to process a line, ns: 447 lines/s.
 const LINE_NS: u64 = 2_237_000;
@@ -46,7 +46,7 @@ const MIN_CUT_SPEED: f64 = 1.0 / 60.0;
 /// Number of status reports from one that contains the work offset to the next.
 const REPORTS_PER_OFFSET: u32 = 10;
 
-/// The firmware that a board runs.
+/// The firmware that a board runs: Grbl, grblHAL or FluidNC.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variant {
     /// Grbl 1.1h: planner with 15 blocks, receive buffer of 128 bytes.
@@ -109,7 +109,7 @@ pub enum GrblState {
     Run,
     /// A feed hold decelerates the axes or holds them.
     Hold {
-        /// Whether the axes have stopped.
+        /// Whether the axes have stopped, so that the hold is complete.
         complete: bool,
     },
     /// The board is homing its axes.
@@ -121,7 +121,7 @@ pub enum GrblState {
     /// FluidNC after a hard limit or an emergency stop: it reports an alarm, accepts all
     /// blocks, but executes none until a reset.
     Critical,
-    /// FluidNC before it has read its configuration.
+    /// FluidNC has not read its configuration yet.
     Starting,
 }
 
@@ -154,7 +154,7 @@ pub struct GrblTwin {
     /// Time until which the board receives nothing, ns: the receive interrupt is off.
     deaf_until: u64,
     boots_at: Option<u64>,
-    /// A block that waits for a free planner block or an empty queue.
+    /// A parsed block that waits until the planner has space, or until its queue is empty.
     waiting_block: Option<ParsedBlock>,
     /// Time at which the current line is answered, ns; set by a dwell or a setting.
     answer_at: Option<u64>,
@@ -188,9 +188,9 @@ pub struct GrblTwin {
     /// Work offset of G54 for X, Y, Z, mm; survives power-off.
     work_offset: [f64; 3],
     fluid: FluidState,
-    /// Number of FluidNC macros that realtime characters have started.
+    /// Number of FluidNC macros that realtime characters have started since power-on.
     pub macro_count: u32,
-    /// Number of resets since power-on, in motion or not.
+    /// Number of resets since power-on, with the axes in motion or at rest.
     pub reset_count: u32,
 }
 
@@ -284,7 +284,7 @@ impl GrblTwin {
         (self.spindle_code, self.modal.speed, self.coolant)
     }
 
-    /// Returns the virtual time, ns.
+    /// Returns the current virtual time, ns.
     pub const fn now(&self) -> u64 {
         self.now
     }
@@ -300,7 +300,7 @@ impl GrblTwin {
         core::iter::from_fn(|| self.to_host.receive(now)).collect()
     }
 
-    /// Advances the virtual time by `ns`.
+    /// Advances the virtual time by `ns` nanoseconds.
     pub fn advance(&mut self, ns: u64) {
         let end = self.now + ns;
         while self.now < end {

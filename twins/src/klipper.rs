@@ -33,9 +33,9 @@ const CLOCK_HZ: u32 = 16_000_000;
 const MOVE_QUEUE_SIZE: usize = 657;
 /// Capacity of the receive buffer, bytes.
 const RECEIVE_WINDOW_BYTES: usize = 192;
-/// Time from a reset to the first message, ns.
+/// Time from a reset until the board can receive, ns.
 const BOOT_NS: u64 = 60_000_000;
-/// Processing time of a block and of each command in it, ns.
+/// Processing time of a message block, ns.
 const BLOCK_NS: u64 = 40_000;
 const COMMAND_NS: u64 = 60_000;
 /// Processing time of a step, ns, and the delay of a timer that causes a shutdown, ns.
@@ -51,7 +51,7 @@ pub enum KlipperState {
     Booting,
     /// The firmware is running.
     Running,
-    /// The firmware has shut down for this reason.
+    /// The firmware has shut down; the value is its reason.
     Shutdown(&'static str),
 }
 
@@ -81,7 +81,7 @@ impl Default for KlipperHardware {
 /// the stepper is between two positions, once on the travel or once in every turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TravelSwitch {
-    /// Index of the stepper, 0 or 1.
+    /// Index of the stepper whose position operates the switch, 0 or 1.
     pub stepper: usize,
     /// First position at which the signal is high, pulses.
     pub first_pulse: i64,
@@ -133,13 +133,13 @@ pub struct KlipperTwin {
     processor_free_at: i64,
     stats_at: i64,
     input_levels: BTreeMap<u32, bool>,
-    /// Switches on the travel of the slides, by the number of their pin.
+    /// The switches that slides operate, by the number of their pin.
     travel_switches: BTreeMap<u32, TravelSwitch>,
     spindle: Option<KlipperSpindle>,
     /// Steps since the last call of [`KlipperTwin::take_recorded_steps`]; `None` if recording
     /// is off.
     recorded_steps: Option<Vec<MadeStep>>,
-    /// Pulses of each stepper since power-on, in the order of their oids.
+    /// Number of pulses of each stepper since power-on, with signs, in the order of their oids.
     pulses: [i64; 2],
     last_pulse_ns: u64,
     /// Times at which the commands of the last second were executed, ns.
@@ -147,22 +147,22 @@ pub struct KlipperTwin {
     statistics: KlipperStatistics,
 }
 
-/// What the board has counted and measured since power-on.
+/// Numbers and times that the board has measured since power-on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KlipperStatistics {
     /// Greatest number of entries in the shared move queue so far.
     pub max_queue_entries: usize,
     /// Shortest time from the command of a move to its first step, ns.
     pub min_lead_ns: i64,
-    /// Number of executed commands.
+    /// Number of commands that were executed.
     pub command_count: u64,
     /// Greatest number of commands executed within a second so far.
     pub max_commands_per_s: u32,
-    /// Number of requests for a part of the dictionary.
+    /// Number of received requests for a part of the dictionary (`identify`).
     pub identify_count: u64,
-    /// Number of steps of all steppers.
+    /// Number of steps that all steppers made.
     pub step_count: u64,
-    /// Number of commands for outputs.
+    /// Number of received commands for outputs.
     pub output_command_count: u64,
 }
 
@@ -175,7 +175,7 @@ pub struct MadeStep {
     pub due_ns: u64,
     /// Index of the stepper, 0 or 1.
     pub stepper: usize,
-    /// Position of the stepper after the step, pulses.
+    /// Position of the stepper after the step, in pulses.
     pub position: i64,
 }
 
@@ -274,7 +274,7 @@ impl KlipperTwin {
         self.statistics
     }
 
-    /// Returns the virtual time, ns.
+    /// Returns the current virtual time, ns.
     pub const fn now(&self) -> u64 {
         self.now
     }
@@ -358,7 +358,7 @@ impl KlipperTwin {
         std::iter::from_fn(|| self.to_host.receive(now)).collect()
     }
 
-    /// Advances the virtual time by `ns`.
+    /// Advances the virtual time by `ns` nanoseconds.
     pub fn advance(&mut self, ns: u64) {
         let end = self.now + ns;
         loop {

@@ -9,21 +9,21 @@ const BITS_PER_BYTE: u64 = 10;
 /// A fault that hits one byte on the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Damage {
-    /// The byte is lost.
+    /// The faulty byte is lost.
     Lost,
-    /// The byte arrives with these bits inverted.
+    /// The faulty byte arrives with these bits inverted.
     Changed(u8),
-    /// The byte arrives twice.
+    /// The faulty byte arrives twice.
     Doubled,
-    /// The byte and all later bytes arrive this much later, ns.
+    /// The faulty byte and all later bytes arrive this much later, ns.
     Delayed(u64),
     /// The line stops for this duration, ns, before it transmits the byte.
     Stalled(u64),
-    /// The byte and all later bytes are lost, as with an unplugged cable.
+    /// The faulty byte and all later bytes are lost, as with an unplugged cable.
     Cut,
 }
 
-/// One direction of a serial line.
+/// One direction of a serial line: transmits bytes with their duration and faults.
 #[derive(Clone, Debug)]
 pub struct TwinWire {
     byte_ns: u64,
@@ -60,7 +60,7 @@ impl TwinWire {
         self.damage.insert(position, (count, damage));
     }
 
-    /// Returns the number of bytes sent on the line so far.
+    /// Returns the number of bytes that were sent on the line.
     pub const fn sent_count(&self) -> u64 {
         self.sent
     }
@@ -71,7 +71,7 @@ impl TwinWire {
         self.in_transit.clear();
     }
 
-    /// Sends bytes at time `now`, ns.
+    /// Starts to transmit bytes at time `now`, ns.
     pub fn send(&mut self, bytes: &[u8], now: u64) {
         for &byte in bytes {
             self.busy_until_ns = self.busy_until_ns.max(now) + self.byte_ns;

@@ -41,9 +41,9 @@ const MIN_FRAME_INTERVAL: Duration = Duration::from_millis(40);
 /// does not cause many writes.
 const SAVE_DELAY: Duration = Duration::from_secs(1);
 
-/// What the window needs to start.
+/// Everything with which the window starts: kernel, console and settings.
 pub struct WindowStart {
-    /// The kernel, which does not run yet.
+    /// The kernel, which is not running yet.
     pub kernel: Kernel,
     /// The window's end of the channels to the kernel.
     pub console: Console,
@@ -64,7 +64,7 @@ pub struct WindowStart {
     pub start_model: Option<ModelStarter>,
     /// Whether the window shows the questions of the first start.
     pub shows_first_start: bool,
-    /// The exam that has not ended, which continues.
+    /// An exam that was interrupted and continues.
     pub unfinished_exam: UnfinishedExam,
 }
 

@@ -5,16 +5,16 @@ use gsk_host::output;
 use gsk_messages::say;
 use web_time::{Duration, Instant};
 
-/// Interval between two printed lines.
+/// Interval between two printed lines of averages.
 const REPORT_INTERVAL: Duration = Duration::from_secs(5);
 
-/// Counts frames and prints the averages on standard error.
+/// Counts frames and prints their average times on standard error.
 pub struct FrameFigures {
     program_start: Instant,
     period_start: Option<Instant>,
     frames: u32,
     frame_time: Duration,
-    /// Whether a tool path has been drawn.
+    /// Whether a toolpath has been drawn since the start.
     has_seen_path: bool,
 }
 

@@ -20,21 +20,21 @@ use crate::placement::stop_key_clearance;
 use crate::widgets::icons::{Icon, IconButton};
 use contents::HelpChapter;
 
-/// Size of the window, points.
+/// Size of the help window, points.
 const WINDOW_SIZE: [f32; 2] = [440.0, 420.0];
 /// Width and height that frame and title add to the content, points.
 const FRAME_SIZE: egui::Vec2 = egui::vec2(20.0, 48.0);
 /// Maximum number of topics in a search result.
 const MAX_LISTED: usize = 60;
 
-/// A request from the help window.
+/// A request of the user in the help window.
 #[derive(Clone, Debug)]
 pub enum HelpRequest {
     /// Carry out a command of the demonstration on the practice machine.
     Lesson(LessonAction),
     /// Show the program view at the block that raised this alarm.
     Block(Box<AlarmRecord>),
-    /// Open the lessons.
+    /// Open the lessons from the help window.
     OpenLessons,
 }
 
@@ -71,12 +71,12 @@ impl HelpWindow {
         }
     }
 
-    /// Whether the window is open.
+    /// Whether the help window is open.
     pub const fn is_open(&self) -> bool {
         self.is_open
     }
 
-    /// Closes the window.
+    /// Closes the help window.
     pub const fn close(&mut self) {
         self.is_open = false;
         self.explains_presses = false;
@@ -286,7 +286,7 @@ fn show_topic(
     request.or(history_request)
 }
 
-/// Draws the article of a topic.
+/// Draws the help article of a topic.
 pub fn show_article(ui: &mut Ui, topic: &Topic, language: Language) {
     let article = article(topic, language);
     ui.heading(article.heading);

@@ -109,9 +109,10 @@ pub struct Window {
     is_translation_requested: bool,
     sounds: MachineSound,
     timeline: TimelineStrip,
-    /// The way back to the start of a program whose keys the panel marks.
+    /// The return to the start point of a program whose keys the panel marks; `None` if the
+    /// operator has not requested it.
     way_back: Option<WayBack>,
-    /// What was closed for the exam that is under way; `None` outside exams.
+    /// The views and bars that were closed for the current exam; `None` outside exams.
     closed_for_exam: Option<ClosedForExam>,
     why: WhyPane,
 }
@@ -121,7 +122,7 @@ pub struct Window {
 struct Models {
     current: ModelId,
     requested: Option<ModelId>,
-    /// Whether the operator may choose another model.
+    /// Whether the operator may switch to another control model.
     is_changeable: bool,
 }
 
@@ -209,7 +210,7 @@ impl Window {
         self.faceplate.enable();
     }
 
-    /// The settings that are stored for the next start.
+    /// Returns the settings that are stored for the next start.
     pub const fn settings(&self) -> &WindowSettings {
         &self.settings
     }
@@ -299,7 +300,7 @@ impl Window {
         self.snapshot.as_ref()
     }
 
-    /// Draws one frame and handles its input.
+    /// Draws one frame of the window and handles its input.
     pub fn ui(&mut self, ui: &mut Ui) {
         // Checked here because the key that closes the menu is consumed later.
         let menu = egui::Popup::is_any_open(ui.ctx());
@@ -408,12 +409,12 @@ impl Window {
         }
     }
 
-    /// Deletes the objects of OpenGL before the window closes.
+    /// Deletes the OpenGL objects before the window closes.
     pub fn release(&self, gl: &eframe::glow::Context) {
         self.views.release(gl);
     }
 
-    /// Copies what the views keep for the next start into the settings.
+    /// Copies the data that views keep for the next start into the settings.
     fn store_view_settings(&mut self) {
         self.settings.solid = self.views.lathe().is_solid();
         self.settings.scene_camera = self.views.scene_camera();
@@ -453,7 +454,7 @@ impl Window {
         self.views.lathe().segment_count()
     }
 
-    /// Whether RESET may have something to stop; true before the first snapshot.
+    /// Whether RESET may stop a motion or a run; true before the first snapshot.
     fn is_running_or_unknown(&self) -> bool {
         self.snapshot.as_ref().is_none_or(|it| {
             let board = matches!(it.board, Some(LinkState::Moving | LinkState::Homing));

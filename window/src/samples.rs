@@ -14,25 +14,25 @@ use crate::widgets::icons::Icon;
 
 #[derive(Debug)]
 pub struct ProgramSample {
-    /// Name of the program's file.
+    /// Name of the sample's program file.
     pub name: &'static str,
-    /// The control model that the program is for.
+    /// The control model for which the program is written.
     model: ModelId,
-    /// Describes what the sample demonstrates.
+    /// Returns a description of what the sample demonstrates.
     description: fn() -> Message,
     text: &'static str,
     /// Text of its job file (stock and tools); `None` if it has none.
     job: Option<&'static str>,
-    /// Texts of the subprograms that it calls.
+    /// Texts of the subprograms that the sample calls.
     subprograms: &'static [&'static str],
 }
 
-/// A sample that the operator has chosen.
+/// A request of the operator to open a sample program.
 #[derive(Clone, Copy, Debug)]
 pub struct SampleRequest {
-    /// The chosen sample.
+    /// The sample program that the operator has chosen.
     pub sample: &'static ProgramSample,
-    /// Whether the lathe cuts it at once.
+    /// Whether the lathe starts to cut the sample at once.
     pub starts: bool,
 }
 
@@ -197,7 +197,7 @@ impl ProgramSample {
         (self.description)().text(language)
     }
 
-    /// Returns the picture of the sample's card: the part that it cuts.
+    /// Returns the picture on the sample's card: the part that the sample cuts.
     pub fn picture(&self) -> CardPicture {
         let outline = OUTLINES.iter().find(|(name, _)| *name == self.name);
         outline.map_or(CardPicture::Icon(Icon::SAMPLE), |(_, outline)| {

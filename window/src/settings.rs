@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::layout::Layouts;
 use gsk_messages::Language;
 
-/// Maximum number of recent programs.
+/// Maximum number of recent programs that are stored.
 const MAX_RECENT: usize = 10;
 
 /// The projects that the settings store for the next start.
@@ -22,7 +22,7 @@ pub struct ProjectSettings {
     pub recent: Vec<PathBuf>,
 }
 
-/// The camera of the lathe view, as it is stored for the next start.
+/// The camera of the lathe view in the form in which it is stored for the next start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct StoredSceneCamera {
@@ -31,7 +31,7 @@ pub struct StoredSceneCamera {
     /// Target x, y, z, µm; yaw, pitch, thousandths of a radian; distance, µm. `None`: as the
     /// preset has them.
     pub position: Option<[i32; 6]>,
-    /// Whether the projection is parallel.
+    /// Whether the projection of the camera is parallel.
     pub is_parallel: bool,
 }
 
@@ -43,19 +43,19 @@ pub struct WindowSettings {
     pub language: Language,
     /// The recently opened programs, the newest first.
     pub recent: Vec<PathBuf>,
-    /// Layouts, and positions of windows.
+    /// Layouts of the main window, and positions of separate windows.
     pub layouts: Layouts,
     /// True for the light theme, false for the dark one.
     pub light: bool,
     /// True if the machine view shows the part as a solid, false for a half section.
     pub solid: bool,
-    /// Camera of the lathe view; `None`: the operator's.
+    /// Camera of the lathe view; `None` for the operator's view.
     pub scene_camera: Option<StoredSceneCamera>,
     /// Names of the finished lessons.
     pub lessons: BTreeSet<String>,
     /// The learner's best points by the name of the exercise.
     pub exercises: BTreeMap<String, u32>,
-    /// Name of the learner on results of exercises.
+    /// Name of the learner that results of exercises contain.
     pub learner: String,
     /// Port, baud rate and files of the transfer view.
     pub transfer: TransferSettings,

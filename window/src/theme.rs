@@ -17,115 +17,115 @@ use egui::{
 
 // Accent.
 
-/// The one accent: selection, links, the current step, connections and marks of changes.
+/// Accent colour: selection, links, the current step, connections and marks of changes.
 pub const ACCENT: Color32 = Color32::from_rgb(104, 178, 255);
-/// Ground of selected text and rows.
+/// Background colour of selected text and rows.
 pub const ACCENT_GROUND: Color32 = Color32::from_rgb(24, 72, 128);
 
 // Text.
 
-/// Colour of most texts.
+/// Default colour of text.
 pub const TEXT: Color32 = Color32::from_gray(225);
-/// Text of the message in the top bar.
+/// Colour of the message text in the top bar.
 pub const MESSAGE_TEXT: Color32 = Color32::from_gray(220);
-/// Text of rows in lists and tables.
+/// Colour of the text of rows in lists and tables.
 pub const ROW_TEXT: Color32 = Color32::from_gray(215);
-/// Emphasized text, such as the step of a lesson or an icon under the pointer.
+/// Colour of emphasized text, such as the step of a lesson, and of an icon under the pointer.
 pub const BRIGHT_TEXT: Color32 = Color32::WHITE;
-/// Text of view titles, times and received lines.
+/// Colour of view titles, times and received lines.
 pub const SECONDARY_TEXT: Color32 = Color32::from_gray(200);
-/// Unobtrusive text: states over the picture, keys of views, positions that match.
+/// Colour of unobtrusive text: states over the picture, keys of views, positions that match.
 pub const QUIET_TEXT: Color32 = Color32::from_gray(190);
-/// Text of notes and file names, and idle icons.
+/// Colour of notes, file names and idle icons.
 pub const NOTE_TEXT: Color32 = Color32::from_gray(170);
-/// Text of the state of the machine view without a warning.
+/// Colour of the state text of the machine view while there is no warning.
 pub const STATE_TEXT: Color32 = Color32::from_gray(160);
-/// Weak text of egui, and explanations. The colour is opaque, because a half-transparent one
-/// would be paler on a light ground.
+/// Colour of explanations and of egui's weak text. It is opaque, because a half-transparent one
+/// would be paler on a light background.
 pub const WEAK_TEXT: Color32 = Color32::from_gray(150);
-/// Text of the hint in the top bar while there is no message.
+/// Colour of the hint in the top bar while there is no message.
 pub const HINT_TEXT: Color32 = Color32::from_gray(140);
-/// Text on lamps, signs and flags in bright colours.
+/// Colour of text on lamps, signs and flags in bright colours.
 pub const TEXT_ON_BRIGHT: Color32 = Color32::BLACK;
 
 // Grounds.
 
-/// Fill of shapes that are not filled.
+/// Transparent fill colour, for shapes that are not filled.
 pub const NO_FILL: Color32 = Color32::TRANSPARENT;
-/// Ground of the window.
+/// Background colour of the window.
 pub const WINDOW_GROUND: Color32 = Color32::from_gray(22);
-/// Ground of the drawing of a view: lathe, ladder, scope.
+/// Background colour of drawings: lathe, ladder, scope.
 pub const DRAWING_GROUND: Color32 = Color32::from_gray(18);
-/// Ground of lists and forms of a view.
+/// Background colour of lists and forms in a view.
 pub const SIDE_GROUND: Color32 = Color32::from_gray(28);
-/// Ground of the bars of the window and of its views.
+/// Background colour of the bars of the window and of its views.
 pub const BAR_GROUND: Color32 = Color32::from_gray(34);
-/// Ground of the tab bar, and of the header of a view.
+/// Background colour of the tab bar and of the header of a view.
 pub const HEADER_GROUND: Color32 = Color32::from_gray(40);
 
-/// Shade on a row under the pointer.
+/// Colour of the shade on a row under the pointer.
 pub fn row_hover() -> Color32 {
     Color32::from_white_alpha(10)
 }
 
-/// A splitter between two panes that is not in use.
+/// Colour of a splitter between two panes that is not in use.
 pub const SPLITTER: Color32 = Color32::from_gray(44);
-/// A splitter that has the pointer or the focus.
+/// Colour of a splitter that has the pointer or the focus.
 pub const SPLITTER_ACTIVE: Color32 = ACCENT;
-/// Tint of an image that is drawn in its own colours.
+/// Tint for images that are drawn in their own colours.
 pub const NO_TINT: Color32 = Color32::WHITE;
 
 // Buttons that select one of several values.
 
-/// Ground of the selected value of a choice.
+/// Background colour of the button of a choice that is selected.
 pub const CHOICE_SELECTED_GROUND: Color32 = Color32::from_gray(58);
 pub const CHOICE_SELECTED_TEXT: Color32 = Color32::from_gray(210);
-/// Ground of the other values of a choice.
+/// Background colour of the buttons of a choice that are not selected.
 pub const CHOICE_GROUND: Color32 = Color32::from_gray(42);
 
 // Success, warning, danger.
 
 /// Colour of marks for states that are complete, valid or connected.
 pub const SUCCESS: Color32 = Color32::from_rgb(110, 230, 120);
-/// Text of a job that is saved and valid.
+/// Colour of the text about a job that is saved and valid.
 pub const JOB_VALID: Color32 = SUCCESS;
-/// A connection that moves the machine, and the lines that are sent to it.
+/// Colour of a connection that moves the machine, and of the lines sent to it.
 pub const BUSY: Color32 = ACCENT;
 /// Colour of marks for states that are uncertain, waiting or on trial, and of the signs of the top
 /// bar.
 pub const WARNING: Color32 = Color32::from_rgb(255, 196, 90);
-/// Marks a bit that is forced.
+/// Colour that marks a forced PLC bit.
 pub const FORCED: Color32 = WARNING;
-/// Text of changes that are not saved or written yet, and of the reason why the control
-/// refuses them.
+/// Colour of the text of unsaved changes, and of the reason why the control refuses them.
 pub const UNSAVED_TEXT: Color32 = Color32::from_rgb(255, 214, 110);
-/// Marks a value that differs from the delivered one.
+/// Colour that marks a value that differs from the delivered one.
 pub const DIFFERS: Color32 = ACCENT;
-/// Text of alarms, faults and failed transfers.
+/// Colour of the text of alarms, faults and failed transfers.
 pub const ALARM_TEXT: Color32 = Color32::from_rgb(255, 120, 96);
-/// Text of an error in what was typed.
+/// Colour of the text about an error in typed input.
 pub const ERROR_TEXT: Color32 = Color32::from_rgb(255, 150, 110);
-/// Text of an error in an address that was typed in the scope.
+/// Colour of the text about an error in an address that was typed in the scope.
 pub const SCOPE_ERROR_TEXT: Color32 = ERROR_TEXT;
-/// Text of an error in a job.
+/// Colour of the text about an error in a job.
 pub const JOB_ERROR: Color32 = ALARM_TEXT;
-/// Marks a collision, and the end of a path by an alarm.
+/// Colour that marks a collision, and the end of a path by an alarm.
 pub const COLLISION: Color32 = Color32::from_rgb(255, 70, 60);
 
 // The bar that warns of a real machine.
 
-/// White in both themes. The dark colour is a shade off, which tells it from other white text.
+/// Colour of the text in the warning bar of a real machine, white in both themes. In the dark theme
+/// it is one step off white, to be distinguishable from other white text.
 pub const MACHINE_BAR_TEXT: Color32 = Color32::from_rgb(255, 255, 254);
-/// Ground of the warning bar while the board can move the slides.
+/// Background colour of the warning bar while the board can move the slides.
 pub const MACHINE_CONNECTED_GROUND: Color32 = Color32::from_rgb(208, 30, 24);
-/// Ground of the warning bar while the board is off or lost.
+/// Background colour of the warning bar while the board is off or lost.
 pub const MACHINE_DISCONNECTED_GROUND: Color32 = Color32::from_rgb(150, 84, 20);
 
 // Rings around keys of the panel, and lamps of the bench.
 
-/// The ring around a latched key.
+/// Colour of the ring around a latched key.
 pub const LATCH_RING: Color32 = Color32::from_rgb(255, 150, 0);
-/// The ring around a key that a lesson asks the operator to press.
+/// Colour of the ring around a key that the operator should press in a lesson.
 pub const LESSON_RING: Color32 = Color32::from_rgb(60, 220, 255);
 pub const LAMP_ON: Color32 = SUCCESS;
 pub const LAMP_OFF: Color32 = Color32::from_gray(62);
@@ -133,9 +133,9 @@ pub const LAMP_OFF_TEXT: Color32 = Color32::from_gray(170);
 
 // Lessons.
 
-/// Marks the current step of a lesson, and a demonstration.
+/// Colour of the current step of a lesson, and of a demonstration.
 pub const LESSON_STEP: Color32 = ACCENT;
-/// Mark of a lesson step that is not done.
+/// Colour of the mark of a lesson step that is not done.
 pub const LESSON_OPEN: Color32 = Color32::from_gray(104);
 pub const LESSON_HINT_TEXT: Color32 = Color32::from_rgb(255, 214, 130);
 
@@ -143,25 +143,25 @@ pub const LESSON_HINT_TEXT: Color32 = Color32::from_rgb(255, 214, 130);
 
 pub const CODE_GROUND: Color32 = Color32::from_gray(22);
 pub const CODE_ALARM_GROUND: Color32 = Color32::from_rgb(70, 28, 26);
-/// Text of words that raise an alarm, and of characters that belong to no word.
+/// Colour of words that raise an alarm, and of characters that belong to no word.
 pub const CODE_ALARM_TEXT: Color32 = Color32::from_rgb(255, 110, 96);
-/// A breakpoint beside its line number.
+/// Colour of the mark of a breakpoint beside its line number.
 pub const BREAKPOINT: Color32 = CODE_ALARM_TEXT;
 pub const LINE_NUMBER_GROUND: Color32 = Color32::from_gray(30);
 pub const LINE_NUMBER_TEXT: Color32 = Color32::from_gray(140);
-/// Text of block and program numbers.
+/// Colour of block and program numbers in a program text.
 pub const CODE_NAME: Color32 = Color32::from_gray(150);
-/// Text of G words.
+/// Colour of G words in a program text.
 pub const CODE_G: Color32 = Color32::from_rgb(110, 180, 255);
-/// Text of M words.
+/// Colour of M words in a program text.
 pub const CODE_FUNCTION: Color32 = Color32::from_rgb(255, 170, 90);
-/// Text of S, F and T words.
+/// Colour of S, F and T words in a program text.
 pub const CODE_SETTING: Color32 = Color32::from_rgb(225, 150, 230);
 pub const CODE_AXIS: Color32 = Color32::from_rgb(240, 240, 240);
 pub const CODE_OTHER: Color32 = Color32::from_rgb(230, 215, 140);
 pub const CODE_STATEMENT: Color32 = Color32::from_rgb(150, 215, 225);
 pub const CODE_COMMENT: Color32 = Color32::from_rgb(120, 190, 130);
-/// Text of end of block, block skip and program mark.
+/// Colour of end of block, block skip and program mark in a program text.
 pub const CODE_MARK: Color32 = Color32::from_gray(140);
 
 // Paths of the tool.
@@ -172,7 +172,7 @@ pub const THREAD_PATH: Color32 = Color32::from_rgb(80, 225, 120);
 /// Colour of the path of the running block.
 pub const RUNNING_PATH: Color32 = Color32::from_rgb(255, 255, 140);
 
-/// Glow around the path of the running block.
+/// Returns the colour of the glow around the path of the running block.
 pub fn running_glow() -> Color32 {
     RUNNING_PATH.gamma_multiply(0.3)
 }
@@ -183,15 +183,16 @@ pub const SELECTED_PATH: Color32 = Color32::from_rgb(255, 110, 220);
 pub const PASS_PATH: Color32 = Color32::from_rgb(255, 245, 170);
 /// Colour of the path of the block that raises an alarm.
 pub const FAULT_PATH: Color32 = Color32::from_rgb(255, 60, 50);
-/// Dwells in the time bar, and times without a known move.
+/// Colour of dwells in the time bar, and of times without a known move.
 pub const DWELL: Color32 = Color32::from_gray(64);
 pub const DWELL_TEXT: Color32 = Color32::from_gray(150);
-/// Shade on the elapsed part of the time bar.
+/// Colour of the shade on the elapsed part of the time bar.
 pub const TIME_DONE_SHADE: Color32 = Color32::from_black_alpha(110);
-/// Line at the current time in the time bar.
+/// Colour of the line at the current time in the time bar.
 pub const TIME_CURSOR: Color32 = Color32::WHITE;
 
-/// Colour of a column of the time bar whose moves have the colour `path` in the picture.
+/// Returns the colour of a column of the time bar whose moves have the colour `path` in the
+/// picture.
 pub fn time_column(path: Color32) -> Color32 {
     path.gamma_multiply(0.75)
 }
@@ -199,30 +200,30 @@ pub fn time_column(path: Color32) -> Color32 {
 // Time line of the session.
 
 pub const TIMELINE_GROUND: Color32 = DRAWING_GROUND;
-/// Part of the time line after the past moment that is shown.
+/// Colour of the shade on the time line after the past moment that is shown.
 pub const TIMELINE_LATER_SHADE: Color32 = TIME_DONE_SHADE;
 pub const TIMELINE_BLOCK: Color32 = FEED_PATH;
 pub const TIMELINE_KEY: Color32 = SUCCESS;
 pub const TIMELINE_INPUT: Color32 = CODE_SETTING;
 pub const TIMELINE_ALARM: Color32 = ALARM_TEXT;
 pub const TIMELINE_COLLISION: Color32 = COLLISION;
-/// Start of the abandoned future.
+/// Colour of the mark at which the abandoned future starts on the time line.
 pub const TIMELINE_BRANCH: Color32 = WARNING;
 pub const TIMELINE_HANDLE: Color32 = TIME_CURSOR;
 
 // Drawing of the part.
 
 pub const GRID_LINE: Color32 = Color32::from_gray(34);
-/// Numbers at the lines of the grid.
+/// Colour of the numbers at grid lines.
 pub const GRID_TEXT: Color32 = Color32::from_gray(150);
 pub const SPINDLE_AXIS: Color32 = Color32::from_rgb(176, 120, 120);
-/// Ground of text over the picture.
+/// Background colour of text over the picture.
 pub const PICTURE_LABEL_GROUND: Color32 = Color32::from_rgba_premultiplied(12, 12, 12, 170);
-/// Fill of the cut face of the half section.
+/// Fill colour of the cut face of the half section.
 pub const SECTION: Color32 = Color32::from_rgb(81, 81, 84);
-/// Lines on the cut face of the half section.
+/// Colour of the hatch lines on the cut face of the half section.
 pub const HATCHING: Color32 = Color32::from_rgb(166, 164, 156);
-/// Fill of the outside of the part, below the axis.
+/// Fill colour of the outside of the part, below the axis.
 pub const PART_OUTSIDE: Color32 = Color32::from_rgb(74, 74, 76);
 pub const PART_EDGE: Color32 = Color32::from_rgb(196, 196, 192);
 pub const CHUCK: Color32 = Color32::from_rgb(44, 50, 60);
@@ -232,17 +233,17 @@ pub const INSERT: Color32 = Color32::from_rgb(240, 200, 60);
 pub const INSERT_EDGE: Color32 = Color32::WHITE;
 pub const TOOL_HOLDER: Color32 = Color32::from_rgb(98, 104, 112);
 pub const TOOL_HOLDER_EDGE: Color32 = Color32::from_rgb(150, 156, 164);
-/// Marks of the turning spindle, and the nozzle.
+/// Colour of the marks on the turning spindle, and of the coolant nozzle.
 pub const SPINDLE_MARK: Color32 = Color32::from_rgb(150, 164, 186);
-/// Coolant, and the same colour without transparency. Its hue differs from those of the paths.
+/// Colour of coolant. Its hue differs from those of the paths.
 pub const COOLANT: Color32 = Color32::from_rgba_unmultiplied_const(70, 190, 190, 110);
 const COOLANT_OPAQUE: Color32 = Color32::from_rgb(70, 190, 190);
 
 // Measurement of the part.
 
-/// The measured feature of the part under the pointer.
+/// Colour of the measured feature of the part under the pointer.
 pub const MEASURED_FEATURE: Color32 = Color32::from_rgb(255, 240, 120);
-/// A measured feature that the user has kept in the picture.
+/// Colour of a measured feature that the user has kept in the picture.
 pub const KEPT_MEASUREMENT: Color32 = Color32::from_rgb(255, 150, 220);
 pub const CALIPER: Color32 = Color32::from_rgb(190, 220, 255);
 pub const CALIPER_LABEL_GROUND: Color32 = Color32::from_rgba_premultiplied(10, 12, 16, 220);
@@ -250,42 +251,42 @@ pub const WITHIN_TOLERANCE: Color32 = Color32::from_rgb(90, 215, 110);
 pub const MATERIAL_LEFT: Color32 = Color32::from_rgb(80, 150, 255);
 pub const CUT_TOO_DEEP: Color32 = COLLISION;
 pub const PROGRAMMED_PATH: Color32 = Color32::WHITE;
-/// Path of the centre of the tool nose.
+/// Colour of the path of the centre of the tool nose.
 pub const NOSE_CENTER_PATH: Color32 = Color32::from_rgb(200, 130, 255);
 
-/// Colour of a path under the microscope: fainter than `path`, below the compared surface.
+/// Returns the colour of a path under the microscope, which is fainter than `path`.
 pub fn microscope_path(path: Color32) -> Color32 {
     path.gamma_multiply(0.6)
 }
 
 // Ladder.
 
-/// Parts of a rung through which power flows.
+/// Colour of the parts of a rung through which power flows.
 pub const LADDER_LIVE: Color32 = Color32::from_rgb(96, 226, 118);
-/// Parts of a rung through which no power flows.
+/// Colour of the parts of a rung through which no power flows.
 pub const LADDER_DEAD: Color32 = Color32::from_gray(118);
-/// Power rails, and symbols of elements without power.
+/// Colour of the power rails, and of symbols of elements without power.
 pub const LADDER_RAIL: Color32 = Color32::from_gray(150);
 pub const LADDER_COMMENT: Color32 = Color32::from_gray(146);
 pub const LADDER_TITLE: Color32 = Color32::from_rgb(150, 190, 230);
 pub const LADDER_SELECTED: Color32 = ACCENT;
-/// Ground of an element that the search has found.
+/// Background colour of a ladder element that the search has found.
 pub const LADDER_FOUND_GROUND: Color32 = Color32::from_rgba_unmultiplied_const(255, 214, 90, 38);
 const LADDER_FOUND: Color32 = Color32::from_rgb(255, 214, 90);
 pub const LADDER_BOX_GROUND: Color32 = Color32::from_gray(30);
-/// Ground of the label between two rungs.
+/// Background colour of the label between two rungs.
 pub const LADDER_MARK_GROUND: Color32 = Color32::from_gray(40);
-/// The frame around a rung that does not compile, and its error.
+/// Colour of the frame around a rung that does not compile, and of its error text.
 pub const LADDER_RUNG_ERROR: Color32 = Color32::from_rgb(255, 110, 90);
-/// Errors in the list of the compiler.
+/// Colour of errors in the compiler's list.
 pub const LADDER_ERROR_TEXT: Color32 = Color32::from_rgb(255, 130, 104);
 
-/// Fill of a contact or coil with power.
+/// Returns the fill colour of a contact or coil with power.
 pub fn ladder_live_ground() -> Color32 {
     LADDER_LIVE.gamma_multiply(0.35)
 }
 
-/// Frame of an element under the pointer.
+/// Returns the colour of the frame around a ladder element under the pointer.
 pub fn ladder_hover() -> Color32 {
     LADDER_SELECTED.gamma_multiply(0.5)
 }
@@ -295,19 +296,19 @@ pub fn ladder_hover() -> Color32 {
 pub const SCOPE_GRID: Color32 = Color32::from_gray(46);
 pub const SCOPE_ZERO_LINE: Color32 = Color32::from_gray(74);
 pub const SCOPE_FRAME: Color32 = Color32::from_gray(84);
-/// Numbers at the scales of scope and curves.
+/// Colour of the numbers at the scales of scope and curves.
 pub const SCALE_TEXT: Color32 = Color32::from_gray(160);
 pub const SCOPE_LANE_TEXT: Color32 = Color32::from_gray(205);
 pub const SCOPE_LANE_GROUND: Color32 = Color32::from_black_alpha(150);
-/// Trace of the actual values of X. The constant after it is for the commanded ones.
+/// Colour of the scope trace of the actual values of X.
 pub const SCOPE_X: Color32 = Color32::from_rgb(92, 190, 255);
 pub const SCOPE_X_COMMAND: Color32 = Color32::from_rgb(64, 118, 158);
-/// Trace of the actual values of Z. The constant after it is for the commanded ones.
+/// Colour of the scope trace of the actual values of Z.
 pub const SCOPE_Z: Color32 = Color32::from_rgb(255, 176, 72);
 pub const SCOPE_Z_COMMAND: Color32 = Color32::from_rgb(164, 118, 58);
-/// Trace of values along the path.
+/// Colour of the scope trace of values along the path.
 pub const SCOPE_PATH: Color32 = Color32::from_rgb(140, 222, 120);
-/// Trace of the actual values of the spindle. The constant after it is for the commanded ones.
+/// Colour of the scope trace of the actual values of the spindle.
 pub const SCOPE_SPINDLE: Color32 = Color32::from_rgb(238, 130, 208);
 pub const SCOPE_SPINDLE_COMMAND: Color32 = Color32::from_rgb(150, 88, 132);
 pub const SCOPE_BIT: Color32 = Color32::from_rgb(150, 214, 190);
@@ -315,13 +316,13 @@ pub const SCOPE_CURSORS: [Color32; 2] = [
     Color32::from_rgb(255, 226, 90),
     Color32::from_rgb(120, 226, 226),
 ];
-/// Grid lines of the curves of pitch errors.
+/// Colour of the grid lines of pitch error curves.
 pub const CURVE_GRID: Color32 = Color32::from_gray(52);
 pub const CURVE_CURRENT: Color32 = Color32::from_gray(150);
 pub const CURVE_MEASURED: Color32 = Color32::from_rgb(255, 180, 90);
 pub const CURVE_PROPOSED: Color32 = Color32::from_rgb(90, 200, 255);
 
-/// Fill of the lane of a bit while the bit is 1.
+/// Returns the fill colour of the scope lane of a bit while the bit is 1.
 pub fn scope_bit_ground() -> Color32 {
     SCOPE_BIT.gamma_multiply(0.25)
 }
@@ -332,7 +333,7 @@ const SMALL: f32 = 11.0;
 const BODY: f32 = 13.0;
 const LARGE: f32 = 16.0;
 
-/// Text size of 0 or 1 in a lamp, points.
+/// Text size of the 0 or 1 in a lamp, points.
 pub const LAMP_SIZE: f32 = SMALL;
 /// Text size of numbers at the grid of the picture and at curves, points.
 pub const SCALE_SIZE: f32 = SMALL;
@@ -349,11 +350,11 @@ pub const READING_SIZE: f32 = LARGE;
 /// Text size of the step of a lesson, large buttons, readings of the caliper and the state of
 /// a real machine, points.
 pub const LARGE_SIZE: f32 = LARGE;
-/// Size of an icon, points.
+/// Size of an icon from the icon font, points.
 pub const ICON_SIZE: f32 = LARGE;
-/// Size of an icon that is a picture, points.
+/// Size of an icon that is drawn as a picture, points.
 pub const PICTURE_ICON_SIZE: f32 = 2.0 * LARGE;
-/// Text size of the end of a lesson, points.
+/// Text size of the message at the end of a lesson, points.
 pub const LESSON_END_SIZE: f32 = LARGE;
 /// Text size of the warning of a real machine, points.
 pub const MACHINE_WARNING_SIZE: f32 = LARGE;
@@ -414,13 +415,13 @@ pub fn set_light(context: &Context, light: bool) {
     context.with_plugin(|plugin: &mut ThemePlugin| plugin.light = light);
 }
 
-/// Whether the context draws the light theme.
+/// Whether the context uses the light theme.
 pub fn is_light(context: &Context) -> bool {
     let light = context.with_plugin(|plugin: &mut ThemePlugin| plugin.light);
     light.unwrap_or(false)
 }
 
-/// The background colour of a window in the light or the dark theme.
+/// Returns the background colour of a window in the light or the dark theme.
 pub fn background(light: bool) -> Color32 {
     if light {
         to_light(WINDOW_GROUND)
@@ -449,7 +450,7 @@ pub fn white_texture(context: &Context) -> TextureId {
     texture.id()
 }
 
-/// Gives a shape the colours of the light theme, unless it is an image.
+/// Converts the colours of a shape to the light theme, unless it is an image.
 fn lighten(shape: &mut Shape) {
     match shape {
         Shape::Vec(shapes) => shapes.iter_mut().for_each(lighten),

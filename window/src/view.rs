@@ -16,12 +16,12 @@ macro_rules! views {
             $($(#[$comment])* $view,)*
         }
 
-        /// The views in the order of the menu.
+        /// All views in the order of the menu.
         pub static VIEWS: [ViewRow; [$(ViewId::$view),*].len()] = [$($row),*];
     };
 }
 
-/// What the window knows of a view without drawing it.
+/// The properties of a view in the table of views: id, name, icon and sizes.
 pub struct ViewRow {
     pub view: ViewId,
     pub name: fn() -> Message,
@@ -192,12 +192,12 @@ views! {
 }
 
 impl ViewId {
-    /// Whether this platform has the view.
+    /// Whether the view exists on this platform.
     pub fn is_available(self) -> bool {
         (self.row().is_available)()
     }
 
-    /// The row of the view in [`VIEWS`].
+    /// Returns the row of the view in [`VIEWS`].
     pub fn row(self) -> &'static ViewRow {
         let row = VIEWS.iter().find(|row| row.view == self);
         row.unwrap_or(&VIEWS[0])

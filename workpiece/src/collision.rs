@@ -7,23 +7,23 @@ use crate::grid::{from_grid, mm};
 use crate::region::Region;
 use crate::tool::BodyPart;
 
-/// The part of the tool that collides.
+/// The part of the tool that collides: its insert or its body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TouchingPart {
     /// The insert touches during a rapid.
     RapidInsert,
     /// The insert touches during a feed move while the spindle stands still.
     StandingInsert,
-    /// The insert touches during a feed move while the spindle turns.
+    /// The insert touches jaws, chuck or tailstock during a feed move while the spindle turns.
     Insert,
-    /// This part of the tool touches, which must never touch anything.
+    /// A part of the tool that must never touch anything collides: insert back, holder or turret.
     Body(BodyPart),
 }
 
 /// The object that the tool collides with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Obstacle {
-    /// The stock, or the part that remains of it.
+    /// The stock, or what cutting has left of it.
     Stock,
     /// The jaws of the chuck.
     Jaws,
@@ -40,9 +40,9 @@ pub struct Collision {
     pub touching_part: TouchingPart,
     /// The object that the tool collides with.
     pub obstacle: Obstacle,
-    /// The imaginary tip at the first contact, mm.
+    /// Position of the imaginary tip at the first contact, mm.
     pub tip: Point,
-    /// The centre of the area of first contact, mm.
+    /// Centre of the area of first contact, mm.
     pub contact: Point,
     /// The greatest depth that the tool reaches in the obstacle during this motion, mm.
     pub depth: f64,

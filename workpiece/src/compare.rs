@@ -11,14 +11,14 @@ use gsk_units::Point;
 use crate::grid::{GridPoint, from_grid, mm};
 use crate::region::Region;
 
-/// Greatest distance of two sample points on an edge, mm.
+/// Greatest distance between two sample points on an edge, mm.
 const SAMPLE_SPACING_MM: f64 = 0.1;
 /// Maximum number of sample points on one edge.
 const MAX_EDGE_SAMPLES: f64 = 2000.0;
 /// Width of the columns along Z that index the edges of a region, grid units: 0.5 mm.
 const COLUMN_UNITS: i32 = 5_000;
 
-/// A point of a surface with its distance from the wanted surface.
+/// A point of a surface with its distance from the intended surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceDeviation {
     /// The point on the surface, mm; X is a radius.
@@ -51,7 +51,7 @@ pub fn deviations(part: &Region, wanted: &Region, clamped: f64) -> Vec<Vec<Surfa
     outlines.collect()
 }
 
-/// Evenly spaced points of an edge without its last point.
+/// Returns evenly spaced points of an edge without its last point, mm.
 fn edge_samples(a: GridPoint, b: GridPoint) -> impl Iterator<Item = Point> {
     let (from, to) = (from_grid(a), from_grid(b));
     let count = ((to - from).length() / SAMPLE_SPACING_MM).clamp(1.0, MAX_EDGE_SAMPLES);
@@ -90,7 +90,7 @@ impl Edges {
         }
     }
 
-    /// Distance of a point from the outline of the region, mm, negative inside.
+    /// Returns the distance of a point from the outline of the region, mm, negative inside.
     fn signed_distance(&self, at: Point) -> f64 {
         let column = libm::floor(at.z / mm(COLUMN_UNITS)) as i32 - self.first_column;
         let distance = self.distance_to_nearest(at, column);
@@ -141,7 +141,7 @@ impl Edges {
     }
 }
 
-/// Distance of a point from an edge, mm.
+/// Returns the distance of a point from an edge, mm.
 fn distance_to_edge(at: Point, (a, b): (Point, Point)) -> f64 {
     let (along, beside) = (b - a, at - a);
     let length = along.dot(along);
@@ -163,7 +163,7 @@ mod tests {
         Region::from_contours(&[corners.iter().map(corner).collect()])
     }
 
-    /// Least and greatest signed distance, mm.
+    /// Returns the least and greatest signed distance, mm.
     fn range(deviations: &[Vec<SurfaceDeviation>]) -> (f64, f64) {
         let all = deviations.iter().flatten().map(|it| it.distance);
         all.fold((0.0, 0.0), |(low, high): (f64, f64), distance| {

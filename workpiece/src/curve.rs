@@ -57,14 +57,14 @@ impl PlaneArc {
         self.center + Point::new(libm::sin(angle), libm::cos(angle)) * self.radius
     }
 
-    /// Points from start to end whose chords are within [`SAGITTA_MM`] of the arc.
+    /// Returns points from start to end of the arc; their chords are within [`SAGITTA_MM`] of it.
     pub fn points(&self) -> impl Iterator<Item = Point> + use<> {
         let arc = *self;
         let chords = arc.chord_count(SAGITTA_MM);
         (0..=chords).map(move |index| arc.point_at(f64::from(index) / f64::from(chords)))
     }
 
-    /// The number of equal chords that stay within `sagitta_mm` of the arc.
+    /// Returns the number of equal chords that stay within `sagitta_mm` of the arc.
     pub fn chord_count(&self, sagitta_mm: f64) -> u32 {
         let least = (1.0 - sagitta_mm / self.radius.max(sagitta_mm)).max(-1.0);
         let step = (2.0 * libm::acos(least)).max(1e-6);
@@ -72,12 +72,12 @@ impl PlaneArc {
     }
 }
 
-/// The direction of a displacement, radians counter-clockwise from +Z.
+/// Returns the direction of a displacement, radians counter-clockwise from +Z.
 pub fn angle(displacement: Point) -> f64 {
     libm::atan2(displacement.x, displacement.z)
 }
 
-/// The vector of length 1 in a direction, degrees counter-clockwise from +Z.
+/// Returns the vector of length 1 in a direction, degrees counter-clockwise from +Z.
 pub fn unit_vector(degrees: f64) -> Point {
     let radians = degrees * PI / 180.0;
     Point::new(libm::sin(radians), libm::cos(radians))

@@ -20,7 +20,7 @@ pub type GridPoint = IntPoint<i32>;
 /// A closed polygon; an edge joins its last point to its first.
 pub type GridContour = Vec<GridPoint>;
 
-/// Grid units per millimetre.
+/// Number of grid units per millimetre.
 pub const PER_MM: f64 = 10_000.0;
 
 /// Greatest coordinate, mm: the boolean operations need the upper bits of the integer.
@@ -36,12 +36,12 @@ pub fn mm(grid: i32) -> f64 {
     f64::from(grid) / PER_MM
 }
 
-/// Rounds a point in mm to the grid.
+/// Rounds a point in mm to grid units.
 pub fn to_grid(point: Point) -> GridPoint {
     GridPoint::new(grid(point.z), grid(point.x))
 }
 
-/// Converts a grid point to mm.
+/// Converts a point in grid units to mm.
 pub fn from_grid(point: GridPoint) -> Point {
     Point::new(mm(point.y), mm(point.x))
 }

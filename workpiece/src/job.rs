@@ -46,7 +46,7 @@ pub struct DiameterPoint {
 }
 
 impl DiameterPoint {
-    /// Converts to a point with X as a radius.
+    /// Returns the point with X as a radius.
     pub const fn point(self) -> Point {
         Point::from_diameter(self.x, self.z)
     }

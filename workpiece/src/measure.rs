@@ -22,7 +22,7 @@ const TOLERANCE_MM: f64 = 0.000_5;
 const MIN_ARC_POINTS: usize = 5;
 /// Greatest radius of an arc, mm; flatter arcs become lines.
 const MAX_ARC_RADIUS_MM: f64 = 5_000.0;
-/// Least number of grooves of a thread.
+/// Least number of equal grooves that are recognized as a thread.
 const MIN_THREAD_GROOVES: usize = 3;
 /// Greatest difference between grooves of one thread in pitch and depth, mm.
 const THREAD_TOLERANCE_MM: f64 = 0.002;
@@ -32,39 +32,39 @@ const THREAD_TOLERANCE_MM: f64 = 0.002;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 pub enum Feature {
-    /// A line parallel to the spindle axis.
+    /// A cylinder: a line of the outline parallel to the spindle axis.
     Cylinder {
         /// The diameter of the cylinder, mm.
         diameter: Diameter,
-        /// Z of both ends, mm.
+        /// Z of the front and back end of the cylinder, mm.
         z: (f64, f64),
     },
-    /// A line perpendicular to the spindle axis.
+    /// A face: a line of the outline perpendicular to the spindle axis.
     Face {
-        /// Diameters of both ends, mm.
+        /// Diameters of both ends of the face, mm.
         diameters: (Diameter, Diameter),
         /// Z of the face, mm.
         z: f64,
     },
-    /// An inclined line: a taper or a chamfer.
+    /// A taper or a chamfer: an inclined line of the outline.
     Cone {
-        /// Diameters of both ends, mm.
+        /// Diameters of the front and back end, mm.
         diameters: (Diameter, Diameter),
-        /// Z of both ends, mm.
+        /// Z of the front and back end, mm.
         z: (f64, f64),
         /// Angle between the line and the spindle axis, degrees: half the cone angle.
         angle: f64,
     },
-    /// A circular arc: a fillet, a rounding or a ball.
+    /// A fillet, rounding or ball: a circular arc of the outline.
     Arc {
         /// The radius of the arc, mm; negative if the arc is concave.
         radius: f64,
-        /// Diameters of both ends, mm.
+        /// Diameters of the front and back end of the arc, mm.
         diameters: (Diameter, Diameter),
-        /// Z of both ends, mm.
+        /// Z of the front and back end of the arc, mm.
         z: (f64, f64),
     },
-    /// Equal grooves at equal distances.
+    /// A thread: equal grooves at equal distances.
     Thread {
         /// Distance between two grooves along Z, mm.
         pitch: f64,
@@ -75,7 +75,7 @@ pub enum Feature {
     },
 }
 
-/// A feature with the points of its outline.
+/// A feature of the outline with its points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredFeature {
     /// The feature that was recognized in the outline.
@@ -111,21 +111,21 @@ pub fn measure_with_outlines(section: &Region, side: SectionSide) -> Vec<Measure
     found
 }
 
-/// The side of a half section that is measured.
+/// The side of a half section that is measured: outside or bore.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SectionSide {
     /// The outer surface of the part.
     Outside,
-    /// The surface of the bore, on the inside.
+    /// The surface of the bore.
     Inside,
 }
 
-/// A line or an arc of the outline.
+/// A piece of the outline: a line or an arc.
 #[derive(Clone, Copy, Debug)]
 struct OutlineSegment {
     from: Point,
     to: Point,
-    /// Indices of both ends in the outline.
+    /// Indices of the piece's first and last point in the outline.
     points: (usize, usize),
     /// Centre of the arc, mm, and whether the arc is convex; `None` for a line.
     arc: Option<(Point, bool)>,

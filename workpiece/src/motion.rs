@@ -8,23 +8,23 @@ use crate::grid::{GridPoint, to_grid};
 /// One move of the imaginary tip. Points are in part coordinates, mm; X is a radius.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ToolMotion {
-    /// The position of the imaginary tip at the start.
+    /// Position of the imaginary tip at the start, mm.
     pub from: Point,
-    /// The position of the imaginary tip at the end.
+    /// Position of the imaginary tip at the end, mm.
     pub to: Point,
-    /// The path from start to end, and whether the move may cut.
+    /// The path from start to end: rapid, line, arc or thread.
     pub kind: MotionKind,
     /// Whether the spindle turns during the move.
     pub turning: bool,
-    /// Whether the operator moves the slides by hand: then a tool that is in something already
-    /// may come out of it.
+    /// Whether the operator moves the slides by hand: then a tool that already overlaps an obstacle
+    /// may move out of it.
     pub by_hand: bool,
 }
 
-/// The path of a move, and whether it may cut.
+/// The path of a move: rapid, line, arc or thread. A rapid must not cut.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MotionKind {
-    /// A straight rapid: must not cut.
+    /// A straight rapid, which must not cut.
     Rapid,
     /// A straight feed move.
     Line,
@@ -41,12 +41,12 @@ pub enum MotionKind {
 }
 
 impl ToolMotion {
-    /// The corners of the path in grid units; arcs are split into chords.
+    /// Returns the corners of the path in grid units; arcs are split into chords.
     pub(crate) fn path(&self) -> Vec<GridPoint> {
         self.points().into_iter().map(to_grid).collect()
     }
 
-    /// The corners of the path, mm; arcs are split into chords.
+    /// Returns the corners of the path, mm; arcs are split into chords.
     fn points(&self) -> Vec<Point> {
         match &self.kind {
             MotionKind::Rapid | MotionKind::Line | MotionKind::Thread(_) => {
@@ -73,9 +73,9 @@ impl ToolMotion {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThreadPath {
-    /// The start point, mm; X is a radius.
+    /// Start point of the thread, mm; X is a radius.
     pub from: Point,
-    /// The end point, mm; X is a radius.
+    /// End point of the thread, mm; X is a radius.
     pub to: Point,
     /// The axis along which the lead is measured.
     pub lead_axis: Axis,
@@ -87,7 +87,7 @@ pub struct ThreadPath {
     pub phase: f64,
 }
 
-/// Maximum number of imprints of one thread pass.
+/// Maximum number of grooves that one thread pass cuts into the drawn half section.
 const MAX_IMPRINTS: u32 = 100_000;
 
 impl ThreadPath {

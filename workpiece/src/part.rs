@@ -18,7 +18,7 @@ use crate::convex::{sweep, sweep_along};
 use crate::grid::{GridContour, GridPoint, PER_MM, to_grid};
 use crate::region::{GridBounds, Region};
 
-/// Width of a slab along Z, grid units: 2 mm.
+/// Width of a slab of the part along Z, grid units: 2 mm.
 const SLAB_UNITS: i32 = 20_000;
 
 /// The half section of a part that tools cut, stored in slabs along Z.
@@ -31,7 +31,7 @@ pub struct TurnedPart {
     version: u64,
 }
 
-/// The material that remains in a slab, with its bounding box.
+/// A slab of the part: the material that remains between two Z, with its bounding box.
 #[derive(Clone, Debug, PartialEq)]
 struct Slab {
     region: Region,
@@ -172,7 +172,7 @@ impl TurnedPart {
             .filter(move |(_, slab)| slab.intersects(&bounds))
     }
 
-    /// The material that lies within polygons.
+    /// Returns the material of the part that is within the polygons.
     pub fn intersection(&self, contours: &[GridContour]) -> Region {
         let mut touched: Vec<GridContour> = Vec::new();
         for contour in contours {
@@ -197,7 +197,7 @@ impl TurnedPart {
         Region::from_contours(&touched)
     }
 
-    /// The whole half section as one region.
+    /// Returns the whole half section as one region.
     pub fn section(&self) -> Region {
         let contours: Vec<GridContour> = self
             .slabs
@@ -207,12 +207,12 @@ impl TurnedPart {
         Region::from_contours(&contours)
     }
 
-    /// The volume of the part, mm³.
+    /// Returns the volume of the part, mm³.
     pub fn volume(&self) -> f64 {
         self.slabs.iter().map(|slab| slab.region.volume()).sum()
     }
 
-    /// The area of the half section, mm².
+    /// Returns the area of the half section, mm².
     pub fn area(&self) -> f64 {
         self.slabs.iter().map(|slab| slab.region.area()).sum()
     }

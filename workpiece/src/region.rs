@@ -17,7 +17,7 @@ pub struct Region {
     contours: Vec<GridContour>,
 }
 
-/// An axis-parallel box in grid units, including its border.
+/// A rectangle parallel to the axes in grid units, including its border.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GridBounds {
     /// The corner with the least Z and X.
@@ -27,7 +27,7 @@ pub struct GridBounds {
 }
 
 impl GridBounds {
-    /// The smallest box around points; `None` without points.
+    /// Returns the smallest box around points; `None` without points.
     pub fn from_points<'a>(points: impl IntoIterator<Item = &'a GridPoint>) -> Option<Self> {
         points.into_iter().fold(None, |bounds, point| {
             let Self { low, high } = bounds.unwrap_or(Self {
@@ -41,7 +41,7 @@ impl GridBounds {
         })
     }
 
-    /// Whether two boxes have a point in common.
+    /// Whether two boxes have any point in common.
     pub const fn intersects(&self, other: &Self) -> bool {
         self.low.x <= other.high.x
             && other.low.x <= self.high.x
@@ -73,7 +73,7 @@ impl Region {
         }
     }
 
-    /// The polygons: outlines and holes.
+    /// Returns the polygons of the region: outlines and holes.
     pub fn contours(&self) -> &[GridContour] {
         &self.contours
     }
@@ -83,19 +83,19 @@ impl Region {
         self.contours.is_empty()
     }
 
-    /// This region without the area of polygons.
+    /// Returns the region without the area of polygons.
     #[must_use]
     pub fn difference(&self, others: &[GridContour]) -> Self {
         self.overlay(others, OverlayRule::Difference)
     }
 
-    /// This region joined with the area of polygons.
+    /// Returns the region joined with the area of polygons.
     #[must_use]
     pub fn union(&self, others: &[GridContour]) -> Self {
         self.overlay(others, OverlayRule::Union)
     }
 
-    /// The part of this region within polygons.
+    /// Returns the part of the region that is inside polygons.
     #[must_use]
     pub fn intersection(&self, others: &[GridContour]) -> Self {
         self.overlay(others, OverlayRule::Intersect)
@@ -115,7 +115,7 @@ impl Region {
         self
     }
 
-    /// Splits the region into its connected areas, each with its holes.
+    /// Returns the connected areas of the region, each with its holes.
     pub fn connected_areas(&self) -> Vec<Self> {
         shapes(&self.contours, &[], OverlayRule::Subject)
             .into_iter()
@@ -130,12 +130,12 @@ impl Region {
         }
     }
 
-    /// The bounding box; `None` if the region is empty.
+    /// Returns the bounding box of the region; `None` if the region is empty.
     pub fn bounds(&self) -> Option<GridBounds> {
         GridBounds::from_points(self.contours.iter().flatten())
     }
 
-    /// The area of the region, mm².
+    /// Returns the area of the region, mm².
     pub fn area(&self) -> f64 {
         self.edges().map(|(a, b)| cross(a, b)).sum::<f64>() / 2.0
     }
@@ -163,7 +163,7 @@ impl Region {
         self.edges().filter(crosses).count() % 2 == 1
     }
 
-    /// The edges of all polygons, each from a point to the next.
+    /// Returns the edges of all polygons, each from a point to the next.
     pub fn edges(&self) -> impl Iterator<Item = (GridPoint, GridPoint)> + '_ {
         self.contours.iter().flat_map(|contour| {
             let next = contour.iter().cycle().skip(1);
@@ -172,7 +172,7 @@ impl Region {
     }
 }
 
-/// The cross product of two grid points as vectors, mm².
+/// Returns the cross product of two grid points as vectors, mm².
 fn cross(a: GridPoint, b: GridPoint) -> f64 {
     let wide = i64::from(a.x) * i64::from(b.y) - i64::from(a.y) * i64::from(b.x);
     wide as f64 / (PER_MM * PER_MM)

@@ -15,7 +15,8 @@ use crate::tool::ToolShape;
 /// other, and circles are approximated by chords.
 const CLEARANCE_UNITS: i32 = 50;
 
-/// The objects around the tool (part, chuck, jaws and tailstock) and what tools do to them.
+/// The objects around the tool: part, chuck, jaws and tailstock, with the effect of tool motions on
+/// them.
 #[derive(Clone, Debug)]
 pub struct LatheScene {
     stock: Stock,
@@ -29,17 +30,17 @@ pub struct LatheScene {
 /// The effect of one move: the material that it removes and its first collision.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MotionEffect {
-    /// The amount of removed material.
+    /// Amount of material that the motion removed.
     pub removed: RemovedMaterial,
     /// The first collision of the insert, or of the tool body if the insert has none; `None`
     /// without a collision.
     pub collision: Option<Collision>,
 }
 
-/// The stock that overlaps a tool where the tool must not cut.
+/// The stock that overlaps a tool at positions where the tool must not cut.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Intrusion {
-    /// Stock that overlaps the insert in a rapid.
+    /// Stock that overlaps the insert during a rapid.
     pub insert: Region,
     /// Stock that overlaps the tool body: insert back, holder, turret.
     pub body: Region,
@@ -49,9 +50,9 @@ pub struct Intrusion {
 #[derive(Clone, Debug)]
 pub struct SceneTool {
     shape: ToolShape,
-    /// The contour of the cutting part, shrunk by the clearance.
+    /// The polygon of the cutting part, reduced by the clearance.
     insert: GridContour,
-    /// The contours of the other parts of the tool, shrunk by the clearance.
+    /// The polygons of the other parts of the tool, reduced by the clearance.
     body: Vec<(TouchingPart, GridContour)>,
 }
 
@@ -71,7 +72,7 @@ impl SceneTool {
         }
     }
 
-    /// The full shape of the tool, without clearance.
+    /// Returns the full shape of the tool, without clearance.
     pub const fn shape(&self) -> &ToolShape {
         &self.shape
     }
@@ -100,12 +101,12 @@ impl LatheScene {
         }
     }
 
-    /// The stock before the first cut.
+    /// Returns the stock before the first cut.
     pub const fn stock(&self) -> &Stock {
         &self.stock
     }
 
-    /// The part in its current state.
+    /// Returns the part in its current state.
     pub const fn part(&self) -> &TurnedPart {
         &self.part
     }

@@ -8,9 +8,9 @@ use crate::grid::{GridContour, GridPoint, grid, to_grid};
 use crate::region::Region;
 use crate::tool::check_range;
 
-/// Greatest length of stock, mm.
+/// Greatest permitted length of stock, mm.
 const MAX_LENGTH_MM: f64 = 5000.0;
-/// Greatest diameter of stock, mm.
+/// Greatest permitted diameter of stock, mm.
 const MAX_DIAMETER_MM: f64 = 2000.0;
 
 /// The stock and its clamping. Z 0 is at the finished face.
@@ -26,7 +26,7 @@ pub struct Stock {
     pub length: f64,
     /// The length of the stock in front of the jaws, mm.
     pub overhang: f64,
-    /// What the stock consists of. It changes pictures only: chips and colours.
+    /// The material of the stock, which affects only the drawn chips and colours.
     #[serde(default)]
     pub material: StockMaterial,
     /// The chuck that clamps the stock.
@@ -37,7 +37,7 @@ pub struct Stock {
     pub tailstock: Option<Tailstock>,
 }
 
-/// The form of the stock.
+/// The form of the stock: bar, tube or turned contour.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum StockForm {
     /// A round bar without a bore.
@@ -54,33 +54,33 @@ pub enum StockForm {
     },
     /// A turned blank, given by the corners of its half section from front to back.
     Contour {
-        /// Diameter and Z of each corner, mm; straight lines join them.
+        /// Diameter and Z of each corner of the contour, mm; straight lines join them.
         corners: Vec<(Diameter, f64)>,
-        /// Inside diameter, mm; 0 without a bore.
+        /// Inside diameter of the contour, mm; 0 without a bore.
         bore: Diameter,
     },
 }
 
-/// What the stock consists of.
+/// The material of the stock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum StockMaterial {
-    /// Carbon steel.
+    /// The stock is carbon steel.
     #[default]
     Steel,
-    /// Stainless steel, whose chips do not break.
+    /// The stock is stainless steel, whose chips do not break.
     Stainless,
-    /// Grey cast iron, whose chips crumble.
+    /// The stock is grey cast iron, whose chips crumble.
     CastIron,
-    /// Aluminium alloy.
+    /// The stock is aluminium alloy.
     Aluminium,
-    /// Brass, whose chips are short.
+    /// The stock is brass, whose chips are short.
     Brass,
-    /// Plastic.
+    /// The stock is plastic.
     Plastic,
 }
 
 impl StockMaterial {
-    /// All materials, in the order of lists.
+    /// All materials, in the order in which lists show them.
     pub const ALL: [Self; 6] = [
         Self::Steel,
         Self::Stainless,
@@ -90,7 +90,7 @@ impl StockMaterial {
         Self::Plastic,
     ];
 
-    /// The name of the material.
+    /// Returns the name of the material for the user.
     pub fn name(self) -> Message {
         match self {
             Self::Steel => say::stock_material_steel(),
@@ -192,7 +192,7 @@ impl Stock {
         self.chuck.check()
     }
 
-    /// The greatest radius of the stock, mm.
+    /// Returns the greatest radius of the stock, mm.
     pub fn radius(&self) -> f64 {
         match &self.form {
             StockForm::Bar { diameter } | StockForm::Tube { diameter, .. } => diameter.radius(),
@@ -203,22 +203,22 @@ impl Stock {
         }
     }
 
-    /// Z of the front face of the stock, mm.
+    /// Returns Z of the front face of the stock, mm.
     pub const fn front(&self) -> f64 {
         self.face
     }
 
-    /// Z of the back face of the stock, mm.
+    /// Returns Z of the back face of the stock, mm.
     pub const fn back(&self) -> f64 {
         self.face - self.length
     }
 
-    /// Z of the front of the jaws, mm.
+    /// Returns Z of the front of the jaws, mm.
     pub const fn jaw_front(&self) -> f64 {
         self.face - self.overhang
     }
 
-    /// The half section of the stock.
+    /// Returns the half section of the stock.
     pub fn section(&self) -> Region {
         let (outside, bore): (Region, Diameter) = match &self.form {
             StockForm::Bar { diameter } => (self.cylinder(*diameter), Diameter(0.0)),
@@ -265,7 +265,7 @@ impl Stock {
 
     /// The half section of the jaws of a power chuck when it is open.
     pub fn open_jaws(&self) -> Region {
-        /// Radial travel of the jaws, mm.
+        /// Radial travel of the jaws between clamped and open, mm.
         const JAW_TRAVEL_MM: f64 = 5.0;
         self.jaws(self.radius() + JAW_TRAVEL_MM)
     }

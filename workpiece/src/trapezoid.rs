@@ -4,19 +4,19 @@
 use crate::grid::{GridPoint, mm};
 use crate::region::Region;
 
-/// Which area of a section the trapezoids fill.
+/// The area of a section that trapezoids fill: the material, or also bores and grooves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SectionFill {
-    /// The material without bores and grooves.
+    /// The trapezoids fill the material without bores and grooves.
     Material,
-    /// Everything between the spindle axis and the outermost edge.
+    /// The trapezoids fill everything between the spindle axis and the outermost edge.
     Outside,
 }
 
 /// A trapezoid with two sides perpendicular to Z, mm; X is a radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trapezoid {
-    /// The left and the right side: Z, least X and greatest X, mm.
+    /// The left and the right side, each with Z, least X and greatest X, mm.
     pub sides: [(f32, f32, f32); 2],
 }
 
@@ -75,7 +75,7 @@ pub fn trapezoids(region: &Region, filled: SectionFill) -> Vec<Trapezoid> {
     trapezoids
 }
 
-/// X of an edge at a Z of the grid, mm.
+/// Returns X of an edge at a Z in grid units, mm.
 fn radius_at((left, right): &(GridPoint, GridPoint), z: i32) -> f64 {
     let share = (f64::from(z) - f64::from(left.x)) / (f64::from(right.x) - f64::from(left.x));
     mm(left.y) + (mm(right.y) - mm(left.y)) * share

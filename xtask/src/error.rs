@@ -6,13 +6,13 @@ use std::process::ExitStatus;
 
 use thiserror::Error;
 
-/// Why a task failed.
+/// The reason for which a development task failed.
 #[derive(Debug, Error)]
 pub enum TaskError {
     /// A command cannot be started, for instance because it is not installed.
     #[error("{line}: {error}")]
     Start {
-        /// The command line.
+        /// The command line that cannot be started.
         line: String,
         /// Error of the operating system.
         error: io::Error,
@@ -20,7 +20,7 @@ pub enum TaskError {
     /// A command ended with an error.
     #[error("{line}: {status}")]
     Failed {
-        /// The command line.
+        /// The command line of the failed command.
         line: String,
         /// Exit status of the command.
         status: ExitStatus,
@@ -49,15 +49,15 @@ pub enum TaskError {
         system: &'static str,
         /// The first missing tool or file.
         missing: String,
-        /// How to install it.
+        /// An instruction that installs the missing tool.
         cure: &'static str,
     },
     /// A table of `assets/tables` has a fault.
     #[error("assets/tables/{table}: {fault}")]
     Table {
-        /// Name of the file.
+        /// Name of the table file.
         table: &'static str,
-        /// What is wrong, with the line.
+        /// The fault of the table, with its line.
         fault: String,
     },
     /// A release file exceeds its size limit.
@@ -78,7 +78,7 @@ pub enum TaskError {
     Program {
         /// Path of the program.
         path: PathBuf,
-        /// Why they cannot be read.
+        /// The reason for which the requirements cannot be read.
         why: String,
     },
     /// An archive cannot be written.

@@ -20,7 +20,7 @@ use super::CommandLine;
 
 static TABLE_TEXT: &str = include_str!("../../../assets/tables/command-line.tsv");
 
-/// English texts with their Chinese translations.
+/// Map from the English texts of the command line to their Chinese translations.
 type Texts = BTreeMap<&'static str, &'static str>;
 
 /// The rows of the translation table, by the kind in their first column.
@@ -62,7 +62,7 @@ impl ChineseTexts {
             .join("\n")
     }
 
-    /// Translates the sentences of clap in a text that clap has rendered.
+    /// Translates the sentences that clap has added to a text.
     fn translate_rendered(&self, rendered: &str) -> String {
         let mut out = String::new();
         for line in rendered.lines() {
@@ -192,7 +192,7 @@ fn find_reason(error: &Error) -> Option<(String, Message)> {
     Some((source.to_string(), message))
 }
 
-/// The command line parser with all texts in Chinese.
+/// Returns the command line parser with all texts in Chinese.
 pub fn chinese_command() -> Command {
     let mut command = CommandLine::command();
     // Options are built when their command is called.
@@ -264,7 +264,7 @@ mod tests {
         out
     }
 
-    /// All lines of the help texts of a command and its options.
+    /// Returns all lines of the help texts of a command and its options.
     fn help_lines(command: &Command) -> BTreeSet<String> {
         let mut texts = vec![
             command.get_about(),

@@ -3,7 +3,7 @@
 use clap::Args;
 use gsk_host::setup_args::SetupArgs;
 
-/// `dap`.
+/// Arguments of the command `dap`.
 #[derive(Args, Debug)]
 pub struct DapArgs {
     #[command(flatten)]

@@ -57,7 +57,7 @@ mod tests {
 
     use crate::cli::CommandLine;
 
-    /// Name, number of options, and short and long description of every command.
+    /// Returns name, number of options, and short and long description of every command.
     fn commands(program: &Command) -> Vec<(String, usize, [Option<String>; 2])> {
         let about = |command: &Command| {
             [command.get_about(), command.get_long_about()].map(|it| it.map(ToString::to_string))

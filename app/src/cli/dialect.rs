@@ -7,7 +7,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gsk_core::model::ModelId;
 use gsk_port::{ForeignDialect, PlainNumbers};
 
-/// `dialect`.
+/// Arguments of the command `dialect`.
 #[derive(Args, Debug)]
 pub struct DialectArgs {
     /// The program

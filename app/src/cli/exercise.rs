@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand, ValueEnum};
 use gsk_host::setup_args::SetupArgs;
 
-/// `exercise`.
+/// Subcommands of the command `exercise`.
 #[derive(Debug, Subcommand)]
 pub enum ExerciseCommand {
     /// List the exercises: name, criteria, points, time, title
@@ -32,7 +32,7 @@ pub enum ExerciseCommand {
     Pack(ExercisePackArgs),
 }
 
-/// `exercise list`.
+/// Arguments of the command `exercise list`.
 #[derive(Args, Debug)]
 pub struct ExerciseListArgs {
     /// Data folder with a teacher's exercises in its folder `exercises`
@@ -40,7 +40,7 @@ pub struct ExerciseListArgs {
     pub data: Option<PathBuf>,
 }
 
-/// `exercise check`.
+/// Arguments of the command `exercise check`.
 #[derive(Args, Debug)]
 pub struct ExerciseCheckArgs {
     /// Folder of the exercise: task.ron, reference.txt, wrong-1.txt, wrong-2.txt, …
@@ -48,7 +48,7 @@ pub struct ExerciseCheckArgs {
     pub task: PathBuf,
 }
 
-/// `exercise solve`.
+/// Arguments of the command `exercise solve`.
 #[derive(Args, Debug)]
 pub struct ExerciseSolveArgs {
     /// Name of the exercise, as `exercise list` prints it, or its folder
@@ -71,7 +71,7 @@ pub struct ExerciseSolveArgs {
     pub data: Option<PathBuf>,
 }
 
-/// `exercise mark`.
+/// Arguments of the command `exercise mark`.
 #[derive(Args, Debug)]
 pub struct ExerciseMarkArgs {
     /// The folder with the results (.gskresult)
@@ -88,7 +88,7 @@ pub struct ExerciseMarkArgs {
     pub data: Option<PathBuf>,
 }
 
-/// `exercise new`.
+/// Arguments of the command `exercise new`.
 #[derive(Args, Debug)]
 pub struct ExerciseNewArgs {
     /// The program that makes the part
@@ -104,7 +104,7 @@ pub struct ExerciseNewArgs {
     pub setup: SetupArgs,
 }
 
-/// `exercise drawing`.
+/// Arguments of the command `exercise drawing`.
 #[derive(Args, Debug)]
 pub struct ExerciseDrawingArgs {
     /// Name of the exercise, as `exercise list` prints it, or its folder
@@ -118,7 +118,7 @@ pub struct ExerciseDrawingArgs {
     pub data: Option<PathBuf>,
 }
 
-/// `exercise outline`.
+/// Arguments of the command `exercise outline`.
 #[derive(Args, Debug)]
 pub struct ExerciseOutlineArgs {
     /// Folder of the exercise, with task.ron and reference.txt
@@ -126,7 +126,7 @@ pub struct ExerciseOutlineArgs {
     pub task: PathBuf,
 }
 
-/// `exercise pack`.
+/// Arguments of the command `exercise pack`.
 #[derive(Args, Debug)]
 pub struct ExercisePackArgs {
     /// Names of the exercises, as `exercise list` prints them, or their folders

@@ -3,7 +3,7 @@
 use clap::Args;
 use gsk_core::model::ModelId;
 
-/// `help`.
+/// Arguments of the command `help`.
 #[derive(Args, Debug)]
 pub struct HelpArgs {
     /// A command, or what is to be explained: `alarm 31`, `022`, `004.3`, `G71`, `key CS`, `page oft`, `X0.5`, or words

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-/// `ladder`.
+/// Subcommands of the command `ladder`.
 #[derive(Debug, Subcommand)]
 pub enum LadderCommand {
     /// Compile a ladder and say whether it is right
@@ -23,7 +23,7 @@ pub struct LadderArgs {
     pub file: Option<PathBuf>,
 }
 
-/// `ladder run`.
+/// Arguments of the command `ladder run`.
 #[derive(Args, Debug)]
 pub struct LadderRunArgs {
     /// The ladder; without it the standard ladder

@@ -6,7 +6,7 @@ use std::ffi::OsString;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gsk_runner::Language;
 
-/// Creates the parser of the value of `--lang`.
+/// Creates the parser for the value of `--lang`.
 pub(super) fn language_parser() -> impl TypedValueParser<Value = Language> {
     let words = [("zh", "Chinese"), ("en", "English")];
     // The parser accepts no other word.
@@ -41,7 +41,7 @@ fn is_unset(locale: &str) -> bool {
     matches!(name, "C" | "POSIX")
 }
 
-/// The locale of the user's account; `None` if the system reports none.
+/// Returns the locale of the user's account; `None` if the system reports none.
 fn locale() -> Option<String> {
     // The first variable that is set decides, as usual. This holds on Windows, too, for
     // shells ported from Unix; otherwise the operating system decides.

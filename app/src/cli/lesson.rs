@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-/// `lesson`.
+/// Subcommands of the command `lesson`.
 #[derive(Debug, Subcommand)]
 pub enum LessonCommand {
     /// List the lessons: name, number of steps, title
@@ -15,7 +15,7 @@ pub enum LessonCommand {
     Run(LessonRunArgs),
 }
 
-/// `lesson list`.
+/// Arguments of the command `lesson list`.
 #[derive(Args, Debug)]
 pub struct LessonListArgs {
     /// Data folder with a teacher's lessons in its folder `lessons`
@@ -23,7 +23,7 @@ pub struct LessonListArgs {
     pub data: Option<PathBuf>,
 }
 
-/// `lesson check`.
+/// Arguments of the command `lesson check`.
 #[derive(Args, Debug)]
 pub struct LessonCheckArgs {
     /// The file (RON)
@@ -31,7 +31,7 @@ pub struct LessonCheckArgs {
     pub file: PathBuf,
 }
 
-/// `lesson run`.
+/// Arguments of the command `lesson run`.
 #[derive(Args, Debug)]
 pub struct LessonRunArgs {
     /// Its name, as `lesson list` says it, or its file

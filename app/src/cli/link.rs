@@ -3,7 +3,7 @@
 use clap::{Args, Subcommand, ValueEnum};
 use gsk_host::setup_args::{self, SetupArgs};
 
-/// `link`.
+/// Arguments of the command `link`.
 #[derive(Args, Debug)]
 pub struct LinkArgs {
     #[command(subcommand)]
@@ -36,7 +36,7 @@ pub struct LinkBoardArgs {
     pub setup: SetupArgs,
 }
 
-/// `link test`.
+/// Arguments of the command `link test`.
 #[derive(Args, Debug)]
 pub struct LinkTestArgs {
     /// Write settings that differ into the board
@@ -52,7 +52,7 @@ pub struct LinkTestArgs {
     pub board: LinkBoardArgs,
 }
 
-/// `link monitor`.
+/// Arguments of the command `link monitor`.
 #[derive(Args, Debug)]
 pub struct LinkMonitorArgs {
     /// Stop after this number of seconds
@@ -62,7 +62,7 @@ pub struct LinkMonitorArgs {
     pub board: LinkBoardArgs,
 }
 
-/// `link twin`.
+/// Arguments of the command `link twin`.
 #[derive(Args, Debug)]
 pub struct LinkTwinArgs {
     /// Firmware of the board

@@ -3,7 +3,7 @@
 use clap::Args;
 use gsk_host::setup_args::SetupArgs;
 
-/// `lsp`.
+/// Arguments of the command `lsp`.
 #[derive(Args, Debug)]
 pub struct LspArgs {
     /// Standard input and output, as some editors ask for: there is nothing else

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 use gsk_host::setup_args::{OptionValueError, parse_number};
 
-/// `mill`.
+/// Subcommands of the command `mill`.
 #[derive(Debug, Subcommand)]
 pub enum MillCommand {
     /// The electronic gear of an axis: parameters 015 and 016
@@ -20,7 +20,7 @@ pub enum MillCommand {
     Homing(HomingArgs),
 }
 
-/// `mill gear`.
+/// Arguments of the command `mill gear`.
 #[derive(Args, Debug)]
 pub struct GearArgs {
     /// Counts of the encoder in a turn: its lines, of an incremental encoder four times those
@@ -40,7 +40,7 @@ pub struct GearArgs {
     pub teeth: (u32, u32),
 }
 
-/// `mill pitch`.
+/// Arguments of the command `mill pitch`.
 #[derive(Args, Debug)]
 pub struct PitchArgs {
     /// Positions from the reference point, mm (degrees)
@@ -73,7 +73,7 @@ pub struct PitchArgs {
     pub turn: Option<f64>,
 }
 
-/// `mill backlash`.
+/// Arguments of the command `mill backlash`.
 #[derive(Args, Debug)]
 pub struct BacklashArgs {
     /// Parameter 010, its bits CPF7 to CPF0: 00001010
@@ -84,7 +84,7 @@ pub struct BacklashArgs {
     pub eighth: bool,
 }
 
-/// `mill keys`.
+/// Arguments of the command `mill keys`.
 #[derive(Args, Debug)]
 pub struct MillKeysArgs {
     /// Diagnosis numbers with their bits: 016=01001000
@@ -102,7 +102,7 @@ fn parse_key_bits(word: &str) -> Result<(u16, u8), OptionValueError> {
     Ok((number, parse_bits(shown)?))
 }
 
-/// `mill homing`.
+/// Arguments of the command `mill homing`.
 #[derive(Args, Debug)]
 pub struct HomingArgs {
     /// The parameters of a machine, one a line: N=V, N=00001000 or N.B=0|1, those of an axis
@@ -114,7 +114,7 @@ pub struct HomingArgs {
     pub values: Vec<String>,
 }
 
-/// Letters of the axes of a mill.
+/// Letters that an axis of a mill can have.
 pub const MILL_AXES: [char; 6] = ['X', 'Y', 'Z', 'A', 'B', 'C'];
 
 fn parse_axis(word: &str) -> Result<char, OptionValueError> {

@@ -93,7 +93,7 @@ to its end), 2 wrong call or file, 3 a tool hit something (--part), 130 ended by
 #[derive(Debug, Parser)]
 #[command(name = "gsk980td", version, after_help = EXAMPLES, args_conflicts_with_subcommands = true, disable_help_subcommand = true)]
 pub struct CommandLine {
-    /// What to do instead of opening the window.
+    /// The command to execute; `None` opens the window.
     #[command(subcommand)]
     pub command: Option<CliCommand>,
     /// How much is written into the log: off, error, warn, info, debug or trace [default: info
@@ -105,7 +105,7 @@ pub struct CommandLine {
     /// as the editor says]
     #[arg(long, global = true, value_parser = language_parser(), value_name = "LANG")]
     pub lang: Option<Language>,
-    /// Options of the window.
+    /// Options with which the window is opened.
     #[command(flatten)]
     pub window: WindowArgs,
 }
@@ -292,7 +292,7 @@ pub struct HoldPortArgs {
     pub baud: u32,
 }
 
-/// The forms of script actions for `operate --help`.
+/// Returns the forms of all script actions, for `operate --help`.
 fn script_help() -> String {
     let forms: Vec<String> = FORMS.iter().map(|(_, form)| format!("  {form}")).collect();
     format!(
@@ -304,7 +304,7 @@ fn script_help() -> String {
     )
 }
 
-/// `operate`.
+/// Arguments of the command `operate`.
 #[derive(Args, Debug)]
 pub struct OperateArgs {
     /// The script
@@ -325,7 +325,7 @@ pub struct OperateArgs {
     pub setup: SetupArgs,
 }
 
-/// `screen`.
+/// Arguments of the command `screen`.
 #[derive(Args, Debug)]
 pub struct ScreenArgs {
     /// Page id, see --list
@@ -353,7 +353,7 @@ pub struct TableArgs {
     pub json: bool,
 }
 
-/// `parameters` and `keys`.
+/// Arguments of the commands `parameters` and `keys`.
 #[derive(Args, Debug)]
 pub struct ModelTableArgs {
     #[command(flatten)]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use clap_complete::Shell;
 
-/// `completions`.
+/// Arguments of the command `completions`.
 #[derive(Args, Debug)]
 pub struct CompletionsArgs {
     /// The shell
@@ -13,7 +13,7 @@ pub struct CompletionsArgs {
     pub shell: Shell,
 }
 
-/// `man`.
+/// Arguments of the command `man`.
 #[derive(Args, Debug)]
 pub struct ManArgs {
     /// Write a page for the program and one for each command into this folder instead

@@ -24,7 +24,7 @@ pub struct PictureArgs {
 }
 
 impl PictureArgs {
-    /// Converts the options to those of the drawing module.
+    /// Converts the options to those of the plot package.
     pub fn to_look(self) -> DrawingOptions {
         DrawingOptions {
             size: self.size.unwrap_or_default(),

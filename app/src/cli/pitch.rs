@@ -22,7 +22,7 @@ pub enum PitchCommand {
     Show(PitchShowArgs),
 }
 
-/// Parser of the letter of a lathe axis.
+/// Creates the parser for the letter of a lathe axis.
 fn axis_parser() -> impl TypedValueParser<Value = Axis> {
     PossibleValuesParser::new(["x", "z"]).map(|word| match word.as_str() {
         "x" => Axis::X,
@@ -30,7 +30,7 @@ fn axis_parser() -> impl TypedValueParser<Value = Axis> {
     })
 }
 
-/// `pitch import`.
+/// Arguments of the command `pitch import`.
 #[derive(Args, Debug)]
 pub struct PitchImportArgs {
     /// The measurement: CSV, RTL, or the text of a calibration (REN)
@@ -65,7 +65,7 @@ pub struct PitchImportArgs {
     pub json: bool,
 }
 
-/// `pitch show`.
+/// Arguments of the command `pitch show`.
 #[derive(Args, Debug)]
 pub struct PitchShowArgs {
     /// The axis [default: both]

@@ -54,7 +54,7 @@ pub struct LookArgs {
     pub limits: LimitArgs,
 }
 
-/// `check`.
+/// Arguments of the command `check`.
 #[derive(Args, Debug)]
 pub struct CheckArgs {
     /// The programs; of a folder those in it and below it
@@ -129,7 +129,7 @@ impl CheckArgs {
         Ok(levels)
     }
 
-    /// The output format: `--json` is short for `--format json`.
+    /// Returns the output format: `--json` is short for `--format json`.
     pub const fn format(&self) -> CheckFormat {
         match self.json {
             true => CheckFormat::Json,
@@ -152,7 +152,7 @@ pub enum CheckFormat {
     Sarif,
 }
 
-/// Cameras of a picture of the lathe in space.
+/// Cameras for a picture of the lathe in 3D.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum SceneCamera {
     #[default]
@@ -195,7 +195,7 @@ pub struct SceneArgs {
     pub camera: SceneCamera,
 }
 
-/// `plot`.
+/// Arguments of the command `plot`.
 #[derive(Args, Debug)]
 pub struct PlotArgs {
     /// The program

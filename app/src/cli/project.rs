@@ -29,7 +29,7 @@ pub enum ProjectSubcommand {
     Diff(ProjectDiffArgs),
 }
 
-/// `project new`.
+/// Arguments of the command `project new`.
 #[derive(Args, Debug)]
 pub struct ProjectNewArgs {
     /// The folder: a new one, or an empty one
@@ -43,7 +43,7 @@ pub struct ProjectNewArgs {
     pub machine: Option<PathBuf>,
 }
 
-/// `project export`.
+/// Arguments of the command `project export`.
 #[derive(Args, Debug)]
 pub struct ProjectExportArgs {
     /// The folder: a new one, an empty one, or a project
@@ -60,7 +60,7 @@ pub struct ProjectExportArgs {
     pub machine: Option<PathBuf>,
 }
 
-/// `project import`.
+/// Arguments of the command `project import`.
 #[derive(Args, Debug)]
 pub struct ProjectImportArgs {
     /// The project
@@ -80,7 +80,7 @@ pub struct ProjectImportArgs {
     pub dry_run: bool,
 }
 
-/// `project diff`.
+/// Arguments of the command `project diff`.
 #[derive(Args, Debug)]
 pub struct ProjectDiffArgs {
     /// A project or a data folder: what there was
@@ -112,7 +112,8 @@ pub enum DiffFormat {
     Json,
 }
 
-/// Parser of section names; accepts the sections that `is_accepted` selects.
+/// Creates the parser for section names; it accepts the sections for which `is_accepted` returns
+/// true.
 fn section_parser(
     is_accepted: fn(ProjectSection) -> bool,
 ) -> impl TypedValueParser<Value = ProjectSection> {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use gsk_host::setup_args;
 
-/// `replay`.
+/// Arguments of the command `replay`.
 #[derive(Args, Debug)]
 pub struct ReplayArgs {
     /// The recording

@@ -7,7 +7,7 @@ use gsk_host::setup_args::SetupArgs;
 
 use super::LookArgs;
 
-/// `sheet`.
+/// Arguments of the command `sheet`.
 #[derive(Args, Debug)]
 pub struct SheetArgs {
     /// The program

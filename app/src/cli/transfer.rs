@@ -31,7 +31,7 @@ pub enum TextEnd {
 }
 
 impl TextEnd {
-    /// Converts the line end to the type of the transfer crate.
+    /// Converts the option to the type of the transfer package.
     pub const fn to_line_end(self) -> TextLineEnd {
         match self {
             Self::Crlf => TextLineEnd::CrLf,
@@ -42,7 +42,7 @@ impl TextEnd {
     }
 }
 
-/// `transfer`.
+/// Arguments of the command `transfer`.
 #[derive(Args, Debug)]
 pub struct TransferArgs {
     #[command(subcommand)]
@@ -114,7 +114,7 @@ fn parse_file_name(word: &str) -> Result<FileName, gsk_transfer::FileNameError> 
     FileName::new(word)
 }
 
-/// `transfer list`.
+/// Arguments of the command `transfer list`.
 #[derive(Args, Debug)]
 pub struct TransferListArgs {
     #[command(flatten)]
@@ -124,7 +124,7 @@ pub struct TransferListArgs {
     pub partition: Partition,
 }
 
-/// `transfer send`.
+/// Arguments of the command `transfer send`.
 #[derive(Args, Debug)]
 pub struct TransferSendArgs {
     #[command(flatten)]
@@ -140,7 +140,7 @@ pub struct TransferSendArgs {
     pub on_existing: ExistingFile,
 }
 
-/// `transfer receive`.
+/// Arguments of the command `transfer receive`.
 #[derive(Args, Debug)]
 pub struct TransferReceiveArgs {
     #[command(flatten)]
@@ -159,7 +159,7 @@ pub struct TransferReceiveArgs {
     pub partition: Partition,
 }
 
-/// `transfer delete`.
+/// Arguments of the command `transfer delete`.
 #[derive(Args, Debug)]
 pub struct TransferDeleteArgs {
     #[command(flatten)]
@@ -172,7 +172,7 @@ pub struct TransferDeleteArgs {
     pub partition: Partition,
 }
 
-/// `transfer rename`.
+/// Arguments of the command `transfer rename`.
 #[derive(Args, Debug)]
 pub struct TransferRenameArgs {
     #[command(flatten)]
@@ -188,7 +188,7 @@ pub struct TransferRenameArgs {
     pub partition: Partition,
 }
 
-/// `transfer backup`.
+/// Arguments of the command `transfer backup`.
 #[derive(Args, Debug)]
 pub struct TransferBackupArgs {
     #[command(flatten)]
@@ -201,7 +201,7 @@ pub struct TransferBackupArgs {
     pub overwrite: bool,
 }
 
-/// `transfer restore`.
+/// Arguments of the command `transfer restore`.
 #[derive(Args, Debug)]
 pub struct TransferRestoreArgs {
     #[command(flatten)]
@@ -214,7 +214,7 @@ pub struct TransferRestoreArgs {
     pub on_existing: ExistingFile,
 }
 
-/// `transfer wait`.
+/// Arguments of the command `transfer wait`.
 #[derive(Args, Debug)]
 pub struct TransferWaitArgs {
     #[command(flatten)]
@@ -230,7 +230,7 @@ pub struct TransferWaitArgs {
     pub files: Option<usize>,
 }
 
-/// `transfer send-text`.
+/// Arguments of the command `transfer send-text`.
 #[derive(Args, Debug)]
 pub struct TransferSendTextArgs {
     #[command(flatten)]
@@ -246,7 +246,7 @@ pub struct TransferSendTextArgs {
     pub wait: u64,
 }
 
-/// `transfer receive-text`.
+/// Arguments of the command `transfer receive-text`.
 #[derive(Args, Debug)]
 pub struct TransferReceiveTextArgs {
     #[command(flatten)]
@@ -262,7 +262,7 @@ pub struct TransferReceiveTextArgs {
     pub wait: u64,
 }
 
-/// `transfer control`.
+/// Arguments of the command `transfer control`.
 #[derive(Args, Debug)]
 pub struct TransferControlArgs {
     /// The control's port: a device, `tcp:HOST:PORT`, `listen:HOST:PORT`, or `pty` for a new pseudo terminal

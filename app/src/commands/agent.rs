@@ -25,14 +25,14 @@ pub fn start_agent(
     Ok(Some((server, feed)))
 }
 
-/// The agent of a command that ticks the machine itself.
+/// The MTConnect agent of a command that executes the ticks of the machine itself.
 pub struct CommandAgent {
     feed: AgentFeed,
     /// Job of the program; `None` without one.
     job: Option<Job>,
     /// Slows a simulated machine down; `None` with a board, which sets the pace.
     pacer: Option<MachinePacer>,
-    /// Answers requests as long as the command runs.
+    /// The server that answers requests while the command runs.
     _server: AgentServer,
 }
 

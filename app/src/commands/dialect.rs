@@ -88,7 +88,7 @@ fn write_program(input: &Path, target: &Path, bytes: &[u8]) -> Result<(), Comman
     Ok(())
 }
 
-/// The result of a port as JSON.
+/// The result of porting a program, as JSON.
 #[derive(Serialize)]
 struct PortReport<'a> {
     file: String,
@@ -99,11 +99,11 @@ struct PortReport<'a> {
     /// The ported program; absent if it was written into a file.
     #[serde(skip_serializing_if = "Option::is_none")]
     text: Option<&'a str>,
-    /// The check of the ported program.
+    /// The result of checking the ported program.
     check: &'a ProgramReport,
 }
 
-/// A finding as JSON.
+/// A finding of the port, as JSON.
 #[derive(Serialize)]
 struct PortFindingLine {
     line: u32,

@@ -25,7 +25,7 @@ use gsk_runner::execution::ExecutionError;
 
 use crate::picture::PictureNameError;
 
-/// Why a command failed.
+/// The reason why a command failed.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum CommandError {
@@ -37,7 +37,7 @@ pub enum CommandError {
 }
 
 impl CommandError {
-    /// The message that the command prints.
+    /// Returns the message that the command prints.
     pub fn message(&self) -> Message {
         match self {
             Self::Files(error) => error.message(),
@@ -45,17 +45,17 @@ impl CommandError {
         }
     }
 
-    /// A port or stream failed after it had been opened.
+    /// Creates the error for a port or stream that failed after it had been opened.
     pub fn gone(error: io::Error) -> Self {
         Self::Failed(say::as_written(error))
     }
 
-    /// A stream of results, such as moves, cannot be written.
+    /// Creates the error for a stream of results, such as moves, that cannot be written.
     pub fn output(error: io::Error) -> Self {
         Self::Failed(say::command_output_lost(error))
     }
 
-    /// Several independent failures, each in a separate line.
+    /// Creates the error for several independent failures, each in a separate line.
     pub fn several(errors: &[Self]) -> Self {
         Self::Failed(join_lines(errors.iter().map(Self::message)))
     }

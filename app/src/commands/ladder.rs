@@ -20,7 +20,7 @@ pub fn ladder(command: &LadderCommand) -> Result<u8, CommandError> {
     }
 }
 
-/// The errors of a ladder, one string per error.
+/// The errors of a ladder, formatted as one string per error.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", .0.join("\n"))]
 struct LadderErrors(Vec<String>);

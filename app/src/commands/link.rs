@@ -195,7 +195,7 @@ fn monitor(args: &LinkMonitorArgs) -> Result<u8, CommandError> {
     Ok(if failed { EXIT_ALARM } else { EXIT_OK })
 }
 
-/// Prints the recorded traffic since the last call.
+/// Prints the traffic that was recorded since the last call.
 fn print_traffic(board: &mut BoardSession) {
     for line in board.take_traffic() {
         let arrow = if line.is_outward { '>' } else { '<' };

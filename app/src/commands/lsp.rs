@@ -31,7 +31,7 @@ use crate::cli::LspArgs;
 /// Exit code if the editor disconnected without `shutdown`.
 const EXIT_DISCONNECTED: u8 = 1;
 
-/// The control model and memory that the programs are checked for.
+/// The control model and memory for which programs are checked.
 pub struct CheckedControl {
     /// Memory and settings of the control; for a mill only the programs in it are used.
     setup: Setup,

@@ -39,7 +39,7 @@ pub fn man(args: &ManArgs) -> Result<u8, CommandError> {
     Ok(EXIT_OK)
 }
 
-/// Lists a command and all its visible subcommands.
+/// Returns a command and all its visible subcommands.
 fn visible_commands(command: clap::Command) -> Vec<clap::Command> {
     let below = command
         .get_subcommands()

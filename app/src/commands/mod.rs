@@ -37,11 +37,11 @@ use gsk_messages::say;
 
 use crate::cli::{CliCommand, CommandLine, system_language};
 
-/// Exit code of success.
+/// Exit code of a command that succeeded.
 pub const EXIT_OK: u8 = 0;
 /// Exit code if the control raised an alarm, or a script failed.
 pub const EXIT_ALARM: u8 = 1;
-/// Exit code of a wrong command line or an unusable file.
+/// Exit code for a wrong command line or an unusable file.
 pub const EXIT_USAGE: u8 = 2;
 
 /// Exit code if a tool collided.

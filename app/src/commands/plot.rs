@@ -111,7 +111,7 @@ pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandEr
     Ok(if collided { EXIT_COLLISION } else { exit_code })
 }
 
-/// Creates the recorder of the lathe in space.
+/// Creates the recorder that draws the lathe in 3D.
 fn create_recorder(args: &PlotArgs, machining: &Machining, setup: &Setup) -> SceneRecorder {
     let frames = args.scene.frames.unwrap_or(1);
     let time_s = match frames {

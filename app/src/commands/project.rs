@@ -74,7 +74,7 @@ pub(super) fn data_directory(data: Option<&PathBuf>) -> Result<PathBuf, DataDirE
     }
 }
 
-/// Prints the damage of files of a data directory on standard error.
+/// Prints the messages about damaged files of a data directory on standard error.
 fn report_damages(held: &DataDirContent, language: Option<Language>) {
     for complaint in held.complaints() {
         complain!("gsk980td: {}", message_text(complaint, language));

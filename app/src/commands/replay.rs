@@ -10,7 +10,7 @@ use gsk_runner::text_format::format_time;
 use super::{CommandError, EXIT_ALARM, EXIT_OK, output};
 use crate::cli::ReplayArgs;
 
-/// Machine time of a tick, s.
+/// Machine time of one tick, s.
 const TICK_S: f64 = 0.001;
 
 pub fn replay(args: &ReplayArgs, language: Option<Language>) -> Result<u8, CommandError> {

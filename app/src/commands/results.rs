@@ -113,7 +113,7 @@ fn print_results(
     Ok(codes.into_iter().max().unwrap_or(EXIT_OK))
 }
 
-/// The exit code of the result of one file.
+/// Returns the exit code for the result of one file.
 fn exit_code(result: &Result<ProgramReport, CommandError>) -> u8 {
     match result {
         Ok(report) => report_exit_code(report),
@@ -121,7 +121,7 @@ fn exit_code(result: &Result<ProgramReport, CommandError>) -> u8 {
     }
 }
 
-/// The exit code of a program with this report.
+/// Returns the exit code for a program with this report.
 pub(super) fn report_exit_code(report: &ProgramReport) -> u8 {
     match report.has_failed() || report.has_denied_warning() {
         _ if report.has_collision() => EXIT_COLLISION,

@@ -225,7 +225,7 @@ fn choose_job(
     Ok(job.flatten())
 }
 
-/// Whether a requested result needs the part. `needs_part`: a breakpoint does.
+/// Whether any requested result needs the part. `needs_part`: a breakpoint needs it.
 fn wants_part(args: &RunArgs, needs_part: bool) -> bool {
     needs_part
         || args.part.is_requested()
@@ -342,7 +342,7 @@ fn find_operator(args: &RunArgs) -> Result<Option<StdinOperator>, CommandError> 
     Ok(terminal)
 }
 
-/// The title of a picture: the name of the program file.
+/// Returns the title of a picture: the name of the program file.
 pub fn picture_title(path: &Path) -> String {
     path.file_name()
         .unwrap_or_default()
@@ -350,10 +350,10 @@ pub fn picture_title(path: &Path) -> String {
         .into_owned()
 }
 
-/// The block in execution.
+/// The block that is being executed, for the progress output.
 #[derive(Default)]
 struct BlockProgress {
-    /// Line of the block, from 1; 0 before the first one.
+    /// Line of the block, from 1; 0 before the first block.
     line: u32,
     /// Number of the cycle pass that was explained last; `None` before the first one.
     explained_pass: Option<u64>,

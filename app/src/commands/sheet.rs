@@ -71,7 +71,7 @@ pub fn sheet(args: &SheetArgs, language: Option<Language>) -> Result<u8, Command
     Ok(report_exit_code(&report))
 }
 
-/// `shaft.CNC` has `shaft.sheet.html`.
+/// Returns the default path of the sheet: `shaft.sheet.html` for `shaft.CNC`.
 fn default_path(program: &Path) -> PathBuf {
     program.with_extension("sheet.html")
 }
@@ -128,7 +128,7 @@ fn check_and_draw(
     (report, path)
 }
 
-/// The finished part with its dimensions, without a path.
+/// Returns a drawing of the finished part with its dimensions, without a path.
 fn part_drawing(machining: &Machining) -> PathDrawing {
     let options = DrawingOptions {
         size: PictureSize::WIDE,

@@ -145,7 +145,7 @@ pub fn keys(args: &ModelTableArgs, language: Option<Language>) -> Result<u8, Com
     table.print(&args.table)
 }
 
-/// Prints the parameters of a model.
+/// Prints the parameter table of a control model.
 pub fn parameters(args: &ModelTableArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let table = match args.model {
         ModelId::Gsk980td => lathe_parameters(language),
@@ -274,7 +274,7 @@ fn lathe_parameters(language: Option<Language>) -> PrintedTable {
     table
 }
 
-/// Prints the alarms with cause and cure.
+/// Prints the alarm table with causes and remedies.
 pub fn alarms(args: &TableArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let heading = match language {
         Some(Language::Zh) => ["类别", "报警号", "中文", "ENGLISH", "原因", "处理"],
@@ -304,7 +304,7 @@ pub fn alarms(args: &TableArgs, language: Option<Language>) -> Result<u8, Comman
     table.print(args)
 }
 
-/// Prints the signals of the PLC.
+/// Prints the table of PLC signals.
 pub fn signals(args: &TableArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let spoken = language.unwrap_or(Language::En);
     let mut table = PrintedTable::new(&match spoken {
@@ -364,7 +364,7 @@ fn describe_signal_effect(written: &str) -> Option<Message> {
     })
 }
 
-/// Prints the faults of the simulated lathe.
+/// Prints the list of faults of the simulated lathe.
 pub fn faults(args: &TableArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let heading = match language {
         Some(Language::Zh) => ["名称", "中文", "ENGLISH", "作用"],

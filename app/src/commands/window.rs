@@ -123,12 +123,12 @@ pub fn open(
     }
 }
 
-/// What is needed to start the control, also again with another model.
+/// The data with which a control is started, also after a change of the model.
 struct WindowStarter {
     args: WindowArgs,
     /// The language that `--lang` names; `None` without that option.
     language: Option<Language>,
-    /// The data directory of the default model.
+    /// The data directory of the default control model.
     path: PathBuf,
     /// The MTConnect agent of the current control; `None` while it is off.
     agent: RefCell<Option<AgentServer>>,

@@ -19,22 +19,22 @@ pub use gsk_units::alarm as number;
 
 const TABLE: &str = include_str!("../../../assets/tables/alarms.tsv");
 
-/// The classes of alarms: what raises them, where they are shown, what they stop.
+/// The class of an alarm: it determines what raises the alarm, where it is shown and what it stops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum AlarmClass {
     /// Errors of program and operation: `P/S 000` to `P/S 199`, and `P/S 5nn` of G65 H99.
     Ps,
-    /// Raised by the control itself (020, 101).
+    /// Alarms raised by the control itself (020, 101).
     System,
-    /// Soft travel limits, 201–206.
+    /// Alarms of the soft travel limits, 201–206.
     Overtravel,
-    /// Emergency stop or travel limit switch, 207.
+    /// Alarm of the emergency stop or a travel limit switch, 207.
     EmergencyStop,
-    /// Raised by the drives, 211–252.
+    /// Alarms raised by the drives, 211–252.
     Servo,
     /// Raised by the link to the pulse board, 601–699.
     Link,
-    /// Messages of the machine's ladder, from 1000.
+    /// Messages of the machine's PLC ladder, from 1000.
     Plc,
 }
 
@@ -51,24 +51,24 @@ pub struct AlarmRow {
     pub text_zh: &'static str,
     /// Meaning of the alarm in English.
     pub meaning_en: &'static str,
-    /// What raises the alarm, in English.
+    /// Cause of the alarm, in English.
     pub cause_en: &'static str,
-    /// What clears the alarm, in English.
+    /// Action that clears the alarm, in English.
     pub cleared_by_en: &'static str,
     /// Cause and remedy for the operator; `None` for alarms that hardly ever occur.
     pub advice: Option<Advice>,
-    /// What the help says about the alarm.
+    /// Help texts about the alarm in both languages.
     pub help: HelpColumns,
 }
 
 /// Help for the operator beside the text on the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Advice {
-    /// What raises the alarm, in Chinese.
+    /// Cause of the alarm, in Chinese.
     pub cause_zh: &'static str,
-    /// What the operator can do, in Chinese.
+    /// Remedy of the operator, in Chinese.
     pub remedy_zh: &'static str,
-    /// What the operator can do, in English.
+    /// Remedy of the operator, in English.
     pub remedy_en: &'static str,
 }
 
@@ -144,7 +144,7 @@ const fn is_named_by_program(number: u16) -> bool {
 /// An alarm that has been raised, with the block that raised it and the reason.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Alarm {
-    /// Number in the manual's alarm list.
+    /// Number of the alarm in the manual's alarm list.
     pub number: u16,
     /// The block that raised the alarm; `None` if no block did.
     pub source: Option<SourcePosition>,

@@ -15,12 +15,12 @@ use serde::{Deserialize, Serialize};
 use crate::memory::ControlParameters;
 use crate::units::{Axis, TICK_S, round_to_i64};
 
-/// How the compensation is distributed over the time after a reversal.
+/// How backlash compensation is distributed over the time after a reversal.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum BacklashMethod {
     /// Method A: at a steady rate, increments per tick.
     Steady(f64),
-    /// Method B: with constant acceleration, increments/s².
+    /// Method B: the compensation accelerates with this value, increments/s².
     Accelerated(f64),
 }
 
@@ -131,9 +131,9 @@ impl Backlash {
         round_to_i64(self.given)
     }
 
-    /// Returns `changed`, the backlash with new parameters, with the state of this one.
-    /// Call it at a standstill: the play is on the side of the last motion and counts as
-    /// taken up.
+    /// Returns `changed`, the backlash with new parameters, with the state of this one. Call it at
+    /// a standstill: the play of the screw is on the side of the last motion and counts as
+    /// compensated.
     pub(crate) fn with_parameters(&self, changed: Self) -> Self {
         let mut new = Self {
             negative: self.negative,

@@ -43,7 +43,7 @@ pub fn gear_speed_limit(axis: Axis, parameters: &ControlParameters) -> Option<f6
 /// Converts the position of one axis to pulses.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Chain {
-    /// Least output increments per mm.
+    /// Number of least output increments per mm.
     per_mm: f64,
     multiply: i64,
     divide: i64,
@@ -54,7 +54,7 @@ struct Chain {
     origin: f64,
     /// Pulse count at the origin of the increments.
     base: i64,
-    /// Corrections in force at the origin, increments.
+    /// Sum of the corrections in force at the origin, increments.
     #[serde(rename = "without")]
     origin_correction: i64,
     /// Distance that machine lock has kept the slide from moving, mm.

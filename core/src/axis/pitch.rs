@@ -24,7 +24,7 @@ pub struct PitchCurve {
     sums: Vec<i32>,
     /// Number of the table point at the reference position, 0–255.
     origin: i64,
-    /// Distance between two points, increments.
+    /// Distance between two points of the table, increments.
     interval: i64,
 }
 
@@ -64,7 +64,7 @@ impl PitchCurve {
         }
     }
 
-    /// Whether the curve corrects nothing.
+    /// Whether the curve makes no correction.
     pub const fn is_off(&self) -> bool {
         self.sums.is_empty()
     }

@@ -19,18 +19,18 @@ pub(crate) use report::{BoardReport, Standstill};
 pub(crate) use spindle::{BoardSpindle, SpindleFault, spindle_required_message};
 pub(crate) use zero::ZeroWiring;
 
-/// What a board reports to the control before a tick.
+/// The reports of a pulse board to the control before a tick.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct BoardInputs {
     /// State and abilities of the board and its drives.
     pub drives: BoardDrives,
-    /// Events since the last tick, in order.
+    /// Reports of the board since the last tick, in order.
     pub reports: Vec<BoardReport>,
     /// Outputs of the ladder that the board has switched off and keeps off.
     pub dropped: Vec<BitAddress>,
     /// Fraction of the thread pass that the board has made, 0–1; `None` without a pass.
     pub pass_fraction: Option<f64>,
-    /// The certainty of the position of the slides, set when they are at standstill; `None`
+    /// What the board knows about the position of the slides, while they are at standstill; `None`
     /// otherwise.
     pub standstill: Option<Standstill>,
 }
@@ -38,10 +38,9 @@ pub(crate) struct BoardInputs {
 /// The board and its drives as the control sees them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct BoardDrives {
-    /// Whether the board accepts motion, now or after an order under way.
+    /// Whether the board accepts motion, immediately or after the order that it executes.
     pub takes_motion: bool,
-    /// Whether the board accepts motion from this tick on, without waiting for an order
-    /// under way.
+    /// Whether the board accepts motion from this tick on, without waiting for an order to end.
     pub is_prepared: bool,
     /// Whether the board is executing motion from its queue.
     pub is_moving: bool,
@@ -66,7 +65,7 @@ pub(crate) struct BoardDrives {
     pub rates: PulseRates,
     /// Pulses per mm of slide travel, for X and Z.
     pub pulses_per_mm: [f64; 2],
-    /// Which threads the board can cut.
+    /// Which threads the board can cut, or what is missing for threads.
     pub threads: ThreadCapability,
     /// The spindle whose index the board measures; `None`: the simulated spindle applies.
     pub spindle: Option<BoardSpindle>,

@@ -5,7 +5,7 @@ use crate::run_state::RunState;
 use crate::units::PerAxis;
 use gsk_link::{AwaitedInput, BoardOutputs, ThreadPass};
 
-/// What the control orders from the board in a tick, in addition to the pulses.
+/// The orders of the control to the board in a tick, besides the pulses.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct BoardOrders {
     /// Outputs that the ladder and the spindle control command.
@@ -15,9 +15,9 @@ pub(crate) struct BoardOrders {
     pub fraction: PerAxis<f64>,
     /// Whether an axis moves, or a motion waits for the spindle.
     pub is_moving: bool,
-    /// Whether the path speed is above zero.
+    /// Whether the speed along the path is above zero.
     pub is_feeding: bool,
-    /// How the motion depends on the spindle.
+    /// The orders that make motion depend on the spindle.
     pub spindle: SpindleOrders,
     /// The thread pass that the board is to cut; `None` if none waits.
     pub pass: Option<ThreadPass>,
@@ -25,7 +25,7 @@ pub(crate) struct BoardOrders {
     pub returns: ReturnOrders,
     /// Whether the emergency stop is in force.
     pub is_emergency_stop: bool,
-    /// Whether the reset signal RST is on.
+    /// Whether the reset signal RST of the control is on.
     pub is_resetting: bool,
     /// Whether an alarm of the board or of its link is in force.
     pub has_board_alarm: bool,
@@ -35,19 +35,19 @@ pub(crate) struct BoardOrders {
     pub run: RunOrders,
 }
 
-/// How the motion depends on the spindle.
+/// The orders that make motion depend on the spindle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct SpindleOrders {
     /// Whether a thread waits for its start angle.
     pub waits_for_angle: bool,
-    /// Lead of the thread under way, mm per revolution; `None` outside threads.
+    /// Lead of the current thread, mm per revolution; `None` outside threads.
     pub lead_mm: Option<f64>,
 }
 
 /// State of the reference returns, as far as the board takes part in them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct ReturnOrders {
-    /// Axes that the board is to home.
+    /// Axes that the board must home.
     pub by_board: PerAxis<bool>,
     /// Input of each axis that a return driven by the control waits for; `None`: no return
     /// waits.
@@ -59,7 +59,7 @@ pub(crate) struct ReturnOrders {
 /// State of the program run, for the log of the board.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RunOrders {
-    /// State of the run after the tick.
+    /// State of the program run after the tick.
     pub run_state: RunState,
     /// The program that ended in this tick; `None` if none did.
     pub ended: Option<ProgramId>,

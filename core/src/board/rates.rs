@@ -10,9 +10,9 @@ const ROUNDING_FACTOR: f64 = 1.0 + 1e-9;
 /// The axes whose motion needs a higher pulse rate than the board has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ExceededAxes {
-    /// This axis exceeds its own limit.
+    /// This axis exceeds its pulse rate limit.
     One(Axis),
-    /// Both axes together exceed the common limit.
+    /// Both axes together exceed the common pulse rate limit.
     Both,
 }
 

@@ -7,7 +7,7 @@ use gsk_link::Uncertainty;
 /// An event at the board; the control handles it at the start of its next tick.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum BoardReport {
-    /// All motion ended at the current position.
+    /// All motion ended at the current position of the slides.
     MotionEnded,
     /// All motion ended and the program stops. The report of the alarm with the reason
     /// follows.
@@ -24,7 +24,7 @@ pub(crate) enum BoardReport {
     Alarm {
         /// The alarm; its detail later also names the position of the slides.
         alarm: Alarm,
-        /// Whether a thread pass was under way; the alarm then names the block that began
+        /// Whether a thread pass was being executed; the alarm then names the block that began
         /// last.
         in_pass: bool,
     },
@@ -53,7 +53,7 @@ pub(crate) enum BoardReport {
     },
     /// A fault that does not concern the position of the slides.
     PositionlessFault(Alarm),
-    /// All reference returns under way are abandoned; another report gives the alarm.
+    /// All reference returns in progress are abandoned; another report gives the alarm.
     ReturnsAbandoned,
     /// The board cannot cut the pass that waits for it, for the reason in this alarm.
     PassRefused(Alarm),
@@ -63,11 +63,11 @@ pub(crate) enum BoardReport {
     PassEnded(PerAxis<Pulses>),
 }
 
-/// What the board knows about the position at a standstill.
+/// What the board knows about the position of the slides at a standstill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Standstill {
     /// Whether the board has reported a position since the connection was opened.
     pub position_reported: bool,
-    /// Why the position is uncertain; `None` if it is certain.
+    /// The reason why the position is uncertain; `None` if it is certain.
     pub uncertainty: Option<Uncertainty>,
 }

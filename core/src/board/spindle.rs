@@ -11,13 +11,13 @@ use serde::{Deserialize, Serialize};
 /// motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct BoardSpindle {
-    /// Measured speed, r/min; negative in reverse.
+    /// Measured spindle speed, r/min; negative in reverse.
     pub rpm: f64,
     /// Spindle angle before and after the tick.
     pub turn: SpindleTurn,
     /// Whether the index signal comes during the tick.
     pub index_passed: bool,
-    /// Whether M03 or M04 is in force.
+    /// Whether M03 or M04 is commanded.
     pub is_commanded: bool,
     /// Greatest difference between recent revolutions of the spindle, as a fraction of
     /// their mean; `None` if unknown.
@@ -26,14 +26,14 @@ pub(crate) struct BoardSpindle {
     pub fault: Option<SpindleFault>,
 }
 
-/// Spindle fault that spoils a thread.
+/// A fault of the spindle that makes a thread invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum SpindleFault {
-    /// The index signal came this many turns away from the commanded angle.
+    /// The index signal came this many turns away from the angle that the thread requires.
     Deviates(f64),
     /// The speed changed by more than No.106 allows, to this value in r/min.
     Fluctuates(f64),
-    /// The index signal has stopped coming.
+    /// The index signal no longer arrives.
     Lost,
 }
 
@@ -47,8 +47,8 @@ impl SpindleFault {
     }
 }
 
-/// Message that tapping or feed per revolution needs a spindle with an index signal,
-/// and what the board lacks. `tapping` selects the function.
+/// Returns the message that tapping (`tapping`) or feed per revolution needs a spindle with an
+/// index signal, and what the board lacks.
 pub(crate) fn spindle_required_message(board: &BoardDrives, tapping: bool) -> Message {
     let needed = if tapping {
         say::tapping()

@@ -9,7 +9,7 @@ pub(crate) struct ZeroWiring {
     pub has_zero_signal: bool,
     /// Whether a limit switch is wired to the board.
     pub has_limit_switch: bool,
-    /// Whether the limit switch is pressed now.
+    /// Whether the limit switch is currently pressed.
     pub is_on_limit: bool,
     /// Distance that the axis moves past the edge of its switch, or off its limit switch,
     /// mm.

@@ -23,10 +23,10 @@ const CHARACTER_CREDIT: u32 = 10 * 1000;
 /// Greatest number of characters on the line between the sending device and the buffer.
 const MAX_ON_LINE: usize = 64;
 
-/// What a device that sends programs does on the serial line.
+/// An event of the device that sends programs on the serial line.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum DncInput {
-    /// The device is connected, or disconnected.
+    /// The device was connected (`true`) or disconnected.
     Connected(bool),
     /// The device has sent these characters.
     Characters(Vec<u8>),
@@ -42,7 +42,7 @@ pub(super) struct DncLine {
     /// Whether a device that sends programs is connected.
     #[serde(rename = "partner")]
     is_connected: bool,
-    /// Number of programs requested since power-on.
+    /// Number of programs that the control has requested since power-on.
     #[serde(rename = "calls")]
     request_count: u32,
     /// Characters on the line, not yet in the buffer.
@@ -56,14 +56,14 @@ pub(super) struct DncLine {
 }
 
 impl DncLine {
-    /// CTRD: whether characters are on the line.
+    /// CTRD signal: whether characters are being received on the line.
     pub(super) fn is_receiving(&self) -> bool {
         !self.line_characters.is_empty()
     }
 }
 
 impl Cnc {
-    /// Applies what the sending device does. Returns the number of accepted characters.
+    /// Applies an event of the sending device. Returns the number of accepted characters.
     pub fn apply_dnc(&mut self, input: DncInput) -> usize {
         match input {
             DncInput::Connected(on) => self.set_dnc_partner(on),

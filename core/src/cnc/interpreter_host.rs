@@ -17,7 +17,7 @@ const MACRO_OUTPUTS: core::ops::RangeInclusive<u16> = 54..=59;
 pub(crate) struct ControlHost<'a> {
     pub memory: &'a mut battery::BatteryMemory,
     pub registers: &'a mut Registers,
-    /// Milliseconds since power-on.
+    /// Milliseconds since the control was switched on.
     pub now_ms: u64,
     pub plc: &'a mut PlcMemory,
     pub machine_position: Point,

@@ -12,7 +12,7 @@ use crate::memory::{ControlParameters, parameter};
 /// Length of a step of the halted ladder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum LadderStep {
-    /// One rung of the ladder.
+    /// The step executes one rung of the ladder.
     Rung,
     /// One slot of 8 ms: level 1 and a portion of level 2.
     Slot,
@@ -60,7 +60,8 @@ pub(super) fn preset_plc(memory: &mut PlcMemory, parameters: &ControlParameters)
 }
 
 impl PlcPort {
-    /// The ladder that runs after the next power-on: the one loaded for it, or the current one.
+    /// Returns the ladder that runs after the next power-on: the one loaded for it, or else the
+    /// current one.
     pub(super) fn ladder_at_power_on(&self) -> Arc<Ladder> {
         Arc::clone(self.next_ladder.as_ref().unwrap_or(self.engine.ladder()))
     }
@@ -81,7 +82,7 @@ impl Cnc {
         self.read_signals(&before);
     }
 
-    /// Whether the ladder is halted for stepping.
+    /// Whether the ladder is halted, to be executed in single steps.
     pub const fn is_ladder_halted(&self) -> bool {
         self.plc.halted
     }

@@ -63,11 +63,11 @@ pub enum Event {
     Explained(Explanation),
     /// The block at this source position was finished.
     BlockEnded(SourcePosition),
-    /// This alarm was raised.
+    /// This alarm was raised in the tick.
     AlarmRaised(Alarm),
     /// An action of the operator had no effect or ended early, with the reason; no alarm.
     Advised(Message),
-    /// The part counter counted a part.
+    /// The part counter was increased.
     PartFinished,
     /// A program ended: by M30 or M02, or at the end of its text (both fields false).
     ProgramEnded {
@@ -156,7 +156,7 @@ impl Cnc {
         self.outputs()
     }
 
-    /// Whether the next tick samples the contacts.
+    /// Whether the next tick reads the machine contacts.
     pub(crate) const fn will_sample_contacts(&self) -> bool {
         (self.ticks + 1) % SAMPLE_TICKS == 1
     }

@@ -14,7 +14,7 @@ fn is_equal(one: f64, other: f64) -> bool {
 }
 
 impl Cnc {
-    /// Inputs of the interpolator in this tick.
+    /// Returns the inputs of the interpolator in this tick: overrides, hold and spindle.
     pub(super) fn motion_inputs(&self) -> MotionInputs {
         MotionInputs {
             feed_override: self.feed_override_factor(),

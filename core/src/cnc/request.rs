@@ -66,14 +66,14 @@ pub enum ControlRequest {
     StoreReceived(ReceivedData),
     /// Stores the edited text of a program.
     StoreEdited {
-        /// O number of the program.
+        /// O number of the edited program.
         number: u16,
         /// The whole edited program text.
         program: Program,
     },
     /// Stores a program text in the program memory and selects it.
     StoreProgram(String),
-    /// Opens a program outside the memory, read-only.
+    /// Opens a program outside the memory, which can only be read and executed.
     OpenExternal(Program),
     /// Adds one word to the MDI block.
     AddMdiWord(String),
@@ -103,9 +103,9 @@ pub enum ControlRequest {
     },
     /// Sets a tool offset, as the offset page does.
     SetOffset {
-        /// Offset number, 000–032.
+        /// Number of the tool offset, 000–032.
         number: u8,
-        /// The value and how it is entered.
+        /// The new value, with the kind of its entry.
         entry: OffsetEntry,
     },
     /// Sets a whole parameter; a status parameter as the value of its byte.
@@ -121,7 +121,7 @@ pub enum ControlRequest {
         number: u16,
         /// Number of the bit, 0–7.
         bit: u8,
-        /// New state of the bit.
+        /// New state of the bit: `true` = 1.
         on: bool,
     },
     /// Sets a parameter that only the selected control model has.
@@ -150,9 +150,9 @@ pub enum ControlRequest {
     EnterPassword(String),
     /// Replaces the password `old` by `new`.
     ChangePassword {
-        /// The current password.
+        /// The current password of the level.
         old: String,
-        /// The password that replaces it.
+        /// The new password of the level.
         new: String,
     },
     /// Lowers the operation level to 5, which permits the least.
@@ -195,7 +195,7 @@ pub enum OffsetEntry {
     RelativeCoordinate(Axis),
     /// R: nose radius in the unit of the display.
     NoseRadius(f64),
-    /// R: nose radius in mm.
+    /// R: nose radius of the tool offset, mm.
     StoredRadius(f64),
     /// T: number of the imaginary tool nose position, 0–9.
     NoseNumber(u8),

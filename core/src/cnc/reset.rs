@@ -11,7 +11,7 @@ use crate::operation::RunState;
 const LEVEL_2_CYCLE_MS: u32 = 32;
 
 impl Cnc {
-    /// Whether the reset signal RST is active.
+    /// Whether the reset signal RST of the control is active.
     pub(crate) const fn is_resetting(&self) -> bool {
         self.reset_left_ms > 0
     }

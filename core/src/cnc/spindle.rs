@@ -8,7 +8,7 @@ use crate::machine::MachineInputs;
 use crate::spindle::SpindleInputs;
 use crate::units::Point;
 
-/// Output Y0.7, SPZD: spindle brake.
+/// Output Y0.7, SPZD: applies the spindle brake.
 const BRAKE_OUTPUT: BitAddress = BitAddress::new(Area::Y, 0, 7);
 
 impl Cnc {

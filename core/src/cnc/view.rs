@@ -36,14 +36,14 @@ pub struct BoardLag {
 pub struct ProgramCursor {
     /// The program that contains the block; `None` if the memory is empty.
     pub program: Option<ProgramId>,
-    /// Line of the block, from 1.
+    /// Line of the block in its program, from 1.
     pub line: u32,
     /// The last sequence number (N) before or in the block; `None` without one.
     pub sequence: Option<u32>,
 }
 
 impl Cnc {
-    /// Operating mode that the ladder has selected.
+    /// Returns the operating mode that the ladder has selected.
     pub const fn mode(&self) -> OperatingMode {
         self.run.mode
     }
@@ -58,7 +58,7 @@ impl Cnc {
         self.spindle.control.volts()
     }
 
-    /// State of the program run.
+    /// Returns the state of the program run.
     pub const fn run_state(&self) -> RunState {
         self.run.automatic.state
     }
@@ -210,7 +210,7 @@ impl Cnc {
         self.run.tool
     }
 
-    /// Modal state of the block in execution.
+    /// Returns the modal state of the block that is being executed.
     pub const fn modal(&self) -> &ModalState {
         &self.run.modal
     }
@@ -225,12 +225,12 @@ impl Cnc {
         &self.memory.parameters
     }
 
-    /// The control model with its model-specific parameters.
+    /// Returns the control model with its model-specific parameters.
     pub const fn model(&self) -> &ControlModel {
         &self.memory.model
     }
 
-    /// Pitch error tables of both axes.
+    /// Returns the pitch error tables of both axes.
     pub const fn pitch(&self) -> &PitchTable {
         &self.memory.pitch
     }
@@ -243,7 +243,7 @@ impl Cnc {
         }
     }
 
-    /// Tool offsets of all numbers.
+    /// Returns all tool offsets.
     pub const fn offsets(&self) -> &Offsets {
         &self.memory.offsets
     }
@@ -300,7 +300,7 @@ impl Cnc {
         self.memory.settings
     }
 
-    /// Operation level and passwords.
+    /// Returns operation level and passwords.
     pub const fn authority(&self) -> &Authority {
         &self.memory.authority
     }
@@ -370,7 +370,7 @@ impl Cnc {
         }
     }
 
-    /// Active alarms, newest first.
+    /// Returns the active alarms, the newest first.
     pub fn alarms(&self) -> &[Alarm] {
         self.alarms.list()
     }
@@ -452,7 +452,7 @@ impl Cnc {
         &self.plc.engine
     }
 
-    /// Events of the last tick, in order.
+    /// Returns the events of the last tick, in order.
     pub fn events(&self) -> &[Event] {
         &self.events
     }
@@ -471,7 +471,7 @@ impl Cnc {
         )
     }
 
-    /// Ticks of 1 ms since power-on.
+    /// Returns the number of ticks of 1 ms since power-on.
     pub const fn ticks(&self) -> u64 {
         self.ticks
     }

@@ -78,7 +78,7 @@ pub struct ZeroOffset {
 }
 
 impl ZeroOffset {
-    /// Half micrometres in a millimetre.
+    /// Number of half micrometres in a millimetre.
     const UNITS_PER_MM: f64 = 2000.0;
 
     /// Rounds a point in mm to the nearest zero offset.
@@ -126,7 +126,7 @@ impl Frame {
 /// One step of a program as the control executes it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ControlCommand {
-    /// The block that the command comes from.
+    /// The position of the block that makes the command.
     pub source: SourcePosition,
     /// The action that the control executes.
     pub action: Action,
@@ -207,17 +207,17 @@ impl ProgrammedX {
 pub enum Action {
     /// G00: each axis moves at its own rapid rate, so the path is not straight.
     Rapid {
-        /// End point of the rapid.
+        /// End point of the rapid, machine coordinates, mm.
         to: Point,
     },
-    /// Straight cut (G01).
+    /// Straight cut (G01) to a point.
     Line {
-        /// End point of the cut.
+        /// End point of the cut, machine coordinates, mm.
         to: Point,
-        /// Feed along the path of the cut.
+        /// Feed of the cut along its path.
         feed: Feed,
     },
-    /// Circular cut (G02, G03).
+    /// Circular cut (G02, G03) to a point.
     Arc {
         /// End point; equal to the start for a full circle.
         to: Point,
@@ -230,12 +230,12 @@ pub enum Action {
     },
     /// Straight cut synchronised with the spindle angle (G32, G34, G92, G76).
     Thread {
-        /// End point of the thread.
+        /// End point of the thread, machine coordinates, mm.
         to: Point,
         /// Axis that the lead is measured along; a lead along X is a radius.
         #[serde(rename = "long")]
         lead_axis: Axis,
-        /// Lead at the start, mm per revolution.
+        /// Lead at the start of the thread, mm per revolution.
         lead: f64,
         /// Change of the lead, mm per revolution and revolution (G34); otherwise 0.
         increase: f64,
@@ -259,23 +259,23 @@ pub enum Action {
     Tap {
         /// Bottom of the hole, machine coordinates, mm.
         to: Point,
-        /// Lead, mm per revolution.
+        /// Lead of the tap, mm per revolution.
         lead: f64,
         /// Spindle angle after the one-turn signal at which the tap begins, degrees.
         start_degrees: f64,
     },
     /// G04: waits for a time; a time of zero is an exact stop.
     Dwell {
-        /// Duration of the wait, ms.
+        /// Duration of the dwell, ms.
         ms: u32,
     },
     /// G28: axes without a reference point seek it as in manual mode, by deceleration
     /// switch and zero signal. The other axes of the block are already at their reference
     /// point.
     ZeroReturn {
-        /// Whether the block names X.
+        /// Whether X returns to its reference point.
         x: bool,
-        /// Whether the block names Z.
+        /// Whether Z returns to its reference point.
         z: bool,
     },
     /// The axes have reached the reference point (after the rapid of G28): the zero lamps
@@ -288,7 +288,7 @@ pub enum Action {
     },
     /// Puts a new coordinate frame into force (G50, T).
     Frame {
-        /// The new coordinate frame.
+        /// The new coordinate frame: work zero and tool offset.
         frame: Frame,
         /// The point that a G50 sets as program zero; `None` for other frames.
         program_zero: Option<Point>,
@@ -299,15 +299,15 @@ pub enum Action {
     /// M function for the PLC. It begins together with the motion and the other functions
     /// of its block; the block ends when all are finished.
     Miscellaneous {
-        /// Number of the M code.
+        /// Number of the M code, such as 3 for M03.
         code: u8,
     },
     /// Outputs that a program switches directly (NC-B08: M10, M11, M21 and up). Bits 0–23
     /// are Y0–Y23; Y0 is F54.0 for the ladder.
     Outputs {
-        /// Mask of the outputs to switch on.
+        /// Bit mask of the outputs to switch on.
         on: u32,
-        /// Mask of the outputs to switch off.
+        /// Bit mask of the outputs to switch off.
         off: u32,
         /// Duration after which the outputs in `on` switch off again, ms; 0 = never.
         ms: u32,
@@ -324,7 +324,7 @@ pub enum Action {
     Spindle(SpindleCommand),
     /// T function: changes the tool and puts an offset number into force.
     Tool {
-        /// Tool number; 0 = no tool change.
+        /// Tool number; 0 for no tool change.
         tool: u8,
         /// Offset number; 0 cancels the offset.
         offset: u8,
@@ -384,11 +384,11 @@ impl Action {
     }
 }
 
-/// Spindle angle at which a thread begins.
+/// The condition of the spindle angle at which a thread begins.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ThreadStart {
-    /// The thread waits for the one-turn signal and begins at this angle after it. The
-    /// starts of a multi-start thread differ in the angle.
+    /// The thread waits for the one-turn signal and begins at this angle after it. Starts of a
+    /// multi-start thread differ in this angle.
     AtIndex {
         /// Spindle angle after the one-turn signal, degrees, 0–360.
         degrees: f64,
@@ -401,7 +401,7 @@ pub enum ThreadStart {
 /// one-turn signal. A board that cuts passes itself cannot make such a thread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ThreadPassFeature {
-    /// The lead changes (G34).
+    /// The lead changes along the thread (G34).
     LeadChange,
     /// A run-out leaves the thread (J, K, No.019).
     RunOut,
@@ -414,7 +414,7 @@ pub enum ThreadPassFeature {
 }
 
 impl ThreadPassFeature {
-    /// Message that names the feature and advises what to program instead.
+    /// Returns the message that names the feature and advises what to program instead.
     pub fn to_message(self) -> Message {
         match self {
             Self::LeadChange => say::pass_lead_changes(),
@@ -430,7 +430,7 @@ impl ThreadPassFeature {
 pub enum SpindleCommand {
     /// Stepped speed output S00–S04 (001.4 = 0), with the PLC handshake.
     Step(u8),
-    /// Constant rotational speed, r/min (G97).
+    /// Speed that the spindle keeps, r/min (G97).
     Speed(f64),
     /// Constant surface speed, m/min (G96), at the programmed X as the radius.
     Surface(f64),
@@ -438,22 +438,22 @@ pub enum SpindleCommand {
     Limit(f64),
 }
 
-/// Kind of motion of an executed move.
+/// The kind of an executed move: rapid, cut, thread or dwell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum MoveKind {
-    /// G00 and rapids of cycles.
+    /// The move is a rapid: G00 or a rapid of a cycle.
     Rapid,
-    /// G01 and straight cuts of cycles.
+    /// The move is a straight cut: G01 or a cut of a cycle.
     Feed,
     /// Clockwise arc, seen with +Z to the right and +X up.
     Clockwise,
-    /// Counter-clockwise arc.
+    /// The move is a counter-clockwise arc.
     CounterClockwise,
-    /// Cut synchronised with the spindle angle.
+    /// The move is a cut synchronised with the spindle angle.
     Thread,
-    /// The run-out that leaves a thread.
+    /// The move is the run-out that leaves a thread.
     RunOut,
-    /// A dwell without motion.
+    /// A dwell without motion of the axes.
     Dwell,
 }
 
@@ -490,9 +490,9 @@ impl MoveKind {
 /// offset). The preview and the control report the same moves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ExecutedMove {
-    /// The block that the move comes from.
+    /// The position of the block that makes the move.
     pub source: SourcePosition,
-    /// Kind of the motion.
+    /// The kind of the move: rapid, cut, thread or dwell.
     pub kind: MoveKind,
     /// Start point in programmed coordinates, mm.
     pub from: Point,
@@ -516,13 +516,13 @@ pub struct ExecutedMove {
 pub struct MoveConditions {
     /// Tool in the working position, 0 = none.
     pub tool: u8,
-    /// Offset number in force, 0 = none.
+    /// Tool offset number in force; 0 for none.
     pub offset: u8,
     /// Coordinate frame in force during the move.
     pub frame: Frame,
     /// Spindle speed at the start of the move, r/min; 0 = standstill.
     pub rpm: f64,
-    /// How a thread follows the spindle angle; `None` for moves that are no threads.
+    /// How the thread follows the spindle angle; `None` for moves that are no threads.
     pub thread: Option<ThreadPhase>,
     /// Axes whose coordinates have no known relation to the work.
     #[serde(default, skip_serializing_if = "Unplaced::is_none")]
@@ -546,10 +546,10 @@ impl Unplaced {
     }
 }
 
-/// How a thread follows the spindle angle.
+/// Phase of a thread to the spindle: lead axis, angle and start.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ThreadPhase {
-    /// Axis that the lead is measured along.
+    /// Axis along which the lead is measured.
     #[serde(rename = "long")]
     pub lead_axis: Axis,
     /// Change of the lead, mm per revolution and revolution.

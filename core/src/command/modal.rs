@@ -7,7 +7,7 @@ use crate::command::MotionCode;
 /// Codes and words that stay in force from block to block, as the pages show them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModalState {
-    /// Group 01: the code of motion.
+    /// Group 01: the motion code in force.
     pub motion: MotionCode,
     /// Group 02: constant surface speed on (G96) or off (G97).
     pub surface_speed: bool,
@@ -21,9 +21,9 @@ pub struct ModalState {
     pub feed: f64,
     /// S word in force: r/min, m/min or a step number.
     pub spindle: f64,
-    /// Tool number in force, 0 = none.
+    /// Tool number in force; 0 for none.
     pub tool: u8,
-    /// Offset number in force, 0 = none.
+    /// Tool offset number in force; 0 for none.
     pub offset: u8,
     /// The last M code that a block output; `None` before the first one.
     pub m: Option<u8>,

@@ -47,7 +47,7 @@ impl MotionCode {
         })
     }
 
-    /// The number after G.
+    /// Returns the number of the G code, such as 1 for G01.
     pub const fn number(self) -> u8 {
         self as u8
     }
@@ -67,7 +67,7 @@ impl MotionCode {
         matches!(self, Self::Rapid | Self::Line) || self.is_arc()
     }
 
-    /// Whether the code is G02 or G03.
+    /// Whether the code is an arc, G02 or G03.
     pub const fn is_arc(self) -> bool {
         matches!(self, Self::ArcClockwise | Self::ArcCounterclockwise)
     }

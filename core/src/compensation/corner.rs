@@ -37,8 +37,8 @@ const PARALLEL: f64 = 1e-9;
 /// Cosine of one degree, the least angle between the paths of a corner that is not sharp.
 const COS_1_DEGREE: f64 = 0.999_847_695_156_391_3;
 
-/// How the nose goes around a corner when compensation starts or is cancelled. Type A has one
-/// vector, perpendicular to the compensated move; type B goes around the corner.
+/// How the compensation starts or is cancelled at a corner. Type A has one vector, perpendicular to
+/// the compensated move; type B moves around the corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum StartUpType {
     /// One perpendicular vector; only machines that are set to type A use it.
@@ -54,7 +54,7 @@ const START_TYPE: StartUpType = StartUpType::B;
 pub(super) enum CornerRole {
     /// The first move starts the compensation, the second one is compensated.
     StartUp,
-    /// Both moves are compensated.
+    /// Both moves of the corner are compensated.
     Both,
     /// The first move is compensated, the second one cancels the compensation.
     Cancel,

@@ -13,7 +13,7 @@ use crate::units::{Feed, Point};
 pub struct FlatMove {
     /// The number under which the caller keeps the other data of the move.
     pub number: u32,
-    /// Line number of the block, for alarms.
+    /// Line of the block in its program, for alarms.
     pub line: u32,
     /// End point of the move, mm.
     pub to: Point,
@@ -24,11 +24,11 @@ pub struct FlatMove {
 /// The kind of a move in the plane, with the data of an arc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FlatShape {
-    /// A rapid to the end point.
+    /// The move is a rapid to the end point.
     Rapid,
-    /// A straight cut.
+    /// The move is a straight cut.
     Line,
-    /// A cut along an arc.
+    /// The move is a cut along an arc.
     Arc {
         /// Centre of the arc, mm.
         center: Point,
@@ -40,15 +40,15 @@ pub enum FlatShape {
 /// The side of the contour on which the cutter runs, seen in the direction of the cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CutterSide {
-    /// G40: on the contour, without compensation.
+    /// G40: the tool centre is on the contour, without compensation.
     On,
-    /// G41: left.
+    /// G41: the tool is left of the contour.
     Left,
-    /// G42: right.
+    /// G42: the tool is right of the contour.
     Right,
 }
 
-/// What the compensation releases: a move or a block without one.
+/// An output of the compensation: a move, or a block without a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CutterOutput {
     /// A move of the cutter centre. A corner may turn one pushed move into several; only the
@@ -70,8 +70,7 @@ pub struct CutterCompensation {
 }
 
 impl CutterCompensation {
-    /// Whether compensation is active: from the move that starts it to the one that cancels
-    /// it.
+    /// Whether compensation is active: from the move that starts it to the move that cancels it.
     pub const fn is_on(&self) -> bool {
         self.stream.is_on()
     }

@@ -104,8 +104,8 @@ impl ExecutedPath {
 /// Number of earlier moves with which a move is checked for interference.
 const MOVES_BEFORE: usize = 3;
 
-/// The paths of the last moves since the last interruption of the contour, and of the move
-/// being checked. A move is written in place: a copy would cost more than the check.
+/// The paths of the last moves since the contour was interrupted, and of the move that is being
+/// checked.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct RecentPaths {
     kept: Vec<ExecutedPath>,
@@ -114,7 +114,7 @@ pub(super) struct RecentPaths {
 }
 
 impl RecentPaths {
-    /// Removes all moves.
+    /// Removes the paths of all moves.
     pub(super) fn clear(&mut self) {
         self.kept.clear();
         self.next = 0;

@@ -18,7 +18,7 @@ pub(super) struct TipState {
     /// Machine point that the vectors are relative to, mm: the programmed point plus the
     /// displacement from the nose centre to the tip.
     pub(super) base: Point,
-    /// Vectors of the corner; the tip has reached the first one.
+    /// Vectors of the corner at which the tool is; the tip has reached the first of them.
     pub(super) vectors: CornerVectors,
     /// Nose radius for which the vectors were computed, mm.
     pub(super) radius: f64,
@@ -36,7 +36,7 @@ impl TipState {
         }
     }
 
-    /// Machine position of the tip, mm.
+    /// Returns the machine position of the tip, mm.
     pub(super) fn tip(&self) -> Point {
         let tip = self.base + self.vectors.first();
         if self.cancelled {
@@ -157,7 +157,7 @@ pub(super) struct NextMove<'a> {
     pub(super) surface: Option<(&'a ContourSegment, f64)>,
 }
 
-/// The end of an open move.
+/// The end of the open move: vectors of its corner, or the programmed point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum MoveEnd<'a> {
     Vectors(&'a CornerVectors),

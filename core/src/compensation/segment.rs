@@ -56,7 +56,7 @@ pub(super) struct Circle {
     pub(super) radius: f64,
     /// Distance of the centre from the end of the arc, mm.
     pub(super) last_radius: f64,
-    /// Sense of rotation: +1 counter-clockwise, -1 clockwise.
+    /// Direction of rotation: +1 counter-clockwise, -1 clockwise.
     pub(super) turn: f64,
 }
 

@@ -27,7 +27,7 @@ pub(crate) struct CommandContext {
     pub(crate) contour: bool,
     /// The nose that is active for the command.
     pub(crate) nose: Nose,
-    /// 003.4: whether a T word shifts the coordinates instead of moving the tool.
+    /// Parameter 003.4: whether a T word shifts the coordinates instead of moving the tool.
     pub(crate) offset_by_shift: bool,
 }
 

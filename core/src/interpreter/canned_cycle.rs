@@ -33,13 +33,13 @@ use crate::units::Point;
 pub(crate) enum CycleGenerator {
     /// Tapping by G33, or by G84 and G85 of the Huaxing lathes.
     Tapping(Tapping),
-    /// G92, the thread cycle.
+    /// Moves of a thread cycle G92.
     Thread(ThreadCycle),
-    /// G76, the compound thread cycle.
+    /// Moves of a compound thread cycle G76.
     CompoundThread(CompoundThread),
     /// G71 and G72, roughing along Z and along X.
     Roughing(RoughingCycle),
-    /// G73, which repeats a contour.
+    /// Moves of a pattern repeating cycle G73.
     Pattern(PatternCycle),
     /// Pecking by G74 and G75, or by G83 of the Huaxing lathes.
     Pecking(PeckingCycle),
@@ -157,8 +157,8 @@ impl Cycle {
         }
     }
 
-    /// What the cuts of a thread cycle have besides a straight pass: a run-out or several
-    /// starts. `None` if they have neither.
+    /// Returns the feature that the cuts of a thread cycle have in addition to a straight pass: a
+    /// run-out or several starts; `None` if they have neither.
     pub(crate) fn beyond_pass(&self) -> Option<ThreadPassFeature> {
         match &self.generator {
             CycleGenerator::Thread(cycle) => cycle.beyond_pass(),

@@ -29,10 +29,10 @@ pub(crate) struct BlockContext<'a> {
     pub(crate) offsets: &'a Offsets,
     pub(crate) programs: &'a ProgramMemory,
     pub(crate) referenced: PerAxis<bool>,
-    /// The running calls, the innermost last.
+    /// The calls in execution, the innermost last.
     pub(crate) calls: &'a [ProgramCall],
     pub(crate) source: SourcePosition,
-    /// The program and index of the block.
+    /// The program of the block, and its index.
     pub(crate) position: ProgramPosition,
     /// Whether the operator entered the block on the MDI page.
     pub(crate) is_mdi: bool,
@@ -57,7 +57,7 @@ pub(crate) struct BlockContext<'a> {
 }
 
 impl BlockContext<'_> {
-    /// What decides the greatest coordinate that the block may command.
+    /// Returns the data that determine the greatest coordinate that the block may command.
     pub(crate) fn coordinate_range(&self) -> CoordinateRange<'_> {
         CoordinateRange {
             x_factor: self.x_factor,
@@ -65,7 +65,7 @@ impl BlockContext<'_> {
         }
     }
 
-    /// What calls and returns of the block depend on.
+    /// Returns the data on which calls and returns of the block depend.
     pub(crate) const fn call_context(&self) -> CallContext<'_> {
         CallContext {
             programs: self.programs,

@@ -12,7 +12,7 @@ pub(crate) const UNITS_PER_MM: i64 = 1_000_000;
 /// that of the GSK980TD (manual I-2.2.3).
 const MIN_STROKE: i64 = 9_999_999 * (UNITS_PER_MM / 1000);
 
-/// What decides the greatest coordinate that a program may command.
+/// The data that determine the greatest coordinate that a program may command.
 #[derive(Clone, Copy)]
 pub(crate) struct CoordinateRange<'a> {
     /// Factor from a programmed X to a diameter: 2 under radius programming (001.2), else 1.
@@ -30,7 +30,7 @@ impl CoordinateRange<'_> {
 
 /// A point or displacement in millionths of a millimetre, X as a *diameter*.
 ///
-/// Every number that a program can contain is an integer here, and its radius an integer in
+/// Every number that a program can contain is an integer in this unit, and its radius an integer in
 /// half units. So end points are exactly the programmed ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct ExactPoint {

@@ -3,10 +3,10 @@
 
 use crate::interpreter::reader::Interpreter;
 
-/// What a check of a program has ignored to continue after an alarm.
+/// The part of a program that a check ignores to continue after an alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PassedOver {
-    /// The block that raised the alarm.
+    /// The check ignores the block that raised the alarm.
     Block,
     /// The nose radius compensation of a contour whose blocks are correct individually. The
     /// tool continues at the programmed position.

@@ -18,7 +18,7 @@ use crate::interpreter::moves::{FrameShift, MovePair};
 use crate::interpreter::parameter_writes::ParameterWrites;
 use crate::interpreter::state::State;
 
-/// The remaining motion of a block, by the way in which its moves are made.
+/// The remaining motion of a block, by the kind of its moves.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) enum PlannedMotion {
     /// The block has no motion, or no move is left.
@@ -83,7 +83,7 @@ impl PlannedMotion {
         }
     }
 
-    /// Whether the block moves the axes.
+    /// Whether the block has any motion of the axes.
     pub(crate) fn has_motion(&self) -> bool {
         match self {
             Self::None => false,

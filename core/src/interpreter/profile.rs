@@ -23,7 +23,7 @@ use crate::interpreter::words::{OneShot, SortedWords};
 use crate::program::Program;
 use crate::units::Point;
 
-/// Greatest number of blocks of a profile.
+/// Greatest number of blocks that a profile may have.
 const MAX_BLOCKS: u32 = 100;
 
 /// The indices, from 0, of the first and the last block of a profile.
@@ -36,14 +36,14 @@ pub(crate) struct ProfileRange {
     pub(crate) is_after_cycle: bool,
 }
 
-/// What one step of a contour does: a line, an arc or a dwell.
+/// The form of one step of a contour: a line, an arc or a dwell.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum StepShape {
     /// A straight line; `rapid` if it was programmed as a rapid.
     Straight { rapid: bool },
     /// An arc about a programmed centre, in mm, X as a radius.
     Arc { center: Point, clockwise: bool },
-    /// A dwell in the contour, ms.
+    /// The step is a dwell, ms.
     Dwell { ms: u32 },
 }
 
@@ -276,8 +276,8 @@ pub(crate) fn check_blocks(
     )
 }
 
-/// The alarm for a corner in the last block of a profile, which has no next block. In arcs I,
-/// K and R mean something else.
+/// Returns the alarm for a corner in the last block of a profile, which has no next block. In arcs
+/// I, K and R have another meaning.
 fn last_corner_alarm() -> Alarm {
     Alarm::new(number::ARC_DATA).with_detail(say::profile_corner_at_end())
 }

@@ -74,7 +74,8 @@ impl LinkedControl {
         }
     }
 
-    /// Which switches of an axis are wired to the board, and their data for a return.
+    /// Returns which switches of an axis are wired to the board, and their data for a reference
+    /// return.
     fn zero_wiring(&self, axis: Axis) -> ZeroWiring {
         let (wires, at) = match axis {
             Axis::X => (&self.config.x, self.config.x.home_at / 2.0),

@@ -12,7 +12,7 @@ pub enum LinkNote {
         /// The program that has just ended, if its end caused the comparison; otherwise
         /// `None`.
         program: Option<ProgramId>,
-        /// Commanded pulse count of each axis.
+        /// Pulse count that the control has commanded, for each axis.
         commanded: PerAxis<Pulses>,
         /// The board's count in the control's pulses; `None` if it reported no count.
         counted: Option<PerAxis<Pulses>>,
@@ -28,16 +28,16 @@ pub enum LinkNote {
         /// Compressed dictionary as the board sent it.
         compressed: Vec<u8>,
     },
-    /// A setting of the board differs from what the control needs.
+    /// A setting of the board differs from the required value.
     SettingDiffers(SettingDifference),
 }
 
 /// Log entries, and data for the next entries.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LinkLog {
-    /// Set while a requested comparison of the counts is under way.
+    /// Whether a comparison of the counts was requested and is not finished.
     pub(super) checking: bool,
-    /// A count that agreed at a standstill and is not logged yet; `None` without one.
+    /// A count that was equal at a standstill and is not logged yet; `None` without one.
     pub(super) agreed_count: Option<PerAxis<Pulses>>,
     /// A program that ended and whose final count is not checked yet; `None` without one.
     pub(super) ended_program: Option<ProgramId>,

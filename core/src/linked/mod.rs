@@ -443,7 +443,7 @@ impl LinkedControl {
         self.spindle.view
     }
 
-    /// State of the connection to the board.
+    /// Returns the state of the connection to the board.
     pub fn state(&self) -> LinkState {
         self.link.state()
     }
@@ -473,7 +473,7 @@ impl LinkedControl {
         self.link.board()
     }
 
-    /// Which switches at the board are operated, from its last report.
+    /// Returns which switches at the board are operated, from its last report.
     pub fn pins(&self) -> Pins {
         self.link.pins()
     }

@@ -9,7 +9,7 @@ pub(super) struct CommandedMotion {
     pub(super) pulses: PerAxis<Pulses>,
     /// Kernel time at the end of the last tick that made a pulse.
     pub(super) last_motion_end: RunTime,
-    /// Whether the last tick made a pulse.
+    /// Whether any pulse was commanded in the last tick.
     pub(super) moved: bool,
     /// Number of stops since the opening after which the control continued from another
     /// position.

@@ -58,14 +58,14 @@ impl LinkClock {
     }
 }
 
-/// What a tick shows about the power supply of the control.
+/// Whether a tick has switched the control on or off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PowerChange {
-    /// The control has ticked.
+    /// The control has executed the tick: its power is on.
     Tick,
     /// The power has just been lost or has come back: the pulse count starts at zero.
     Lost,
-    /// The power is still off.
+    /// The power of the control is still off.
     None,
 }
 

@@ -15,7 +15,7 @@ pub(super) struct BoardThread {
     waiting: Option<PassDelay>,
 }
 
-/// Why the board does not accept a pass yet, and since when.
+/// The reason for which the board does not accept a pass yet, and since when.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct PassDelay {
     reason: PassError,

@@ -57,8 +57,8 @@ impl LinkedControl {
         self.has_pending_motion() || !self.stopping.is_none() || self.thread.pass.is_some()
     }
 
-    /// Makes the board's last count the control's position after a fault or a loss: the
-    /// pages show what was executed, not what was commanded.
+    /// Sets the control's position to the board's last count after a fault or a loss, so that the
+    /// pages show what was executed and not what was commanded.
     pub(super) fn adopt_count(&mut self) {
         if self.link.takes_motion() || self.is_under_way() {
             return;
@@ -72,8 +72,8 @@ impl LinkedControl {
         }
     }
 
-    /// Reports to the control whether the slides stand still, and what the board knows
-    /// about their position.
+    /// Reports to the control whether the slides are at standstill, and what the board knows about
+    /// their position.
     pub(super) fn report_standstill(&mut self) {
         let is_standstill = !(self.is_under_way() || self.link.is_stopping());
         self.reports.standstill = is_standstill.then(|| Standstill {

@@ -10,11 +10,11 @@ use gsk_messages::Message;
 #[derive(Clone, Debug, Default)]
 pub(super) struct PendingReports {
     waiting: Vec<BoardReport>,
-    /// The certainty of the position of the slides, set when they are at standstill; `None`
+    /// What the board knows about the position of the slides, while they are at standstill; `None`
     /// otherwise.
     pub(super) standstill: Option<Standstill>,
-    /// Why and at which host time motion was too late; `None` if it was not. The alarm waits until
-    /// the board has answered.
+    /// The message about motion that was too late, and the host time; `None` if no motion was. The
+    /// alarm waits until the board has answered.
     pub(super) late_motion: Option<(Message, HostTime)>,
 }
 

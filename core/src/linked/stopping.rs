@@ -1,9 +1,9 @@
 //! The kind of stop under way at the board.
 
-/// The stop under way, until the board reports the position at which it stopped.
+/// The stop that is being executed, until the board reports the position at which it stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum StopInProgress {
-    /// No stop is under way.
+    /// No stop is being executed.
     None,
     /// The control stops the board and continues from the position where it stops.
     Flushing,
@@ -14,12 +14,12 @@ pub(super) enum StopInProgress {
 }
 
 impl StopInProgress {
-    /// Whether no stop is under way.
+    /// Whether no stop is being executed.
     pub(super) fn is_none(self) -> bool {
         self == Self::None
     }
 
-    /// Records that the control stops the board, unless another stop is under way.
+    /// Records that the control stops the board, unless another stop is being executed.
     pub(super) const fn flush(&mut self) {
         if matches!(self, Self::None) {
             *self = Self::Flushing;

@@ -17,7 +17,7 @@ use crate::units::{Axis, Pulses, TICK_S, round_to_i64};
 /// `INDEX_DIVISOR`.
 const INDEX_DIVISOR: i64 = 50;
 
-/// The position loop of a servo drive.
+/// The position control loop of a servo drive.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Servo {
     /// Following error at a steady speed, as the time by which the motor lags, s.
@@ -29,8 +29,8 @@ struct Servo {
     max_error_pulses: f64,
 }
 
-/// A range of motor positions in pulses, from `from` up to but not including `end`, in
-/// which the one-turn signal does not change.
+/// A range of motor positions in pulses, from `from` up to but not including `end`, in which the
+/// one-turn signal is constant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct IndexRange {
     from: i64,
@@ -70,7 +70,7 @@ pub(super) struct AxisDrive {
     tripped: bool,
     /// Whether the slide is jammed by a fault.
     pub blocked: bool,
-    /// Pulses per motor revolution.
+    /// Number of pulses per motor revolution.
     #[serde(rename = "turn")]
     pulses_per_turn: i64,
     limits: Option<(i64, i64)>,
@@ -302,7 +302,7 @@ impl AxisDrive {
         (self.slide > plus).then_some(TrippedLimit::Plus)
     }
 
-    /// Whether the slide presses the deceleration switch.
+    /// Whether the slide presses its deceleration switch.
     pub(crate) fn is_on_dog(&self) -> bool {
         self.dog
             .is_some_and(|(from, to)| (from..=to).contains(&self.slide))

@@ -76,7 +76,7 @@ impl Gearbox {
         self.gear
     }
 
-    /// Whether the given gear is in position.
+    /// Whether the gear with this number is in position.
     pub(crate) const fn is_in_position(&self, gear: u8) -> bool {
         self.gear == gear && self.since >= self.travel
     }

@@ -38,13 +38,13 @@ pub struct LatheConfig {
     pub x: AxisConfig,
     /// The carriage; its lengths are in mm.
     pub z: AxisConfig,
-    /// The tool post with its stations.
+    /// The tool post, with the number of its stations.
     pub turret: TurretConfig,
     /// The main spindle with inverter, gears and encoder.
     pub spindle: SpindleConfig,
-    /// Travel time of chuck, tailstock and gears.
+    /// Time that chuck, tailstock and gears take to move.
     pub chuck: ChuckConfig,
-    /// The picture of the lathe in space.
+    /// The appearance of the lathe in the 3D view.
     pub picture: PictureConfig,
     /// The pulse board of a real lathe; `None`: the lathe is simulated only.
     pub link: Option<LinkConfig>,
@@ -193,7 +193,7 @@ impl AxisConfig {
         })
     }
 
-    /// Values of the training lathe's cross slide.
+    /// Returns the values of the training lathe's cross slide.
     fn cross_slide() -> Self {
         Self {
             start: -100.0,
@@ -209,7 +209,7 @@ impl AxisConfig {
 }
 
 impl Default for AxisConfig {
-    /// Values of the training lathe's carriage.
+    /// Returns the values of the training lathe's carriage.
     fn default() -> Self {
         Self {
             start: -150.0,
@@ -349,7 +349,7 @@ impl Default for SpindleConfig {
     }
 }
 
-/// Travel time of chuck, tailstock and gears.
+/// Time that chuck, tailstock and gears take to move.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ChuckConfig {

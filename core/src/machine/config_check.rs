@@ -13,7 +13,7 @@ use gsk_messages::{Message, say};
 pub struct ConfigError {
     /// Path of the field in the machine file, such as `x.limits.minus`.
     pub field: String,
-    /// Message that says what is wrong and which values are valid.
+    /// Message about what is wrong, and which values are valid.
     pub rule: Message,
 }
 

@@ -6,53 +6,53 @@ use serde::{Deserialize, Serialize};
 /// A fault of the simulated lathe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LatheFault {
-    /// The tool post does not turn.
+    /// Fault: the tool post does not turn.
     TurretBlocked,
     /// The tool post's clamp switch never reports that the post is clamped.
     TurretUnclamped,
     /// The station switch that is active stays active.
     TurretContactStuck,
-    /// All station switches stay inactive.
+    /// Fault: all station switches of the tool post stay inactive.
     TurretContactsOpen,
-    /// The spindle does not turn.
+    /// Fault: the spindle does not turn.
     SpindleBlocked,
-    /// No gear reports its position.
+    /// Fault: no spindle gear reports its position.
     GearStuck,
-    /// The chuck does not move.
+    /// Fault: the chuck does not move.
     ChuckStuck,
-    /// The encoder sends no counts.
+    /// Fault: the spindle encoder sends no counts.
     EncoderLost,
-    /// The encoder's counts jitter.
+    /// Fault: the counts of the spindle encoder jitter.
     EncoderNoise,
-    /// The encoder sends no one-turn signal.
+    /// Fault: the spindle encoder sends no one-turn signal.
     SpindleIndexLost,
-    /// The X motor sends no one-turn signal.
+    /// Fault: the X motor sends no one-turn signal.
     IndexX,
-    /// The Z motor sends no one-turn signal.
+    /// Fault: the Z motor sends no one-turn signal.
     IndexZ,
-    /// The X deceleration switch stays pressed.
+    /// Fault: the X deceleration switch stays pressed.
     DogX,
-    /// The Z deceleration switch stays pressed.
+    /// Fault: the Z deceleration switch stays pressed.
     DogZ,
-    /// A limit switch of X stays tripped.
+    /// Fault: a limit switch of X stays tripped.
     LimitX,
-    /// A limit switch of Z stays tripped.
+    /// Fault: a limit switch of Z stays tripped.
     LimitZ,
-    /// The X drive reports an alarm.
+    /// Fault: the X drive reports an alarm.
     DriveX,
-    /// The Z drive reports an alarm.
+    /// Fault: the Z drive reports an alarm.
     DriveZ,
     /// The X slide is jammed: a servo trips, a stepper loses steps.
     SlideX,
     /// The Z slide is jammed: a servo trips, a stepper loses steps.
     SlideZ,
-    /// Hydraulic or air pressure is low.
+    /// Fault: hydraulic or air pressure is low.
     PressureLow,
-    /// The guard door is open.
+    /// Fault: the guard door is open.
     DoorOpen,
-    /// All machine contacts chatter when they change.
+    /// Fault: all machine contacts chatter when they change.
     InputBounce,
-    /// The emergency-stop loop is interrupted.
+    /// Fault: the emergency-stop loop is interrupted.
     EmergencyStop,
 }
 
@@ -61,7 +61,7 @@ pub enum LatheFault {
 pub struct FaultRow {
     /// The fault that the row describes.
     pub fault: LatheFault,
-    /// The name of the fault in scripts.
+    /// Name of the fault in scripts.
     pub name: &'static str,
     label: fn() -> Message,
     effect: fn() -> Message,
@@ -87,7 +87,7 @@ impl FaultRow {
         (self.label)()
     }
 
-    /// Message that describes what the operator sees at the control.
+    /// Returns the message about what the operator sees at the control.
     pub fn effect(&self) -> Message {
         (self.effect)()
     }
@@ -256,7 +256,7 @@ impl LatheFault {
     /// All faults with their names in scripts.
     pub const ALL: [(&'static str, Self); FAULTS.len()] = fault_names();
 
-    /// The table row of the fault.
+    /// Returns the row of the fault in the table.
     pub fn row(self) -> &'static FaultRow {
         // The table is in the order of the enumeration (tested below).
         &FAULTS[self as usize]
@@ -281,7 +281,7 @@ impl ActiveFaults {
         self.0 >> (fault as u32) & 1 == 1
     }
 
-    /// Number of active faults.
+    /// Returns the number of active faults.
     pub const fn count(self) -> usize {
         self.0.count_ones() as usize
     }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::board::{BoardInputs, BoardOrders};
 use crate::units::{PerAxis, Pulses};
 
-/// Which limit switch of an axis is tripped.
+/// Which limit switches of an axis are tripped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TrippedLimit {
     /// The switch at the negative end of the slide.
@@ -85,7 +85,7 @@ pub struct MachineOutputs {
     pub pulses: PerAxis<Pulses>,
     /// Analog spindle output SVC, 0–10 V.
     pub spindle_volts: f64,
-    /// Whether each drive is enabled (nEN).
+    /// Whether the control enables each drive (nEN).
     pub enable: PerAxis<bool>,
     /// Orders for the pulse board; `None` without a board. Boxed, because few machines have
     /// a board and outputs are passed on every tick.

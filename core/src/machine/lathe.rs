@@ -131,8 +131,8 @@ impl SimulatedLathe {
         }
     }
 
-    /// Advances by one tick (1 ms) and writes the sensors into `inputs`, in place to avoid
-    /// a copy. [`Self::read_contacts`] reads the contacts separately.
+    /// Advances the lathe by one tick (1 ms) and writes its sensors into `inputs`.
+    /// [`Self::read_contacts`] reads the contacts separately.
     pub fn tick(&mut self, outputs: &MachineOutputs, inputs: &mut MachineInputs) {
         let is_on = |pin: ContactPin| outputs.is_on(usize::from(pin.0), pin.1);
         self.axes.x.follow(outputs.pulses.x, outputs.enable.x);
@@ -440,13 +440,13 @@ impl SimulatedLathe {
         held.then(|| bit(&self.forced_levels))
     }
 
-    /// Number of forced machine inputs.
+    /// Returns the number of forced machine inputs.
     pub fn forced_input_count(&self) -> usize {
         let bits = self.forced.iter().map(|byte| byte.count_ones() as usize);
         bits.sum()
     }
 
-    /// Number of active faults.
+    /// Returns the number of active faults.
     pub const fn fault_count(&self) -> usize {
         self.faults.count()
     }
@@ -515,12 +515,12 @@ impl SimulatedLathe {
         Point::new(self.axes.x.following_error(), self.axes.z.following_error())
     }
 
-    /// Spindle speed, r/min; negative in reverse.
+    /// Returns the spindle speed, r/min; negative in reverse.
     pub const fn spindle_rpm(&self) -> f64 {
         self.spindle.rpm()
     }
 
-    /// Spindle angle, degrees from the start, 0…360.
+    /// Returns the spindle angle, degrees from its start position, 0 to 360.
     pub fn spindle_degrees(&self) -> f64 {
         let turns = self.spindle.turns();
         (turns - turns.floor()) * 360.0
@@ -546,7 +546,7 @@ impl SimulatedLathe {
         self.turret.is_clamped()
     }
 
-    /// Whether the chuck holds the part.
+    /// Whether the chuck clamps the part.
     pub const fn is_chuck_clamped(&self) -> bool {
         if self.wiring.outer_chuck {
             self.chuck.is_at_second_end()
@@ -555,7 +555,7 @@ impl SimulatedLathe {
         }
     }
 
-    /// Whether the tailstock is forward.
+    /// Whether the tailstock quill is extended.
     pub const fn is_tailstock_forward(&self) -> bool {
         self.tailstock.is_at_first_end()
     }

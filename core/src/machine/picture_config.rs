@@ -4,7 +4,7 @@
 use gsk_plc::address::{Area, BitAddress};
 use serde::{Deserialize, Serialize};
 
-/// The picture of the lathe in space.
+/// The appearance of the lathe in the 3D view.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PictureConfig {
@@ -18,7 +18,7 @@ pub struct PictureConfig {
     pub tower: TowerSignals,
 }
 
-/// The construction of a lathe.
+/// The construction of the lathe in the 3D view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LatheConstruction {
     /// A horizontal bed with a tool post in front of the axis.
@@ -34,11 +34,11 @@ pub enum LatheConstruction {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TowerSignals {
-    /// Signal of the green lamp.
+    /// Name of the signal that lights the green lamp.
     pub green: String,
-    /// Signal of the yellow lamp.
+    /// Name of the signal that lights the yellow lamp.
     pub yellow: String,
-    /// Signal of the red lamp.
+    /// Name of the signal that lights the red lamp.
     pub red: String,
 }
 

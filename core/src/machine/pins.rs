@@ -21,7 +21,7 @@ pub(crate) const STATIONS: [ContactPin; 8] = [
 ];
 /// X0.3, *DECX: deceleration switch of X.
 pub(crate) const DECELERATION_X: ContactPin = (0, 3);
-/// X0.5, *ESP: emergency-stop loop.
+/// X0.5, *ESP: contact of the emergency-stop loop.
 pub(crate) const EMERGENCY_STOP: ContactPin = (0, 5);
 /// X0.7, *TCP: tool post clamped; or PRES: pressure.
 pub(crate) const TOOL_CLAMPED: ContactPin = (0, 7);
@@ -36,7 +36,7 @@ pub(crate) const SPEEDS: [ContactPin; 4] = [(1, 0), (0, 0), (0, 1), (1, 3)];
 pub(crate) const FORWARD: ContactPin = (1, 2);
 /// Y0.4, M04: the spindle turns in reverse.
 pub(crate) const REVERSE: ContactPin = (0, 4);
-/// Y0.7, SPZD: spindle brake.
+/// Y0.7, SPZD: applies the spindle brake.
 pub(crate) const BRAKE: ContactPin = (0, 7);
 /// Y1.6, TL+: the tool post turns forward.
 pub(crate) const TURRET_FORWARD: ContactPin = (1, 6);
@@ -50,9 +50,9 @@ pub(crate) const CHUCK_OUTWARD: ContactPin = (1, 5);
 pub(crate) const TAILSTOCK_OUT: ContactPin = (0, 2);
 /// Y1.4, DOTWS: the tailstock moves back.
 pub(crate) const TAILSTOCK_BACK: ContactPin = (1, 4);
-/// Y0.3, M08: coolant.
+/// Y0.3, M08: switches the coolant.
 pub(crate) const COOLANT: ContactPin = (0, 3);
-/// Y1.1, M32: lubrication.
+/// Y1.1, M32: switches the lubrication.
 pub(crate) const LUBRICATION: ContactPin = (1, 1);
 
 /// Direction that the ladder's outputs M03 and M04 command; stop while the brake is on.

@@ -27,14 +27,14 @@ pub(super) struct SpindleDrive {
     counts_per_turn: i64,
     encoder_ratio: f64,
     rpm: f64,
-    /// Spindle revolutions since the start.
+    /// Number of spindle revolutions since the start.
     turns: f64,
     /// Speed of a spindle that turns without M03 or M04, r/min; negative in reverse. `None` if it
     /// is at standstill without them.
     coasting: Option<f64>,
     /// Whether the spindle is jammed by a fault.
     pub blocked: bool,
-    /// Whether the encoder sends no counts (fault).
+    /// Whether the encoder sends no counts, because of a fault.
     pub encoder_lost: bool,
     encoder: i64,
     /// Whole encoder revolutions since the start, and encoder count at the last index
@@ -103,7 +103,7 @@ impl SpindleDrive {
         self.rpm = rpm;
     }
 
-    /// Spindle speed, r/min; negative in reverse.
+    /// Returns the spindle speed, r/min; negative in reverse.
     pub const fn rpm(&self) -> f64 {
         self.rpm
     }

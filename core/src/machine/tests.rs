@@ -45,7 +45,7 @@ fn address(text: &str) -> BitAddress {
     text.parse().unwrap()
 }
 
-/// Analog spindle, 10 V = 2000 r/min.
+/// Parameters for an analog spindle with 2000 r/min at 10 V.
 const ANALOG: [(u16, i32); 2] = [(1, 0b0001_0000), (37, 2000)];
 const TL_FORWARD: (usize, u8) = (1, 6);
 const TL_REVERSE: (usize, u8) = (1, 7);

@@ -63,7 +63,7 @@ impl TurretDrive {
         (distance <= self.window).then_some(station as u8 + 1)
     }
 
-    /// Whether the post is clamped.
+    /// Whether the tool post is clamped.
     pub const fn is_clamped(&self) -> bool {
         self.clamped
     }

@@ -11,15 +11,15 @@ use crate::units::{Axis, PerAxis};
 pub(super) enum SharedPin {
     /// The switch of a station of the tool post.
     Station,
-    /// The in-position switch of a gear.
+    /// The pin has the in-position switch of a gear.
     Gear,
-    /// The in-position switch of the chuck.
+    /// The pin has the in-position switch of the chuck.
     Chuck,
-    /// An enable contact, which is always active.
+    /// The pin has an enable contact, which is always active.
     Enable,
     /// A feed override switch that is closed (the nibble of 100 %).
     Closed,
-    /// No signal: the contact is open.
+    /// The pin has no signal: the contact is open.
     Open,
 }
 
@@ -39,7 +39,7 @@ pub(super) struct MachineWiring {
     pub deceleration_level: bool,
     /// Whether each axis has one switch for deceleration and zero (007.0, 007.1 ZC).
     pub one_switch: PerAxis<bool>,
-    /// Contact level of a station in place (011.1 TSGN = 0: closed).
+    /// Level of the contact of a tool-post station in position (011.1 TSGN = 0: closed).
     #[serde(rename = "in_station")]
     pub station_level: bool,
     /// Contact level of the clamped tool post (011.0 TCPS = 1: closed).
@@ -57,7 +57,7 @@ pub(super) struct MachineWiring {
     /// AGIM).
     #[serde(rename = "gear_in")]
     pub gear_level: bool,
-    /// Signals on X0.4, X1.0, X1.1 and X1.2.
+    /// Signal on the pin X0.4.
     pub x0_4: SharedPin,
     pub x1_0: SharedPin,
     pub x1_1: SharedPin,

@@ -14,7 +14,7 @@ impl OperationLevel {
     pub(crate) const WORKSHOP: Self = Self(3);
     /// Operator: may change programs below O9000 and tool offsets.
     pub(crate) const OPERATOR: Self = Self(4);
-    /// Logged off: no change is allowed.
+    /// The level without any rights: the operator is logged off.
     pub const NONE: Self = Self(5);
 
     /// The number of the level, 0 to 5; a lower number has more rights.
@@ -63,7 +63,7 @@ impl Default for Authority {
 }
 
 impl Authority {
-    /// The operation level that is active now.
+    /// Returns the operation level that is active.
     pub const fn level(&self) -> OperationLevel {
         self.level
     }

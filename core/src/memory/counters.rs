@@ -58,12 +58,12 @@ impl Counters {
     pub const PART_COUNT_LIMIT: u32 = PART_COUNT_LIMIT;
     /// The cutting time wraps to 0 at this value, ms.
     pub const CUTTING_LIMIT_MS: u64 = CUTTING_LIMIT_MS;
-    /// Required parts must be below this value.
+    /// The number of required parts must be below this value.
     pub const REQUIRED_PARTS_LIMIT: u32 = REQUIRED_PARTS_LIMIT;
     /// The time of cycle start wraps to 0 at this value, ms.
     pub const STARTED_LIMIT_MS: u64 = STARTED_LIMIT_MS;
 
-    /// Adds one finished part; 0 follows 9999.
+    /// Adds one finished part; after 9999 the counter continues at 0.
     pub(crate) const fn count_part(&mut self) {
         self.parts = (self.parts % PART_COUNT_LIMIT + 1) % PART_COUNT_LIMIT;
     }

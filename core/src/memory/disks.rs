@@ -9,14 +9,14 @@ use super::parameters::ControlParameters;
 use super::pitch::PitchTable;
 use crate::model::ModelRecord;
 
-/// The data stored on an electronic disk.
+/// The data stored on an electronic disk: parameters, offsets and pitch errors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DiskContent {
     /// Values of the state and data parameters.
     pub parameters: ControlParameters,
-    /// Table of tool offsets.
+    /// Table of the tool offsets.
     pub offsets: Offsets,
-    /// Pitch errors of both axes.
+    /// Pitch error tables of both axes.
     pub pitch: PitchTable,
 }
 

@@ -13,14 +13,14 @@ pub const OFFSET_ROWS: usize = 33;
 /// Greatest absolute value of X, Z or R, mm.
 const LIMIT_MM: f64 = 9999.999;
 
-/// One row of the offset page.
+/// One row of the offset page: X, Z, nose radius and tip number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ToolOffset {
     /// Offset in X, mm: a diameter, or a radius with 004.4 ORC = 1.
     pub x: f64,
-    /// Offset in Z, mm.
+    /// Z value of the tool offset, mm.
     pub z: f64,
-    /// Nose radius, mm.
+    /// Nose radius of the tool, mm.
     pub r: f64,
     /// Number of the direction of the imaginary tool tip, 0 to 9.
     pub t: u8,
@@ -109,7 +109,7 @@ impl Offsets {
         }
     }
 
-    /// All rows with their numbers, from 000.
+    /// Returns all rows with their numbers, from 000.
     pub fn iter(&self) -> impl Iterator<Item = (u8, &ToolOffset)> {
         (0..).zip(&self.rows)
     }

@@ -14,33 +14,33 @@ const TABLE: &str = include_str!("../../../assets/tables/parameter-groups.tsv");
 pub enum ParameterGroup {
     /// The axes: their drives, gear ratios and directions.
     Axes,
-    /// Speeds and accelerations of the axes.
+    /// Parameters for speeds and accelerations of the axes.
     Speeds,
     /// Protection of machine and operator: limits, switches, door.
     Safety,
-    /// Spindle, its gears and its encoder.
+    /// Parameters for the spindle, its gears and its encoder.
     Spindle,
-    /// Tool post, offsets, nose radius.
+    /// Parameters for tool post, offsets and nose radius.
     Tools,
-    /// Cutting of threads.
+    /// Parameters for cutting threads.
     Threads,
     /// G and M codes and cycles in programs.
     Codes,
-    /// Compensation of backlash.
+    /// Parameters for backlash compensation.
     Backlash,
-    /// Compensation of pitch errors.
+    /// Parameters for pitch error compensation.
     Pitch,
-    /// Machine zero and reference return.
+    /// Parameters for machine zero and reference return.
     Zero,
-    /// Chuck, tailstock, lubrication, M codes, inputs.
+    /// Parameters for chuck, tailstock, lubrication, M codes and inputs.
     Auxiliary,
-    /// Editing, pages, keys.
+    /// Parameters for editing, pages and keys.
     Display,
-    /// The serial port.
+    /// Parameters for the serial port.
     Serial,
-    /// State of the control after power-on.
+    /// Parameters for the state of the control after power-on.
     PowerOn,
-    /// Parameter numbers without a function.
+    /// Parameter numbers that have no function.
     Reserved,
 }
 
@@ -85,7 +85,7 @@ impl ParameterGroup {
         }
     }
 
-    /// Name of the group for the operator.
+    /// Returns the name of the group for the operator.
     pub fn name(self) -> Message {
         match self {
             Self::Axes => say::parameter_group_axes(),

@@ -8,21 +8,21 @@ use serde::{Deserialize, Serialize};
 
 const TABLE: &str = include_str!("../../../assets/tables/parameters.tsv");
 
-/// The highest parameter number.
+/// The highest number of a parameter.
 pub(crate) const LAST_PARAMETER: u16 = 185;
 
 /// An electronic disk: a stored set of parameter values (manual III-2.1.10).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ElectronicDisk {
-    /// Factory values of the manufacturer; read-only.
+    /// Electronic disk N0: factory values of the manufacturer; read-only.
     N0,
     /// Values saved by the user; as delivered equal to N0.
     N1,
-    /// Values for servo drives.
+    /// Electronic disk N2: values for servo drives.
     N2,
-    /// Values for stepper drives.
+    /// Electronic disk N3: values for stepper drives.
     N3,
-    /// Values for both kinds of drives.
+    /// Electronic disk N4: values for both kinds of drives.
     N4,
 }
 
@@ -38,31 +38,31 @@ impl ElectronicDisk {
     }
 }
 
-/// When a changed parameter takes effect.
+/// The moment at which a changed parameter takes effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EffectiveTime {
-    /// At the next use of the value.
+    /// The change takes effect at the next use of the value.
     AtOnce,
-    /// At the next power-on.
+    /// The change takes effect at the next power-on.
     AtPowerOn {
-        /// Whether the change raises alarm 000.
+        /// Whether the change raises alarm 000 (power must be switched off and on).
         alarm: bool,
     },
     /// Differs from bit to bit of a state parameter: see the rows of its bits.
     PerBit,
 }
 
-/// The allowed values of a parameter.
+/// The permitted values of a parameter: a range or a list.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ParameterRange {
     /// All values from the least (first) to the greatest (second).
     Span(i32, i32),
-    /// Only these values.
+    /// Only the values in this list are permitted.
     List(Vec<i32>),
 }
 
 impl ParameterRange {
-    /// Whether a value is allowed.
+    /// Returns whether a value is permitted.
     pub fn contains(&self, value: i32) -> bool {
         match self {
             Self::Span(low, high) => (*low..=*high).contains(&value),
@@ -90,7 +90,7 @@ impl core::fmt::Display for ParameterRange {
 /// bits.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ParameterRow {
-    /// Parameter number.
+    /// Number of the parameter.
     pub number: u16,
     /// Bit number, 0 to 7, for a bit of a state parameter; `None` for a whole parameter.
     pub bit: Option<u8>,
@@ -100,11 +100,11 @@ pub struct ParameterRow {
     pub symbol: &'static str,
     /// Unit of the value; empty without one.
     pub unit: &'static str,
-    /// Allowed values of the parameter.
+    /// Permitted values of the parameter.
     pub range: ParameterRange,
     /// Factory values on the disks N0 (and N1), N2, N3, N4.
     pub factory: [i32; 4],
-    /// When a change takes effect.
+    /// The moment at which a change takes effect.
     pub effective: EffectiveTime,
     /// Meaning of the parameter, in English.
     pub meaning_en: &'static str,
@@ -112,7 +112,7 @@ pub struct ParameterRow {
     pub meaning_zh: &'static str,
     /// The function of the control that uses the parameter.
     pub used_by: &'static str,
-    /// What the help says about the parameter.
+    /// Help texts about the parameter in both languages.
     pub help: HelpColumns,
 }
 

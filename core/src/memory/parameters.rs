@@ -28,20 +28,20 @@ pub struct ControlParameters {
 /// The reason why a parameter was not written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ParameterError {
-    /// The parameter or bit does not exist.
+    /// The control has no parameter or bit with this number.
     Unknown {
-        /// Parameter number.
+        /// Number of the parameter.
         number: u16,
         /// Bit number; `None` if a whole parameter was addressed.
         bit: Option<u8>,
     },
-    /// The value is outside its range.
+    /// The value is outside the permitted range of the parameter.
     Range {
-        /// Parameter number.
+        /// Number of the parameter.
         number: u16,
-        /// The refused value.
+        /// The value that was refused.
         value: i32,
-        /// The allowed values.
+        /// The permitted values of the parameter.
         range: ParameterRange,
     },
 }
@@ -103,7 +103,7 @@ impl ControlParameters {
         self.values.get(usize::from(number)).copied().unwrap_or(0)
     }
 
-    /// The eight bits of a state parameter.
+    /// Returns the eight bits of a state parameter as a byte.
     #[inline]
     pub fn byte(&self, number: u16) -> u8 {
         self.value(number) as u8
@@ -244,7 +244,7 @@ impl ControlParameters {
         in_force
     }
 
-    /// All parameters with their values, by number.
+    /// Returns all parameters with their values, by number.
     pub fn iter(&self) -> impl Iterator<Item = (u16, i32)> {
         let numbers = FACTORY_VALUES.iter().map(|(number, _)| *number);
         numbers.map(|number| (number, self.value(number)))

@@ -25,9 +25,9 @@ pub struct PitchTable {
 /// The error of writing a value beyond ±255 to the pitch error table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PitchError {
-    /// Number of the point in the table.
+    /// Number of the point in the pitch error table.
     pub point: u8,
-    /// The refused value.
+    /// The value that was refused.
     pub value: i16,
 }
 

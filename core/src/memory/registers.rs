@@ -107,7 +107,7 @@ impl SwitchedOff {
         self.bits.0 & 2 != 0
     }
 
-    /// Whether feed hold does not stop motion.
+    /// Whether feed hold cannot stop motion, because a program has switched it off.
     pub(crate) const fn is_feed_hold_off(self) -> bool {
         self.bits.1 & 1 != 0
     }

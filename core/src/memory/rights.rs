@@ -11,7 +11,7 @@ use crate::mode::OperatingMode;
 /// Programs from this number on need more rights than the operator's level has.
 const PROTECTED_FROM: u16 = 9000;
 
-/// The state of the control that decides who may write what.
+/// The state of the control on which write rights depend.
 #[derive(Clone, Copy, Debug)]
 pub struct Rights<'a> {
     /// The active values of the parameters.
@@ -22,11 +22,11 @@ pub struct Rights<'a> {
     pub mode: OperatingMode,
     /// Whether a program or an MDI block is running or held.
     pub operating: bool,
-    /// Whether a block is running.
+    /// Whether a block of a program is running.
     pub running: bool,
-    /// Whether an axis moves.
+    /// Whether any axis moves.
     pub moving: bool,
-    /// Whether an alarm is active.
+    /// Whether any alarm is active.
     pub alarm: bool,
     /// Whether the emergency stop is pressed.
     pub emergency_stop: bool,
@@ -38,22 +38,23 @@ pub struct Rights<'a> {
     pub protected: bool,
 }
 
-/// The reason why a write is refused.
+/// The reason for which a write is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WriteRefusal {
-    /// The operation needs another operating mode.
+    /// The write requires another operating mode.
     Mode,
     /// A program is running or held, or an axis is moving.
     Running,
     /// An alarm is active, and 012.3 EAL = 0 forbids editing meanwhile.
     Alarm,
-    /// The parameter switch (参数开关) is off.
+    /// The write is refused because the parameter switch (参数开关) is off.
     ParameterSwitch,
-    /// The program switch (程序开关) is off.
+    /// The write is refused because the program switch (程序开关) is off.
     ProgramSwitch,
-    /// The operation level has too few rights.
+    /// The write is refused because the operation level has too few rights.
     Level,
-    /// 172.1, 172.2 or the signal KEY1 locks the data, or 012.4 hides the program.
+    /// The write is refused because 172.1, 172.2 or the signal KEY1 locks the data, or 012.4 hides
+    /// the program.
     Locked,
 }
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A row of the setting page.
+/// A row of the setting page of the control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum SettingRow {
     /// 奇偶校检 (parity check): stored, without effect on this control.

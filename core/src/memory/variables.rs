@@ -30,7 +30,7 @@ pub struct Variables {
     reals: BTreeMap<u16, f64>,
 }
 
-/// The value of a variable as serialized.
+/// A variable as it is serialized: integer, real or empty.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(untagged)]
 enum Stored {

@@ -25,7 +25,7 @@ macro_rules! meanings {
 }
 
 meanings! {
-    /// What a G code does. The number of the code differs from model to model.
+    /// The meaning of a G code, whose number differs from model to model.
     GCode {
         /// G00: rapid in which each axis moves at its own rapid rate.
         Rapid => g_is_rapid,
@@ -271,7 +271,7 @@ meanings! {
 }
 
 impl GCode {
-    /// Whether the meaning is a dwell.
+    /// Whether the code is a dwell.
     pub const fn is_dwell(self) -> bool {
         matches!(self, Self::Dwell | Self::DwellSecondsFirst | Self::DwellByK)
     }
@@ -298,7 +298,7 @@ impl GCode {
 }
 
 meanings! {
-    /// What an M code does. The number of the code differs from model to model.
+    /// The meaning of an M code, whose number differs from model to model.
     MCode {
         /// M00: program stop.
         Stop => m_is_stop,

@@ -4,12 +4,12 @@
 
 use serde::Deserialize;
 
-/// How a control model reads the words of a program.
+/// The conventions by which a control model reads the words of a program.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Conventions {
     /// Whether X measures a diameter or the travel of the slide.
     pub x: XMeasure,
-    /// How a program writes increments: by letters, by a code, or both.
+    /// How a program marks increments: by letters, by a code, or both.
     pub increments: Increments,
     /// The plane of arcs and radius compensation that is active after power-on.
     pub plane: WorkPlane,
@@ -41,12 +41,12 @@ impl Conventions {
     }
 }
 
-/// What X values of a program measure.
+/// Whether X values of a program are diameters or slide travel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum XMeasure {
-    /// A diameter: the slide travels half of it.
+    /// X values are diameters: the slide moves half of them.
     Diameter,
-    /// The travel of the slide.
+    /// X values are the travel of the slide.
     Distance,
 }
 
@@ -55,7 +55,7 @@ pub enum XMeasure {
 pub enum Increments {
     /// By the letters U and W instead of X and Z.
     Letters,
-    /// By the modal code G91.
+    /// The modal code G91 marks coordinates as increments.
     Codes,
     /// By the letters U and W, or by G91.
     Both,
@@ -64,13 +64,13 @@ pub enum Increments {
 /// The plane in which arcs and radius compensation act.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum WorkPlane {
-    /// The plane of X and Y.
+    /// Arcs are in the plane of X and Y.
     Xy,
-    /// The plane of Z and X.
+    /// Arcs are in the plane of Z and X.
     Zx,
 }
 
-/// What the digits of a T word select.
+/// The meaning of the digits of a T word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum ToolForm {
     /// Tool and offset. The payload is the number of digits of the word; each has half of
@@ -80,10 +80,10 @@ pub enum ToolForm {
     Tool,
 }
 
-/// The macro language of a control model.
+/// The macro language of a control model: A or B.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum MacroForm {
-    /// Macro A: operations G65 H with integers.
+    /// Macro A: operations G65 H on integers.
     A,
     /// Macro B: formulas, jumps, loops and calls with arguments.
     B,

@@ -97,7 +97,7 @@ impl ControlModel {
         }
     }
 
-    /// The model that the control is.
+    /// Returns the id of the control model.
     pub const fn id(&self) -> ModelId {
         self.id
     }
@@ -177,9 +177,9 @@ pub(crate) mod hx31 {
 
 /// Numbers of the parameters that only the NC-B08 has.
 pub(crate) mod ncb08 {
-    /// Parameter with the greatest rapid rate, mm/min.
+    /// Number of the parameter with the greatest rapid rate, mm/min.
     pub(crate) const RAPID_LIMIT: u16 = 17;
-    /// Parameter with the duration of M21, ms.
+    /// Number of the parameter with the duration of M21, ms.
     pub(crate) const CLAMP_TIME: u16 = 41;
     /// Parameter with the X coordinate of the reference point as a diameter, 0.001 mm.
     pub(crate) const REFERENCE_X: u16 = 108;

@@ -18,10 +18,10 @@ use super::{ControlModel, code_calls};
 
 /// The G codes of macro B that call programs or cancel calls, G65 to G67.
 const CALLS: core::ops::RangeInclusive<u16> = 65..=67;
-/// The greatest program number.
+/// The greatest number of a program.
 const LAST_PROGRAM: i64 = 9999;
 
-/// Which parameters assign subprograms to a range of M codes.
+/// The parameters that assign subprograms to a range of M codes.
 #[derive(Clone, Debug, Deserialize)]
 pub(crate) struct CallRange {
     /// Number of the parameter that has the first M code of the range.

@@ -14,10 +14,10 @@ use crate::units::Axis;
 /// Number of possible G codes: they have two digits.
 const G_CODES: usize = 100;
 
-/// What distinguishes a control model: its codes, conventions, ranges and parameters.
+/// The record of a control model: its codes, conventions, ranges and parameters.
 #[derive(Clone, Debug, Deserialize)]
 pub struct ModelRecord {
-    /// The model that this record describes.
+    /// The id of the model that the record describes.
     #[serde(skip)]
     id: ModelId,
     /// An example of a program name, such as `O0001`.
@@ -46,11 +46,11 @@ pub struct ModelRecord {
     /// Contact of the model's input 0, counted in bits of the X area from X0.0 (16 is X2.0).
     #[serde(default)]
     pub(crate) first_input: u8,
-    /// What a rising edge of an input does in manual modes, by the number of the input.
+    /// The action that a rising edge of each input triggers in manual modes, by input number.
     #[serde(default)]
     pub(crate) edges: BTreeMap<u8, EdgeAction>,
-    /// What a press of a key that only this model has does in manual modes, by the bit of the
-    /// key's contact in X27.
+    /// The action that a press of each model-specific key triggers in manual modes, by the bit of
+    /// the key's contact in X27.
     #[serde(default)]
     pub(crate) key_edges: BTreeMap<u8, EdgeAction>,
     /// Inputs, by number, that also act as a contact of the machine.
@@ -98,8 +98,8 @@ pub struct ModelRecord {
     pub conventions: Conventions,
     /// The meanings of the model's G codes, by number.
     pub g: BTreeMap<u8, GCode>,
-    /// The G codes whose effect was decided here because the manual of the model does not give
-    /// it.
+    /// The G codes whose effect was decided for this program, because the manual of the model does
+    /// not give it.
     #[serde(default)]
     pub g_decided: Vec<u8>,
     /// First and last M code of a range whose codes, if the model does not define them, are
@@ -115,8 +115,8 @@ pub struct ModelRecord {
     pub(crate) m_macros: Option<(i64, i64)>,
     /// The functions of the model's M codes, by number.
     pub m: BTreeMap<u8, MFunction>,
-    /// The M codes whose effect was decided here because the manual of the model does not give
-    /// it.
+    /// The M codes whose effect was decided for this program, because the manual of the model does
+    /// not give it.
     #[serde(default)]
     pub m_decided: Vec<u8>,
     /// Parameters that only this model has, by number of the parameter.
@@ -127,32 +127,32 @@ pub struct ModelRecord {
     g_table: Vec<Option<GCode>>,
 }
 
-/// What a rising edge of an input does in a manual mode.
+/// The action that a rising edge of an input triggers in a manual mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub(crate) enum EdgeAction {
     /// Executes the two M codes in turn, one at each edge.
     Toggles(u8, u8),
-    /// Executes the M code at each edge.
+    /// Each edge executes this M code.
     Does(u8),
 }
 
 /// The contact of the machine that an input of a model is wired to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub(crate) enum WiredContact {
-    /// The emergency-stop button.
+    /// The contact of the emergency-stop button.
     EmergencyStop,
     /// The limit switch at an end of an axis.
     Limit(Axis, AxisEnd),
-    /// The deceleration switch of an axis.
+    /// The contact of the deceleration switch of an axis.
     Deceleration(Axis),
 }
 
 /// An end of the travel of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub(crate) enum AxisEnd {
-    /// The end in the positive direction.
+    /// The end of the axis in positive direction.
     Plus,
-    /// The end in the negative direction.
+    /// The end of the axis in negative direction.
     Minus,
 }
 
@@ -178,10 +178,10 @@ pub(crate) enum LadderOutput {
     SpindleReverse,
 }
 
-/// What an M code of a model does, and which outputs it switches.
+/// The function of an M code of a model, and the outputs that it switches.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 pub struct MFunction {
-    /// What the code does for the control.
+    /// The function of the M code for the control.
     #[serde(rename = "does")]
     pub meaning: MCode,
     /// Numbers of the model's outputs that the code switches on.
@@ -254,7 +254,7 @@ impl ModelRecord {
         &RECORDS[id as usize]
     }
 
-    /// The model that this record describes.
+    /// Returns the id of the model that the record describes.
     pub const fn id(&self) -> ModelId {
         self.id
     }

@@ -19,10 +19,10 @@ use crate::memory::ControlParameters;
 /// Number of thread turns below which a distance counts as zero.
 const MIN_TURNS: f64 = 1e-12;
 
-/// How the electronic gear increases and decreases its rate.
+/// The law by which the electronic gear increases and decreases its rate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct GearLaw {
-    /// Time constant T (029), s.
+    /// Time constant T of the gear (parameter 029), s.
     #[serde(rename = "time")]
     pub time_constant_s: f64,
     /// Whether the rate changes exponentially instead of linearly (175.4).
@@ -134,7 +134,7 @@ pub(super) fn gear_law(parameters: &ControlParameters) -> GearLaw {
     }
 }
 
-/// Where a motion through the gear ends, and at which rate.
+/// The position at which a motion through the gear ends, and its rate there.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GearEnd {
     /// Number of thread turns of the whole motion.

@@ -7,12 +7,12 @@ use super::limits::MotionLimits;
 use crate::spindle::SpindleTurn;
 use crate::units::{Axis, Feed, PerAxis, min_not_nan};
 
-/// Override of rapids.
+/// The override of rapids: F0 or a percentage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RapidOverride {
-    /// F0: the lowest rapid rate (032).
+    /// F0: rapids have the lowest rapid rate (032).
     F0,
-    /// Percentage of the rapid rates, 1–100.
+    /// Rapids have this percentage of the rapid rates, 1–100.
     Percent(u8),
 }
 
@@ -27,7 +27,7 @@ impl RapidOverride {
     }
 }
 
-/// The rates of dry run (manual III-5.3.2).
+/// The rates with which dry run replaces the programmed ones (manual III-5.3.2).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DryRun {
     /// Rate of cuts in dry run, mm/min.
@@ -43,15 +43,15 @@ pub struct DryRun {
 pub struct MotionInputs {
     /// Feed override as a factor, 0.0–1.5.
     pub feed_override: f64,
-    /// Override of G00 and manual rapid.
+    /// Override of rapids, in programs and by hand.
     pub rapid_override: RapidOverride,
     /// Measured spindle speed, r/min; negative in reverse.
     pub spindle_rpm: f64,
     /// Measured spindle angle before and after the tick, turns.
     pub spindle: SpindleTurn,
-    /// Whether another thread continues in phase from the thread under way.
+    /// Whether another thread continues in phase from the current thread.
     pub thread_continues: bool,
-    /// Whether another cut continues from the cut under way without a stop (007.3 = 0).
+    /// Whether another cut continues from the current cut without a stop (007.3 = 0).
     pub cut_continues: bool,
     /// Whether feed hold or an interlock stops programmed motion.
     pub hold: bool,

@@ -21,7 +21,7 @@ fn limits(exact: bool, time: i32, lowest: i32) -> MotionLimits {
 }
 
 const FEED: f64 = 3000.0;
-/// The feed [`FEED`] in mm/s.
+/// The feed [`FEED`], converted to mm/s.
 const RATE: f64 = 50.0;
 
 fn continuing_inputs() -> MotionInputs {

@@ -98,7 +98,7 @@ impl MotionLimits {
         *self.rapid.get(axis) * 60.0
     }
 
-    /// Upper limit of cutting feed (027), mm/min.
+    /// Returns the upper limit of the cutting feed (027), mm/min.
     pub(crate) const fn cutting_rate(&self) -> f64 {
         self.cutting * 60.0
     }
@@ -136,7 +136,7 @@ impl MotionLimits {
         self.rapid_law.get(axis)
     }
 
-    /// Lowest rapid rate F0 (032), mm/s.
+    /// Returns the lowest rapid rate F0 (032), mm/s.
     pub(super) const fn lowest_rapid(&self) -> f64 {
         self.lowest_rapid
     }

@@ -26,15 +26,15 @@ impl JogRate {
     }
 }
 
-/// Manual motion of one axis.
+/// The manual motion of one axis: jog, step or handwheel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ManualAxis {
     /// Requested jog: direction (true = positive) and rate; `None`: no jog.
     command: Option<(bool, JogRate)>,
     /// Target coordinate of a step or of the handwheel, mm, and rate; `None`: no step.
     goal: Option<(f64, JogRate)>,
-    /// Speed, mm/s, never negative. `positive` is its direction; `linear` tells whether its law is
-    /// that of rapids.
+    /// Speed, mm/s, never negative. `positive` is its direction; `linear` is `true` if it changes
+    /// by the law of rapids.
     speed: f64,
     positive: bool,
     linear: bool,
@@ -65,32 +65,32 @@ impl ManualAxis {
         }
     }
 
-    /// Target coordinate of the step under way, mm; `None` without one.
+    /// Returns the target coordinate of the current step, mm; `None` without one.
     pub(crate) fn goal(&self) -> Option<f64> {
         self.goal.map(|(goal, _)| goal)
     }
 
-    /// Speed, mm/s, in either direction.
+    /// Returns the speed of the axis, mm/s, without its direction.
     pub const fn speed(&self) -> f64 {
         self.speed
     }
 
-    /// Whether a step or handwheel motion is under way.
+    /// Whether a step or handwheel motion is being executed.
     pub const fn is_stepping(&self) -> bool {
         self.goal.is_some()
     }
 
-    /// Whether the axis stands still and no motion is requested.
+    /// Whether the axis is at standstill and no motion is requested.
     pub fn is_idle(&self) -> bool {
         self.speed <= 0.0 && self.command.is_none() && self.goal.is_none()
     }
 
-    /// Whether the axis has speed.
+    /// Whether the speed of the axis is above 0.
     pub fn is_moving(&self) -> bool {
         self.speed > 0.0
     }
 
-    /// Drops jog and step; the axis decelerates.
+    /// Ends jog and step, so that the axis decelerates.
     pub const fn release(&mut self) {
         self.command = None;
         self.goal = None;

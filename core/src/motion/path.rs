@@ -20,7 +20,7 @@ pub(crate) struct CutPath {
     arc_geometry: Option<ArcGeometry>,
 }
 
-/// The circular part of a path.
+/// The arc of a path: centre, radius and angles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct ArcGeometry {
     center: Point,
@@ -79,7 +79,7 @@ impl CutPath {
         }
     }
 
-    /// Length along the path, mm.
+    /// Returns the length of the path, mm.
     pub const fn length(&self) -> f64 {
         self.length
     }
@@ -89,7 +89,7 @@ impl CutPath {
         self.arc_geometry.is_none()
     }
 
-    /// End point of the path, mm.
+    /// Returns the end point of the path, mm.
     pub const fn to(&self) -> Point {
         self.to
     }
@@ -109,7 +109,7 @@ impl CutPath {
         arc_geometry.center + Point::new(sine * radius, cosine * radius)
     }
 
-    /// The path shifted by a vector, mm.
+    /// Returns the path shifted by a vector, mm.
     pub fn shifted(self, by: Point) -> Self {
         let bend = self.arc_geometry.map(|bend| ArcGeometry {
             center: bend.center + by,

@@ -14,9 +14,9 @@ const MIN_DISTANCE_MM: f64 = 1e-12;
 pub(crate) enum SpeedLaw {
     /// The speed changes with this constant acceleration, mm/s².
     Linear { acceleration: f64 },
-    /// The speed approaches its target exponentially.
+    /// The speed approaches its target by an exponential function.
     Exponential {
-        /// Time constant of the approach, s.
+        /// Time constant of the exponential function, s.
         time: f64,
         /// Speed at which motion starts and ends, mm/s.
         lowest: f64,
@@ -84,7 +84,7 @@ impl SpeedLaw {
         }
     }
 
-    /// Distance in which a motion at `speed` (mm/s) comes to a standstill, mm.
+    /// Returns the distance in which a motion at `speed` (mm/s) stops, mm.
     pub(crate) fn braking_distance(&self, speed: f64) -> f64 {
         match *self {
             Self::Linear { acceleration } => speed * speed / (2.0 * acceleration),
@@ -124,10 +124,10 @@ impl SpeedLaw {
     }
 }
 
-/// Result of advancing a ramp.
+/// The result of advancing a ramp by a time: distance and speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RampStep {
-    /// Distance travelled by the step, mm.
+    /// Distance that the step covers, mm.
     pub distance: f64,
     /// Time used, s; less than the given time only if the end was reached.
     pub used_s: f64,
@@ -143,7 +143,7 @@ impl RampStep {
 /// Speed and distance to go along one line; the distance is infinite for a jog.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Ramp {
-    /// Speed, mm/s, never negative.
+    /// Current speed, mm/s, never negative.
     pub speed: f64,
     /// Distance to the end, mm; exactly zero at the end.
     pub remaining: f64,
@@ -158,7 +158,7 @@ impl Ramp {
         }
     }
 
-    /// Whether no distance is left to go.
+    /// Whether the ramp has covered its whole distance.
     pub fn is_finished(&self) -> bool {
         self.remaining <= 0.0
     }

@@ -6,7 +6,7 @@ use super::limits::MotionLimits;
 use super::ramp::Ramp;
 use crate::units::{Axis, PerAxis, Point};
 
-/// A rapid under way, in which each axis moves at its own rate.
+/// A rapid that is being executed, in which each axis moves at its rate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Rapid {
     to: Point,
@@ -28,17 +28,17 @@ impl Rapid {
         }
     }
 
-    /// End point of the rapid, mm.
+    /// Returns the end point of the rapid, mm.
     pub const fn to(&self) -> Point {
         self.to
     }
 
-    /// Whether both axes have arrived.
+    /// Whether both axes have reached the end point.
     pub fn is_finished(&self) -> bool {
         self.ramps.x.is_finished() && self.ramps.z.is_finished()
     }
 
-    /// Whether an axis has speed.
+    /// Whether the speed of any axis is above 0.
     pub fn is_moving(&self) -> bool {
         self.ramps.x.speed > 0.0 || self.ramps.z.speed > 0.0
     }
@@ -75,7 +75,7 @@ impl Rapid {
         Point::new(coordinate(Axis::X), coordinate(Axis::Z))
     }
 
-    /// Current position of the axes, mm.
+    /// Returns the current position of the axes, mm.
     pub fn position(&self) -> Point {
         self.position_after(PerAxis::new(0.0, 0.0))
     }
@@ -93,7 +93,7 @@ impl Rapid {
         ))
     }
 
-    /// The rapid shifted by a vector, mm.
+    /// Returns the rapid shifted by a vector, mm.
     pub fn shifted(self, by: Point) -> Self {
         Self {
             to: self.to + by,

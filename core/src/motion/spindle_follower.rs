@@ -41,8 +41,8 @@ impl Handover {
 /// The event for which a thread or a tap waits before it begins to follow the spindle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum FollowerWait {
-    /// A one-turn signal after the one at the angle `seen`, turns, and then `phase` turns more.
-    /// `seen` is `None` before the first tick.
+    /// Waits for a one-turn signal after that at the angle `seen`, turns, and then for `phase`
+    /// turns more. `seen` is `None` before the first tick.
     Index { seen: Option<f64>, phase: f64 },
     /// The next time that the spindle passes this angle, turns (or a whole number of turns
     /// more).
@@ -137,7 +137,7 @@ struct FollowerStart {
 pub(crate) struct SpindleTick<'a> {
     pub limits: &'a MotionLimits,
     pub spindle: &'a SpindleTurn,
-    /// Measured spindle speed, r/min.
+    /// Measured spindle speed in the tick, r/min.
     pub rpm: f64,
     /// Whether no thread may begin to follow the spindle.
     pub is_held: bool,
@@ -148,9 +148,9 @@ pub(crate) struct SpindleTick<'a> {
 /// Turns and leads of a thread or tap.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FollowerTravel {
-    /// Number of turns of the whole thread.
+    /// Number of spindle turns in the whole thread.
     pub turns: f64,
-    /// Lead at the start, mm per turn.
+    /// Lead at the start of the thread, mm per turn.
     pub first_lead: f64,
     /// Lead at the end, mm per turn, if the gear slows down there; `None`: another thread
     /// continues.
@@ -160,10 +160,10 @@ pub(crate) struct FollowerTravel {
 /// The parts of the time by which a follower was advanced.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StepTime {
-    /// Time before the start angle, s.
+    /// Part of the time before the start angle is reached, s.
     pub waiting_s: f64,
-    /// Time after the start angle, s. `used_s` is the part of it that was used, s; it is less only
-    /// if the end was reached.
+    /// Part of the time after the start angle, s. `used_s` is the part of it that was used; it is
+    /// less only if the end was reached.
     pub available_s: f64,
     pub used_s: f64,
 }
@@ -256,7 +256,8 @@ impl SpindleFollower {
         }
     }
 
-    /// Advances by `time` seconds, the last part of the tick, and returns how much of it was used.
+    /// Advances by `time` seconds, the last part of the tick. Returns the part of the time that was
+    /// used, s.
     pub fn advance(
         &mut self,
         tick: &SpindleTick<'_>,

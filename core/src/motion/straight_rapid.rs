@@ -61,11 +61,11 @@ impl SpeedChange {
     }
 }
 
-/// A straight rapid under way, with an S-shaped speed profile.
+/// A straight rapid that is being executed, with an S-shaped speed profile.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct StraightRapid {
     to: Point,
-    /// Direction of the line, a unit vector.
+    /// Direction of the line, a vector of length 1.
     direction: Point,
     /// Distance to the end, mm; exactly zero at the end.
     remaining: f64,
@@ -88,7 +88,7 @@ impl StraightRapid {
         }
     }
 
-    /// End point of the rapid, mm.
+    /// Returns the end point of the rapid, mm.
     pub const fn to(&self) -> Point {
         self.to
     }
@@ -98,12 +98,12 @@ impl StraightRapid {
         self.remaining <= 0.0
     }
 
-    /// Whether the rapid has speed.
+    /// Whether the speed of the rapid is above 0.
     pub fn is_moving(&self) -> bool {
         self.speed > 0.0
     }
 
-    /// Current position of the axes, mm.
+    /// Returns the current position of the axes, mm.
     pub fn position(&self) -> Point {
         self.to - self.direction * self.remaining
     }
@@ -119,7 +119,7 @@ impl StraightRapid {
         self.to - self.direction * (self.remaining - distance).max(0.0)
     }
 
-    /// The rapid shifted by a vector, mm.
+    /// Returns the rapid shifted by a vector, mm.
     pub fn shifted(self, by: Point) -> Self {
         Self {
             to: self.to + by,

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use super::spindle_follower::{FollowerTravel, FollowerWait, SpindleFollower, SpindleTick};
 use crate::units::Point;
 
-/// A tap under way: Z follows the spindle in, and out after the reversal.
+/// A tap that is being executed: Z follows the spindle in, and out after the reversal.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct TapMotion {
     from: Point,
@@ -59,7 +59,7 @@ impl TapMotion {
         }
     }
 
-    /// Whether the programmed depth is reached on the way in.
+    /// Whether the tap has reached the programmed depth and not begun to move out.
     pub(crate) fn is_at_bottom(&self) -> bool {
         let depth = (self.to.z - self.from.z).abs();
         self.out_turns.is_none()
@@ -93,7 +93,7 @@ impl TapMotion {
         step_time.waiting_s + step_time.used_s
     }
 
-    /// Current position of the tool, mm.
+    /// Returns the current position of the tool, mm.
     pub fn position(&self) -> Point {
         if self.is_finished() {
             return self.from;
@@ -106,7 +106,7 @@ impl TapMotion {
         Point::new(self.from.x, self.from.z + inwards * depth_turns * self.lead)
     }
 
-    /// The tap shifted by a vector, mm.
+    /// Returns the tap shifted by a vector, mm.
     pub fn shifted(self, by: Point) -> Self {
         Self {
             from: self.from + by,

@@ -48,7 +48,7 @@ fn any_limits() -> impl Strategy<Value = MotionLimits> {
         )
 }
 
-/// One random block of the tests.
+/// A random block for the property tests.
 #[derive(Clone, Copy, Debug)]
 enum RandomBlock {
     Rapid(Point),

@@ -26,7 +26,7 @@ use crate::units::{Axis, Point};
 pub struct ThreadMove {
     /// End point of the thread, mm.
     pub to: Point,
-    /// Axis that the lead is measured along.
+    /// Axis along which the lead is measured.
     #[serde(rename = "long")]
     pub lead_axis: Axis,
     /// Lead at the start, mm per turn; X as a radius.
@@ -255,7 +255,7 @@ impl ShortAxisRunOut {
     }
 }
 
-/// A thread under way, which follows the spindle angle.
+/// A thread that is being executed and follows the spindle angle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ThreadMotion {
     path: CutPath,
@@ -311,7 +311,7 @@ impl ThreadMotion {
         self.follower.is_moving()
     }
 
-    /// End point of the thread, mm.
+    /// Returns the end point of the thread, mm.
     pub const fn to(&self) -> Point {
         self.path.to()
     }
@@ -353,7 +353,7 @@ impl ThreadMotion {
         }
     }
 
-    /// Current position of the tool, mm.
+    /// Returns the current position of the tool, mm.
     pub fn position(&self) -> Point {
         let mut at = if self.has_arrived() {
             self.path.to()
@@ -369,14 +369,14 @@ impl ThreadMotion {
         at
     }
 
-    /// Returns the state for a thread that continues this finished one; `continues` tells whether
+    /// Returns the state for a thread that continues this finished one; `continues` is `true` if
     /// such a thread follows without a stop.
     pub(crate) fn handover(&self, continues: bool) -> Handover {
         self.follower
             .handover(self.total_turns, self.passes_speed_on(continues))
     }
 
-    /// The thread shifted by a vector, mm.
+    /// Returns the thread shifted by a vector, mm.
     pub fn shifted(self, by: Point) -> Self {
         Self {
             path: self.path.shifted(by),

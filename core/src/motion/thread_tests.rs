@@ -9,7 +9,7 @@ use crate::spindle::{SpindleAngle, SpindleControl, SpindleInputs};
 use crate::units::{Axis, Point, TICK_S};
 
 const COUNTS: f64 = 4096.0;
-/// Travel of one pulse of Z, mm.
+/// Travel of one command pulse of Z, mm.
 const PULSE: f64 = 0.001;
 
 struct Rig {

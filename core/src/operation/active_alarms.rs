@@ -12,12 +12,12 @@ pub struct ActiveAlarms {
 }
 
 impl ActiveAlarms {
-    /// All alarms in force, newest first.
+    /// Returns all active alarms, the newest first.
     pub fn list(&self) -> &[Alarm] {
         &self.list
     }
 
-    /// Whether no alarm is in force.
+    /// Whether no alarm is active.
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
     }

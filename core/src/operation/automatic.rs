@@ -23,16 +23,16 @@ use crate::run_state::RunState;
 use crate::units::Point;
 use serde::{Deserialize, Serialize};
 
-/// What the command under way still waits for.
+/// The event for which the current command still waits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum CommandStage {
-    /// Motion, dwell or a wait is under way.
+    /// The motion, dwell or wait of the command is being executed.
     Acting,
     /// Only the M/S/T handshake is not complete (DEN is 1 if nothing else runs).
     Handshake,
 }
 
-/// The command under way, with its stage and its start.
+/// The current command, with its stage and its start.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct CurrentCommand {
     pub(crate) command: ControlCommand,
@@ -56,8 +56,7 @@ pub struct AutomaticRun {
     /// An alarm found while reading ahead; it is raised when its block begins. `None`
     /// without one.
     pub(crate) fault_ahead: Option<Alarm>,
-    /// Whether the interpreter waits for a standstill. It is not called before the
-    /// standstill.
+    /// Whether the interpreter waits for a standstill; it reads no block before.
     #[serde(rename = "waiting")]
     pub(crate) waits_for_standstill: bool,
     /// Whether a program has been started and can be resumed.
@@ -80,12 +79,12 @@ pub struct AutomaticRun {
     /// Source of the last command that was started; `None` before the first one.
     #[serde(rename = "last")]
     pub(crate) last_source: Option<SourcePosition>,
-    /// Whether the running block has more commands.
+    /// Whether the current block has further commands.
     pub(crate) within_block: bool,
     pub(crate) protection: HoldProtection,
-    /// Stage of the tap under way; `None` without a tap.
+    /// Stage of the current tap; `None` without a tap.
     pub(crate) tap: Option<TapStage>,
-    /// M code that reverses the spindle on the way out of the tap: 3 or 4; 0 = not set yet.
+    /// M code that reverses the spindle to move the tap out: 3 or 4; 0 if not set yet.
     pub(crate) tap_reverse: u8,
     pub(crate) watch: SpindleWatch,
     pub(crate) arrival: SpeedArrival,
@@ -98,23 +97,23 @@ pub struct AutomaticRun {
     #[serde(default, skip_serializing_if = "core::ops::Not::not")]
     #[serde(rename = "hold_put_off")]
     pub(crate) hold_deferred: bool,
-    /// The restart that the next cycle start begins, or whose approach is under way; `None`
+    /// The restart that the next cycle start begins, or whose approach is being executed; `None`
     /// without one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) restart: Option<Box<PreparedRestart>>,
 }
 
-/// A restart at a block: the way to its start point and the state of the run that continues
+/// A restart at a block: the approach to its start point, and the state of the run that continues
 /// there.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PreparedRestart {
     /// The selected program and its text length in bytes, to detect another program.
     pub(crate) program: (ProgramId, usize),
-    /// The block at which the run continues.
+    /// The block at which the run continues after the restart.
     pub(crate) source: SourcePosition,
-    /// Machine coordinates at which the way begins, mm.
+    /// Machine coordinates at which the approach begins, mm.
     pub(crate) from: Point,
-    /// The remaining actions of the approach.
+    /// The actions of the approach that are not executed yet.
     pub(crate) steps: VecDeque<Action>,
     /// The state of the run before the block.
     pub(crate) continuation: RunContinuation,
@@ -181,12 +180,12 @@ impl Default for AutomaticRun {
 }
 
 impl AutomaticRun {
-    /// STL or SPL: whether a block is under way or held.
+    /// STL or SPL: whether a block is being executed or held.
     pub const fn is_operating(&self) -> bool {
         matches!(self.state, RunState::Run | RunState::Hold)
     }
 
-    /// Whether the approach of a restart is under way or held.
+    /// Whether the approach of a restart is being executed or held.
     pub(crate) const fn is_approaching(&self) -> bool {
         self.is_started && self.restart.is_some()
     }
@@ -199,8 +198,8 @@ impl AutomaticRun {
         })
     }
 
-    /// CUT: whether a cutting feed is under way, also while an interlock or an override of
-    /// 0 % delays it.
+    /// CUT: whether a cutting feed is being executed, also while an interlock or an override of 0 %
+    /// delays it.
     pub(crate) fn is_cutting(&self) -> bool {
         self.state == RunState::Run
             && self.current.as_ref().is_some_and(|current| {
@@ -241,13 +240,13 @@ impl AutomaticRun {
         self.dwell_left_ms > 0 && matches!(self.current_action(), Some(Action::Dwell { .. }))
     }
 
-    /// The action of the command under way; `None` between commands.
+    /// Returns the action of the current command; `None` between commands.
     pub(crate) fn current_action(&self) -> Option<&Action> {
         self.current.as_ref().map(|current| &current.command.action)
     }
 
-    /// Whether the cut under way continues into the command that was read ahead: that
-    /// command is a cut too, and nothing stops the run in between.
+    /// Whether the current cut continues into the command that was read ahead: that command is also
+    /// a cut, and nothing stops the run in between.
     pub(crate) fn continues_cut(&self) -> bool {
         self.state == RunState::Run
             && !self.stop_requested
@@ -266,7 +265,7 @@ impl AutomaticRun {
         };
     }
 
-    /// Whether a started run can be resumed.
+    /// Whether a run was started and has not ended, so that it can be resumed.
     pub(crate) const fn can_resume(&self) -> bool {
         self.is_started && !self.has_ended
     }
@@ -285,8 +284,8 @@ impl AutomaticRun {
             .and_then(|aside| aside.automatic.last_source)
     }
 
-    /// Source of the block in a stored program that a stop would interrupt; `None` for MDI
-    /// and DNC, and if no block is under way or held.
+    /// Returns the source of the block in a stored program that a stop would interrupt; `None` for
+    /// MDI and DNC, and if no block is executed or held.
     pub(crate) fn interrupted_source(&self) -> Option<SourcePosition> {
         let run = match &self.suspended {
             Some(aside) => &aside.automatic,

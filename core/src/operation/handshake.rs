@@ -17,18 +17,18 @@ const STROBE_MS: u32 = 16;
 /// The function that a strobe signal belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Strobe {
-    /// M function: MF, F7.0.
+    /// M function, with the strobe MF (F7.0).
     M,
-    /// S function: SF, F7.2.
+    /// S function, with the strobe SF (F7.2).
     S,
-    /// T function: TF, F7.3.
+    /// T function, with the strobe TF (F7.3).
     T,
 }
 
 /// Phase of the handshake of one function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum HandshakePhase {
-    /// No handshake is under way.
+    /// The function has no handshake in progress.
     Idle,
     /// The code is output; the strobe is switched on after this many ms.
     Code(u32),
@@ -46,7 +46,7 @@ pub struct Handshake {
     pub m: u8,
     /// S code output on F22–F25; it stays until the next one.
     pub s: u32,
-    /// T code (tool number) output on F26.
+    /// T code (tool number) that is output on F26.
     pub t: u8,
 }
 
@@ -85,7 +85,7 @@ impl Handshake {
         }
     }
 
-    /// Whether a handshake of any function is under way.
+    /// Whether a handshake of any function is in progress.
     pub fn is_busy(&self) -> bool {
         self.phases
             .iter()

@@ -9,7 +9,7 @@ const HALVES_PER_TICK: i32 = 1;
 /// Half graduations that the counter can accept in one tick after a pause.
 const HALVES_AT_ONCE: i32 = 100;
 
-/// Counts the pulses of the handwheel.
+/// Counts the pulses that the handwheel sends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct WheelCounter {
     /// Graduation count at the last tick; `None` before the first tick.

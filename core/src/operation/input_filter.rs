@@ -32,7 +32,7 @@ impl InputFilter {
         }
     }
 
-    /// The accepted state of all contacts.
+    /// Returns the filtered state of all contacts.
     pub const fn accepted(&self) -> &[u8; X_BYTES] {
         &self.accepted
     }

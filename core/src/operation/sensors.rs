@@ -25,7 +25,7 @@ pub struct Sensors {
 }
 
 impl Sensors {
-    /// Reads the signals of a tick.
+    /// Reads the signals of the machine in a tick.
     pub fn update(&mut self, inputs: &MachineInputs, parameters: &ControlParameters) {
         self.zero_signal = inputs.index_pulse;
         let well = |axis| *inputs.drive_alarm.get(axis) != parameters.drive_alarm_level(axis);

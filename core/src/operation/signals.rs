@@ -28,7 +28,7 @@ pub struct FromPlc {
     pub emergency_stop: bool,
     /// *SP, G8.5: true if the signal is 0 and feed hold is requested.
     pub feed_hold: bool,
-    /// ERS, G8.7: external reset is requested.
+    /// ERS, G8.7: the external reset is requested.
     pub external_reset: bool,
     /// Jog rate code, G10 and G11 (0 = 150 % … 15 = 0 %).
     pub jog_code: u8,
@@ -36,7 +36,7 @@ pub struct FromPlc {
     pub feed_override: u8,
     /// Rapid override, % (0 = F0), from G14, or from G96 in steps of 1 %.
     pub rapid_override: u8,
-    /// RT, G19.7: manual rapid is on.
+    /// RT, G19.7: manual rapid is selected.
     pub rapid: bool,
     /// SAR, G29.4: the spindle has reached its speed.
     pub speed_arrival: bool,
@@ -190,17 +190,17 @@ impl FromPlc {
     }
 }
 
-/// Signals of the control for the ladder.
+/// The state of the control that is reported to the ladder in F signals.
 pub struct ToPlc<'a> {
-    /// Operating mode, reported in F3 and F4.
+    /// Operating mode that is reported in F3 and F4.
     pub mode: OperatingMode,
-    /// STL: a block is in execution.
+    /// STL: a block is being executed.
     pub started: bool,
     /// SPL: the run is in feed hold.
     pub holding: bool,
     /// OP: automatic operation is in progress.
     pub operating: bool,
-    /// AL: an alarm is in force.
+    /// AL: an alarm is active.
     pub alarm: bool,
     /// RST: the reset signal is on.
     pub reset: bool,
@@ -210,17 +210,17 @@ pub struct ToPlc<'a> {
     pub servo_ready: bool,
     /// RPDO: the last motion that began was a rapid.
     pub rapid: bool,
-    /// CUT: a cutting feed of automatic operation is under way.
+    /// CUT: a cutting feed of automatic operation is being executed.
     pub cutting: bool,
     /// Whether the dwell of a G04 is running.
     pub dwelling: bool,
-    /// RTAP: a tap is under way.
+    /// RTAP: a tap is being executed.
     pub tapping: bool,
     /// The M code whose decode signal DM00, DM01, DM02 or DM30 is 1; `None`: all are 0.
     pub decoded: Option<u8>,
     /// Codes and strobes of the M, S and T functions.
     pub handshake: &'a Handshake,
-    /// Gear M41–M44 in force, 1–4.
+    /// Number of the gear in force (M41–M44), 1–4.
     pub gear: u8,
     /// ZP: the axis is at the reference point.
     pub at_reference: PerAxis<bool>,

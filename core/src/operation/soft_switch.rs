@@ -6,15 +6,15 @@ use serde::{Deserialize, Serialize};
 /// A switch of the soft machine panel, in the order of the page's keys 1 to 5.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SoftSwitch {
-    /// 机床锁住: machine lock, MLKO F75.4.
+    /// 机床锁住: the machine lock switch, MLKO F75.4.
     MachineLock,
-    /// 辅助锁住: auxiliary lock, AFLO F75.1.
+    /// 辅助锁住: the auxiliary lock switch, AFLO F75.1.
     AuxiliaryLock,
-    /// 单程序段: single block, SBKO F75.3.
+    /// 单程序段: the single block switch, SBKO F75.3.
     SingleBlock,
-    /// 空运行: dry run, DRNO F75.5.
+    /// 空运行: the dry run switch, DRNO F75.5.
     DryRun,
-    /// 程序选跳: block skip, BDTO F75.2.
+    /// 程序选跳: the block skip switch, BDTO F75.2.
     BlockSkip,
 }
 

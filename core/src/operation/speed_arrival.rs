@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// Stage of the check of the spindle speed (SAR) before a cut.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum SpeedArrival {
-    /// The next cut must wait for SAR.
+    /// The next cut must wait for the signal SAR (speed arrival).
     #[default]
     Due,
     /// A cut has been read; SAR is checked after this many ms.

@@ -14,14 +14,14 @@ use gsk_messages::say;
 /// Below this speed the spindle counts as stopped, r/min.
 pub(crate) const STANDSTILL_RPM: f64 = 1.0;
 
-/// What the run does after a finished command of a thread.
+/// How the run continues after a finished command of a thread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum AfterThread {
-    /// The next command begins.
+    /// The run continues with the next command.
     Continue,
     /// The run holds, because feed hold was requested in the thread.
     Hold,
-    /// The run stops because of single block.
+    /// The run stops because single block is on.
     Stop,
 }
 
@@ -32,7 +32,7 @@ impl super::automatic::AutomaticRun {
         self.protection != HoldProtection::None || self.current.as_ref().is_some_and(defers_hold)
     }
 
-    /// Whether a thread or tap is under way.
+    /// Whether a thread or tap is being executed.
     pub(crate) fn is_threading(&self) -> bool {
         matches!(
             self.current_action(),
@@ -93,9 +93,8 @@ impl super::automatic::AutomaticRun {
         };
     }
 
-    /// Decides what the run does after a finished command of a thread; `single_block`:
-    /// whether single block would stop the run here. `None`: the rules of other commands
-    /// apply.
+    /// Decides how the run continues after a finished command of a thread. `single_block`: whether
+    /// single block would stop the run at this point. `None`: the rules of other commands apply.
     pub(crate) fn after_thread(
         &self,
         command: &ControlCommand,

@@ -7,13 +7,13 @@ use crate::board::SpindleFault;
 /// Interval between two comparisons of the spindle speed during a thread, ticks (106).
 const FLUCTUATION_TICKS: u32 = 100;
 
-/// Whether feed hold can stop the motion under way.
+/// Whether feed hold can stop the current motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum HoldProtection {
-    /// Feed hold stops the motion.
+    /// Feed hold stops the motion without restriction.
     #[default]
     None,
-    /// A thread or tap is under way, or has ended and the next command has not begun: feed
+    /// A thread or tap is being executed, or has ended and the next command has not begun: feed
     /// hold waits.
     Thread,
     /// Feed hold was requested in a thread. The first command after the thread runs to its
@@ -24,7 +24,7 @@ pub(crate) enum HoldProtection {
     },
 }
 
-/// Stage of the tap under way.
+/// The stage of a tap that is being executed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum TapStage {
     /// The spindle starts again for a further start of the thread.
@@ -40,11 +40,11 @@ pub(crate) enum TapStage {
     Out,
     /// M05 was output at the end of the tap: the spindle stops.
     Ending,
-    /// The tap is finished.
+    /// The tap has ended.
     Done,
 }
 
-/// Supervision of the spindle during a thread.
+/// Supervises the spindle speed during a thread.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct SpindleWatch {
     /// Speed at the last comparison, r/min (`None` before the first one), and ticks since
@@ -54,11 +54,11 @@ pub(crate) struct SpindleWatch {
     /// Whether the spindle has turned during a cut of this run.
     #[serde(rename = "turned")]
     pub has_turned: bool,
-    /// Ticks for which the command under way has waited for the spindle.
+    /// Number of ticks for which the current command has waited for the spindle.
     #[serde(rename = "waited")]
     pub waited_ticks: u32,
-    /// Fault of the spindle during the thread under way, after which the run ends; `None`
-    /// without one.
+    /// Fault of the spindle during the current thread, after which the run ends; `None` without
+    /// one.
     #[serde(rename = "spoilt")]
     pub fault: Option<SpindleFault>,
 }

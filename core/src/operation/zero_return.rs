@@ -31,9 +31,9 @@ pub(crate) enum ZeroReturnStage {
     /// The zero signal has come; the axis waits until its motor has stopped.
     #[serde(rename = "Rest")]
     MotorWait {
-        /// Remaining ticks of the wait.
+        /// Number of ticks for which the motor must still wait.
         ticks: u16,
-        /// Whether the machine coordinates have been set.
+        /// Whether the machine coordinates have been set at the reference point.
         shifted: bool,
     },
 }

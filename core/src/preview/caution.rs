@@ -13,12 +13,12 @@ use crate::units::Feed;
 /// Feed per minute, mm/min, below which the program probably means a feed per revolution.
 const LEAST_FEED_MM_PER_MIN: f64 = 1.0;
 
-/// A kind of probable mistake.
+/// The kind of a probable mistake in a program.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CautionKind {
-    /// A cut under G98 below 1 mm/min.
+    /// A cut under G98 has a feed below 1 mm/min.
     SlowFeed,
-    /// A cut while the spindle is stopped.
+    /// A cut is made while the spindle is stopped.
     SpindleStopped,
     /// A cut after a T word while no tool offset is active.
     NoOffset,
@@ -72,7 +72,7 @@ const MAX_CAUTIONS_PER_KIND: usize = 50;
 /// A probable mistake in a program, with its block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Caution {
-    /// The kind of mistake.
+    /// The kind of the probable mistake.
     pub kind: CautionKind,
     /// The block with the mistake; for most kinds the first such block.
     pub source: SourcePosition,
@@ -167,7 +167,7 @@ fn ignored_word_message(word: &IgnoredWord) -> Message {
 }
 
 impl PreviewRun<'_> {
-    /// Adds cautions for what the interpreter has remarked about a block.
+    /// Adds cautions for the remarks that the interpreter has made about a block.
     pub(super) fn take_remarks(&mut self, interpreter: &mut Interpreter) {
         for (remark, source) in interpreter.take_remarks() {
             let slip = match remark {

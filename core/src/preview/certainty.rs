@@ -14,7 +14,7 @@ impl ProgramFacts {
     /// Position of the tool in X; the next one in Z.
     pub(super) const X: Self = Self(1);
     pub(super) const Z: Self = Self(2);
-    /// The active G code of group 01.
+    /// Bit for the active G code of group 01.
     pub(super) const MOTION: Self = Self(4);
     /// The value of F; the next one its unit (G98, G99).
     pub(super) const FEED: Self = Self(8);
@@ -22,13 +22,13 @@ impl ProgramFacts {
     /// Direction of the spindle; the next one its speed.
     pub(super) const SPINDLE_DIRECTION: Self = Self(32);
     pub(super) const SPINDLE_SPEED: Self = Self(64);
-    /// Active tool number and offset number.
+    /// Bit for the active tool number and offset number.
     pub(super) const TOOL: Self = Self(128);
     /// Data that the first block of a cycle stores for the second.
     pub(super) const CYCLE: Self = Self(256);
-    /// The lead of a thread.
+    /// Bit for the lead of a thread.
     pub(super) const LEAD: Self = Self(512);
-    /// Whether a contour is compensated.
+    /// Bit for the nose radius compensation of a contour.
     pub(super) const COMPENSATION: Self = Self(1024);
     pub(super) const ALL: Self = Self(1023);
 

@@ -5,7 +5,8 @@ use super::spindle::SpindleRotation;
 use crate::alarm::{Alarm, number};
 use crate::setup::{MachineLadder, Setup};
 
-/// What decides which messages the ladder can raise: the ladder itself and the equipment.
+/// The data that determine which messages the ladder can raise: the ladder itself and the
+/// equipment.
 pub(super) struct LadderMessages {
     ladder: MachineLadder,
     chuck: bool,

@@ -8,18 +8,18 @@ use crate::interpreter::ModalState;
 use crate::memory::ControlParameters;
 use crate::units::Point;
 
-/// Where a preview ended.
+/// The reason or position at which a preview ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PreviewEnd {
-    /// At M30.
+    /// The preview ended at M30.
     M30,
-    /// At M02, on models that have it.
+    /// The preview ended at M02, on models that have it.
     M02,
-    /// At M99 of the main program.
+    /// The preview ended at M99 of the main program.
     M99,
     /// At the end of the text without M30 or M99.
     Text,
-    /// At an alarm, which is in [`Preview::alarm`].
+    /// The preview ended at an alarm, which is in [`Preview::alarm`].
     Alarm,
     /// At 1000 hours of machine time, or where the caller cancelled the preview.
     Limit,
@@ -40,10 +40,11 @@ pub struct PathLengths {
     pub thread: f64,
 }
 
-/// The result of a preview: what running the program would do. X of points is a radius, mm.
+/// The result of a preview: motion, times and state as running the program would give. X of points
+/// is a radius, mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Preview {
-    /// Where the preview ended.
+    /// The reason or position at which the preview ended.
     pub end: PreviewEnd,
     /// The alarm at which the program ended; `None` if it ended without one.
     pub alarm: Option<Alarm>,
@@ -53,11 +54,11 @@ pub struct Preview {
     pub time_s: f64,
     /// Part of [`Self::time_s`] spent in cutting moves, s.
     pub cutting_s: f64,
-    /// Number of executed blocks.
+    /// Number of blocks that were executed.
     pub blocks: u64,
     /// Number of moves and dwells, without those of zero length.
     pub moves: u64,
-    /// Number of executed program stops (M00).
+    /// Number of program stops (M00) that were executed.
     pub stops: u32,
     /// Number of finished parts that the control counts during the program.
     pub parts: u32,
@@ -68,7 +69,7 @@ pub struct Preview {
     /// Probable mistakes that raise no alarm. Most kinds are listed at their first
     /// occurrence only.
     pub cautions: Vec<Caution>,
-    /// Path lengths by kind of move.
+    /// Lengths of the path, by kind of move.
     pub lengths: PathLengths,
     /// Absolute position (work coordinates) at the end, mm.
     pub absolute: Point,
@@ -78,7 +79,7 @@ pub struct Preview {
     pub relative: Point,
     /// Work zero and tool offset at the end.
     pub frame: Frame,
-    /// Modal codes and values at the end.
+    /// Modal codes and values at the end of the program.
     pub modal: ModalState,
     /// Direction of the spindle at the end.
     pub spindle: SpindleRotation,
@@ -93,7 +94,7 @@ pub struct Preview {
 pub struct PreviewProgress {
     /// Line of the last executed block, from 1; 0 before the first block.
     pub line: u32,
-    /// Number of executed blocks.
+    /// Number of blocks that were executed so far.
     pub blocks: u64,
     /// Number of moves and dwells so far.
     pub moves: u64,

@@ -13,9 +13,9 @@ pub enum SpindleRotation {
     /// The spindle is stopped.
     #[default]
     Stopped,
-    /// Clockwise, as after M03.
+    /// The spindle turns clockwise, as after M03.
     Clockwise,
-    /// Counter-clockwise, as after M04.
+    /// The spindle turns counter-clockwise, as after M04.
     CounterClockwise,
 }
 

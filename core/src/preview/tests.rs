@@ -214,7 +214,7 @@ fn cautions_after_an_alarm_need_certain_facts() {
     assert_eq!(slips(text), [(CautionKind::SpindleStopped, 3)]);
 }
 
-/// X as a diameter, and Z, mm.
+/// A preset point: X as a diameter, and Z, mm.
 type PresetPoint = (f64, f64);
 
 /// Returns, if the program ends at another position than its G50 sets, the line of the G50, its

@@ -8,7 +8,7 @@ use super::PreviewProgress;
 /// Limits of the work of a preview; it stops when it reaches one of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WorkBudget {
-    /// Greatest number of moves.
+    /// Greatest number of moves that a preview may make.
     pub moves: u64,
     /// Greatest number of blocks read, as [`PreviewProgress::work`] counts them.
     pub work: u64,
@@ -18,7 +18,7 @@ pub struct WorkBudget {
 }
 
 impl WorkBudget {
-    /// The limits of `check` and `plot`.
+    /// The limits for the commands `check` and `plot`.
     pub const FULL: Self = Self {
         moves: 200_000_000,
         work: 500_000_000,

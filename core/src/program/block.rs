@@ -19,7 +19,7 @@ pub(crate) const MAX_WORDS: usize = 24;
 pub struct ProgramWord {
     /// Address as an upper-case letter, e.g. `b'X'`.
     pub address: u8,
-    /// The number after the address.
+    /// The number after the address, or the variable that replaces it.
     pub value: WordNumber,
     /// Byte positions of the word in the text of its block, from 0: first byte, and the byte
     /// after the last one.
@@ -55,7 +55,7 @@ pub struct ProgramBlock {
     words: [ProgramWord; MAX_WORDS],
 }
 
-/// A block as it is serialized; the derived fields of [`ProgramBlock`] are computed again.
+/// The serialized form of a block; the derived fields of [`ProgramBlock`] are computed again.
 #[derive(Serialize, Deserialize)]
 struct Plain {
     n: Option<u32>,
@@ -458,7 +458,7 @@ const fn is_address(letter: u8) -> bool {
 const COORDINATES: &[u8] = b"XZUWIJKR";
 
 const MILLIONTHS: i64 = 1_000_000;
-/// Greatest length, 9999.999 mm, in millionths.
+/// Greatest length that a word can have, 9999.999 mm, in millionths.
 const LARGEST_LENGTH: i64 = 9_999_999_000;
 /// Greatest length on a mill, 99999.999 mm, in millionths. Angles and scale factors of a mill
 /// are smaller.

@@ -7,7 +7,7 @@ use super::lexer::Lexer;
 pub(super) struct BlockHead {
     pub(super) o: Option<u16>,
     pub(super) n: Option<u32>,
-    /// Whether the block begins with `/`.
+    /// Whether the block begins with the skip mark `/`.
     pub(super) skip: bool,
     /// Byte range of the O word in the text of the block; `None` without an O word.
     pub(super) o_span: Option<(usize, usize)>,

@@ -16,7 +16,7 @@ pub(super) struct BlockPosition {
     pub(super) line: u32,
 }
 
-/// Number of blocks in a group.
+/// Number of blocks in a group of stored positions.
 const GROUP_SIZE: usize = 16;
 
 /// The positions of blocks, in the order of the text.
@@ -70,7 +70,7 @@ impl BlockPositions {
         self.count
     }
 
-    /// Adds the position of the next block.
+    /// Adds the position of the next block of the text.
     pub(super) fn push(&mut self, position: BlockPosition) {
         let last = self.last.replace(position);
         let within = self.count % GROUP_SIZE;

@@ -21,7 +21,7 @@ pub(crate) struct CodeCall {
     pub(crate) n: Option<u32>,
     /// Whether the block begins with the skip mark `/`.
     pub(crate) skip: bool,
-    /// The call: the program that the code stands for, and the arguments after the code.
+    /// The call: the program that the code calls, and the arguments after the code.
     pub(crate) call: MacroCall,
 }
 

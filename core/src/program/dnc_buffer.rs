@@ -32,7 +32,7 @@ const fn is_tape_control(byte: u8) -> bool {
 enum TapeState {
     /// The leader, before the first line of the program.
     Leader,
-    /// The text of the program.
+    /// The received text is that of the program.
     Text,
     /// After the `%`, or after the last character of the partner: further bytes are ignored.
     #[serde(rename = "Over")]
@@ -42,7 +42,7 @@ enum TapeState {
 /// A line that is too long for the buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LineTooLong {
-    /// Line number, from 1.
+    /// Number of the line that is too long, from 1.
     pub line: u32,
     /// Greatest length of a line, characters.
     pub limit: usize,

@@ -20,8 +20,8 @@ pub struct MdiBlock {
     macro_b: bool,
 }
 
-/// Identifies the word that a new word replaces: the one with the same address, or the G code
-/// with which the new one cannot share a block.
+/// Identifies the word that a new word replaces: that with the same address, or the G code with
+/// which the new one cannot share a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum MdiSlot {
     Address(u8),
@@ -96,7 +96,7 @@ impl MdiBlock {
         }
     }
 
-    /// Removes all words.
+    /// Removes all words of the block.
     pub fn clear(&mut self) {
         self.words.clear();
     }
@@ -178,8 +178,8 @@ fn is_statement(text: &str) -> bool {
     call || modal || text.starts_with('#') || letters(bytes.next()) && letters(bytes.next())
 }
 
-/// Splits a typed text before each address letter, except letters in brackets. Returns each
-/// word with what it replaces.
+/// Splits a typed text before each address letter, except letters in brackets. Returns each word
+/// with the word that it replaces.
 fn split_words(text: &str) -> Vec<(MdiSlot, String)> {
     let mut words: Vec<(MdiSlot, String)> = Vec::new();
     let mut depth = 0_i32;

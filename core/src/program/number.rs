@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// The number 1 in the unit that [`WordNumber`] stores.
 const MILLIONTHS: i64 = 1_000_000;
 
-/// How a number was written in the program.
+/// The notation in which a number was written in the program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 enum NumberNotation {
     #[default]

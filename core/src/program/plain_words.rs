@@ -63,9 +63,9 @@ pub(super) fn read_plain_words(
 /// Limits on the digits of an address; numbers within them are in the range of the address.
 #[derive(Clone, Copy)]
 struct PlainLimits {
-    /// Greatest number of digits before the point.
+    /// Greatest number of digits before the decimal point.
     digits: u8,
-    /// Greatest number of digits after the point.
+    /// Greatest number of digits after the decimal point.
     places: u8,
     signed: bool,
 }

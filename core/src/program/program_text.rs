@@ -121,7 +121,7 @@ impl Program {
         Arc::strong_count(&self.shared)
     }
 
-    /// The whole text, including what follows the `%`.
+    /// Returns the whole text, including the text after the final `%`.
     pub fn text(&self) -> &str {
         &self.shared.text
     }
@@ -191,7 +191,7 @@ impl Program {
         self.shared.line(line)
     }
 
-    /// Number of blocks of the program.
+    /// Returns the number of blocks in the program.
     pub fn block_count(&self) -> u32 {
         self.shared.blocks.len() as u32
     }

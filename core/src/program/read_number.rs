@@ -103,7 +103,7 @@ struct NumberDigits {
 /// [`read_any_digits`] can read.
 #[inline]
 fn read_plain_digits(lexer: &mut Lexer<'_>) -> Option<NumberDigits> {
-    /// Greatest number of digits before the point.
+    /// Greatest number of digits before the decimal point.
     const MAX_PLAIN_DIGITS: usize = 12;
     let at = lexer.at;
     let (whole, mut rest) = append_digits(0, lexer.rest());

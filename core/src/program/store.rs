@@ -17,7 +17,7 @@ pub(crate) const PROGRAM_LIMIT: usize = 193;
 /// Greatest number of stored characters of all programs together; more raise alarm 068.
 pub(crate) const CHARACTER_LIMIT: usize = 3_000_000;
 
-/// Valid program numbers.
+/// The numbers that a program can have.
 pub const PROGRAM_NUMBERS: RangeInclusive<u16> = 0..=9999;
 
 /// The program memory: stored programs, the external program, and which one is selected.
@@ -116,7 +116,7 @@ impl ProgramMemory {
         self.insert_checked(number, program)
     }
 
-    /// A copy with what is kept over power-off: the stored programs, and which one is
+    /// Returns a copy with the data that survive power-off: the stored programs, and which one is
     /// selected.
     #[must_use]
     pub fn retained(&self) -> Self {
@@ -260,7 +260,7 @@ impl ProgramMemory {
             .map(|(&number, program)| (number, program))
     }
 
-    /// Number of stored programs.
+    /// Returns the number of stored programs.
     pub fn count(&self) -> usize {
         self.stored.len()
     }

@@ -12,7 +12,7 @@ use crate::model::ModelId;
 /// The options that decide how a block is parsed, from parameters and the program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Syntax {
-    /// 013 POD: whether X Z U W R I J K F need a decimal point.
+    /// Parameter 013 POD: whether X Z U W R I J K F need a decimal point.
     pub point_required: bool,
     /// Whether lengths are in inches, with 0.0001 inch as the least increment, not 0.001 mm.
     pub inch: bool,
@@ -50,7 +50,7 @@ impl Syntax {
         self.is_length(address) || address == b'F' || self.model.is_mill() && address == b'G'
     }
 
-    /// Decimal places of the least input increment.
+    /// Returns the number of decimal places of the least input increment.
     pub(super) const fn decimal_places(self) -> u8 {
         if self.inch { 4 } else { 3 }
     }

@@ -4,13 +4,13 @@ use super::block_head::BlockHead;
 use super::block_positions::{BlockPosition, BlockPositions};
 use super::lexer::{INVALID_CHARACTER, Lexer};
 
-/// The index of a program text: where its blocks begin, and what the scan has found.
+/// The index of a program text: the positions of its blocks, and the results of the scan.
 #[derive(Default)]
 pub(super) struct TextIndex {
     pub(super) blocks: BlockPositions,
     /// Positions of the blocks with a program name (O word).
     pub(super) names: Vec<BlockPosition>,
-    /// Number of lines of the text.
+    /// Number of lines in the text.
     pub(super) lines: u32,
     /// The first line with full-width characters outside comments; `None` without any.
     pub(super) full_width: Option<u32>,
@@ -18,7 +18,7 @@ pub(super) struct TextIndex {
     pub(super) after_end: Option<u32>,
 }
 
-/// What a scan from the beginning of a block to its end has found.
+/// The result of scanning one block of the text.
 #[derive(Default)]
 struct BlockScan {
     words: bool,

@@ -14,10 +14,10 @@ const DNC_TEACH_LADDER: &str = include_str!("../../../assets/ladder/dnc-teach.il
 /// check a program, its declarations are enough.
 #[derive(Clone, Debug, Default)]
 pub enum MachineLadder {
-    /// The built-in standard ladder.
+    /// The machine has the built-in standard ladder.
     #[default]
     Standard,
-    /// Another ladder, already compiled.
+    /// The machine has another ladder, already compiled.
     Own(Arc<Ladder>),
 }
 

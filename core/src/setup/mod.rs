@@ -21,7 +21,7 @@ pub(crate) const TOOL_IN_POSITION: u16 = 12;
 pub struct Setup {
     /// Battery-backed memory: parameters, offsets, programs and other data.
     pub memory: BatteryMemory,
-    /// The PLC program of the machine.
+    /// The PLC ladder of the machine.
     pub ladder: MachineLadder,
     /// Retained memory of the PLC; `None` for the initial values of the ladder.
     pub plc_retained: Option<RetainedMemory>,

@@ -22,7 +22,7 @@ pub struct SpindleTurn {
     pub before: f64,
     /// Angle at the end of the tick, turns.
     pub now: f64,
-    /// Angle at the last one-turn signal, turns.
+    /// Spindle angle at the last one-turn signal, turns.
     pub index: f64,
     /// An angle at which a revolution of the spindle begins; the other such angles differ
     /// from it by whole turns.

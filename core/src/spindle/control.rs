@@ -12,9 +12,9 @@ use crate::units::percent_to_factor;
 /// The S word in force, with its meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum SpeedMode {
-    /// Constant rotational speed, r/min (G97).
+    /// The spindle keeps this rotational speed, r/min (G97).
     Speed(f64),
-    /// Constant surface speed, m/min (G96).
+    /// The tool keeps this surface speed, m/min (G96).
     Surface(f64),
 }
 
@@ -23,7 +23,7 @@ enum SpeedMode {
 enum SubstituteSpeed {
     /// The speed of 067, during a gear change.
     GearChange,
-    /// The speed of 109, during spindle jog.
+    /// The spindle has the speed of parameter 109, during spindle jog.
     Jog,
 }
 
@@ -124,13 +124,14 @@ impl SpindleControl {
         new
     }
 
-    /// Applies changed spindle parameters.
+    /// Applies changed parameters of the spindle.
     pub(crate) fn reconfigure(&mut self, parameters: &ControlParameters) {
         self.settings = SpindleSettings::new(parameters);
         self.volts = self.voltage();
     }
 
-    /// Executes an S function. Steps (S00–S04) go through the PLC and change nothing here.
+    /// Executes an S function. Speed steps (S00–S04) are handled by the PLC and change nothing in
+    /// this struct.
     pub fn command(&mut self, command: SpindleCommand) {
         match command {
             SpindleCommand::Step(_) => {}
@@ -167,7 +168,7 @@ impl SpindleControl {
         }
     }
 
-    /// Gear 1–4 that the signals GR10–GR40 show.
+    /// Returns the gear 1–4 that the signals GR10–GR40 report.
     pub(crate) const fn selected_gear(&self) -> u8 {
         self.selected
     }
@@ -203,7 +204,7 @@ impl SpindleControl {
         }
     }
 
-    /// Whether a gear change is under way.
+    /// Whether a gear change is in progress.
     pub fn is_changing_gear(&self) -> bool {
         self.substitute == Some(SubstituteSpeed::GearChange)
     }
@@ -286,17 +287,17 @@ impl SpindleControl {
             .clamp(0.0, 10.0)
     }
 
-    /// Commanded speed after override and limits, r/min.
+    /// Returns the commanded speed after override and limits, r/min.
     pub(crate) const fn commanded_rpm(&self) -> f64 {
         self.rpm_commanded
     }
 
-    /// Analog output SVC in force, 0–10 V.
+    /// Returns the analog output SVC in force, 0–10 V.
     pub const fn volts(&self) -> f64 {
         self.volts
     }
 
-    /// Measured speed, r/min; negative in reverse.
+    /// Returns the measured speed, r/min; negative in reverse.
     pub const fn actual_rpm(&self) -> f64 {
         self.encoder.rpm()
     }

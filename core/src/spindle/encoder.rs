@@ -11,7 +11,7 @@ const FILTER_TICKS: f64 = 32.0;
 /// Ticks without a count after which the speed is zero.
 const STANDSTILL_TICKS: u16 = 200;
 
-/// Measures the spindle speed from encoder counts.
+/// Measures the spindle speed from the counts of the encoder.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Encoder {
     #[serde(rename = "last")]
@@ -37,7 +37,7 @@ impl Encoder {
         Some(counts / parameters.encoder_ratio())
     }
 
-    /// Measured spindle speed, r/min; negative in reverse.
+    /// Returns the measured spindle speed, r/min; negative in reverse.
     pub const fn rpm(&self) -> f64 {
         self.rpm
     }

@@ -20,7 +20,7 @@ impl CsvTrace {
     }
 }
 
-/// A name with a comma in quotation marks.
+/// Returns a name in CSV form: in quotation marks if it contains a comma or a quotation mark.
 fn quote(name: &str) -> String {
     if name.contains([',', '"']) {
         format!("\"{}\"", name.replace('"', "\"\""))

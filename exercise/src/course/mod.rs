@@ -17,9 +17,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::task::{ExerciseTask, TaskHash};
 
-/// Name of the file of a course beside the page.
+/// Name of the file with the course, in the folder of the page.
 pub const COURSE_FILE: &str = "course.json";
-/// Number of characters of the key of a task in the text of a progress.
+/// Number of characters of a task's key in the stored text of the progress.
 const KEY_CHARACTERS: usize = 8;
 
 /// A course as written in its file.
@@ -28,9 +28,10 @@ const KEY_CHARACTERS: usize = 8;
 pub struct CourseFile {
     /// Title of the course.
     pub title: String,
-    /// Score from which the course is passed, per cent; `None` if it is only completed.
+    /// Score from which the course is passed, per cent; `None` if the course has no pass mark and
+    /// is only completed.
     pub mastery_per_cent: Option<u32>,
-    /// The exercises in their order.
+    /// The exercises of the course, in their order.
     pub tasks: Vec<CourseTaskFile>,
 }
 
@@ -38,7 +39,7 @@ pub struct CourseFile {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CourseTaskFile {
-    /// Name of the task.
+    /// Name of the task, which is the name of its folder.
     pub id: String,
     /// The text of its `task.ron`.
     pub text: String,
@@ -75,11 +76,12 @@ impl CourseTaskFile {
 pub struct Course {
     /// Title of the course.
     pub title: String,
-    /// Score from which the course is passed, per cent; `None` if it is only completed.
+    /// Score from which the course is passed, per cent; `None` if the course has no pass mark and
+    /// is only completed.
     pub mastery_per_cent: Option<u32>,
-    /// The exercises in their order, at least one.
+    /// The checked exercises of the course, in their order, at least one.
     pub tasks: Vec<ExerciseTask>,
-    /// The files of the exercises.
+    /// The unchecked files of the exercises, in the same order.
     sources: Vec<CourseTaskFile>,
 }
 
@@ -95,11 +97,12 @@ impl Course {
         Self::read(file)
     }
 
-    /// Reads the tasks of a course.
+    /// Checks the tasks of a course file.
     ///
     /// # Errors
-    /// A task breaks a rule or is there twice, there is none, or their progress is too long for
-    /// a platform.
+    ///
+    /// A task breaks a rule or occurs twice, there is no task, or the text of the progress would be
+    /// too long for a learning platform.
     pub fn read(file: CourseFile) -> Result<Self, Message> {
         let mut tasks: Vec<ExerciseTask> = Vec::new();
         for source in &file.tasks {
@@ -129,7 +132,7 @@ impl Course {
 }
 
 impl Course {
-    /// Returns the course as its file.
+    /// Returns the course in the form in which it is stored.
     fn to_file(&self) -> CourseFile {
         CourseFile {
             title: self.title.clone(),
@@ -139,35 +142,35 @@ impl Course {
     }
 }
 
-/// State of a course.
+/// Whether a learner has completed, passed or failed a course.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CourseState {
-    /// An exercise was not handed in yet.
+    /// At least one exercise was not handed in yet.
     Incomplete,
-    /// All exercises were handed in, and no score decides.
+    /// All exercises were handed in, and the course has no pass mark.
     Completed,
-    /// All exercises were handed in, and the score is reached.
+    /// All exercises were handed in, and the score reaches the pass mark.
     Passed,
-    /// All exercises were handed in, and the score is not reached.
+    /// All exercises were handed in, and the score is below the pass mark.
     Failed,
 }
 
-/// How far a learner has come with one exercise.
+/// The progress of a learner in one exercise: attempts and best points.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TaskProgress {
-    /// Name of the task.
+    /// Name of the task, which is the name of its folder.
     pub id: String,
-    /// Greatest number of points.
+    /// Greatest number of points of the task.
     pub max_points: u32,
-    /// Number of solutions that the learner may hand in.
+    /// Number of solutions that the learner may hand in for the task.
     pub permitted: u32,
-    /// Number of solutions that he has handed in.
+    /// Number of solutions that the learner has handed in for the task.
     pub attempts: u32,
-    /// Points of his best solution.
+    /// Greatest number of points of a handed-in solution.
     pub best: u32,
 }
 
-/// How far a learner has come with a course.
+/// The progress of a learner in all exercises of a course.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CourseProgress {
     mastery_per_cent: Option<u32>,
@@ -175,7 +178,7 @@ pub struct CourseProgress {
 }
 
 impl CourseProgress {
-    /// Starts a course.
+    /// Creates the progress of a learner who has not handed in anything.
     pub fn start(course: &Course) -> Self {
         let tasks = course.tasks.iter().map(|task| TaskProgress {
             id: task.id.clone(),
@@ -190,8 +193,8 @@ impl CourseProgress {
         }
     }
 
-    /// Continues a course from the text that a platform has stored. What the text says about
-    /// other tasks, and what cannot be read, is ignored.
+    /// Restores the progress from the text that a learning platform has stored. Unreadable entries
+    /// and entries of unknown tasks are ignored.
     pub fn resume(course: &Course, text: &str) -> Self {
         let mut progress = Self::start(course);
         for word in text.split(' ') {
@@ -207,15 +210,15 @@ impl CourseProgress {
         progress
     }
 
-    /// Returns the text from which [`Self::resume`] continues: for each exercise that was handed
-    /// in its key, attempts and best points, as `a1b2c3d4=2/7`.
+    /// Returns the progress as text for [`Self::resume`]: for each exercise that was handed in its
+    /// key, attempts and best points, as `a1b2c3d4=2/7`.
     pub fn to_text(&self) -> String {
         let begun = self.tasks.iter().filter(|task| task.attempts > 0);
         let words: Vec<String> = begun.map(write_word).collect();
         words.join(" ")
     }
 
-    /// Greatest length of the text, characters.
+    /// Returns the greatest length that the text of the progress can have, characters.
     fn longest_text(&self) -> usize {
         let full = self.tasks.iter().map(|task| TaskProgress {
             attempts: task.permitted,
@@ -230,7 +233,8 @@ impl CourseProgress {
         self.tasks.iter().find(|task| task.id == id)
     }
 
-    /// Records a solution that was handed in. An attempt too many does not count.
+    /// Records the points of a solution that was handed in. More attempts than permitted do not
+    /// count.
     pub fn record(&mut self, id: &str, points: u32) {
         let mut tasks = self.tasks.iter_mut();
         if let Some(task) = tasks.find(|task| task.id == id && task.has_attempts_left()) {
@@ -239,13 +243,13 @@ impl CourseProgress {
         }
     }
 
-    /// Returns the numbers of exercises that were handed in, and of all.
+    /// Returns the number of exercises that were handed in, and the number of all exercises.
     pub fn handed_in(&self) -> (usize, usize) {
         let begun = self.tasks.iter().filter(|task| task.attempts > 0);
         (begun.count(), self.tasks.len())
     }
 
-    /// Returns the sum of the best points and the greatest sum.
+    /// Returns the sum of the best points, and the greatest possible sum.
     fn points(&self) -> (u64, u64) {
         let best = self.tasks.iter().map(|task| u64::from(task.best)).sum();
         let most = self.tasks.iter().map(|task| u64::from(task.max_points));
@@ -258,13 +262,13 @@ impl CourseProgress {
         best as f64 * 100.0 / most as f64
     }
 
-    /// Returns the score from which the course is passed, per cent; `None` if it is only
-    /// completed.
+    /// Returns the score from which the course is passed, per cent; `None` if the course has no
+    /// pass mark.
     pub const fn mastery_per_cent(&self) -> Option<u32> {
         self.mastery_per_cent
     }
 
-    /// Returns the state.
+    /// Returns whether the course is incomplete, completed, passed or failed.
     pub fn state(&self) -> CourseState {
         let (done, count) = self.handed_in();
         let (best, most) = self.points();
@@ -284,8 +288,8 @@ impl TaskProgress {
     }
 }
 
-/// The key of a task in the text of a progress: platforms restrict the characters of a text, a
-/// folder may have any name.
+/// Returns the key of a task in the text of the progress: a hash, because platforms restrict the
+/// characters of the text and a task name may have any.
 fn task_key(id: &str) -> String {
     let mut key = TaskHash::from_bytes(id.as_bytes()).to_string();
     key.truncate(KEY_CHARACTERS);

@@ -13,20 +13,21 @@ use crate::task::TaskHash;
 
 /// Greatest length of `cmi.suspend_data` in SCORM 1.2, characters.
 pub const MAX_SUSPEND_CHARACTERS: usize = 4096;
-/// Name of the page that a platform opens.
+/// Name of the page that a learning platform opens.
 const PAGE_FILE: &str = "index.html";
-/// Name of the script that connects the page to the platform.
+/// Name of the script that connects the page to the learning platform.
 const ADAPTER_FILE: &str = "scorm.js";
 const ADAPTER: &str = include_str!("../../../web/scorm.js");
-/// The start of the page's own script, before which the adapter is loaded.
+/// The start tag of the page's script, before which the SCORM adapter is inserted.
 const PAGE_SCRIPT: &str = "<script type=\"module\">";
-/// Name of the manifest.
+/// Name of the manifest file of a SCORM package.
 const MANIFEST_FILE: &str = "imsmanifest.xml";
 
-/// Makes a package from a course and the files of the page for browsers.
+/// Creates a SCORM package from a course and the files of the browser page.
 ///
 /// # Errors
-/// The files are no page, or are too large for a package.
+///
+/// The files contain no page, or are too large for a package.
 pub fn write_package(course: &Course, page: Vec<(String, Vec<u8>)>) -> Result<Vec<u8>, Message> {
     let json = serde_json::to_vec(&course.to_file()).map_err(say::as_written)?;
     let identifier = TaskHash::from_bytes(&json).to_string();
@@ -53,7 +54,11 @@ pub fn write_package(course: &Course, page: Vec<(String, Vec<u8>)>) -> Result<Ve
     write_zip(&files)
 }
 
-/// Adds the adapter to the page.
+/// Inserts the tag that loads the SCORM adapter into the page.
+///
+/// # Errors
+///
+/// The page has no script tag.
 fn add_adapter(page: &[u8]) -> Result<Vec<u8>, Message> {
     let text = core::str::from_utf8(page).unwrap_or_default();
     let Some((head, script)) = text.split_once(PAGE_SCRIPT) else {
@@ -137,18 +142,18 @@ pub fn platform_values(progress: &CourseProgress, last: &ExerciseReport, points:
     })
 }
 
-/// Whether a character may stand in an identifier.
+/// Whether a character is permitted in an identifier of the manifest without escaping.
 const fn is_plain(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || matches!(byte, b'-' | b'_')
 }
 
-/// Writes a number with at most two decimals.
+/// Formats a number with at most two decimals.
 fn format_number(number: f64) -> String {
     let text = format!("{number:.2}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// Writes a time as `HHHH:MM:SS.SS`.
+/// Formats a time in ms as `HHHH:MM:SS.SS`.
 fn format_time_span(time_ms: u64) -> String {
     let (seconds, hundredths) = (time_ms / 1000, time_ms % 1000 / 10);
     let (minutes, hours) = (seconds / 60 % 60, (seconds / 3600).min(9999));

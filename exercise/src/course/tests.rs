@@ -127,7 +127,7 @@ fn the_platform_gets_score_state_and_attempt() {
     assert_eq!(attempt["result"], "1");
 }
 
-/// Reads the files of a .zip by its directory.
+/// Reads the names and contents of all files in a .zip archive.
 fn unpack(archive: &[u8]) -> Vec<(String, Vec<u8>)> {
     let word = |at: usize| usize::from(u16::from_le_bytes([archive[at], archive[at + 1]]));
     let long = |at: usize| word(at) | word(at + 2) << 16;

@@ -5,15 +5,15 @@ use crc32fast::hash;
 use gsk_messages::{Message, say};
 use miniz_oxide::deflate::compress_to_vec;
 
-/// Version of the format that a reader needs: 2.0, deflate.
+/// Version of the .zip format that a reader needs: 2.0, for deflate.
 const VERSION_NEEDED: u16 = 20;
-/// Flag: the names are UTF-8.
+/// Bit of the .zip flags: the file names are UTF-8.
 const UTF8_NAMES: u16 = 1 << 11;
-/// Method: deflate.
+/// Number of the .zip compression method deflate.
 const DEFLATED: u16 = 8;
 /// Time and date of every file, 1980-01-01 00:00: packages are reproducible.
 const TIME_AND_DATE: [u16; 2] = [0, (1 << 5) | 1];
-/// Effort of the packer.
+/// Compression level, 0 (none) to 10 (smallest).
 const PACK_LEVEL: u8 = 9;
 
 /// Writes files, given with their names, as a .zip.
@@ -51,7 +51,8 @@ pub fn write_zip(files: &[(String, Vec<u8>)]) -> Result<Vec<u8>, Message> {
     Ok(archive)
 }
 
-/// The fields that an entry has at its file and in the directory; `None` if one is too large.
+/// Returns the fields that are the same in a file's header and in the directory of the archive;
+/// `None` if one is too large for the format.
 fn entry_fields(name: &str, bytes: &[u8], packed: usize) -> Option<Vec<u8>> {
     let mut fields = Vec::new();
     put(&mut fields, &[VERSION_NEEDED, UTF8_NAMES, DEFLATED]);

@@ -17,28 +17,28 @@ use crate::outline_writer::write_outline;
 use crate::part_size::{front_z, measure_dimension};
 use crate::task::ExerciseTask;
 
-/// A dimension of the part that a teacher has picked, with its tolerance.
+/// A dimension of the part that the teacher has selected, with its tolerance and points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PickedDimension {
-    /// The dimension.
+    /// Kind and position of the dimension on the part.
     pub dimension: PartDimension,
-    /// Size on the drawing, mm or degrees.
+    /// Nominal size on the drawing, mm or degrees.
     pub size: f64,
-    /// Upper deviation.
+    /// Upper deviation from the nominal size, mm or degrees.
     pub upper: f64,
-    /// Lower deviation, negative if the size may be less.
+    /// Lower deviation from the nominal size, mm or degrees; negative if the size may be less.
     pub lower: f64,
-    /// Points for the dimension.
+    /// Points that the dimension gives.
     pub points: u32,
 }
 
-/// Greatest difference between two measurements of the same face, mm.
+/// Greatest difference between two measurements that count as the same face, mm.
 const SAME_FACE: f64 = 0.001;
-/// Points of a dimension that was just picked.
+/// Default number of points of a selected dimension.
 const USUAL_POINTS: u32 = 2;
 
 impl PickedDimension {
-    /// Returns the dimension of a feature of a part, with its size on the part and a usual
+    /// Returns the dimension of a feature of the part, with its measured size and a default
     /// tolerance; `None` for the front face, from which lengths are measured, and for a face that
     /// another one hides.
     pub fn from_feature(section: &Region, feature: &Feature) -> Option<Self> {
@@ -87,7 +87,7 @@ impl PickedDimension {
         })
     }
 
-    /// Returns the name of the kind of dimension.
+    /// Returns the name of the kind of dimension, such as diameter or length.
     pub fn kind(&self) -> Message {
         match self.dimension {
             PartDimension::Diameter { .. } => say::exercise_draft_diameter(),
@@ -102,7 +102,8 @@ impl PickedDimension {
         }
     }
 
-    /// The name of its rule, and the field with its position on the part.
+    /// Returns the name of the rule in the task file, the name of its position field, the value of
+    /// that field, mm, and the surface.
     const fn rule(&self) -> (&'static str, &'static str, f64, PartSurface) {
         match self.dimension {
             PartDimension::Diameter { z, surface } => ("Diameter", "z", z, surface),
@@ -142,24 +143,25 @@ impl PickedDimension {
     }
 }
 
-/// What becomes an exercise: the machine of a teacher, his part, and what he has typed.
+/// The data from which an exercise is written: the teacher's machine, the part, and the texts that
+/// the teacher has typed.
 #[derive(Clone, Debug)]
 pub struct PartDraft<'a> {
-    /// Title.
+    /// Title of the exercise.
     pub title: LessonText,
-    /// What the learner has to do.
+    /// The task of the learner, as text.
     pub text: LessonText,
-    /// Machine time after which nothing counts, minutes.
+    /// Machine time after which the solution ends, minutes.
     pub time_limit_min: u32,
     /// The control with its programs, offsets and parameters, and the position of the slides.
     pub setup: &'a Setup,
-    /// Stock and tools.
+    /// Stock and tools that the learner gets.
     pub job: &'a Job,
-    /// Half section of the part.
+    /// Half section of the finished part.
     pub section: &'a Region,
-    /// The dimensions that are marked.
+    /// The selected dimensions, each of which becomes a criterion.
     pub dimensions: &'a [PickedDimension],
-    /// Whether the learner gets the selected program; otherwise he has to write it.
+    /// Whether the learner gets the selected program; otherwise the learner writes it.
     pub gives_program: bool,
 }
 
@@ -206,7 +208,7 @@ impl PartDraft<'_> {
         }
     }
 
-    /// Texts of the programs that the learner gets; the selected one first.
+    /// Returns the texts of the programs that the learner gets, the selected one first.
     fn stored_programs(&self) -> Vec<&str> {
         let programs = &self.setup.memory.programs;
         let selected = match programs.selected() {

@@ -10,23 +10,23 @@ use gsk_messages::{Language, Message, say};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::stock::StockForm;
 
-/// What the head of a task contains.
+/// The beginning of a task file: control, positions and programs at the start.
 pub(super) struct TaskHead<'a> {
     pub(super) title: LessonText,
     pub(super) text: LessonText,
     /// The control whose parameters and offsets the learner gets.
     pub(super) setup: &'a Setup,
     pub(super) job: &'a Job,
-    /// Position of the slides, machine coordinates.
+    /// Position of the slides at the start, machine coordinates, mm.
     pub(super) slides: Point,
-    /// What the display shows there.
+    /// Absolute position that the display shows at the start, mm.
     pub(super) absolute: Point,
-    /// Texts of the stored programs; the first is selected.
+    /// Texts of the programs in memory at the start; the first is selected.
     pub(super) programs: Vec<&'a str>,
 }
 
 impl TaskHead<'_> {
-    /// Writes the head up to the job.
+    /// Writes the beginning of the task file, up to the job.
     pub(super) fn write(&self) -> Result<String, Message> {
         let options = ron::Options::default()
             .with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
@@ -66,13 +66,13 @@ impl TaskHead<'_> {
     }
 }
 
-/// Proposes the title of a task: the part of a program.
+/// Returns the proposed title of a task: to make the part of the program with this number.
 pub fn propose_title(program: u16) -> LessonText {
     in_both_languages(&say::exercise_draft_title(program))
 }
 
-/// Proposes the text of a task: the learner writes the program. `start` is what the display
-/// shows at the start.
+/// Returns the proposed text of a task in which the learner writes the program. `start` is the
+/// absolute position that the display shows at the start.
 pub fn propose_text(program: u16, job: &Job, start: Point) -> LessonText {
     let tools: Vec<String> = job.tools.keys().map(|it| format!("T{it:02}")).collect();
     in_both_languages(&say::exercise_draft_text(
@@ -98,7 +98,7 @@ fn describe_stock(job: &Job) -> String {
     }
 }
 
-/// Returns a message as a text of a task.
+/// Returns a message in Chinese and English, as a text of a task.
 pub(super) fn in_both_languages(message: &Message) -> LessonText {
     LessonText {
         zh: message.text(Language::Zh),
@@ -106,12 +106,12 @@ pub(super) fn in_both_languages(message: &Message) -> LessonText {
     }
 }
 
-/// Writes a text as a field of a task.
+/// Formats a text as the value of a field in the task file.
 pub(super) fn write_text(text: &LessonText) -> String {
     format!("(zh: {:?}, en: {:?})", text.zh, text.en)
 }
 
-/// Rounds a size as a drawing has it.
+/// Formats a size as on a drawing, with three decimals at most.
 pub(super) fn figure(value: f64) -> String {
     // No negative zero.
     format!("{}", (value * 1000.0).round() / 1000.0 + 0.0)

@@ -22,30 +22,32 @@ use crate::part_size::nominal_front;
 use crate::solve::{SolutionScript, make_part};
 use crate::task::ExerciseTask;
 
-/// Length below which a surface gets no criterion, mm: it comes from a tool nose.
+/// Length below which a surface gets no criterion, mm: such surfaces come from the tool nose.
 const MIN_LENGTH: f64 = 1.0;
-/// The work zero of the start state, machine coordinates: within the travel of the lathe.
+/// Work zero in the start state, machine coordinates, mm: within the travel of the lathe.
 const WORK_ZERO: Point = Point::from_diameter(Diameter(-160.0), -220.0);
-/// Where a program without G50 starts, from the work zero.
+/// Start point of a program without G50, relative to the work zero, mm.
 const USUAL_START: Point = Point::from_diameter(Diameter(100.0), 100.0);
-/// The criterion of a draft before its part is known.
+/// Criterion in a drafted task file that is replaced once the part is known.
 const PLACEHOLDER: &str = "(id: \"placeholder\", points: 1, yes: (zh: \"-\", en: \"-\"), \
      no: (zh: \"-\", en: \"-\"), rule: NoCrash),";
 
-/// The files of a drafted exercise.
+/// A drafted exercise: the text of its task file, and two solutions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExerciseDraft {
-    /// The task.
+    /// Text of the task file.
     pub task: String,
-    /// The solution that gets all points.
+    /// Script of the solution that reaches all points.
     pub reference: String,
-    /// A solution that fails every criterion: a rapid into the stock.
+    /// Script of a solution that fails every criterion: a rapid into the stock.
     pub wrong: String,
 }
 
-/// Drafts an exercise. `setup` is the control before the program, which is selected in it.
+/// Drafts an exercise from a program that cuts a part. `setup` is the control, in which the program
+/// is selected.
 ///
 /// # Errors
+///
 /// No program is selected, it does not run to its end, or it makes no part that can be measured.
 pub fn draft_exercise(setup: &Setup, job: &Job) -> Result<ExerciseDraft, Message> {
     let programs = &setup.memory.programs;
@@ -97,7 +99,8 @@ pub fn draft_exercise(setup: &Setup, job: &Job) -> Result<ExerciseDraft, Message
     })
 }
 
-/// Gives the job the work zero of the start state, and the tools their place at it.
+/// Returns the job with the work zero of the start state, and with the tool positions that belong
+/// to it.
 fn place_job(job: &Job) -> Job {
     let mut job = job.clone();
     job.zero = Some(DiameterPoint {
@@ -110,7 +113,7 @@ fn place_job(job: &Job) -> Job {
     job
 }
 
-/// Returns the position from which the program runs: that of its first G50, else the usual one.
+/// Returns the position at which the program starts: that of its first G50, else the default.
 fn find_start(program: &str) -> Point {
     let set = program.lines().map(without_comments).find_map(|line| {
         let block: String = line.chars().filter(|c| !c.is_whitespace()).collect();
@@ -125,7 +128,7 @@ fn find_start(program: &str) -> Point {
     set.unwrap_or(USUAL_START)
 }
 
-/// Writes the keys that enter a program and run it.
+/// Returns the script lines that type a program in with keys and run it.
 fn type_program(program: &Program) -> String {
     let mut script = "press EDIT\npress PRG\n".to_owned();
     for line in program.text().lines() {
@@ -155,12 +158,12 @@ fn without_comments(line: &str) -> String {
     kept
 }
 
-/// The criteria of a part as text, with their names.
+/// The criteria of a drafted part, as text for the task file.
 #[derive(Default)]
 struct DraftedCriteria {
     text: String,
     ids: Vec<String>,
-    /// Least and greatest diameter of the faces so far on one side, mm.
+    /// Least and greatest diameter of each face written so far on one side, mm.
     faces: Vec<(f64, f64)>,
 }
 

@@ -2,7 +2,7 @@
 
 use super::PaperPoint;
 
-/// Returns the hatch lines at 45° inside a closed polygon, `distance` apart.
+/// Returns hatch lines at 45° inside a closed polygon, `distance` apart, in units of the drawing.
 pub fn hatch(polygon: &[PaperPoint], distance: f64) -> Vec<[PaperPoint; 2]> {
     // Along a line at 45° the sum of both coordinates is constant.
     let sums = polygon.iter().map(|point| point.right + point.down);

@@ -16,34 +16,34 @@ use crate::criterion::{CriterionRule, PartDimension, PartSurface, TolerancedSize
 use crate::outline::{DimensionPlace, PieceForm, TaskOutline, locate};
 use crate::task::ExerciseTask;
 
-/// Distance between two rows of dimensions, heights of text.
+/// Distance between two rows of dimensions, in text heights.
 const ROW: f64 = 1.9;
-/// Distance between the part and the first row, heights of text.
+/// Distance between the part and the first row of dimensions, in text heights.
 const GAP: f64 = 1.6;
-/// Empty edge of the paper, heights of text.
+/// Width of the empty margin of the paper, in text heights.
 const EDGE: f64 = 0.8;
-/// Length of an arrowhead, heights of text.
+/// Length of an arrowhead, in text heights.
 const ARROW: f64 = 0.75;
-/// Distance between a line and the middle of its text, heights of text.
+/// Distance between a dimension line and the middle of its text, in text heights.
 const TEXT_DISTANCE: f64 = 0.72;
-/// Width of a character, heights of text.
+/// Width of a character, in text heights.
 const CHARACTER: f64 = 0.56;
-/// Part of the outline's length that is drawn of the uncut rest.
+/// Length of the uncut end that is drawn, as a fraction of the length of the outline.
 const REST: f64 = 0.12;
-/// Greatest height of the part, widths of the paper.
+/// Greatest height of the part on the paper, as a fraction of the paper width.
 const MAX_PART_HEIGHT: f64 = 0.6;
-/// Distance between hatch lines, heights of text.
+/// Distance between hatch lines, in text heights.
 const HATCH: f64 = 0.6;
 
-/// A dimension with its place and text.
+/// A dimension with its position on the outline and its text.
 struct PlacedDimension {
     criterion: usize,
     place: DimensionPlace,
     text: String,
 }
 
-/// Draws the part of a task with the dimensions that are marked, `width` units wide, with texts
-/// `text_height` units high. `None` if the task has no outline.
+/// Draws the part of a task with its marked dimensions. `width` is the width of the drawing and
+/// `text_height` that of its texts, in drawing units. `None` if the task has no outline.
 pub fn draw_task(task: &ExerciseTask, width: f64, text_height: f64) -> Option<TaskDrawing> {
     let outline = task.outline.as_ref()?;
     let criteria = task.criteria.iter().enumerate();
@@ -87,8 +87,8 @@ fn round(value: f64) -> f64 {
     (value * 1000.0).round() / 1000.0
 }
 
-/// Returns whether a diameter is dimensioned beside the front of the part: nothing on the way
-/// there is larger, or in a bore smaller.
+/// Returns whether a diameter is visible from the front, so that it is dimensioned there: no larger
+/// surface is before it, or in a bore no smaller one.
 fn is_seen_from_front(outline: &TaskOutline, place: &DimensionPlace) -> bool {
     let DimensionPlace::Across { radius, z, surface } = *place else {
         return false;
@@ -101,14 +101,14 @@ fn is_seen_from_front(outline: &TaskOutline, place: &DimensionPlace) -> bool {
     }
 }
 
-/// The paper with the scale of the part on it.
+/// The paper of the drawing, with scale and position of the part on it.
 struct Sheet {
     drawing: TaskDrawing,
-    /// Units of the paper per mm.
+    /// Drawing units per mm of the part.
     scale: f64,
-    /// Where the axis crosses the front of the part.
+    /// Point on the paper at which the spindle axis crosses the front of the part.
     origin: PaperPoint,
-    /// Length of the part with its rest, mm.
+    /// Length of the drawn part with its uncut end, mm.
     length: f64,
     /// Greatest radius of the part, mm.
     radius: f64,
@@ -162,7 +162,7 @@ impl Sheet {
         heights * self.drawing.text_height
     }
 
-    /// Returns a point above the axis on the paper.
+    /// Converts a point of the part, above the axis, to the paper.
     fn above(&self, point: Point) -> PaperPoint {
         PaperPoint {
             right: self.origin.right + point.z * self.scale,
@@ -170,7 +170,7 @@ impl Sheet {
         }
     }
 
-    /// Returns the mirror image of a point below the axis.
+    /// Converts a point of the part to the paper, mirrored below the axis.
     fn below(&self, point: Point) -> PaperPoint {
         self.above(Point::new(-point.x, point.z))
     }
@@ -216,7 +216,7 @@ impl Sheet {
         self.drawing.lines.retain(|line| line.points.len() > 1);
     }
 
-    /// Draws the circular edges, which appear as lines across the part: all of a solid part,
+    /// Draws the circular edges, which appear as lines across the part: all of a solid part, only
     /// those of the bore in a section.
     fn draw_edges(&mut self, outline: &TaskOutline, is_bored: bool) {
         let surface = match is_bored {
@@ -239,7 +239,7 @@ impl Sheet {
         }
     }
 
-    /// Draws the root of each thread.
+    /// Draws the root line of each thread.
     fn draw_threads(&mut self, outline: &TaskOutline) {
         for surface in [PartSurface::Outside, PartSurface::Bore] {
             for piece in outline.pieces(surface) {
@@ -259,7 +259,7 @@ impl Sheet {
         }
     }
 
-    /// Draws where the part is broken off.
+    /// Draws the break line at the uncut end of the part.
     fn draw_break(&mut self, outside: &[Point]) {
         let Some(last) = outside.last() else { return };
         let (top, bottom) = (self.above(*last), self.below(*last));
@@ -312,7 +312,7 @@ impl Sheet {
         }
     }
 
-    /// Draws a diameter in a row beside the part, or across its cylinder.
+    /// Draws a diameter dimension, in a row beside the part or across its cylinder.
     fn draw_diameter(
         &mut self,
         dimension: &PlacedDimension,
@@ -356,7 +356,7 @@ impl Sheet {
         });
     }
 
-    /// Draws a length from the front in a row below the part.
+    /// Draws a length dimension from the front of the part, in a row below the part.
     fn draw_length(&mut self, dimension: &PlacedDimension, corner: Point, row: f64) {
         let down = self.origin.down + self.radius * self.scale + self.text(GAP + row * ROW);
         let front = PaperPoint {
@@ -367,14 +367,14 @@ impl Sheet {
         self.draw_span(dimension, corner, front, down);
     }
 
-    /// Draws the length of a cylinder in a row above the part.
+    /// Draws the length dimension of a cylinder, in a row above the part.
     fn draw_width(&mut self, dimension: &PlacedDimension, front: Point, back: Point, row: f64) {
         let down = self.origin.down - self.radius * self.scale - self.text(GAP + row * ROW);
         let (front, back) = (self.above(front), self.above(back));
         self.draw_span(dimension, back, front, down);
     }
 
-    /// Draws a horizontal dimension between two points of the part, at a height of the paper.
+    /// Draws a horizontal dimension line between two points of the part, at a height on the paper.
     fn draw_span(
         &mut self,
         dimension: &PlacedDimension,
@@ -459,14 +459,14 @@ impl Sheet {
         self.text(CHARACTER) * text.chars().count() as f64
     }
 
-    /// Draws a line with an arrowhead at both ends.
+    /// Draws a dimension line with an arrowhead at both ends.
     fn dimension_line(&mut self, criterion: usize, from: PaperPoint, to: PaperPoint) {
         self.line(DrawingPen::Dimension(criterion), vec![from, to]);
         self.arrow(criterion, from, to);
         self.arrow(criterion, to, from);
     }
 
-    /// Draws an arrowhead with its tip at a point, seen from `from`.
+    /// Draws an arrowhead with its tip at `tip`, pointing away from `from`.
     fn arrow(&mut self, criterion: usize, tip: PaperPoint, from: PaperPoint) {
         let (right, down) = (from.right - tip.right, from.down - tip.down);
         let length = right.hypot(down);

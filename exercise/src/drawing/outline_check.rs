@@ -6,7 +6,7 @@ use crate::criterion::CriterionRule;
 use crate::outline::locate;
 use crate::task::ExerciseTask;
 
-/// What the outline may differ from a dimension of the task, mm or degrees.
+/// Greatest permitted difference between the outline and a dimension of the task, mm or degrees.
 const TOLERANCE: f64 = 0.01;
 
 /// Returns a message for each dimension of the task that its outline does not have, or has with

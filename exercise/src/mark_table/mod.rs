@@ -12,28 +12,28 @@ use crate::report::{CriterionVerdict, MarkEvidence};
 use crate::task::ExerciseTask;
 use xapi::statements;
 
-/// A format of the table of marks.
+/// The file format of a table of marks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MarkFormat {
-    /// Aligned columns.
+    /// Text with aligned columns.
     #[default]
     Text,
     /// Comma-separated values.
     Csv,
-    /// JSON with every criterion.
+    /// JSON with every criterion of every result.
     Json,
-    /// A page with every criterion.
+    /// HTML page with every criterion of every result.
     Html,
-    /// Statements for a learning record store.
+    /// xAPI statements for a learning record store.
     Xapi,
 }
 
-/// The marks with what is needed to describe them.
+/// The marks of several results, with their tasks and the language of the table.
 #[derive(Clone, Copy, Debug)]
 pub struct MarkTable<'a> {
     /// The marks, in the order of the table.
     pub marks: &'a [ResultMark],
-    /// The tasks, for the sentences of their criteria.
+    /// The tasks, from which the sentences about the criteria are taken.
     pub tasks: &'a [ExerciseTask],
     /// Language of the table.
     pub language: Language,
@@ -42,7 +42,7 @@ pub struct MarkTable<'a> {
 const COLUMNS: usize = 8;
 
 impl MarkTable<'_> {
-    /// Returns the table in a format.
+    /// Returns the table as text in a format.
     pub fn write(&self, format: MarkFormat) -> String {
         match format {
             MarkFormat::Text => self.text(),
@@ -171,7 +171,8 @@ impl MarkTable<'_> {
         Value::Array(marks.collect())
     }
 
-    /// The sentence of the task about a criterion.
+    /// Returns the sentence of the task about the verdict on a criterion; `None` if the task is
+    /// unknown.
     fn sentence(&self, mark: &ResultMark, verdict: &CriterionVerdict) -> Option<String> {
         let task = self.tasks.iter().find(|task| task.id == mark.task)?;
         let mut criteria = task.criteria.iter();
@@ -236,8 +237,8 @@ impl MarkTable<'_> {
     }
 }
 
-/// Returns the sentence of the task about a criterion. Nothing is claimed of what a learner has
-/// avoided who did nothing: there was no collision either.
+/// Returns the sentence of the task about a criterion; for a learner who did nothing no claim about
+/// what was avoided, such as a collision.
 pub fn verdict_sentence(
     criterion: &ExerciseCriterion,
     verdict: &CriterionVerdict,
@@ -253,7 +254,7 @@ pub fn verdict_sentence(
     text.in_language(language).into_owned()
 }
 
-/// Returns what decided a criterion in brackets, as `[12.3 s, O0001:12, 39.700]`; an empty text if
+/// Returns what decided a criterion, in brackets, as `[12.3 s, O0001:12, 39.700]`; an empty text if
 /// nothing did.
 pub fn describe_evidence(evidence: &MarkEvidence, language: Language) -> String {
     let mut parts = Vec::new();
@@ -271,15 +272,15 @@ fn seconds(ms: u64) -> f64 {
     ms as f64 / 1000.0
 }
 
-/// Width of a cell on a terminal: a Chinese character takes two columns.
+/// Returns the width of a table cell on a terminal, columns: a Chinese character takes two.
 fn cell_width(text: &str) -> usize {
     text.chars()
         .map(|c| if c < '\u{1100}' { 1 } else { 2 })
         .sum()
 }
 
-/// Quotes a cell if it needs quotation marks. A cell that a spreadsheet would read as a formula
-/// begins with an apostrophe.
+/// Formats a CSV cell, in quotation marks if necessary. An apostrophe precedes a cell that a
+/// spreadsheet would read as a formula.
 fn csv_cell(text: &str) -> String {
     let text = match text.starts_with(['=', '+', '-', '@', '\t', '\r']) {
         true => format!("'{text}"),

@@ -6,12 +6,13 @@ use serde_json::{Value, json};
 use crate::mark::ResultMark;
 use crate::task::ExerciseTask;
 
-/// Home page of the learners' accounts. An importer replaces it by that of the school.
+/// Home page of the learners' accounts in xAPI statements. An importer replaces it by that of the
+/// school.
 const HOME_PAGE: &str = "https://gsk980td.invalid";
-/// Start of the names of exercises and extensions.
+/// Prefix of the identifiers of exercises and extensions.
 const NAMES: &str = "urn:gsk980td";
 
-/// Returns one statement for each result that was replayed.
+/// Returns one xAPI statement for each result that was replayed.
 pub fn statements(marks: &[ResultMark], tasks: &[ExerciseTask], language: Language) -> Value {
     let statements = marks.iter().filter_map(|mark| {
         let task = tasks.iter().find(|task| task.id == mark.task)?;
@@ -54,8 +55,9 @@ fn statement(mark: &ResultMark, task: &ExerciseTask, language: Language) -> Opti
     }))
 }
 
-/// A UUID from the hash of the recording: a result that is sent twice is one statement. It has
-/// the form of version 5 (by name), because readers refuse newer versions.
+/// Returns a UUID made from the hash of the recording, so that a result sent twice is one
+/// statement; `None` without a hash. It has the form of version 5, because readers refuse newer
+/// versions.
 fn statement_id(mark: &ResultMark) -> Option<String> {
     let hash = mark.recording_hash()?.to_string();
     let part = |from: usize, to: usize| hash.get(from..to);

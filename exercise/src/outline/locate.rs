@@ -5,27 +5,28 @@ use gsk_core::units::{Diameter, Point};
 use super::{OutlinePiece, PieceForm, TaskOutline};
 use crate::criterion::{PartDimension, PartSurface};
 
-/// The place of a dimension on the outline.
+/// The position of a dimension on the outline, which determines how it is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DimensionPlace {
-    /// Across the cylinder between both z.
+    /// A diameter, drawn across the cylinder between both z.
     Across {
         /// Radius of the cylinder, mm.
         radius: f64,
-        /// Z of its ends, the front first.
+        /// Z of both ends of the cylinder, mm, the front end first.
         z: (f64, f64),
-        /// The surface.
+        /// Whether the outside or the bore is dimensioned.
         surface: PartSurface,
     },
-    /// From the front of the part to a corner.
+    /// A length from the front of the part to a corner.
     FromFront(Point),
-    /// Along a cylinder, from the front end to the back.
+    /// A length along a cylinder, from its front end to its back end.
     Along(Point, Point),
-    /// At a point of the surface, with a leader.
+    /// A dimension at a point of the surface, drawn with a leader.
     At(Point),
 }
 
-/// Finds a dimension on the outline: its place, and its size if the outline tells it.
+/// Finds the position of a dimension on the outline; `None` if the outline does not have it. Also
+/// returns its size, if the outline determines it.
 pub fn locate(
     outline: &TaskOutline,
     dimension: &PartDimension,

@@ -19,12 +19,12 @@ pub use locate::{DimensionPlace, locate};
 
 /// Greatest coordinate of an outline, mm.
 const MAX_SIZE: f64 = 10_000.0;
-/// Number of lines by which an arc is drawn.
+/// Number of straight lines by which an arc is drawn.
 const ARC_STEPS: u32 = 16;
-/// What an arc may be too short for its chord, mm: figures on a drawing are rounded.
+/// Length by which an arc may be too short for its chord, mm: sizes on a drawing are rounded.
 const ARC_TOLERANCE: f64 = 0.01;
 
-/// The outline as written in a task: the end of each piece, the first one being the start.
+/// The outline as written in a task file: a list of points, the first of which is the start.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OutlineFile {
@@ -33,7 +33,8 @@ pub struct OutlineFile {
     bore: Vec<OutlineEnd>,
 }
 
-/// The end of a piece: diameter and z, then the radius of an arc or the pitch of a thread.
+/// The end of an outline piece as written in a task file: diameter and z, then the radius of an arc
+/// or the pitch of a thread.
 #[derive(Clone, Copy, Debug, Deserialize)]
 enum OutlineEnd {
     Line(f64, f64),
@@ -48,7 +49,7 @@ impl OutlineEnd {
     }
 }
 
-/// The form of a piece of an outline.
+/// The form of an outline piece: line, arc or thread.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PieceForm {
     /// A straight line.
@@ -62,16 +63,16 @@ pub enum PieceForm {
 /// A piece of an outline, from the front to the back. X is a radius; z is 0 at the front.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutlinePiece {
-    /// The end at the front.
+    /// The end of the piece nearer to the front of the part.
     pub from: Point,
-    /// The end at the back.
+    /// The end of the piece nearer to the back of the part.
     pub to: Point,
-    /// What is between both.
+    /// Whether the piece is a line, an arc or a thread.
     pub form: PieceForm,
 }
 
 impl OutlinePiece {
-    /// Returns whether the piece is a face.
+    /// Returns whether the piece is a face, perpendicular to the axis.
     pub fn is_face(&self) -> bool {
         self.from.z == self.to.z
     }
@@ -81,7 +82,7 @@ impl OutlinePiece {
         self.from.x == self.to.x && !matches!(self.form, PieceForm::Arc(_))
     }
 
-    /// Returns the point halfway along the piece.
+    /// Returns the point halfway along the piece on the outside or bore surface.
     pub fn middle(&self, surface: PartSurface) -> Point {
         let points = self.points(surface);
         match self.form {
@@ -91,7 +92,7 @@ impl OutlinePiece {
         .unwrap_or((self.from + self.to) * 0.5)
     }
 
-    /// Returns the points of the piece after its first one.
+    /// Returns the points along the piece without its first one; an arc is split into lines.
     fn points(&self, surface: PartSurface) -> Vec<Point> {
         let PieceForm::Arc(radius) = self.form else {
             return vec![self.to];
@@ -117,7 +118,7 @@ impl OutlinePiece {
     }
 }
 
-/// The outline of the finished part as far as it is drawn.
+/// The outline of the finished part: its outside and its bore.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TaskOutline {
     outside: Vec<OutlinePiece>,
@@ -125,10 +126,11 @@ pub struct TaskOutline {
 }
 
 impl TaskOutline {
-    /// Checks an outline of a file.
+    /// Checks an outline of a task file.
     ///
     /// # Errors
-    /// The rule that is broken.
+    ///
+    /// The message names the rule that the outline breaks.
     pub fn read(raw: &OutlineFile) -> Result<Self, Message> {
         if raw.outside.len() < 2 {
             return Err(say::exercise_outline_short());
@@ -139,7 +141,7 @@ impl TaskOutline {
         })
     }
 
-    /// Returns the pieces of a surface from the front to the back.
+    /// Returns the pieces of the outside or of the bore, from the front to the back.
     pub fn pieces(&self, surface: PartSurface) -> &[OutlinePiece] {
         match surface {
             PartSurface::Outside => &self.outside,
@@ -147,7 +149,8 @@ impl TaskOutline {
         }
     }
 
-    /// Returns the points of a surface from the front to the back; X is a radius.
+    /// Returns the points of the outside or of the bore, from the front to the back; X is a radius,
+    /// mm.
     pub fn points(&self, surface: PartSurface) -> Vec<Point> {
         let pieces = self.pieces(surface);
         let first = pieces.first().map(|piece| piece.from);
@@ -155,7 +158,7 @@ impl TaskOutline {
         first.into_iter().chain(rest).collect()
     }
 
-    /// Returns the length and the greatest radius of what is drawn, mm.
+    /// Returns length and greatest radius of the outline, mm.
     pub fn extent(&self) -> (f64, f64) {
         let length = self.outside.last().map_or(0.0, |piece| -piece.to.z);
         let points = self.points(PartSurface::Outside);

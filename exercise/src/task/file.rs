@@ -11,29 +11,29 @@ use crate::criterion_file::{CriterionFile, check_text, read_criterion, read_faul
 use crate::outline::{OutlineFile, TaskOutline};
 use crate::task::{ExerciseHint, ExerciseTask, TaskHash};
 
-/// Greatest number of criteria of a task.
+/// Greatest number of criteria in a task.
 const MAX_CRITERIA: usize = 100;
-/// Time limit of a task that names none, s.
+/// Default time limit of a task, s.
 const DEFAULT_TIME_LIMIT_S: f64 = 3600.0;
-/// Number of results that a learner may hand in, unless the task names another one.
+/// Default number of results that a learner may hand in for a task.
 const DEFAULT_ATTEMPTS: u32 = 3;
 
-/// Why the file of a task cannot be used.
+/// An error in a task file, with its position and the broken rule.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub struct ExerciseTaskError {
-    /// Name of the file.
+    /// Name of the task file.
     pub file: String,
-    /// Line of the error, from 1.
+    /// Line of the error in the task file, from 1.
     pub line: usize,
-    /// The field or the criterion that breaks the rule; `None` for an error of the syntax.
+    /// The field or criterion that breaks the rule; `None` for a syntax error.
     pub field: Option<String>,
-    /// The rule that is broken.
+    /// Message about the rule that is broken.
     pub rule: Message,
 }
 
 impl ExerciseTaskError {
-    /// Returns the message: file, line and rule.
+    /// Returns the error as one message with file, line and rule.
     pub fn message(&self) -> Message {
         match &self.field {
             Some(field) => say::exercise_file_rule(&self.file, self.line, field, self.rule.clone()),
@@ -77,10 +77,11 @@ struct HintFile {
 }
 
 impl ExerciseTask {
-    /// Reads a task. `id` is the name of its folder; messages call the file `file`.
+    /// Reads a task file. `id` is the name of its folder; messages name the file `file`.
     ///
     /// # Errors
-    /// The line, and the rule that it breaks.
+    ///
+    /// The text breaks a rule; the error has the line and the rule.
     pub fn read(id: &str, file: &str, text: &str) -> Result<Self, ExerciseTaskError> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let error = |line, field: Option<&str>, rule| ExerciseTaskError {
@@ -174,7 +175,7 @@ impl ExerciseTask {
     }
 }
 
-/// The first line that begins with a field; 1 if there is none.
+/// Returns the first line, from 1, that begins with the field; 1 if there is none.
 fn line_of_field(text: &str, field: &str) -> usize {
     let is_field = |line: &str| {
         let rest = line.trim_start().strip_prefix(field);
@@ -183,8 +184,8 @@ fn line_of_field(text: &str, field: &str) -> usize {
     text.lines().position(is_field).map_or(1, |index| index + 1)
 }
 
-/// The first line with a quoted name in the list of a field; the line of the field if there is
-/// none.
+/// Returns the first line, from 1, with a quoted name in the list of a field; the line of the field
+/// if there is none.
 fn line_of_name(text: &str, field: &str, name: &str) -> usize {
     let first = line_of_field(text, field);
     let mut lines = text.lines().skip(first - 1);
@@ -193,8 +194,8 @@ fn line_of_name(text: &str, field: &str, name: &str) -> usize {
     first + offset.unwrap_or(0)
 }
 
-/// The last line with the name of a criterion: an error about a repeated name is about the
-/// second one.
+/// Returns the last line, from 1, with the name of a criterion: an error about a repeated name is
+/// reported at the second one.
 fn line_of_criterion(text: &str, id: &str) -> usize {
     let name = format!("\"{id}\"");
     let lines: Vec<&str> = text.lines().collect();

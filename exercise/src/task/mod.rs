@@ -17,36 +17,38 @@ use gsk_workpiece::job::Job;
 use crate::criterion::ExerciseCriterion;
 use crate::outline::TaskOutline;
 
-/// A task that was read without errors.
+/// An exercise that was read without errors: task, start state and criteria.
 #[derive(Clone, Debug)]
 pub struct ExerciseTask {
     /// Name of the task's folder; identifies the task.
     pub id: String,
-    /// Title in the list of tasks.
+    /// Title of the exercise in the list of tasks.
     pub title: LessonText,
-    /// What the learner has to do.
+    /// The task of the learner, as text.
     pub text: LessonText,
-    /// Machine time after which nothing counts, ms.
+    /// Machine time after which the solution ends, ms.
     pub time_limit_ms: u64,
-    /// Number of results that a learner may hand in.
+    /// Number of results that a learner may hand in for the task.
     pub attempts: u32,
-    /// Hints with their cost.
+    /// Hints for the learner, each with the points that it costs.
     pub hints: Vec<ExerciseHint>,
     /// The faults of the lathe that the learner has to find.
     pub faults: Vec<LatheFault>,
-    /// What is marked, at least one.
+    /// The criteria that give points, at least one.
     pub criteria: Vec<ExerciseCriterion>,
-    /// Hash of the task's file.
+    /// Hash of the task file, by which results refer to it.
     pub hash: TaskHash,
     pub(crate) start: LessonStart,
-    /// The keys and pages that the task refuses.
+    /// The keys and pages of the panel that the task refuses.
     pub(crate) limits: PanelLimits,
-    /// Keys that the list of permitted keys leaves out, but that no task can refuse.
+    /// Keys missing in the task's list of permitted keys that stay permitted, because they stop the
+    /// machine.
     pub(crate) unlisted_stop_keys: Vec<&'static str>,
     pub(crate) job: Option<Job>,
-    /// The finished part, for the drawing.
+    /// Outline of the finished part, for the drawing; `None` without one.
     pub(crate) outline: Option<TaskOutline>,
-    /// A hand-made drawing beside the file, PNG; it is shown instead of that of the outline.
+    /// A drawing made by hand, PNG; it is shown instead of the drawing of the outline. `None`
+    /// without one.
     pub drawing: Option<Arc<[u8]>>,
 }
 
@@ -59,12 +61,12 @@ pub struct ExerciseHint {
     pub cost: u32,
 }
 
-/// Hash of the text of a task: BLAKE2b with 256 bits, line ends as LF.
+/// Hash of the text of a task file: BLAKE2b with 256 bits, line ends as LF.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TaskHash([u8; 32]);
 
 impl TaskHash {
-    /// Computes the hash of the text of a task.
+    /// Computes the hash of the text of a task file.
     pub fn from_text(text: &str) -> Self {
         Self::from_bytes(text.replace("\r\n", "\n").as_bytes())
     }
@@ -101,7 +103,7 @@ impl ExerciseTask {
         Ok(MachineMoment { emulator, part })
     }
 
-    /// Returns the inputs that clamp the stock of the task.
+    /// Returns the inputs that clamp the stock of the task in the chuck.
     pub(crate) fn part_inputs(&self) -> [PartInput; 2] {
         let named = self.job.as_ref().map(|job| {
             Box::new(NamedJob {
@@ -112,19 +114,20 @@ impl ExerciseTask {
         [PartInput::Job(named), PartInput::CrashStops(true)]
     }
 
-    /// Returns whether a part is cut in the exercise.
+    /// Returns whether the exercise has stock from which a part is cut.
     pub const fn cuts_part(&self) -> bool {
         self.job.is_some()
     }
 
-    /// Returns the greatest number of points.
+    /// Returns the greatest number of points that a solution can reach.
     pub fn max_points(&self) -> u32 {
         self.criteria.iter().map(|criterion| criterion.points).sum()
     }
 
-    /// Returns the points that the hints with these numbers, from 1, cost.
+    /// Returns the points that the hints with these numbers (from 1) cost together.
     ///
     /// # Errors
+    ///
     /// The task has no hint with one of the numbers.
     pub fn hint_cost(&self, numbers: &[u32]) -> Result<u32, Message> {
         let mut unique = numbers.to_vec();

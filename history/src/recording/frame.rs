@@ -7,7 +7,7 @@ pub(super) const MAGIC: &[u8] = b"GSK980TD recording\n";
 /// Length and check before the content of a frame, bytes.
 const HEAD_BYTES: usize = 8;
 
-/// Appends frames.
+/// Appends frames to the bytes of a recording.
 #[derive(Debug, Default)]
 pub(super) struct FrameEncoder {
     check: u32,
@@ -26,7 +26,7 @@ impl FrameEncoder {
     }
 }
 
-/// Reads frames.
+/// Reads frames from the bytes of a recording.
 #[derive(Debug)]
 pub(super) struct FrameReader<'a> {
     bytes: &'a [u8],

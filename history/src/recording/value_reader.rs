@@ -31,16 +31,16 @@ pub(super) fn read_value<'de, T: Deserialize<'de>>(bytes: &'de [u8]) -> Result<T
     }
 }
 
-/// Why bytes are not the expected value.
+/// The reason for which bytes are not the expected value.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 pub(super) enum ValueError {
     /// The bytes end within the value.
     #[error("the value is incomplete")]
     Incomplete,
-    /// A text is not UTF-8.
+    /// The bytes of a text are not UTF-8.
     #[error("a text is not UTF-8")]
     NotText,
-    /// A token that the type does not have at this place.
+    /// The type does not permit the token here.
     #[error("the token is not expected here")]
     UnexpectedToken,
     /// Arrays and maps are nested deeper than [`MAX_DEPTH`].
@@ -49,7 +49,7 @@ pub(super) enum ValueError {
     /// Bytes follow the value.
     #[error("bytes follow the value")]
     BytesAfterValue,
-    /// The type refuses the value.
+    /// The type to be read refuses the value, for this reason.
     #[error("{0}")]
     Refused(String),
 }
@@ -75,7 +75,7 @@ enum ValueToken<'de> {
     Map(usize),
 }
 
-/// The bytes that have not been read, and the nesting at this place.
+/// The bytes that have not been read, and the current nesting.
 struct ValueReader<'de> {
     rest: &'de [u8],
     depth: u32,
@@ -115,7 +115,7 @@ impl<'de> ValueReader<'de> {
         Ok(ValueToken::Text(text))
     }
 
-    /// Reads the next token.
+    /// Reads the next token of the value.
     fn token(&mut self) -> Result<ValueToken<'de>, ValueError> {
         let head = self.number(1)? as u8;
         Ok(match head {

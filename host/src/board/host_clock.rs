@@ -19,7 +19,7 @@ pub struct HostClock {
 }
 
 impl HostClock {
-    /// Creates a clock that starts at zero.
+    /// Creates a clock that counts the time from now on.
     pub fn start() -> Self {
         let now = platform::time_with_sleep();
         Self {

@@ -18,10 +18,10 @@ use crate::guard::GuardError;
 use crate::ports;
 use crate::termination::{SignalError, TerminationFlag};
 
-/// Longest time for a board to become ready.
+/// Longest time that a board may take to become ready.
 pub const READY_TIMEOUT: Duration = Duration::from_secs(30);
 
-/// Why a board cannot be opened.
+/// The reason why a board cannot be opened.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum BoardError {
@@ -32,7 +32,7 @@ pub enum BoardError {
 }
 
 impl BoardError {
-    /// Returns the message that tells the operator why the board cannot be opened.
+    /// Returns the message for the operator about why the board cannot be opened.
     pub fn message(&self) -> Message {
         match self {
             Self::Signals(error) => error.message(),
@@ -44,7 +44,7 @@ impl BoardError {
 /// A connection to a board. The board stops when this value is dropped, or when a termination
 /// signal arrives.
 pub struct BoardSession {
-    /// The state of the dialogue with the board.
+    /// The dialogue with the board: its state and its motion.
     pub link: Link,
     port_io: PortIo,
     termination: TerminationFlag,

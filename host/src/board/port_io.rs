@@ -13,7 +13,7 @@ use crate::guard::{GuardError, Orphan, PortGuard};
 /// Longest time to write the last bytes to a board before the port is closed.
 const CLOSE_TIMEOUT: Duration = Duration::from_millis(500);
 
-/// Time between two attempts to write the last bytes.
+/// Time between two attempts to write the remaining bytes.
 const RETRY_INTERVAL: Duration = Duration::from_millis(2);
 
 /// One line of the recorded traffic between PC and board.
@@ -62,7 +62,7 @@ impl PortIo {
         })
     }
 
-    /// Starts or stops the record for [`PortIo::take_traffic`].
+    /// Starts or stops the recording of the traffic for [`PortIo::take_traffic`].
     pub fn set_recording(&mut self, on: bool) {
         self.is_recording = on;
         if !on {
@@ -133,8 +133,8 @@ impl PortIo {
         }
     }
 
-    /// Takes what happened to the board after [`PortIo::read`] has failed; `None` if the port
-    /// itself has failed.
+    /// Returns and removes the state in which the board was left, after [`PortIo::read`] has
+    /// failed; `None` if the port itself has failed.
     pub fn take_orphan(&mut self) -> Option<Orphan> {
         self.guard.as_mut().and_then(PortGuard::take_orphan)
     }

@@ -8,12 +8,12 @@ use crate::platform;
 /// Suffix of the hidden temporary file. No other program uses this name.
 const TEMPORARY_SUFFIX: &str = ".gsk980td-new";
 
-/// Access rights of a written file.
+/// Who may read a file that is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileAccess {
-    /// The default rights of the operating system.
+    /// The file gets the default rights of the operating system.
     Any,
-    /// Only the owner can read the file.
+    /// The file can be read by its owner only.
     Owner,
 }
 

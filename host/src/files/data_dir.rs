@@ -35,9 +35,9 @@ const LADDER: &str = "ladder.il";
 /// Name of the file with the macro variables, the only one in which NaN is accepted: earlier
 /// versions imported NaN from project folders.
 const VARIABLES: &str = "variables";
-/// Files with passwords, which only their owner may read.
+/// Names of files with passwords, which only their owner may read.
 const PRIVATE_FILES: [&str; 1] = ["authority.ron"];
-/// Size limit of a file, programs excepted, bytes.
+/// Size limit of a file in the data directory, except programs, bytes.
 const MAX_BYTES: u64 = 64 * 1024 * 1024;
 
 /// An open data directory, which stays locked until this value is dropped.
@@ -57,14 +57,14 @@ pub enum DataDirError {
     /// The directory cannot be created, read or written.
     Unusable {
         path: PathBuf,
-        /// The error of the operating system.
+        /// The error that the operating system has returned.
         source: io::Error,
     },
-    /// Another process has locked the directory.
+    /// Another process has locked the data directory.
     InUse { path: PathBuf },
     /// The path is not a data directory, and none may be created there.
     Missing { path: PathBuf },
-    /// The platform has no default folder for data.
+    /// The platform has no default folder for the data directory.
     NoDefault,
 }
 
@@ -88,14 +88,14 @@ pub enum LoadedFile<T> {
     /// The file is damaged or missing. Holds the value from its copy, or from the file without
     /// its invalid parts, and the damage.
     Recovered(T, FileDamage),
-    /// The file does not exist yet.
+    /// The file does not exist in the directory.
     Missing,
     /// The file and its copy are damaged. The payload names the reason and the new name of the
     /// file.
     Damaged(FileDamage),
 }
 
-/// A program file of the directory.
+/// A program file of the data directory, with its contents.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StoredProgram {
     pub number: u16,
@@ -225,7 +225,7 @@ impl DataDir {
         self.files.commit(changes)
     }
 
-    /// Reads the ladder that replaces the standard ladder.
+    /// Reads the operator's ladder, which replaces the standard ladder.
     pub fn load_ladder(&self) -> LoadedFile<Ladder> {
         self.read(LADDER, MAX_BYTES, |bytes| {
             let text = String::from_utf8(bytes).map_err(say::as_written)?;
@@ -277,7 +277,7 @@ impl DataDir {
         (programs, damages)
     }
 
-    /// The program numbers in the manifest.
+    /// Returns the numbers of the programs in the manifest.
     fn program_numbers(&self) -> impl Iterator<Item = u16> {
         let names = self.files.names().into_iter();
         names.filter_map(|name| {

@@ -9,18 +9,18 @@ use gsk_messages::{Message, say};
 /// The encoding of a text file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TextEncoding {
-    /// UTF-8 without a byte order mark (ASCII included).
+    /// The text is UTF-8 (or ASCII) without a byte order mark.
     #[default]
     Utf8,
-    /// UTF-8 with a byte order mark.
+    /// The text is UTF-8 with a byte order mark.
     Utf8Marked,
-    /// UTF-16, low byte first, with a byte order mark.
+    /// The text is UTF-16, low byte first, with a byte order mark.
     Utf16Little,
-    /// UTF-16, high byte first, with a byte order mark.
+    /// The text is UTF-16, high byte first, with a byte order mark.
     Utf16Big,
-    /// GB18030 (GBK, GB2312).
+    /// The text is GB18030 (also GBK or GB2312).
     Gb18030,
-    /// Windows-1252 (Latin-1).
+    /// The text is Windows-1252 (or Latin-1).
     Windows1252,
 }
 
@@ -43,7 +43,7 @@ pub struct DecodedText {
     pub encoding: TextEncoding,
 }
 
-/// Why bytes are not a program text. Lines and columns count from 1; columns count
+/// The reason why bytes are not a program text. Lines and columns count from 1; columns count
 /// characters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
@@ -136,7 +136,7 @@ fn remove_tape_leaders(bytes: &mut Vec<u8>) {
 /// GB18030 (pairs of bytes of common Chinese characters, GB2312). `None` if a byte is not a
 /// western letter.
 fn count_encoding_evidence(bytes: &[u8]) -> Option<(usize, usize)> {
-    /// Lead bytes of the common characters of GB2312.
+    /// First bytes of the common Chinese characters in GB2312.
     const COMMON_LEAD_BYTES: core::ops::RangeInclusive<u8> = 0xB0..=0xD7;
     /// Bytes that Windows-1252 leaves undefined, and ÿ, which no comment contains.
     const NON_LETTERS: [u8; 6] = [0x81, 0x8D, 0x8F, 0x90, 0x9D, 0xFF];

@@ -23,7 +23,7 @@ use crate::platform;
 pub const FOLDER: &str = "exams";
 /// Name of the file of an exam in its folder.
 const EXAM_FILE: &str = "exam.ron";
-/// Extension of the recordings.
+/// File extension of the recordings of an exam, without the dot.
 const RECORDING_EXTENSION: &str = "gskrec";
 
 /// The exam of a data directory that has not ended, or why its file cannot be read.
@@ -39,12 +39,12 @@ pub fn store_pin(pin: &str) -> Result<ExamPin, Message> {
     ExamPin::new(pin, u64::from_le_bytes(salt)).ok_or_else(say::exam_begin_hint)
 }
 
-/// An exam with its folder.
+/// An exam, and the folder in which it is stored.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExamFolder {
-    /// The exam.
+    /// The exam: its exercises and its progress.
     pub exam: Exam,
-    /// Its folder.
+    /// The folder in which the exam is stored.
     pub path: PathBuf,
     data: PathBuf,
 }
@@ -108,7 +108,7 @@ impl ExamFolder {
             .map_err(|error| WriteError::new(&file, error).message())
     }
 
-    /// The file with the recording of the current exercise.
+    /// Returns the path of the recording of the current exercise.
     pub fn recording_path(&self) -> PathBuf {
         self.current_file(RECORDING_EXTENSION)
     }

@@ -10,9 +10,9 @@ use super::program_file;
 use crate::output::WriteError;
 use crate::platform;
 
-/// The secret key, as minisign reads it.
+/// Name of the file with the secret key, in the format of minisign.
 const SECRET_FILE: &str = "exercise.key";
-/// The public key, as minisign reads it.
+/// Name of the file with the public key, in the format of minisign.
 const PUBLIC_FILE: &str = "exercise.pub";
 
 /// Reads the key of a data folder, or makes it if there is none. Returns it with a message about

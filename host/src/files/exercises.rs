@@ -20,9 +20,9 @@ use crate::platform;
 pub const FOLDER: &str = "exercises";
 /// Name of the file of a task in its folder.
 pub const TASK_FILE: &str = "task.ron";
-/// Name of a hand-made drawing beside a task.
+/// Name of the file with a drawing made by hand, in the folder of a task.
 const DRAWING_FILE: &str = "drawing.png";
-/// Greatest size of a hand-made drawing, bytes.
+/// Greatest size of a drawing made by hand, bytes.
 const MAX_DRAWING_BYTES: u64 = 4 * 1024 * 1024;
 
 /// The exercises of the program and of a data directory, and the errors of unusable ones.
@@ -30,7 +30,7 @@ const MAX_DRAWING_BYTES: u64 = 4 * 1024 * 1024;
 pub struct AvailableExercises {
     /// The built-in exercises, then those of the data directory, sorted by name.
     pub tasks: Vec<ExerciseTask>,
-    /// One error for each task that cannot be used.
+    /// One error message for each task that cannot be used.
     pub errors: Vec<Message>,
     /// Names of the exercises of the data directory without a reference solution.
     pub without_reference: BTreeSet<String>,
@@ -45,7 +45,7 @@ pub fn read(path: &Path) -> Result<ExerciseTask, Message> {
     read_source(path)?.read_task(&file.display().to_string())
 }
 
-/// Reads the files of a task.
+/// Reads the task file and the drawing of a task.
 fn read_source(path: &Path) -> Result<CourseTaskFile, Message> {
     let file = task_path(path);
     let folder = file.parent().and_then(Path::file_name).unwrap_or_default();

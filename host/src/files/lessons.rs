@@ -11,7 +11,7 @@ use crate::platform;
 
 /// Name of the folder for a teacher's lessons in the data directory.
 pub const FOLDER: &str = "lessons";
-/// Extension of a lesson file.
+/// File extension of a lesson, without the dot.
 const ENDING: &str = "ron";
 
 /// The lessons that the window lists, and the errors of unusable ones.

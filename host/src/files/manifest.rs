@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-/// Identifies the contents of a file.
+/// Length and checksum that identify the contents of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ContentMark {
     length: u64,
@@ -20,7 +20,7 @@ pub struct ContentMark {
 }
 
 impl ContentMark {
-    /// Computes the mark of the contents `bytes`.
+    /// Computes the mark of a file's contents.
     pub fn from_bytes(bytes: &[u8]) -> Self {
         Self {
             length: bytes.len() as u64,
@@ -84,7 +84,7 @@ impl Manifest {
         }
     }
 
-    /// Records that a file exists with unknown contents.
+    /// Records that a file exists, but that its contents are unknown.
     pub fn record_unknown_state(&mut self, name: &str) {
         self.files.entry(name.to_owned()).or_default();
     }

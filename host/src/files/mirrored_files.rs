@@ -29,7 +29,7 @@ const MAX_MANIFEST_BYTES: u64 = 16 * 1024 * 1024;
 #[derive(Debug)]
 pub struct MirroredFiles {
     folder: PathBuf,
-    /// Read without renaming or writing any file.
+    /// Whether the files are only read, and none is renamed or written.
     read_only: bool,
     manifest: Mutex<Manifest>,
     /// The damage of the manifest itself; `None` if it was intact.
@@ -41,7 +41,7 @@ pub struct MirroredFiles {
 pub struct FileDamage {
     /// The name of the file, without its folder.
     pub file_name: String,
-    /// What is damaged, and which contents are used instead.
+    /// Message about what is damaged, and which contents are used instead.
     pub message: Message,
 }
 
@@ -56,18 +56,18 @@ impl FileDamage {
     }
 }
 
-/// The new contents of a file, or its deletion.
+/// A change of a file: its new contents, or its deletion.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileChange {
-    /// Name of the file in its folder.
+    /// Name of the changed file in its folder.
     pub name: String,
-    /// New contents; `None` deletes the file.
+    /// New contents of the file; `None` deletes the file.
     pub contents: Option<Vec<u8>>,
-    /// Access rights that the file gets.
+    /// Who may read the file after it is written.
     pub readers: FileAccess,
 }
 
-/// The result of reading a file.
+/// The contents of a file that was read, or its damage.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileReadResult {
     /// The contents of the file or of its copy; `None` if neither is usable.
@@ -77,7 +77,7 @@ pub struct FileReadResult {
 }
 
 impl MirroredFiles {
-    /// Opens a folder and reads its manifest.
+    /// Opens a folder with its manifest.
     pub fn open(folder: &Path, read_only: bool) -> Self {
         let (manifest, manifest_damage) = match read_manifest(folder) {
             Ok(manifest) => (manifest, None),
@@ -95,7 +95,7 @@ impl MirroredFiles {
         self.manifest_damage.as_ref()
     }
 
-    /// The names of all files in the manifest.
+    /// Returns the names of all files in the manifest.
     pub fn names(&self) -> Vec<String> {
         self.manifest().names().map(str::to_owned).collect()
     }

@@ -8,7 +8,7 @@ use crate::files::{models, subprograms};
 use crate::output;
 use crate::platform::same_file;
 
-/// Files and folders that a command reads.
+/// The files and folders that a command reads, which it must not overwrite.
 #[derive(Clone, Debug, Default)]
 pub struct CommandInputs<'a> {
     /// Files named on the command line or in a script.
@@ -19,23 +19,23 @@ pub struct CommandInputs<'a> {
     pub data_dir: Option<&'a Path>,
 }
 
-/// Collects those result paths that the command line gives.
+/// Returns those result paths that the command line contains.
 pub fn collect_outputs<'a>(paths: &[&'a Option<PathBuf>]) -> Vec<&'a Path> {
     let requested = paths.iter().filter_map(|path| path.as_deref());
     requested.collect()
 }
 
-/// Why a result must not be written.
+/// The reason why a result must not be written to a path.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum OverwriteError {
     /// Two results have the same path.
     DuplicateOutput(PathBuf),
-    /// The command reads this file.
+    /// The command itself reads the file at this path.
     InputFile(PathBuf),
     /// The next run would read the file as a subprogram.
     Subprogram {
-        /// Path of the refused result.
+        /// Path of the result that is refused.
         path: PathBuf,
         /// Program number in the name or the text of the file.
         number: u16,
@@ -44,7 +44,7 @@ pub enum OverwriteError {
     },
     /// The file belongs to the memory in a data directory.
     ControlMemory {
-        /// Path of the refused result.
+        /// Path of the result that is refused.
         path: PathBuf,
         data: PathBuf,
     },
@@ -74,9 +74,10 @@ const MEMORY_FOLDERS: [&str; 5] = [
 /// Names of the files in the data directory that hold the control's memory, besides `*.ron`.
 const MEMORY_FILES: [&str; 4] = ["ladder.il", "link.log", "lock", models::MODEL_FILE];
 
-/// Refuses results that would overwrite what the command reads, or each other.
+/// Refuses results that would overwrite a file that the command reads, or another result.
 ///
 /// # Errors
+///
 /// The first result that is refused, with the reason.
 pub fn check_overwrites(
     inputs: &CommandInputs<'_>,

@@ -23,17 +23,17 @@ pub fn uncompensated_direction(axis: Axis, parameters: &ControlParameters) -> Ap
     }
 }
 
-/// The contents of a measurement file, evaluated.
+/// The result of evaluating a measurement file of pitch errors.
 #[derive(Clone, Debug)]
 pub enum EvaluatedMeasurement {
     /// Readings, the fitted errors of the screw, and the planned pitch error table.
     Measured(Measurement, ScrewFit, PitchPlan),
-    /// Values of a finished pitch error table.
+    /// The file contains a finished pitch error table, with these proposed values.
     Table(Proposal),
 }
 
 impl EvaluatedMeasurement {
-    /// The proposed changes of pitch error parameters.
+    /// Returns the proposed changes of pitch error parameters.
     pub const fn proposal(&self) -> &Proposal {
         match self {
             Self::Measured(_, _, plan) => &plan.proposal,

@@ -12,31 +12,31 @@ use crate::platform;
 /// Size limit of a program file, bytes.
 pub const MAX_BYTES: u64 = 256 * 1024 * 1024;
 
-/// A program file with its text.
+/// A program file that was read: its text, and notices for the operator.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProgramFile {
     pub path: PathBuf,
     pub text: String,
     pub encoding: TextEncoding,
-    /// Notices for the operator, such as full-width letters.
+    /// Notices about the text for the operator, such as full-width letters.
     pub notices: Vec<Message>,
 }
 
-/// Why a program cannot be read. Every message names the file.
+/// The reason why a program cannot be read. Every message names the file.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum ProgramFileError {
     /// The operating system reports an error for this file.
     System { path: PathBuf, source: io::Error },
-    /// The path is a folder.
+    /// The path is that of a folder, not of a file.
     Folder { path: PathBuf },
-    /// The folder contains no part program.
+    /// The folder at this path contains no part program.
     NoPrograms { path: PathBuf },
     /// The file is empty or blank.
     Empty { path: PathBuf },
     /// The file exceeds [`MAX_BYTES`].
     TooLarge { path: PathBuf },
-    /// The file is not text.
+    /// The content of the file is not text.
     NotText {
         path: PathBuf,
         /// Position and reason of the first byte that cannot be decoded.

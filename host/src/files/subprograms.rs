@@ -28,7 +28,7 @@ const MAX_FILES: usize = 2000;
 /// Number of bytes at the start of a file that are searched for an O word.
 const HEAD_BYTES: u64 = 4096;
 
-/// A subprogram that was found in a folder.
+/// A subprogram file that was found in a folder, with its number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FoundSubprogram {
     pub number: u16,
@@ -38,7 +38,7 @@ pub struct FoundSubprogram {
     pub called_by_number: bool,
 }
 
-/// The programs that a text calls.
+/// The numbers of the programs that a text calls.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SubprogramCalls {
     /// Program numbers that the calls name, or that follow from a code such as M, S or T.
@@ -48,7 +48,7 @@ pub struct SubprogramCalls {
 }
 
 impl SubprogramCalls {
-    /// Adds the calls of another text.
+    /// Adds the calls of another program text.
     pub fn extend(&mut self, other: Self) {
         self.numbers.extend(other.numbers);
         self.by_variable |= other.by_variable;
@@ -130,7 +130,7 @@ pub fn find_calls(text: &str, model: &ControlModel) -> SubprogramCalls {
     calls
 }
 
-/// How the blocks of a model call programs.
+/// Rules by which the blocks of a control model call programs.
 struct CallRules<'a> {
     model: &'a ControlModel,
     /// The G code that calls the program named by N; `None` if the model has no such code.

@@ -2,7 +2,7 @@
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// Formats date and time of day in UTC: `2026-03-01T07:05:09Z`.
+/// Formats a time as date and time of day in UTC: `2026-03-01T07:05:09Z`.
 pub fn format_utc(moment: SystemTime) -> String {
     let seconds = moment
         .duration_since(UNIX_EPOCH)

@@ -16,15 +16,15 @@ pub(super) const MAX_FOLDER_BYTES: u64 = 50_000_000;
 const NAME_START: &str = "session-";
 pub(super) const ENDING: &str = "gskrec";
 
-/// Bytes to append.
+/// Bytes that the disk thread appends to a recording.
 #[derive(Debug)]
 pub(super) struct DiskJob {
-    /// Whether they begin a new recording.
+    /// Whether the bytes begin a new recording.
     pub(super) is_first: bool,
     pub(super) bytes: Vec<u8>,
 }
 
-/// The file of a recording.
+/// Writes the files of recordings on a thread of the disk.
 #[derive(Debug)]
 pub(super) struct RecordingDisk {
     target: RecordingTarget,

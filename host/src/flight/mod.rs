@@ -32,21 +32,21 @@ const MAX_FILE_BYTES: usize = 5_000_000;
 /// Number of parcels that wait for the disk; more are kept until the disk is faster.
 const DISK_QUEUE: usize = 16;
 
-/// Where a recording is written.
+/// The folder or file into which a recording is written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum RecordingTarget {
-    /// Numbered files in a folder; the oldest are removed.
+    /// The recordings are numbered files in this folder; the oldest are removed.
     Folder(PathBuf),
-    /// One file, of any size.
+    /// The recording is this file, of any size.
     File(PathBuf),
 }
 
-/// Records one machine.
+/// Records all inputs of one machine, so that it can be replayed.
 #[derive(Debug)]
 pub struct FlightRecorder {
     target: RecordingTarget,
     encoder: Option<RecordingEncoder>,
-    /// Bytes for the disk since the last hand-over.
+    /// Recorded bytes that were not passed to the disk yet.
     pending: Vec<u8>,
     file_bytes: usize,
     /// Whether the current file has a state from which its inputs continue.

@@ -12,7 +12,7 @@ use crate::files::atomic;
 use crate::message_format::describe_io_error;
 use crate::platform::{self, TaskHandle};
 
-/// The file of a recording that grows.
+/// Appends the recording of a solution to a file while it grows.
 #[derive(Debug)]
 pub struct SolutionLog {
     to_disk: Option<Sender<Vec<u8>>>,
@@ -72,8 +72,8 @@ impl SolutionLog {
         }
     }
 
-    /// Writes the rest of a recording and waits until all of it is on the disk. Returns why it
-    /// cannot be written.
+    /// Writes the rest of a recording and waits until all of it is on the disk. Returns a message
+    /// if it cannot be written; otherwise `None`.
     pub fn finish(mut self, recording: &[u8]) -> Option<Message> {
         let new = recording.get(self.written..).unwrap_or_default();
         if let Some(to_disk) = self.to_disk.take() {

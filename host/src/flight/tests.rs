@@ -8,7 +8,7 @@ use gsk_tests::test_folder;
 use super::disk::{ENDING, MAX_FOLDER_BYTES, prepare_folder};
 use super::*;
 
-/// A machine that a recorder follows tick by tick.
+/// A machine that a flight recorder records tick by tick.
 struct Flight {
     emulator: Emulator,
     part: MachinePart,

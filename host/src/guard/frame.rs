@@ -5,10 +5,10 @@
 pub const MAX_CONTENT: usize = 4096;
 const HEADER_BYTES: usize = 3;
 
-/// Meaning and direction of a frame.
+/// The kind of a frame between program and holder process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameKind {
-    /// From the holder: bytes received from the board.
+    /// From the holder process: bytes received from the board.
     Data,
     /// To the holder: bytes for the board, after the time at which they were sent (see
     /// [`append_dated`]).
@@ -23,7 +23,7 @@ pub enum FrameKind {
     Stop,
     /// To the holder: the program closes the port after its last bytes.
     End,
-    /// From the holder: the port is open.
+    /// From the holder process: the port is open.
     Open,
     /// From the holder: the port cannot be opened; the content is a message as JSON.
     Refused,
@@ -56,7 +56,7 @@ pub fn append_frame(out: &mut Vec<u8>, kind: FrameKind, content: &[u8]) {
     out.extend_from_slice(content);
 }
 
-/// Length of the encoded time in a [`FrameKind::Dated`], bytes.
+/// Length of the encoded time in the content of a [`FrameKind::Dated`], bytes.
 const TIME_BYTES: usize = 8;
 /// Maximum number of bytes for the board in one [`FrameKind::Dated`].
 pub const MAX_DATED: usize = MAX_CONTENT - TIME_BYTES;
@@ -105,7 +105,7 @@ impl Lease {
     }
 }
 
-/// Splits a stream of bytes into frames.
+/// Splits a stream of bytes from the other process into frames.
 #[derive(Debug, Default)]
 pub struct GuardFrameReader(Vec<u8>);
 

@@ -15,7 +15,7 @@ use crate::ports::Port;
 
 /// Time for which the holder retries to open a port that another program has just closed.
 const OPEN_RETRY_TIME: Duration = Duration::from_secs(1);
-/// Time between two checks for bytes of the port.
+/// Longest time that a read from the port waits for bytes.
 const READ_WAIT: Duration = Duration::from_secs(1);
 /// Size of a write, bytes: a port that is ready takes at least this number.
 const WRITE_BYTES: usize = 256;
@@ -32,11 +32,11 @@ const ANSWER_TIME: Duration = Duration::from_millis(200);
 /// Time between two checks whether the program renews its lease.
 const LEASE_CHECK_INTERVAL: Duration = Duration::from_millis(50);
 
-/// Why the holder stopped passing bytes to the port.
+/// The reason why the holder process stopped passing bytes to the port.
 enum RelayEnd {
     /// The program has closed the port.
     Closed,
-    /// The program is gone without closing the port.
+    /// The program has ended without closing the port.
     Lost,
     /// The program runs, but has not renewed its lease, or its bytes came too late.
     Silent,

@@ -41,12 +41,12 @@ const POLL_INTERVAL: Duration = Duration::from_millis(2);
 /// The holder stops the board when the program was silent for this time with slides or
 /// spindle in motion. The board has made its lookahead by then.
 const MAX_SILENCE: Duration = Duration::from_secs(1);
-/// Longest time between two renewals of the lease.
+/// Longest time between two renewals of the holder's time limit (lease).
 const RENEW_INTERVAL: Duration = Duration::from_millis(100);
 /// Greatest time that bytes for the board may take to reach the holder, in addition to the
 /// lookahead.
 const TRANSIT_TIME: Duration = Duration::from_millis(100);
-/// Limit of the bytes that wait for the holder.
+/// Greatest number of bytes that may wait for the holder process.
 const MAX_WAITING_BYTES: usize = frame::MAX_CONTENT;
 
 /// Returns the time of the clock that this process and the holder share, ms.
@@ -54,7 +54,7 @@ fn now_ms() -> u64 {
     platform::shared_time().as_millis() as u64
 }
 
-/// What happened to the board after its holder had ended before the program.
+/// The state in which a board is left after its holder process has ended before the program.
 #[derive(Debug)]
 pub enum Orphan {
     /// The holder has stopped the board because the program was silent; the board's
@@ -64,32 +64,32 @@ pub enum Orphan {
     BeingStopped(Receiver<Vec<u8>>),
 }
 
-/// Why no holder process could open the port.
+/// The reason why no holder process could open the port.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum GuardError {
     /// The holder process cannot be started.
     NotStarted {
-        /// Name of the port.
+        /// Name of the port that could not be opened.
         port: String,
         /// Error of the operating system.
         error: io::Error,
     },
     /// The holder process ended before it had opened the port.
     Ended {
-        /// Name of the port.
+        /// Name of the port that could not be opened.
         port: String,
     },
     /// The holder cannot open the port; the payload is its reason.
     Refused(Message),
     /// The started process sends no frames: it is not a holder.
     Strange {
-        /// Name of the port.
+        /// Name of the port that could not be opened.
         port: String,
     },
-    /// The holder did not answer within `START_TIMEOUT`.
+    /// The holder process did not answer within `START_TIMEOUT`.
     Silent {
-        /// Name of the port.
+        /// Name of the port that could not be opened.
         port: String,
     },
 }
@@ -113,7 +113,7 @@ pub struct PortGuard {
     child: Child,
     holder: HolderConnection,
     reader: GuardFrameReader,
-    /// Frames that the holder has not taken yet.
+    /// Bytes of frames that the holder process has not received yet.
     unsent: Vec<u8>,
     stop_bytes: Vec<u8>,
     lease: Lease,
@@ -179,7 +179,7 @@ impl PortGuard {
         Err(GuardError::Silent { port })
     }
 
-    /// Returns the process id of the holder.
+    /// Returns the process id of the holder process.
     pub fn process_id(&self) -> u32 {
         self.child.id()
     }
@@ -243,8 +243,8 @@ impl PortGuard {
         }
     }
 
-    /// Takes what has happened to the board after [`PortGuard::read`] has failed; `None` if
-    /// the port has failed.
+    /// Returns and removes the state in which the board was left, after [`PortGuard::read`] has
+    /// failed; `None` if the port has failed.
     pub const fn take_orphan(&mut self) -> Option<Orphan> {
         self.orphan.take()
     }

@@ -29,8 +29,8 @@ impl AlarmHistory {
         count > 0
     }
 
-    /// Removes what was raised after a tick of the machine, which went back to it. `cnc` is the
-    /// control at that tick.
+    /// Removes the alarms that were raised after a tick to which the machine has returned. `cnc` is
+    /// the control at that tick.
     pub(super) fn return_to(&mut self, tick: u64, cnc: &Cnc) {
         let remaining = self.raised_ticks.partition_point(|raised| *raised <= tick);
         let removed = self.raised_ticks.len() - remaining;

@@ -48,7 +48,7 @@ use crate::job::SelectedJob;
 use crate::kernel::pace::RunSpeed;
 use crate::platform;
 
-/// The setup of the current control for a preview.
+/// The setup of the current control, with which a program is previewed.
 #[derive(Clone, Debug)]
 pub struct PreviewSetup {
     pub setup: Setup,
@@ -56,7 +56,7 @@ pub struct PreviewSetup {
     pub is_practice: bool,
 }
 
-/// A command of the window to the kernel.
+/// A command that the window sends to the kernel thread.
 #[derive(Clone, Debug)]
 pub enum Command {
     /// Press or release a key of the panel.
@@ -79,9 +79,9 @@ pub enum Command {
     /// start, new stock; `starts`: 自动 and cycle start are pressed. With a pulse board the
     /// program is opened only.
     OpenSample {
-        /// The sample.
+        /// The sample program to open.
         program: Box<OpenedProgram>,
-        /// Whether it starts at once.
+        /// Whether the sample is started immediately.
         starts: bool,
     },
     /// Pass a file to the control through its serial port.
@@ -116,7 +116,7 @@ pub enum Command {
     ReleaseForcedBits,
     /// Clear every fault of the lathe and return every input to its sensor.
     ClearFaults,
-    /// End the faults of a crash and press RESET.
+    /// Clear the faults that a crash has set, and press RESET.
     FreeLathe,
     /// Set the speed at which programs run, unless a board moves real slides.
     Speed(RunSpeed),
@@ -144,11 +144,11 @@ pub enum Command {
     /// Set the job of the part in the simulated lathe, on fresh stock; `None` removes the
     /// part.
     Job(Option<Box<SelectedJob>>),
-    /// Clamp uncut stock.
+    /// Clamp uncut stock in the chuck.
     FreshStock,
     /// Set whether the simulated lathe stops at a collision.
     CrashStops(bool),
-    /// Publish, show or change the time line.
+    /// Publish, show or change the time line of the session.
     Timeline(TimelineCommand),
     /// Set the breakpoints, or end the halt at one of them.
     Breakpoints(BreakpointCommand),
@@ -157,7 +157,7 @@ pub enum Command {
     ShowPart(bool),
     /// Prove that the window is alive, so that held keys stay down.
     Alive,
-    /// Release every key.
+    /// Release all keys of the panel.
     ReleaseAll,
     Quit,
 }
@@ -168,61 +168,61 @@ pub type MachineCopy = (Simulation, Option<LivePart>);
 /// A command of the window for the pulse board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LinkAction {
-    /// Close the port and open it again.
+    /// Close the port of the board and open it again.
     Reconnect,
-    /// Write the settings that differ into the board.
+    /// Write the required values of the settings that differ into the board.
     WriteSettings,
     /// Compare the board's count with the commanded pulses at once.
     Check,
 }
 
-/// What to do with an opened program if another program in the memory has its number.
+/// What the kernel does with an opened program if another program in memory has its number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StorePolicy {
     /// Query the operator and do not open the program yet.
     #[default]
     AskOperator,
-    /// Replace the stored program.
+    /// Replace the stored program that has the same number.
     Replace,
-    /// Run the program without storing it.
+    /// Run the opened program without storing it.
     RunOnly,
 }
 
 /// A program read from a file, ready to be opened.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OpenedProgram {
-    /// Name that the window shows.
+    /// Name of the program as the window shows it.
     pub name: String,
-    /// Path of the file; `None` for a sample.
+    /// Path of the program file; `None` for a sample.
     pub path: Option<PathBuf>,
-    /// What to do if another program has its number.
+    /// What to do if a stored program has the same number.
     pub store_policy: StorePolicy,
     pub program: Program,
-    /// Subprograms from the folder of the file.
+    /// Subprograms from the folder of the program file.
     pub subprograms: Vec<Program>,
 }
 
 /// The location where the kernel has stored an opened program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ProgramPlacement {
-    /// In the memory, under this number.
+    /// The program is stored in memory under this number.
     Stored(u16),
     /// Outside the memory, because the memory does not store it for this reason. The program can be
     /// run and read, but not edited, and it is lost at power-off.
     OnlyRun(NotStored),
 }
 
-/// Why an opened program is not stored.
+/// The reason why an opened program is not stored.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NotStored {
     /// Neither the program nor its file name has a number.
     NoNumber,
-    /// Another program has this number and is kept.
+    /// Another stored program has this number and is kept.
     NumberTaken(u16),
     /// The program switch, a program lock or the operation level forbids it; the payload names
     /// which.
     Refused(WriteRefusal),
-    /// The memory refuses it with this alarm.
+    /// The program memory refuses the program with this alarm.
     Alarm(Alarm),
 }
 
@@ -230,33 +230,33 @@ pub enum NotStored {
 /// reads them.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Notice {
-    /// A program was opened: its name, file and storage.
+    /// A program was opened; the values are its name, file and storage.
     Opened {
-        /// Name of the program.
+        /// Name of the opened program.
         name: String,
-        /// Path of its file; `None` for a sample.
+        /// Path of the opened file; `None` for a sample.
         path: Option<PathBuf>,
-        /// Where the kernel has stored the program.
+        /// Whether the program is stored in memory, and under which number.
         placement: ProgramPlacement,
     },
     /// The program was not opened because another program in the memory has this number.
     NumberTaken(Box<OpenedProgram>, u16),
     /// A file that the control has sent was written at this path.
     Sent(String),
-    /// A message to the operator.
+    /// A message that the window shows to the operator.
     Message(Message),
-    /// The tool has collided, as the message describes.
+    /// A tool has collided; the message describes the collision.
     Collided(Message),
-    /// New stock is clamped: earlier collisions no longer count.
+    /// New stock was clamped, so that earlier collisions are obsolete.
     FreshStock,
     /// The control has refused a request with this alarm.
     Refused(Alarm),
-    /// The preview of an opened program is finished: its file name and the findings.
+    /// The preview of an opened program is finished; the values are its file name and the summary.
     Previewed(String, Box<ProgramSummary>),
-    /// The learner has handed in, or the time of his exercise is over.
+    /// The learner has handed in, or the time limit of the exercise is reached.
     HandedIn(Box<HandedInSolution>),
-    /// Why a key does nothing; `None` once a key acts again.
-    /// The key is `None` for a typed character.
+    /// The reason why a key has no effect; `None` once a key acts again. The key is `None` for a
+    /// typed character.
     KeyRefusal(Option<(Option<Key>, Message)>),
     /// The chain of causes that the window has requested.
     Explained(Box<CauseChain>),
@@ -265,11 +265,11 @@ pub enum Notice {
 /// The state of the panel at one moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PanelSnapshot {
-    /// Contents of the LCD.
+    /// Text that the LCD shows.
     pub screen: Screen,
     /// The LCD in the other language; `None` unless the window has requested it.
     pub translated: Option<Box<Screen>>,
-    /// The page on the LCD.
+    /// The page that the LCD shows.
     pub page: PageId,
     /// Axes whose keys act in the reverse direction.
     pub keys_reversed: KeysReversed,
@@ -280,7 +280,7 @@ pub struct PanelSnapshot {
     pub y_memory: [u8; 20],
     /// Keys that are down, including the latched emergency stop.
     pub pressed: Vec<Key>,
-    /// Position of the handwheel, detents.
+    /// Position of the handwheel, in detents.
     pub wheel: i32,
     /// Machine time divided by wall time at the speed of a real lathe, %; 100 unless the
     /// computer is too slow.
@@ -290,7 +290,7 @@ pub struct PanelSnapshot {
     /// Machine time divided by wall time; `None` while the control runs at the speed of a real
     /// lathe.
     pub speed_ratio: Option<SpeedRatio>,
-    /// Numbers of forced bits, forced inputs and faults.
+    /// Numbers of forced PLC bits, forced inputs and active faults.
     pub forced: ForcedState,
     /// The newest active alarm, or the first message of the ladder; `None` without either.
     pub alarm: Option<Alarm>,
@@ -300,11 +300,12 @@ pub struct PanelSnapshot {
     pub board: Option<LinkState>,
     /// Whether a program runs or is held.
     pub run_state: RunState,
-    /// The block in execution; `None` without one.
+    /// The block that is being executed; `None` without one.
     pub running_block: Option<SourcePosition>,
-    /// The breakpoint at which machine time stands still; `None` while it runs.
+    /// The breakpoint at which machine time is halted; `None` while it runs.
     pub halt: Option<BreakpointHalt>,
-    /// What the running program waits for; `None` unless that takes longer than usual.
+    /// The condition for which the running program waits; `None` unless that takes longer than
+    /// usual.
     pub program_wait: Option<ProgramWait>,
     /// The distance of the slides from the last start of the selected program, if its G50 would now
     /// take another start point; `None` otherwise.
@@ -338,7 +339,7 @@ impl PanelSnapshot {
     }
 }
 
-/// Motion of slides and spindle.
+/// Position and speed of slides and spindle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MachineMotion {
     /// Position of the slides, mm (X as a radius).
@@ -366,20 +367,20 @@ pub struct SpeedRatio(pub f64);
 /// forced until they are released, also when the view is closed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ForcedState {
-    /// Number of forced bits of the PLC.
+    /// Number of PLC bits that are forced.
     pub forced_bits: usize,
-    /// Number of forced machine inputs.
+    /// Number of machine inputs that are forced.
     pub forced_inputs: usize,
-    /// Number of faults of the lathe.
+    /// Number of active lathe faults.
     pub faults: usize,
 }
 
 /// The window's ends of the channels to the kernel.
 #[derive(Clone, Debug)]
 pub struct Console {
-    /// Sends commands to the kernel.
+    /// The channel that sends commands to the kernel.
     pub commands: Sender<Command>,
-    /// Queue with the newest snapshot.
+    /// Queue with the newest snapshot of the panel.
     pub snapshots: Arc<ArrayQueue<PanelSnapshot>>,
     /// Queue with the newest state of machine and PLC, while the window has requested it.
     pub machine: Arc<ArrayQueue<MachineView>>,
@@ -389,11 +390,11 @@ pub struct Console {
     pub part: Arc<ArrayQueue<Arc<PartView>>>,
     /// Queue with the newest state of the time line, while the window has requested it.
     pub timeline: Arc<ArrayQueue<Arc<TimelineView>>>,
-    /// Receives the notices of the kernel.
+    /// The channel that receives the notices of the kernel.
     pub notices: Receiver<Notice>,
     /// Sender for helper threads, whose notices are received from `notices`, too.
     pub notice_sender: Sender<Notice>,
-    /// Holds the proof that held keys are still held.
+    /// Shows the kernel whether keys that are down are still held.
     pub input_watch: InputWatch,
 }
 

@@ -47,9 +47,9 @@ const MAX_NAME_CHARS: usize = 80;
 /// Configuration of a board, and the paths of the files about it.
 #[derive(Clone, Debug)]
 pub struct BoardConnection {
-    /// The section `link` of the machine file.
+    /// The section `link` of the machine file: port and wiring of the board.
     pub config: LinkConfig,
-    /// Log file of position checks; `None` for no log.
+    /// Path of the log file of position checks; `None` for no log.
     pub log_path: Option<PathBuf>,
     /// Folder in which the dictionaries of boards are stored, so that a known board connects
     /// faster; `None` to store none.
@@ -399,7 +399,7 @@ impl Drive {
         self.linked.check_count();
     }
 
-    /// Sets whether [`Self::due_view`] makes views for the link page.
+    /// Sets whether [`Self::due_view`] creates views for the link page.
     pub const fn request_view(&mut self, on: bool) {
         self.view_requested = on;
     }

@@ -18,12 +18,12 @@ const MIN_REST_TICKS: u64 = 28;
 /// Time for which a key that a screen reader presses stays down, ticks.
 const TAP_TICKS: u64 = 100;
 
-/// A change of a key by the operator.
+/// A change of a key by the operator: press, release or tap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum KeyEdge {
     Down(Key),
     Up(Key),
-    /// The key is pressed and released.
+    /// The key is pressed and released again.
     Tap(Key),
     /// A character without a key on the panel is typed.
     Type(char),
@@ -70,7 +70,7 @@ pub(super) const fn ends_motion(key: Key) -> bool {
     matches!(key, Key::Reset | Key::FeedHold | Key::SpindleStop)
 }
 
-/// Whether a key starts a motion.
+/// Whether pressing a key can start a motion.
 pub(super) const fn starts_motion(key: Key) -> bool {
     matches!(
         key,
@@ -118,7 +118,7 @@ impl KeyEdgeQueue {
         self.pending.push_back(edge);
     }
 
-    /// Whether a key is down.
+    /// Whether any key of the panel is down.
     pub fn has_key_down(&self) -> bool {
         !self.down.is_empty()
     }
@@ -154,7 +154,7 @@ impl KeyEdgeQueue {
         events
     }
 
-    /// Whether a waiting change may be applied at `tick`.
+    /// Whether a waiting key change may be applied at `tick`.
     fn is_due(&self, edge: KeyEdge, tick: u64) -> bool {
         let rested = |key| self.open_until.get(&key).is_none_or(|until| *until <= tick);
         match edge {

@@ -15,12 +15,12 @@ use crate::flight::solution_log::SolutionLog;
 /// Machine time between two parcels of an exam's recording for the disk, ticks.
 const LOG_INTERVAL_TICKS: u64 = 1000;
 
-/// The state of the current exercise, for the window.
+/// The state of the current exercise that the window shows.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExerciseState {
-    /// Name of the task.
+    /// Name of the current task.
     pub id: String,
-    /// Title of the task.
+    /// Title of the current task.
     pub title: LessonText,
     /// Tick of the kernel at which it began: another one means another attempt.
     pub begun_at: u64,
@@ -29,9 +29,9 @@ pub struct ExerciseState {
     /// Whether the learner has handed in, or the time is over. The machine continues to run, but
     /// nothing counts any more.
     pub is_handed_in: bool,
-    /// Whether it is part of an exam.
+    /// Whether the exercise is part of an exam.
     pub is_exam: bool,
-    /// Whether the instructor has paused the exam: the machine stands still.
+    /// Whether the instructor has paused the exam, so that machine time is halted.
     pub is_paused: bool,
 }
 
@@ -45,20 +45,20 @@ impl ExerciseState {
 /// An exercise of an exam that begins or continues.
 #[derive(Clone, Debug)]
 pub struct ExamTask {
-    /// The task.
+    /// The task of the exercise.
     pub task: Arc<ExerciseTask>,
-    /// The file with its recording.
+    /// Path of the file with the recording of the exercise.
     pub recording_file: PathBuf,
     /// The recording as far as it has come; `None` at its beginning.
     pub recorded: Option<Arc<[u8]>>,
-    /// Whether the exam is paused.
+    /// Whether the instructor has paused the exam.
     pub is_paused: bool,
 }
 
-/// What a learner hands in.
+/// The solution that a learner hands in.
 #[derive(Clone, Debug)]
 pub struct HandedInSolution {
-    /// The task.
+    /// The task that was solved.
     pub task: Arc<ExerciseTask>,
     /// The recording of the solution.
     pub recording: Vec<u8>,
@@ -70,22 +70,22 @@ impl PartialEq for HandedInSolution {
     }
 }
 
-/// An exercise under way.
+/// An exercise that is being solved or was handed in.
 #[derive(Debug)]
 pub(super) struct ExerciseRun {
     task: Arc<ExerciseTask>,
-    /// `None` after the solution was handed in.
+    /// Recorder of the solution; `None` after the solution was handed in.
     recorder: Option<SolutionRecorder>,
     start_tick: u64,
     begun_at: u64,
-    /// The exam, if it is part of one.
+    /// The state of the exam; `None` outside an exam.
     exam: Option<ExamRun>,
 }
 
-/// What an exam adds to an exercise.
+/// The state that an exercise has in addition if it is part of an exam.
 #[derive(Debug)]
 struct ExamRun {
-    /// `None` after the solution was handed in.
+    /// The file of the recording; `None` after the solution was handed in.
     log: Option<SolutionLog>,
     is_paused: bool,
 }
@@ -133,7 +133,7 @@ impl ExerciseRun {
         Ok((run, moment))
     }
 
-    /// Returns the state for the window.
+    /// Returns the state of the exercise for the window.
     pub(super) fn state(&self, emulator: &Emulator) -> ExerciseState {
         let elapsed_s = emulator.ticks().saturating_sub(self.start_tick) / 1000;
         ExerciseState {
@@ -157,14 +157,14 @@ impl ExerciseRun {
         self.exam.as_ref().is_some_and(|exam| exam.is_paused)
     }
 
-    /// Pauses or continues an exam.
+    /// Pauses the exam (`true`) or continues it (`false`).
     pub(super) const fn set_paused(&mut self, is_paused: bool) {
         if let Some(exam) = &mut self.exam {
             exam.is_paused = is_paused;
         }
     }
 
-    /// Whether nothing counts any more.
+    /// Whether the solution was handed in, so that nothing more is recorded.
     pub(super) const fn is_handed_in(&self) -> bool {
         self.recorder.is_none()
     }
@@ -174,7 +174,7 @@ impl ExerciseRun {
         self.start_tick
     }
 
-    /// Whether the learner has to find a fault.
+    /// Whether the task is to find a fault, so that the window must hide faults.
     pub(super) fn hides_faults(&self) -> bool {
         !self.task.faults.is_empty()
     }
@@ -185,7 +185,7 @@ impl ExerciseRun {
         self.recorder.is_some() && emulator.ticks() >= end
     }
 
-    /// Records inputs, and a hash if one is due.
+    /// Records inputs, and a hash of the machine if one is due.
     pub(super) fn record(
         &mut self,
         emulator: &Emulator,
@@ -206,7 +206,7 @@ impl ExerciseRun {
         Ok(())
     }
 
-    /// Ends the recording; `None` if it has ended before.
+    /// Ends the recording and returns the solution; `None` if it was handed in before.
     pub(super) fn hand_in(
         &mut self,
         emulator: &Emulator,

@@ -35,8 +35,7 @@ impl Kernel {
         }
     }
 
-    /// Hands what was recorded over to the disk. A recorder whose disk has failed ends, with a
-    /// notice.
+    /// Passes the recorded bytes to the disk. A recorder whose disk has failed ends, with a notice.
     pub(super) fn flush_recorders(&mut self) {
         self.follow_with_recorders();
         let own = match &self.lesson {
@@ -86,7 +85,7 @@ mod tests {
     use crate::job::SelectedJob;
     use crate::kernel::{Command, LessonAction};
 
-    /// A rapid through the stock.
+    /// A program with a rapid through the stock.
     const CRASH: &str = "O0001;\nG50 X60 Z20;\nT0101 M03 S500;\nG00 X52 Z2;\nG01 X48 F300;\n\
                          Z-5;\nG00 X20 Z-30;\nM30;\n";
 

@@ -24,13 +24,13 @@ const MAX_TICK_TIME: Duration = Duration::from_millis(3);
 /// Longest wait for the end of all motion before the port is closed, ticks.
 const MAX_STOP_TICKS: u32 = 2000;
 
-/// Why a board is not ready for motion.
+/// The reason why a board is not ready for motion.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum NotReady {
-    /// A termination signal has arrived.
+    /// A termination signal has arrived while the board was opened.
     EndRequested,
-    /// The board raises this alarm.
+    /// The board has raised an alarm with this message.
     Refused(Message),
     /// The settings of the board differ from the configuration; the alarm lists them.
     Settings(Box<Alarm>),

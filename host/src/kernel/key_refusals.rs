@@ -7,9 +7,9 @@ use gsk_panel::refusal::{CHECK_DELAY_TICKS, KeyPress};
 
 /// A report to the window about keys that do nothing.
 pub(super) enum RefusalReport {
-    /// The key does nothing, for this reason.
+    /// A key has no effect, for the reason in the message.
     Refused(Option<Key>, Message),
-    /// A key acts: the earlier refusal is obsolete.
+    /// A key has an effect, so that an earlier refusal is obsolete.
     KeyActs,
 }
 
@@ -18,7 +18,7 @@ pub(super) enum RefusalReport {
 pub(super) struct KeyRefusals {
     /// Machine keys, each with the tick at which it is checked.
     pending: Vec<(u64, KeyPress)>,
-    /// Whether the window shows a refusal.
+    /// Whether the window currently shows a refusal.
     is_refusal_shown: bool,
 }
 

@@ -68,7 +68,7 @@ impl Kernel {
         }
     }
 
-    /// Why no lesson or exercise can begin now; `None` if one can.
+    /// Returns the reason why no lesson or exercise can begin at the moment; `None` if one can.
     pub(super) fn practice_refusal(&self) -> Option<Message> {
         if self.drive.is_some() {
             return Some(say::lesson_not_with_board());

@@ -17,7 +17,7 @@ use crate::board::port_io::TrafficLine;
 pub struct PositionCheck {
     /// The line of the position log: time, program and both counts.
     pub message: Message,
-    /// True if both counts agree.
+    /// Whether the counts of board and control agree.
     pub agrees: bool,
 }
 
@@ -28,11 +28,11 @@ pub struct LinkView {
     /// True if the board is connected and has reported its settings, so that its reports are
     /// current.
     pub is_connected: bool,
-    /// Protocol of the board.
+    /// The protocol of the board.
     pub protocol: Protocol,
     /// Name of the board's port.
     pub port: String,
-    /// What the board reports about itself: firmware, sizes of queue and buffer, capabilities.
+    /// Properties that the board has reported: firmware, sizes of queue and buffer, capabilities.
     pub board: BoardInfo,
     /// Whether the position of the slides is known.
     pub position_known: bool,
@@ -49,14 +49,14 @@ pub struct LinkView {
     pub traffic: Traffic,
     /// Inputs of the board: true if operated (contact closed), `None` if not wired.
     pub inputs: Vec<(Input, Option<bool>)>,
-    /// Outputs that are not wired.
+    /// Outputs of the control that are not wired to the board.
     pub missing_outputs: Vec<Output>,
     /// States of the outputs that the board has switched; `None` while the board has not answered a
     /// command to switch.
     pub outputs: Option<BoardOutputs>,
     /// The spindle whose one-turn signal the board reads; `None` if it reads none.
     pub spindle: Option<SpindleView>,
-    /// Pulses that the control has commanded, per axis.
+    /// Number of pulses that the control has commanded, per axis.
     pub commanded: PerAxis<Pulses>,
     /// Pulses that the board has counted, as last reported, per axis; `None` before the first
     /// report.

@@ -89,7 +89,7 @@ const QUEUE_CAPACITY: usize = 1024;
 #[derive(Debug, Default)]
 struct MachineMonitor {
     last_view: Option<MachineView>,
-    /// Tick at which the next view is published.
+    /// Tick at which the next view of machine and PLC is published.
     next_tick: u64,
 }
 
@@ -128,7 +128,7 @@ pub struct Kernel {
     /// Key events that wait for their tick, and the keys that are down.
     key_edges: KeyEdgeQueue,
     key_refusals: KeyRefusals,
-    /// When the bits of the PLC have changed.
+    /// Records when bits of the PLC change.
     bit_log: BitLog,
     wait_watch: WaitWatch,
     start_watch: StartWatch,
@@ -144,13 +144,13 @@ pub struct Kernel {
     part: KernelPart,
     /// The history of the learner's own machine, and the past moment that is shown.
     timeline: Timeline,
-    /// The recorders that follow the learner's own machine.
+    /// The recorders of the learner's own machine, outside exercises and lessons.
     recorders: Vec<FlightRecorder>,
     /// Passes the state of the machine to the MTConnect agent; `None` while it is off.
     agent_feed: Option<AgentFeed>,
     /// Number of commands received so far; an increase proves that the window is alive.
     command_count: u64,
-    /// Holds the proof that held keys are still held.
+    /// Shows whether keys that are down are still held.
     input_watch: InputWatch,
     /// Time, on the clock that includes sleep, until which handwheel turns are dropped after the
     /// display has hung; each further turn postpones it by `WHEEL_REST_TIME`.
@@ -226,7 +226,7 @@ impl Kernel {
         )
     }
 
-    /// Sets the source that sends programs in DNC operation.
+    /// Sets the source of the programs in DNC operation.
     pub fn set_dnc_source(&mut self, source: DncSource) {
         self.partner = Some(DncPartner::new(source));
     }

@@ -16,18 +16,20 @@ pub struct MachineView {
     pub lathe: SimulatedLathe,
     /// Whether the faults of the lathe are not shown, because an exercise is to find them.
     pub hides_faults: bool,
-    /// States of the contacts and sensors of the machine.
+    /// States of the machine's contacts and sensors.
     pub inputs: MachineInputs,
     pub plc: Plc,
     /// Whether the scan of the PLC is halted for single steps.
     pub halted: bool,
     /// The ladder that runs from the next power-on; `None` if it is the current one.
     pub next_ladder: Option<Arc<Ladder>>,
-    /// Why the control would refuse a new ladder now; `None` if it would accept one.
+    /// The reason why the control would refuse a new ladder at the moment; `None` if it would
+    /// accept one.
     pub ladder_refused: Option<WriteRefusal>,
     pub parameters: ControlParameters,
     pub pitch: PitchTable,
-    /// Why the control would refuse parameters now; `None` if it would accept them.
+    /// The reason why the control would refuse parameters at the moment; `None` if it would accept
+    /// them.
     pub parameters_refused: Option<WriteRefusal>,
     pub offsets: OffsetTable,
     pub variables: VariableTable,
@@ -39,9 +41,10 @@ pub struct MachineView {
 #[derive(Clone, Debug, PartialEq)]
 pub struct OffsetTable {
     pub rows: Offsets,
-    /// Format in which lengths are displayed.
+    /// Format in which the offsets are displayed.
     pub display: CoordinateFormat,
-    /// Why the control would refuse tool offsets now; `None` if it would accept them.
+    /// The reason why the control would refuse tool offsets at the moment; `None` if it would
+    /// accept them.
     pub refused: Option<WriteRefusal>,
 }
 
@@ -50,9 +53,10 @@ pub struct OffsetTable {
 pub struct VariableTable {
     /// Number and value of each variable; the value is `None` if it is null (empty).
     pub rows: Vec<(u16, Option<f64>)>,
-    /// Whether variables accept values with a fraction.
+    /// Whether variables may have a fraction.
     pub real: bool,
-    /// Why the control would refuse variables now; `None` if it would accept them.
+    /// The reason why the control would refuse variables at the moment; `None` if it would accept
+    /// them.
     pub refused: Option<WriteRefusal>,
 }
 
@@ -78,7 +82,7 @@ impl VariableTable {
 }
 
 impl MachineView {
-    /// Reads the current state of an emulator.
+    /// Creates a view of the current state of an emulator.
     pub fn from_emulator(emulator: &Emulator) -> Self {
         let simulation = emulator.simulation();
         let cnc = &simulation.cnc;

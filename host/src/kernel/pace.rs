@@ -3,7 +3,7 @@
 
 use web_time::{Duration, Instant};
 
-/// Time between two turns of the kernel thread, ms.
+/// Time between two runs of the kernel thread, ms.
 pub const TURN_MS: u64 = 8;
 /// Greatest number of ticks in one turn at the speed of a real lathe, so that keys take effect
 /// between turns.
@@ -20,14 +20,14 @@ const MAX_TICKS_FASTEST: u64 = 100_000;
 /// Speed of machine time while a program runs on the simulated lathe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RunSpeed {
-    /// Machine time divided by wall time, %.
+    /// Machine time divided by wall time, in per cent.
     Percent(u32),
-    /// As fast as the computer can.
+    /// Machine time runs as fast as the computer can simulate it.
     Fastest,
 }
 
 impl RunSpeed {
-    /// The speed of a real lathe.
+    /// The speed of a real lathe: 100 %.
     pub const REAL: Self = Self::Percent(100);
 
     /// Speeds that the operator can select, the slowest first.
@@ -46,14 +46,14 @@ impl RunSpeed {
     ];
 }
 
-/// Determines how many ticks of 1 ms are due.
+/// Determines how many ticks of 1 ms are due at the selected speed.
 #[derive(Clone, Copy, Debug)]
 pub struct TickPacer {
     speed: RunSpeed,
-    /// Wall time of tick zero.
+    /// Wall time that corresponds to tick zero.
     origin: Instant,
     done_ticks: u64,
-    /// Time of the last call of [`Self::take_due`].
+    /// Wall time of the last call of [`Self::take_due`].
     last_due_call: Instant,
     window_start: Instant,
     window_done_ticks: u64,

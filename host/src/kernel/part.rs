@@ -26,9 +26,9 @@ pub struct PartView {
     pub job: Arc<Job>,
     /// Name of the job file; `None` if the job was guessed.
     pub job_name: Option<Arc<str>>,
-    /// Half section of the remaining stock.
+    /// Half section of the part in its current state.
     pub section: Arc<Region>,
-    /// Where the section has threads.
+    /// The threads that were cut on the part.
     pub threads: Arc<Vec<ThreadZone>>,
     /// Number of the tool in the working position, 0 = none.
     pub tool: u8,
@@ -47,17 +47,18 @@ pub struct PartView {
     pub door_open: bool,
     /// Whether the tool post is on the far side of the spindle.
     pub rear_tool_post: bool,
-    /// What the lathe in space shows beside the part.
+    /// Construction, steady rest, signal lamps and handwheel of the lathe, for the 3D view.
     pub fittings: LatheFittings,
     /// Collisions since the stock was clamped.
     pub findings: Vec<CollisionFinding>,
     /// The collision that has stopped the lathe; `None` once its faults are cleared.
     pub crash: Option<CollisionFinding>,
-    /// The block under execution; `None` if no program runs.
+    /// The block that is being executed; `None` if no program runs.
     pub block: Option<SourcePosition>,
 }
 
-/// What the lathe in space shows beside the part.
+/// Construction, steady rest, signal lamps and handwheel of the lathe, which the 3D view shows in
+/// addition to the part.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LatheFittings {
     /// The construction by the machine file; `None`: it follows from tool post and chuck.
@@ -67,7 +68,7 @@ pub struct LatheFittings {
     pub steady_rest: Option<f64>,
     /// Whether the green, yellow and red lamp of the tower are lit.
     pub lit_lamps: [bool; 3],
-    /// Detents of the handwheel since the start, clockwise positive.
+    /// Position of the handwheel since the start, detents, clockwise positive.
     pub wheel_detents: i32,
 }
 
@@ -113,11 +114,11 @@ pub(super) struct KernelPart {
     state: MachinePart,
     /// Inputs applied since they were last taken, for the recorder.
     inputs: Vec<PartInput>,
-    /// Whether a view shows the part.
+    /// Whether any view shows the part.
     visible: bool,
     section: Arc<Region>,
     threads: Arc<Vec<ThreadZone>>,
-    /// The last collision that has stopped the lathe.
+    /// The last collision that has stopped the lathe; `None` without one.
     crash: Option<CollisionFinding>,
     /// Version of the part from which `section` was made; `None` before the first one.
     shown_version: Option<u64>,
@@ -154,7 +155,7 @@ impl KernelPart {
         self
     }
 
-    /// Returns the part and its job.
+    /// Returns the part with its job.
     pub(super) const fn state(&self) -> &MachinePart {
         &self.state
     }

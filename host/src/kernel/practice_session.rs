@@ -9,24 +9,24 @@ use super::part::KernelPart;
 use super::program::opening::LastOpened;
 use super::timeline::Timeline;
 
-/// The state of the current lesson, for the window.
+/// The state of the current lesson that the window shows.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LessonState {
     pub name: String,
-    /// The current step of the lesson, and what the window displays with it.
+    /// The current step of the lesson, with the texts that the window displays.
     pub view: PracticeView,
 }
 
-/// What the learner does at the practice machine.
+/// The lesson or exercise that the learner does at the practice machine.
 #[derive(Debug)]
 pub(super) enum PracticeWork {
     /// He follows the steps of a lesson, or watches a demonstration.
     Lesson(Box<Practice>),
-    /// He solves a task.
+    /// The learner solves this exercise.
     Exercise(ExerciseRun),
 }
 
-/// The learner's own machine and what belongs to it, while a practice machine replaces it.
+/// The learner's own machine with its part and recorders, while a practice machine replaces it.
 #[derive(Debug)]
 pub(super) struct OwnState {
     pub(super) emulator: Box<Emulator>,
@@ -49,7 +49,7 @@ impl PracticeSession {
         Self { work, own }
     }
 
-    /// Ends the session and returns the learner's own state.
+    /// Ends the session and returns the state of the learner's own machine.
     pub(super) fn into_own(self) -> OwnState {
         self.own
     }
@@ -102,12 +102,12 @@ impl PracticeSession {
         &mut self.own.emulator
     }
 
-    /// Returns the learner's own machine, for reading.
+    /// Returns the learner's own machine, which waits during the practice.
     pub(super) fn own_machine(&self) -> &Emulator {
         &self.own.emulator
     }
 
-    /// Returns the learner's own machine and what belongs to it.
+    /// Returns the learner's own machine with its part and recorders.
     pub(super) const fn own_state(&mut self) -> &mut OwnState {
         &mut self.own
     }

@@ -9,7 +9,7 @@ use gsk_panel::emulator::Emulator;
 
 /// Capacity of the sample queue: one minute of one sample per tick.
 pub const MAX_SAMPLES: usize = 60_000;
-/// Maximum number of PLC bits in a sample.
+/// Maximum number of PLC bits in a sample of the scope.
 pub const MAX_BITS: usize = 32;
 
 /// A sample of the scope: the machine at the end of one tick.
@@ -42,7 +42,7 @@ pub struct Probe {
     pub bits: Vec<Option<BitAddress>>,
 }
 
-/// The sampling for an open scope.
+/// The sampling for the scope while it is open.
 #[derive(Clone, Debug)]
 pub(super) struct ActiveProbe {
     probe: Probe,

@@ -123,7 +123,7 @@ impl Kernel {
     /// Returns slide positions and spindle speed: of the board if one is connected, else of
     /// the simulated lathe.
     pub(super) fn motion(&self) -> MachineMotion {
-        /// Step to which the spindle speed is rounded, r/min.
+        /// Step to which the displayed spindle speed is rounded, r/min.
         const STEP: f64 = 10.0;
         let Simulation { cnc, lathe, .. } = self.emulator.simulation();
         let (slides, spindle) = match cnc.has_board() {

@@ -14,7 +14,7 @@ const DEFAULT_PORT: u16 = 5000;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum AgentOptionError {
-    /// Not an address at which the agent can listen.
+    /// The text is not an address at which the agent can listen.
     Address(String),
     /// Not a version in whose schemas the documents are valid.
     Schema(String),

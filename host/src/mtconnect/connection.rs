@@ -13,13 +13,13 @@ use super::http::{HttpConnection, HttpRequest};
 use super::page;
 use super::shared::SharedAgent;
 
-/// Boundary between the documents of a stream.
+/// Text that separates the documents of a stream.
 const BOUNDARY: &str = "gsk980td-document";
 const XML: &str = "text/xml; charset=utf-8";
 const TEXT: &str = "text/plain; charset=utf-8";
 const HTML: &str = "text/html; charset=utf-8";
 const JSON: &str = "application/json";
-/// What the page may load: itself and the state.
+/// HTTP header that restricts what the page may load: itself and the state.
 const PAGE_POLICY: &str = "Content-Security-Policy: default-src 'none'; \
     style-src 'unsafe-inline'; script-src 'unsafe-inline'; connect-src 'self'\r\n";
 
@@ -48,7 +48,7 @@ pub(super) fn serve(mut connection: HttpConnection, shared: &SharedAgent) {
     }
 }
 
-/// Answers a request. An error ends the connection.
+/// Answers a request of a client. An error ends the connection.
 fn answer(
     connection: &mut HttpConnection,
     shared: &SharedAgent,
@@ -176,7 +176,7 @@ fn stream_samples(
     }
 }
 
-/// Writes the state again and again.
+/// Sends the current state repeatedly, as a stream.
 fn stream_current(
     connection: &mut HttpConnection,
     shared: &SharedAgent,

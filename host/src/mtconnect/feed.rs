@@ -14,35 +14,35 @@ use gsk_workpiece::job::Job;
 
 use crate::preview::setup::make_preview_setup;
 
-/// Ticks of 1 ms between two states.
+/// Ticks of 1 ms between two recorded machine states.
 const FEED_TICKS: u64 = 20;
-/// States between two checks of job and program.
+/// Number of recorded states between two checks whether job or program has changed.
 const ASSET_CHECK_FEEDS: u64 = 25;
-/// Capacity of the queue, states.
+/// Capacity of the queue, in machine states.
 const QUEUE_CAPACITY: usize = 256;
 
 /// The state of the machine at one moment.
 #[derive(Debug)]
 pub(super) struct FeedItem {
-    /// Moment of the state, ms since 1970.
+    /// Time of the state, ms since 1970.
     pub(super) time_ms: u64,
     pub(super) reading: MachineReading,
-    /// Job and program, if one of them has changed.
+    /// New job and program, if one of them has changed; otherwise `None`.
     pub(super) change: Option<Box<FeedChange>>,
 }
 
-/// Another job, or another program.
+/// The new job and program after a change.
 #[derive(Debug)]
 pub(super) struct FeedChange {
     pub(super) assets: AgentAssets,
-    /// For a preview of the program.
+    /// The setup for a preview of the program.
     pub(super) setup: Setup,
 }
 
-/// The queue between the two threads.
+/// The queue of machine states from the kernel thread to the agent.
 pub(super) type FeedQueue = Arc<ArrayQueue<FeedItem>>;
 
-/// Machine time of the current run.
+/// Measures the machine time of the current run.
 #[derive(Clone, Copy, Debug, Default)]
 struct RunClock {
     is_running: bool,
@@ -72,12 +72,12 @@ pub struct AgentFeed {
     run_clock: RunClock,
     /// The job last passed on; `None` before the first one.
     last_job: Option<Option<Job>>,
-    /// The program last passed on.
+    /// Name and text of the program that was passed to the agent last; `None` without one.
     last_program: Option<(String, Program)>,
 }
 
 impl AgentFeed {
-    /// Creates a feed and the queue that it fills.
+    /// Creates a feed, and the queue that it fills with machine states.
     pub(super) fn new() -> (Self, FeedQueue) {
         let queue = Arc::new(ArrayQueue::new(QUEUE_CAPACITY));
         let feed = Self {

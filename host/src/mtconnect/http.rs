@@ -7,26 +7,26 @@ use gsk_messages::Language;
 use gsk_mtconnect::query::ErrorCode;
 use web_time::{Duration, Instant};
 
-/// Greatest size of a request, bytes.
+/// Greatest size of an HTTP request, bytes.
 const MAX_REQUEST_BYTES: usize = 8192;
-/// Greatest number of header lines.
+/// Greatest number of header lines in a request.
 const MAX_HEADERS: usize = 48;
 /// Longest time from the first byte of a request to its end.
 const REQUEST_TIMEOUT: Duration = Duration::from_secs(5);
-/// Longest time without a request on a connection.
+/// Longest time that a connection may remain open without a request.
 const IDLE_TIMEOUT: Duration = Duration::from_secs(15);
 /// Longest time in which a client must take a response.
 const RESPONSE_TIMEOUT: Duration = Duration::from_secs(20);
 /// Longest time in which a client must take the next bytes.
 const WRITE_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// A request of a client.
+/// An HTTP request of a client.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct HttpRequest {
     pub(super) path: String,
     /// The part of the address after `?`.
     pub(super) query: String,
-    /// Whether the client prefers HTML: it is a browser.
+    /// Whether the client prefers HTML, as browsers do.
     pub(super) accepts_html: bool,
     /// The language of the browser; `None` if it names none.
     pub(super) language: Option<Language>,
@@ -36,14 +36,14 @@ pub(super) struct HttpRequest {
     pub(super) keeps_open: bool,
 }
 
-/// Why no request was read.
+/// The reason why no request was read from a connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ReadError {
     /// The client has gone, or was silent for too long.
     Gone,
     /// The request is malformed or too large.
     Malformed,
-    /// The method is not `GET`.
+    /// The method of the request is not `GET`.
     Method,
 }
 
@@ -58,10 +58,10 @@ impl ReadError {
     }
 }
 
-/// The client's end of a connection.
+/// The agent's end of the connection to a client.
 pub(super) struct HttpConnection {
     stream: TcpStream,
-    /// Bytes that belong to the next request.
+    /// Received bytes that belong to the next request.
     received: Vec<u8>,
 }
 

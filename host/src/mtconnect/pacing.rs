@@ -5,19 +5,19 @@ use std::thread;
 
 use web_time::{Duration, Instant};
 
-/// Ticks of 1 ms between two waits.
+/// Number of ticks of 1 ms after which machine time waits for the wall clock.
 const WAIT_TICKS: u64 = 10;
 
-/// Compares ticks with the wall clock.
+/// Delays ticks so that machine time does not run faster than the wall clock.
 #[derive(Clone, Copy, Debug)]
 pub struct MachinePacer {
     start: Instant,
-    /// Ticks since the start.
+    /// Number of ticks since the start.
     ticks: u64,
 }
 
 impl Default for MachinePacer {
-    /// Starts now.
+    /// Starts to count ticks at the current wall time.
     fn default() -> Self {
         Self {
             start: Instant::now(),

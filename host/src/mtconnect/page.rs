@@ -2,10 +2,10 @@
 
 use gsk_messages::{Language, Message, say};
 
-/// The page; `{{name}}` is replaced by a text.
+/// The HTML of the agent's page, in which `{{name}}` is replaced by a text.
 const TEMPLATE: &str = include_str!("../../../assets/mtconnect/page.html");
 
-/// Writes the page in a language.
+/// Returns the HTML of the agent's page in a language.
 pub(super) fn render_page(language: Language) -> String {
     let code = match language {
         Language::Zh => "zh-CN",
@@ -19,7 +19,7 @@ pub(super) fn render_page(language: Language) -> String {
     page
 }
 
-/// The texts of the page with their names.
+/// Returns the texts of the page, each with its name in the template.
 fn texts() -> [(&'static str, Message); 20] {
     [
         ("title", say::page_title()),

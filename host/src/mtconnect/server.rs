@@ -24,9 +24,9 @@ use crate::preview::work_limit::WorkLimit;
 
 /// Greatest number of connected clients.
 const MAX_CONNECTIONS: usize = 64;
-/// Time between two checks for clients and states.
+/// Time between two checks for new clients and new machine states.
 const POLL_INTERVAL: Duration = Duration::from_millis(10);
-/// Clients accepted between two such checks.
+/// Greatest number of clients that one check accepts.
 const MAX_ACCEPTS: usize = 64;
 /// Size of the stack of a client's thread, bytes.
 const CLIENT_STACK_BYTES: usize = 512 * 1024;
@@ -37,7 +37,7 @@ const PREVIEW_BUDGET: WorkBudget = WorkBudget {
     motionless: 1_000_000,
 };
 
-/// Why the agent does not listen.
+/// Error: the agent cannot listen at an address.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub struct AgentServerError {
@@ -46,13 +46,13 @@ pub struct AgentServerError {
 }
 
 impl AgentServerError {
-    /// The message that names the address and the reason.
+    /// Returns the message that names the address and the reason.
     pub fn message(&self) -> Message {
         say::mtconnect_not_listening(&self.address, &self.error)
     }
 }
 
-/// The running agent; dropping it closes all connections.
+/// The running agent; all connections close when it is dropped.
 #[derive(Debug)]
 pub struct AgentServer {
     shared: Arc<SharedAgent>,
@@ -97,7 +97,7 @@ impl AgentServer {
         Ok((server, feed))
     }
 
-    /// The address at which clients reach the agent.
+    /// Returns the address at which clients reach the agent.
     pub fn url(&self) -> String {
         format!("http://{}/", self.address)
     }
@@ -115,14 +115,14 @@ impl Drop for AgentServer {
     }
 }
 
-/// Opens the listener.
+/// Opens the port at which the agent listens.
 fn listen(address: &str) -> io::Result<TcpListener> {
     let listener = TcpListener::bind(address)?;
     listener.set_nonblocking(true)?;
     Ok(listener)
 }
 
-/// Records the states that wait in the queue.
+/// Records the machine states that wait in the queue.
 fn record(shared: &Arc<SharedAgent>, queue: &FeedQueue) {
     let mut has_recorded = false;
     while let Some(item) = queue.pop() {

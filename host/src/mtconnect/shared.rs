@@ -11,16 +11,16 @@ use web_time::Instant;
 #[derive(Debug)]
 pub(super) struct SharedAgent {
     agent: Mutex<Agent>,
-    /// Wakes streams when something was recorded.
+    /// Wakes the streams when a machine state was recorded.
     pub(super) recorded: Condvar,
     pub(super) is_ended: AtomicBool,
     /// Number of connected clients.
     pub(super) connections: AtomicUsize,
-    /// Number of the program whose time is computed.
+    /// Number of the program whose machine time is being computed; it increases with each program.
     pub(super) program_number: AtomicUsize,
-    /// Name of the lathe in addresses.
+    /// Name of the lathe in the addresses of documents.
     pub(super) device: String,
-    /// Whether the agent serves this computer only.
+    /// Whether the agent accepts clients on this computer only.
     is_local: bool,
 }
 
@@ -61,8 +61,9 @@ impl SharedAgent {
         }
     }
 
-    /// Whether a client may address the agent by this name. On this computer alone only local
-    /// names count, so that no page of another site reads the machine through a browser here.
+    /// Whether a client may address the agent by this host name. If the agent serves this computer
+    /// only, only local names are accepted, so that no page of another site reads the machine
+    /// through a browser.
     pub(super) fn accepts_host(&self, host: Option<&str>) -> bool {
         let Some(host) = host.filter(|_| self.is_local) else {
             return true;

@@ -48,7 +48,7 @@ impl Bench {
         stream
     }
 
-    /// Sends bytes and reads the answer to its end.
+    /// Sends bytes to the agent and returns its answer.
     fn send(&self, bytes: &[u8]) -> String {
         let mut stream = self.connect();
         stream.write_all(bytes).expect("sent");
@@ -64,7 +64,7 @@ impl Bench {
         self.send(request.as_bytes())
     }
 
-    /// Polls until an answer has a text.
+    /// Repeats the request `target` until the answer contains a text.
     fn wait_for(&self, target: &str, text: &str) -> String {
         let end = Instant::now() + WAIT;
         loop {

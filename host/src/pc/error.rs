@@ -10,7 +10,7 @@ use crate::files::program_file::ProgramFileError;
 use crate::output::WriteError;
 use crate::ports::{self, PortError};
 
-/// Why a transfer command has failed.
+/// The reason why a transfer command has failed.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum PcError {
@@ -44,24 +44,24 @@ impl PcError {
     }
 }
 
-/// Why a file transfer has failed.
+/// The reason why a file transfer has failed.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum FilesError {
     /// There is no connection with the control, or the connection was lost.
     Lost(#[from] ConnectionLoss),
-    /// The port failed after it had been opened.
+    /// The port failed after it had been opened, for example because it was unplugged.
     Gone(io::Error),
     /// The operator has cancelled the transfer.
     Cancelled,
-    /// The control refuses the command.
+    /// The control refuses a command about a file.
     Refused {
         /// Name of the file at the control.
         name: FileName,
-        /// Why the control refuses the command.
+        /// The reason why the control refuses the command.
         fault: TransferFault,
     },
-    /// The received bytes are not a text.
+    /// The received bytes do not form a text.
     Noise,
     /// A received text ended before its end mark.
     Broken,
@@ -69,7 +69,7 @@ pub enum FilesError {
     NothingReceived(u64),
     /// The other end has held the line (DC3) for this time, s.
     LineStopped(u64),
-    /// Some of several files failed; each has been reported.
+    /// Some of several files failed; each failure was reported before.
     SomeFailed,
     /// The file has no name at the control: neither its name nor its text gives one.
     NoName(PathBuf),
@@ -77,7 +77,7 @@ pub enum FilesError {
     Name(#[from] FileNameError),
     /// Two files would have the same name at the control.
     DuplicateName {
-        /// The name at the control.
+        /// The name that two files would get at the control.
         name: FileName,
         /// Path of the first file on the PC.
         first: PathBuf,
@@ -89,15 +89,15 @@ pub enum FilesError {
     /// The name is taken at the control, and there is no terminal at which to query the
     /// operator.
     NoTerminal(FileName),
-    /// No program number is free to replace this name.
+    /// No program number is free to replace this name, which the control does not permit.
     NoFreeName(FileName),
-    /// This folder has no files for the control.
+    /// The folder at this path has no files for the control.
     Empty(PathBuf),
     /// A program contains a character outside ASCII.
     NotText {
         /// Path of the program on the PC.
         file: PathBuf,
-        /// The character and its position.
+        /// The character outside ASCII and its position.
         error: InvalidCharacter,
     },
 }

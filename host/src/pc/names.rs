@@ -2,7 +2,7 @@
 
 use gsk_transfer::{DirectoryEntry, FileName};
 
-/// Program numbers from here on need a higher operation level.
+/// Lowest program number that needs a higher operation level.
 const PROTECTED_FROM: u16 = 9000;
 
 /// Returns the next free program name for a program whose name is taken; `None` for data,

@@ -30,7 +30,7 @@ pub trait TransferObserver: Send {
     /// The transfer of the current file has ended, successfully or not.
     fn on_end(&mut self) {}
 
-    /// Whether the caller has cancelled the transfer.
+    /// Returns whether the caller has cancelled the transfer.
     fn is_cancelled(&mut self) -> bool {
         false
     }
@@ -43,7 +43,7 @@ pub struct TransferTotals {
     pub file_count: usize,
     /// Total length of the transferred files, bytes.
     pub byte_count: usize,
-    /// Time during which files were transferred.
+    /// Total time in which files were transferred.
     pub busy_time: Duration,
     /// Number of retransmitted frames (重试次数).
     pub retries: u64,
@@ -86,10 +86,11 @@ pub struct TransferSession {
 }
 
 impl TransferSession {
-    /// Opens a port at this rate, bits a second.
+    /// Opens a port at this rate, bits per second.
     ///
     /// # Errors
-    /// The port cannot be opened: names the port and what to do.
+    ///
+    /// Returns an error with the name of the port and the remedy if it cannot be opened.
     pub fn open(port: &str, baud: u32, watch: Box<dyn TransferObserver>) -> Result<Self, PcError> {
         Ok(Self {
             port: Port::open_with_retry(port, baud, OPEN_RETRY_TIME)?,

@@ -10,14 +10,14 @@ use crate::files::{data_dir, models};
 /// Rate of a control as delivered, bits a second (parameter 044).
 pub const DELIVERED_BAUD: u32 = 115_200;
 
-/// A file of the send list (发送文件).
+/// A file in the send list (发送文件).
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SendListItem {
-    /// Path on the PC (发送文件路径).
+    /// Path of the file on the PC (发送文件路径).
     pub path: PathBuf,
-    /// Name at the control (CNC保存文件名).
+    /// Name that the file gets at the control (CNC保存文件名).
     pub name: String,
-    /// Partition (存储区), as an index of [`Partition::ALL`].
+    /// Index of the partition (存储区) in [`Partition::ALL`].
     pub partition: usize,
 }
 
@@ -61,7 +61,7 @@ pub struct TransferSettings {
     pub port: String,
     /// Rate of the port, bits a second (波特率).
     pub baud: u32,
-    /// The send list (发送文件).
+    /// The files in the send list (发送文件).
     pub list: Vec<SendListItem>,
 }
 

@@ -21,9 +21,9 @@ use crate::{platform, ports};
 /// A file of the PC to send to the control.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ToSend {
-    /// Path of the file on the PC.
+    /// Path of the file to send on the PC.
     pub path: PathBuf,
-    /// Partition and name at the control.
+    /// Partition and name that the file gets at the control.
     pub location: RemotePath,
     /// Whether to replace a file of the same name without a question.
     pub overwrite: bool,
@@ -38,9 +38,9 @@ pub enum PcWorkerCommand {
     Measure(Vec<PathBuf>),
     /// Open a serial port (打开串口); closes the port that is open.
     Open {
-        /// Name of the port.
+        /// Name of the port to open.
         port: String,
-        /// Rate of the port, bits per second.
+        /// Rate of the port to open, bits per second.
         baud: u32,
     },
     /// Close the port (关闭串口), connected or not.
@@ -57,9 +57,9 @@ pub enum PcWorkerCommand {
     Restore(PathBuf),
     /// Receive files into a folder.
     Receive {
-        /// The files at the control.
+        /// The files at the control that are received.
         locations: Vec<RemotePath>,
-        /// The folder on the PC.
+        /// The folder on the PC into which files are received.
         into: PathBuf,
     },
     /// Receive all files of the partition USER into this folder.
@@ -68,19 +68,19 @@ pub enum PcWorkerCommand {
     Delete(Vec<RemotePath>),
     /// Rename a file at the control (文件重命名).
     Rename {
-        /// The file at the control.
+        /// The file at the control that is renamed.
         from: RemotePath,
         /// New name of the file.
         to: FileName,
     },
     /// Write a file that the control has sent unrequested to the PC.
     StorePushed {
-        /// Path to write to on the PC.
+        /// Path on the PC to which the file is written.
         path: PathBuf,
         /// Name and content of the file.
         file: TransferFile,
     },
-    /// Answer the question of the current job.
+    /// Answer the question about a name conflict in the current job.
     Answer(NameConflictAnswer),
 }
 
@@ -101,18 +101,18 @@ pub enum ConnectionStage {
 pub enum NameConflict {
     /// The name is taken at the control (manual V-3.3).
     AtControl {
-        /// The existing file at the control.
+        /// The existing file at the control that has the name.
         location: RemotePath,
         /// A free name for the existing file; `None` for data, which have one name only.
         free_name: Option<FileName>,
-        /// The files in its partition.
+        /// The files in the partition of the existing file.
         entries: Vec<DirectoryEntry>,
     },
     /// The name is taken on the PC, by the file at this path.
     OnDisk(PathBuf),
 }
 
-/// What to do with a file whose name is taken.
+/// The decision about a file whose name is already used.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NameConflictChoice {
     /// Replace the existing file (`是`).
@@ -124,30 +124,30 @@ pub enum NameConflictChoice {
     Skip,
 }
 
-/// The operator's answer to a [`NameConflict`].
+/// The operator's decision about a [`NameConflict`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NameConflictAnswer {
-    /// What to do with the file.
+    /// Whether to overwrite, rename or skip the file.
     pub choice: NameConflictChoice,
     /// Whether the choice applies to all other files of this job.
     pub for_all: bool,
 }
 
-/// What a job does with its files.
+/// The kind of a job: sending, receiving or deleting files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileJobKind {
-    /// Sends files to the control.
+    /// The job sends files to the control.
     Send,
-    /// Receives files from the control.
+    /// The job receives files from the control.
     Receive,
-    /// Deletes files at the control.
+    /// The job deletes files at the control.
     Delete,
 }
 
-/// What happened to one file of a job.
+/// The result of one file of a job.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FileResult {
-    /// The file has been sent, received or deleted.
+    /// The file was sent, received or deleted.
     Done,
     /// The operator has skipped the file.
     Skipped,
@@ -170,9 +170,9 @@ pub enum PcWorkerEvent {
     Succeeded(Message),
     /// The files in each partition of the control.
     Listed(Vec<(Partition, Vec<DirectoryEntry>)>),
-    /// A job begins; its files have these names.
+    /// A job of this kind begins; its files have these names.
     JobBegun(FileJobKind, Vec<String>),
-    /// The file of the job with this index begins.
+    /// The job begins with its file of this index.
     FileBegun(usize),
     /// Progress of the current file, and the number of frames retransmitted so far.
     Progress(TransferProgress, u64),
@@ -241,7 +241,7 @@ impl PcWorker {
     }
 }
 
-/// Sends events to the window and wakes it.
+/// Sends events to the window and makes it redraw.
 #[derive(Clone)]
 struct EventSender {
     events: Sender<PcWorkerEvent>,
@@ -256,7 +256,7 @@ impl EventSender {
     }
 }
 
-/// Sends the progress of files to the window.
+/// Sends the progress of file transfers to the window.
 struct ProgressReporter {
     events: EventSender,
     cancel: Arc<AtomicBool>,
@@ -276,7 +276,7 @@ impl TransferObserver for ProgressReporter {
     }
 }
 
-/// The state of the worker thread.
+/// The state of the thread that transfers files.
 struct PcWorkerThread {
     commands: Receiver<PcWorkerCommand>,
     events: EventSender,

@@ -64,21 +64,21 @@ pub fn refuse_device(path: &Path) -> io::Result<()> {
     Err(io::Error::other(DeviceName(name.into_owned())))
 }
 
-/// Type and length of what exists at a path.
+/// Type and length of the file or folder at a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PathFacts {
     /// Whether a plain file exists at the path.
     pub is_file: bool,
     /// Whether a folder exists at the path.
     pub is_folder: bool,
-    /// Size of a file, bytes.
+    /// Length of the file, bytes.
     pub length: u64,
 }
 
-/// The exercises that a learning platform has opened, and what it knows of the learner.
+/// The exercises that a learning platform has opened, with its data about the learner.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CoursePage {
-    /// The file of the course.
+    /// Content of the course file.
     pub file: Vec<u8>,
     /// The progress that the platform has stored, empty at the beginning.
     pub suspended: String,
@@ -89,7 +89,7 @@ pub struct CoursePage {
 /// A dialog in which the user chooses a file or folder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FileDialog {
-    /// Choose a file to read.
+    /// The dialog in which a file to read is selected.
     Open {
         /// Label of the filter for files with these extensions.
         kind: String,
@@ -98,13 +98,13 @@ pub enum FileDialog {
         /// Label of the filter for all files.
         all: String,
     },
-    /// Choose a folder.
+    /// The dialog in which a folder is selected.
     Folder,
-    /// Choose a name for a file to write.
+    /// The dialog in which the name of a file to write is selected.
     Save {
         /// Suggested name of the file.
         name: String,
-        /// Extension of the file, without the dot.
+        /// File extension that the name gets, without the dot.
         ending: &'static str,
     },
 }

@@ -20,7 +20,7 @@ use crate::ports::{self, Port, PortError};
 /// other source is named.
 pub const FILE_IN_FOLDER: &str = "DNC.CNC";
 
-/// Size of a read, bytes.
+/// Greatest number of bytes of one read.
 const CHUNK_BYTES: usize = 4096;
 /// Greatest number of chunks that the reader reads in advance for the control.
 const MAX_CHUNKS: usize = 2;
@@ -51,7 +51,7 @@ impl DncSource {
     }
 }
 
-/// Why a DNC source cannot be read.
+/// The reason why a DNC source cannot be read.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 enum SourceError {
@@ -84,7 +84,7 @@ pub struct DncPartner {
     /// Channel to the thread that reads a port, which writes the characters DC1 and DC3 to the
     /// port; `None` if no port is open.
     to_port: Option<Sender<u8>>,
-    /// The chunk that is being passed to the control.
+    /// The bytes that are being passed to the control.
     chunk: Vec<u8>,
     sent: usize,
 }

@@ -22,7 +22,7 @@ const LOOPBACK_ADDRESS: &str = "127.0.0.1:0";
 /// Time between two attempts to open a serial port that is in use.
 const RETRY_INTERVAL: Duration = Duration::from_millis(20);
 
-/// Why a port cannot be used.
+/// The reason why a port cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum PortError {
@@ -68,20 +68,20 @@ pub enum PortError {
         /// Error of the operating system.
         error: io::Error,
     },
-    /// The operating system gives no second handle of an open port.
+    /// The operating system cannot open a second handle of an open port, for this reason.
     Clone(serialport::Error),
-    /// The system opens no pseudo terminal.
+    /// The system cannot open a pseudo terminal, for this reason.
     NoTerminal(serialport::Error),
     /// The other end of the pseudo terminal has no name, so no program could open it.
     NoName,
-    /// The pseudo terminal refuses its settings.
+    /// The pseudo terminal does not accept its settings, for this reason.
     Terminal(serialport::Error),
-    /// The operating system does not list its ports.
+    /// The operating system cannot list its ports, for this reason.
     Unknown(serialport::Error),
 }
 
 impl PortError {
-    /// Returns the message for the operator: which port cannot be used, why, and what to do.
+    /// Returns the message for the operator: which port cannot be used, why, and the remedy.
     pub fn message(&self) -> Message {
         match self {
             Self::Forbidden { path, error } => {
@@ -244,12 +244,12 @@ pub enum OfferedPort {
     /// A pseudo terminal. Its other end is kept open, too, because the program that uses it
     /// may close and open it again.
     Terminal {
-        /// The end that this program reads and writes.
+        /// The end of the pseudo terminal that this program uses.
         near: Port,
-        /// The end that the other program opens.
+        /// The end of the pseudo terminal that the other program opens.
         far: Serial,
     },
-    /// A network address at which the program listens.
+    /// The port is a network address at which the program listens.
     Tcp(tcp::TcpOffer),
 }
 
@@ -345,7 +345,7 @@ fn is_transient(error: &io::Error) -> bool {
     )
 }
 
-/// Creates the error for a closed connection.
+/// Returns the error that reports a closed connection.
 pub fn closed_error() -> io::Error {
     io::Error::new(io::ErrorKind::BrokenPipe, say::port_closed().to_string())
 }

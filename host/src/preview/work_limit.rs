@@ -31,7 +31,7 @@ impl WorkLimit {
         }
     }
 
-    /// Whether a preview with this progress may continue.
+    /// Whether a preview that has made this progress may continue.
     pub fn allows(&self, progress: &PreviewProgress) -> bool {
         let in_time = |deadline| Instant::now() < deadline;
         self.budget.allows(progress) && self.deadline.is_none_or(in_time)

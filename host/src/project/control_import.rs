@@ -15,12 +15,12 @@ use crate::files::data_dir::DataDir;
 use crate::files::models;
 use crate::retained::project::{DataDirContent, read_content};
 
-/// The operation level whose rights limit an import.
+/// The operation level whose rights limit what an import may change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ImportRights<'a> {
-    /// The operation level that the control has after power-on.
+    /// The level that the control has after power-on.
     AtPowerOn,
-    /// The level of this password, for one import.
+    /// The level to which this password belongs, for one import.
     Password(&'a str),
     /// The level that was active when the control was switched off.
     LoggedOn,
@@ -42,20 +42,20 @@ impl ImportRights<'_> {
     }
 }
 
-/// Which project to import, into which control, and how.
+/// A request to import a project into a control.
 #[derive(Clone, Copy, Debug)]
 pub struct ImportRequest<'a> {
-    /// The folder of the project.
+    /// The folder of the project to import.
     pub project_folder: &'a Path,
     pub data_dir: &'a Path,
     /// The model that the project must have; `None` allows any.
     pub model: Option<ModelId>,
     pub rights: ImportRights<'a>,
-    /// Whether to compare only and write nothing.
+    /// Whether the import only compares and writes nothing.
     pub dry_run: bool,
 }
 
-/// What an import has changed or would change.
+/// The changes that an import has made or would make.
 #[derive(Clone, Debug)]
 pub struct ImportResult {
     /// The differences between the control and the project.
@@ -125,7 +125,7 @@ pub struct ImportTarget<'a> {
     /// The model whose memory is written; `None` selects the model of the directory.
     pub model: Option<ModelId>,
     pub rights: ImportRights<'a>,
-    /// Whether to compare only and write nothing.
+    /// Whether the import only compares and writes nothing.
     pub dry_run: bool,
 }
 
@@ -165,7 +165,7 @@ pub fn open_control_memory(target: &ImportTarget<'_>) -> Result<OpenedMemory, Pr
 }
 
 impl OpenedMemory {
-    /// The battery-backed memory of the control.
+    /// Returns the battery-backed memory of the control.
     pub const fn memory(&self) -> &BatteryMemory {
         &self.stored.memory
     }

@@ -39,7 +39,7 @@ pub const PROJECT_FILE: &str = "project.gpr";
 const UNFINISHED_MARKER: &str = ".gsk980td-unfinished";
 /// Suffix of the hidden folder in which a new project is written.
 const NEW_FOLDER_SUFFIX: &str = ".gsk980td-new";
-/// Folders of a project, besides tables at its top.
+/// Names of the folders of a project.
 const PROJECT_FOLDERS: [&str; 3] = ["programs", "ladder", "disks"];
 /// Name of the folder in the data directory that stores the state of the memory before each import.
 const BACKUP_FOLDER: &str = "backups";
@@ -50,7 +50,7 @@ const MAX_TABLE_BYTES: u64 = 4 * 1024 * 1024;
 /// Text encodings of the programs of a project folder, by program number.
 pub type Encodings = BTreeMap<u16, TextEncoding>;
 
-/// Why a project cannot be read, written or imported.
+/// The reason why a project cannot be read, written or imported.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum ProjectError {
@@ -70,9 +70,9 @@ pub enum ProjectError {
     InvalidValues(Vec<gsk_project::InvalidValue>),
     /// The project in the folder is for this control model, not for the requested one.
     OtherModel(PathBuf, ModelId),
-    /// No operation level has this password.
+    /// The entered password belongs to no operation level.
     WrongPassword,
-    /// The changes could not be written.
+    /// The changed files could not be written.
     NotSaved(#[from] NotSaved),
 }
 
@@ -214,7 +214,7 @@ pub fn read(folder: &Path) -> Result<(ProjectState, Encodings), ProjectError> {
     }
 }
 
-/// Size limit of the project file `name`, bytes.
+/// Returns the size limit of the project file `name`, bytes.
 fn max_bytes(name: &str) -> u64 {
     match program_number(name) {
         Some(_) => program_file::MAX_BYTES,
@@ -241,7 +241,7 @@ fn program_number(name: &str) -> Option<u16> {
     name.parse().ok()
 }
 
-/// Lists the errors in a machine file or a job file; other files are not checked here.
+/// Lists the errors in a machine file or a job file; for other files the list is empty.
 fn find_problems(path: &Path, name: &str, text: &str) -> Vec<ProjectProblem> {
     let problem = |line: Option<usize>, rule| ProjectProblem {
         file: name.to_owned(),

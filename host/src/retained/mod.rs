@@ -34,9 +34,9 @@ use crate::message_format;
 /// The position of the slides at the last save, and the coordinates on the display.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SavedPosition {
-    /// Machine coordinates (X as a radius), mm.
+    /// Position of the slides, machine coordinates, mm (X as a radius).
     pub machine: Point,
-    /// Absolute coordinates on the display, mm.
+    /// Position on the display, absolute coordinates, mm.
     pub absolute: Point,
     /// Position of the simulated lathe's slides from its reference point, mm (X as a radius);
     /// `None` in files that lack it.
@@ -59,7 +59,7 @@ impl NotSaved {
     }
 }
 
-/// What was loaded from a data directory, besides the setup.
+/// The data loaded from a data directory besides the setup.
 #[derive(Debug)]
 pub struct Restored {
     /// The encodings of the programs, so that they are written back unchanged.

@@ -19,7 +19,8 @@ pub(super) struct MemoryWriter {
     /// Numbers of the programs that were read from the disk or written there; only these can
     /// be deleted.
     programs: BTreeSet<u16>,
-    /// The ladder of the last power-on; a ladder is written only if it is another one.
+    /// The ladder at the last power-on; the ladder file is written only if the ladder differs from
+    /// it.
     ladder: Arc<Ladder>,
 }
 

@@ -23,14 +23,14 @@ const RATE_CHANGE_TIMEOUT: Duration = Duration::from_secs(3);
 /// Time that bytes sent by the program need to leave the computer.
 const SEND_DELAY: Duration = Duration::from_millis(60);
 
-/// What the control's serial port is connected to.
+/// The device or program to which the control's serial port is connected.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SerialEnd {
     /// A port of the computer, or the network port `tcp:HOST:PORT`.
     Port(String),
-    /// A new pseudo terminal; a message reports its name.
+    /// The port is a new pseudo terminal, whose name a message reports.
     Terminal,
-    /// The program that connects with this network address, `HOST:PORT`.
+    /// The port is connected to the program that connects to this network address, `HOST:PORT`.
     Listening(String),
 }
 
@@ -67,7 +67,7 @@ struct OpenControlPort {
     /// Time since which the rate of the port differs from parameter 044; `None` if it does
     /// not.
     outdated_since: Option<Instant>,
-    /// Time at which bytes were last sent.
+    /// Time at which bytes were last sent to the port.
     last_sent: PortTime,
 }
 

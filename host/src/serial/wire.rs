@@ -20,7 +20,7 @@ const CHECK_INTERVAL: Duration = Duration::from_millis(20);
 /// Time for which opening a port that was closed to change its baud rate is retried.
 const OPEN_RETRY_TIME: Duration = Duration::from_millis(500);
 
-/// An event of the port for the kernel.
+/// An event that the port's thread reports to the kernel.
 pub(super) enum SerialPortEvent {
     /// The port is open under this name.
     Opened(String),
@@ -29,14 +29,14 @@ pub(super) enum SerialPortEvent {
     Bytes(Vec<u8>),
 }
 
-/// A command for the thread of the port.
+/// A command that the kernel sends to the port's thread.
 enum SerialPortCommand {
     Bytes(Vec<u8>),
-    /// Use this rate from now on, bits a second.
+    /// Use this rate for further bytes, bits per second.
     Rate(u32),
 }
 
-/// The kernel's handle of the port and its thread.
+/// The kernel's connection to the port's thread.
 #[derive(Debug)]
 pub(super) struct SerialPortHandle {
     to_port: Sender<SerialPortCommand>,
@@ -63,7 +63,7 @@ impl SerialPortHandle {
         Ok(Self { to_port, from_port })
     }
 
-    /// Sets the rate of the port, bits a second.
+    /// Sets the rate of the port, bits per second.
     pub(super) fn set_rate(&self, baud: u32) {
         // The thread empties the queue, or has ended.
         let _ = self.to_port.send(SerialPortCommand::Rate(baud));
@@ -114,7 +114,7 @@ struct SerialPortThread {
     commands: Receiver<SerialPortCommand>,
     events: Sender<SerialPortEvent>,
     baud: Option<u32>,
-    /// Bytes that the port has not accepted yet.
+    /// Bytes that wait until the port accepts them.
     unsent: Vec<u8>,
     /// The last reported reason why the port is not open; `None` without one.
     last_error: Option<Message>,

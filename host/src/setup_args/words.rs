@@ -6,15 +6,15 @@ use gsk_core::model::ModelId;
 use gsk_core::units::parse_finite;
 use gsk_messages::{Message, say};
 
-/// Why a value of an option is invalid. A text payload is the value as typed.
+/// The reason why a value of an option is invalid. A text in a variant is the value as typed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum OptionValueError {
-    /// The value is not a number.
+    /// The value of an option is not a number.
     NotANumber(String),
     /// The length is outside the range of lengths, ±9999.999.
     OutOfRange(String),
-    /// The value does not have this form.
+    /// The value of an option does not have this form.
     WrongForm(&'static str),
     /// The value does not have this form; the second text is an example of the form.
     WrongFormExample(&'static str, &'static str),
@@ -36,9 +36,9 @@ pub enum OptionValueError {
     InvalidBitNumber,
     /// The value is not an offset number.
     InvalidOffsetNumber(String),
-    /// The offset has more than four values.
+    /// The offset option has more than four values.
     TooManyOffsetValues,
-    /// The nose type is not 0 to 9.
+    /// The imaginary tip number of an offset is not 0 to 9.
     InvalidNoseType,
     /// The unit of a time is unknown.
     UnknownTimeUnit(String),
@@ -94,12 +94,12 @@ impl OptionValueError {
 /// The value of `--param`: a parameter or a bit, with its new value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParameterOption {
-    /// A whole parameter and its value, `N=V`.
+    /// A whole parameter with its new value, `N=V`.
     Value { number: u16, value: i32 },
-    /// A bit of a parameter and its state, `N.B=0|1`.
+    /// A bit of a parameter with its new state, `N.B=0|1`.
     Bit {
         number: u16,
-        /// Number of the bit, 0 to 7.
+        /// Number of the bit in the parameter, 0 to 7.
         bit: u8,
         state: bool,
     },
@@ -111,18 +111,18 @@ pub struct OffsetOption {
     pub number: u8,
     /// X offset, mm, a diameter or a radius as on the offset page.
     pub x: f64,
-    /// Z offset, mm.
+    /// Z value of the tool offset, mm.
     pub z: f64,
-    /// Nose radius, mm.
+    /// Nose radius of the tool offset, mm.
     pub nose_radius_mm: f64,
-    /// Nose type, 0 to 9.
+    /// Imaginary tip number of the tool offset, 0 to 9.
     pub nose_type: u8,
 }
 
 /// Value of `--input` and `--set`: a PLC address and the state of its bit.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InputBit {
-    /// Address such as `X0.4`, in capitals.
+    /// Address of the input such as `X0.4`, in capitals.
     pub address: String,
     pub state: bool,
 }
@@ -145,7 +145,7 @@ pub fn lathe_model_parser() -> impl TypedValueParser<Value = ModelId> {
     model_parser_for(|id| !id.is_mill())
 }
 
-/// Creates the parser of a model, mills included.
+/// Creates the parser for the name of a control model, mills included.
 pub fn model_parser() -> impl TypedValueParser<Value = ModelId> {
     model_parser_for(|_| true)
 }

@@ -24,19 +24,19 @@ const BEEP_S: f32 = 0.3;
 pub struct SoundState {
     /// Keys of the panel that are down.
     pub keys: Vec<Key>,
-    /// Y0 to Y3, the relays and valves.
+    /// PLC outputs Y0 to Y3, which switch relays and valves.
     pub outputs: [u8; OUTPUTS],
-    /// Absolute speed of the spindle, r/min.
+    /// Speed of the spindle without its sign, r/min.
     pub spindle_rpm: f32,
     /// Position of the slides, mm: `[0]` X as a radius, `[1]` Z.
     pub slides: [f32; 2],
     /// Number of the active alarm; `None` without one.
     pub alarm: Option<u16>,
-    /// Whether a crash stops the lathe.
+    /// Whether a crash has stopped the lathe.
     pub is_crashed: bool,
 }
 
-/// A tone that glides to another pitch and loudness.
+/// A tone whose pitch and loudness change gradually.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Tone {
     phase: f32,
@@ -46,12 +46,12 @@ struct Tone {
     to_level: f32,
 }
 
-/// A sound that fades out.
+/// A short sound that fades out.
 #[derive(Clone, Debug, PartialEq)]
 struct Strike {
     /// Pitch of the sound, Hz.
     pitch: f32,
-    /// Share of noise in the sound, 0 to 1.
+    /// Fraction of noise in the sound, 0 to 1.
     noise: f32,
     level: f32,
     /// Factor by which the level changes at each sample.
@@ -67,9 +67,9 @@ pub struct Mixer {
     spindle: Tone,
     slides: [Tone; 2],
     strikes: Vec<Strike>,
-    /// Number of samples since the last state.
+    /// Number of samples since the last state of the machine.
     samples_since_state: u32,
-    /// Number of remaining samples of the alarm tones.
+    /// Number of samples for which the alarm tones still sound.
     beeps: u32,
     /// State of the random number generator for noise.
     noise: u32,
@@ -166,7 +166,7 @@ impl Mixer {
         }
     }
 
-    /// Computes the next samples at `volume`, %.
+    /// Computes the next samples. `volume` is in per cent.
     pub fn fill(&mut self, samples: &mut [i16], volume: u8) {
         let volume = f32::from(volume.min(100)) / 100.0;
         for sample in samples {

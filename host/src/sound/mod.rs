@@ -15,14 +15,14 @@ pub use mixer::{OUTPUTS, SoundState};
 pub const VOLUMES: [u8; 4] = [10, 25, 50, 100];
 /// Time by which samples are passed to the player before they are due.
 const LEAD_TIME: Duration = Duration::from_millis(60);
-/// Time between two turns of the sound thread.
+/// Time between two runs of the sound thread.
 const TURN_INTERVAL: Duration = Duration::from_millis(10);
 /// Sound that is later than this is dropped, because the computer was asleep.
 const MAX_DELAY: Duration = Duration::from_millis(500);
 /// Capacity of the command queue to the sound thread.
 const QUEUE_CAPACITY: usize = 64;
 
-/// A command for the sound thread.
+/// A command to the sound thread.
 enum SoundCommand {
     State(SoundState),
     Volume(u8),
@@ -110,7 +110,7 @@ fn start_thread(volume: u8) -> Option<SoundChannels> {
     })
 }
 
-/// Counts the samples that are due by the clock.
+/// Counts the samples that must be played by the clock.
 struct SampleClock {
     start: Instant,
     passed_samples: usize,

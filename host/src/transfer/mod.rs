@@ -17,7 +17,7 @@ use crate::platform;
 /// Name of the folder in the data directory for the files that the control sends.
 pub const FOLDER: &str = "transfer";
 
-/// Why files that the control has sent cannot be stored.
+/// The reason why files that the control has sent cannot be stored.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub struct TransferError {
@@ -74,7 +74,7 @@ pub fn read_serial_file(path: &Path) -> Result<SerialFile, ProgramFileError> {
     })
 }
 
-/// Joins the names of files for a message.
+/// Lists the names of files in one message.
 pub fn describe_files(files: &[SerialFile]) -> String {
     match files {
         [file] => file.name.clone(),

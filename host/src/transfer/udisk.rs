@@ -7,7 +7,7 @@ use gsk_panel::panel::SerialFile;
 
 use crate::{platform, transfer};
 
-/// Name of the folder in the data directory.
+/// Name of the folder in the data directory that holds the U disk's files.
 pub const FOLDER: &str = "udisk";
 /// Greatest number of files that the control lists.
 const MAX_FILES: usize = 500;

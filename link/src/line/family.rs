@@ -3,33 +3,33 @@
 /// The firmware of a line board.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FirmwareFamily {
-    /// Grbl, version 1.1f and later.
+    /// Firmware Grbl, version 1.1f and later.
     #[default]
     Grbl,
-    /// grblHAL: selectable report fields, thread passes, homing of single axes.
+    /// Firmware grblHAL: selectable report fields, thread passes, homing of single axes.
     GrblHal,
-    /// FluidNC: named settings and different alarm numbers.
+    /// Firmware FluidNC: named settings and different alarm numbers.
     FluidNc,
 }
 
-/// Why a board has stopped without a command of the link.
+/// The cause for which a board has stopped without a command of the link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum StopCause {
-    /// A limit switch was operated.
+    /// The board has stopped because a limit switch was operated.
     Limit,
-    /// The board was reset during motion.
+    /// The board has stopped because it was reset during motion.
     Reset,
-    /// Homing has failed or was aborted.
+    /// The board has stopped because homing has failed or was aborted.
     Homing,
-    /// The emergency stop input was operated.
+    /// The board has stopped because the emergency stop input was operated.
     EmergencyStop,
-    /// The spindle does not turn.
+    /// The board has stopped because the spindle does not turn as commanded.
     Spindle,
-    /// A drive reports a fault.
+    /// The board has stopped because a drive reports a fault.
     Motor,
-    /// The board has received an unexpected or impossible command.
+    /// The board has stopped because it has received an unexpected or impossible command.
     Order,
-    /// The board is locked.
+    /// The board is locked since its start or an earlier alarm.
     Locked,
 }
 
@@ -43,7 +43,7 @@ impl FirmwareFamily {
         }
     }
 
-    /// Returns why a board with this firmware reports `ALARM:number`.
+    /// Returns the cause for which a board with this firmware reports `ALARM:number`.
     pub(super) const fn cause(self, number: u16) -> StopCause {
         match number {
             1 => StopCause::Limit,

@@ -6,7 +6,7 @@ use super::required::{Setting, SettingDeviation, figure};
 
 /// Greatest number of items that the link stores; further ones are ignored.
 const MAX_ITEMS: usize = 2000;
-/// Number of nested sections from which on a line is ignored.
+/// Nesting depth of sections from which on a line is ignored.
 const MAX_DEPTH: usize = 12;
 /// Number that the link gives to settings that let the board start motion without a command; Grbl
 /// does not have them.
@@ -15,12 +15,13 @@ const OWN_MOTION: u16 = 1000;
 /// have.
 const KINEMATICS: u16 = 1001;
 
-/// How the required value of an item of FluidNC follows from the value of Grbl's setting.
+/// The rule by which the required value of an item of FluidNC follows from the value of Grbl's
+/// setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum ItemKind {
     /// The value of the item is the number that is the value of the setting.
     Figure,
-    /// The item is `true` unless the value of the setting is 0.
+    /// The item must be `true` unless the value of Grbl's setting is 0.
     Switch,
     /// The item is `false` if the bit of the axis in the value of the setting is set.
     NotBit,
@@ -30,7 +31,7 @@ enum ItemKind {
     /// The item is a list of pairs `speed=percent` whose last speed is the value of the setting.
     /// The list may be missing.
     Scale,
-    /// The item must have an empty value.
+    /// The item must have an empty value, whatever Grbl's setting is.
     Empty,
     /// The item is a pin that must not be wired.
     Unwired,
@@ -38,7 +39,7 @@ enum ItemKind {
     Section,
 }
 
-/// When a written item takes effect.
+/// Whether a written configuration item takes effect at once or after a restart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum EffectTime {
     AtOnce,
@@ -93,7 +94,7 @@ const ITEMS: [(u16, &str, ItemKind, EffectTime); 33] = [
 /// of settings from 100 on.
 const AXES: [(&str, u16); 2] = [("x", 0), ("z", 2)];
 
-/// The items of the configuration that a board has reported.
+/// The items of FluidNC's configuration that a board has reported.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct FluidNcConfig {
     items: Vec<(String, String)>,
@@ -102,7 +103,7 @@ pub(super) struct FluidNcConfig {
 }
 
 impl FluidNcConfig {
-    /// Adds a line of the answer to `$CD`; skips invalid lines.
+    /// Adds a line of the answer to `$CD` to the items; skips invalid lines.
     pub(super) fn take(&mut self, line: &str) {
         let indented = line.len() - line.trim_start_matches(' ').len();
         let Some((name, value)) = line.trim().split_once(':') else {

@@ -15,7 +15,7 @@ use super::response::LineResponse;
 
 /// Time within which a board sends its banner if opening the port has reset it.
 const BANNER_WAIT: Duration = Duration::from_millis(2500);
-/// Time without a received byte after which the board counts as quiet.
+/// Duration without a received byte after which the board counts as quiet.
 const QUIET: Duration = Duration::from_millis(200);
 /// Time from the start of the opening within which the board must become quiet.
 const GIVE_UP: Duration = Duration::from_secs(5);
@@ -32,12 +32,12 @@ const MAX_ANSWER_TIME: Duration = Duration::from_secs(10);
 const TIMER_SEGMENT: Duration = Duration::from_millis(10);
 /// Greatest number of timer segments of FluidNC.
 const MAX_TIMER_SEGMENTS: u32 = 20;
-/// Soft reset (Ctrl-X), a real-time command.
+/// Real-time command for a soft reset (Ctrl-X).
 const RESET: &str = "\x18";
 /// Assumed size of the receive buffer of FluidNC, bytes; FluidNC does not report the size.
 const MIN_RECEIVE_BYTES: u16 = 128;
 
-/// The state of the opening.
+/// The step of the opening dialogue that is being executed.
 #[derive(Clone, Debug, PartialEq)]
 enum OpeningStep {
     Greeting,
@@ -51,18 +51,18 @@ enum OpeningStep {
 /// The action that the opening dialogue requests from the link.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum OpeningAction {
-    /// Wait for the board.
+    /// The link waits until the board has sent more.
     Waits,
-    /// Send this line, given without its line end.
+    /// The link sends this line, given without its line end.
     Send(String),
-    /// Send this line, given without its line end: the first query for the settings.
+    /// The link sends this line, the first query for the settings, given without its line end.
     Configures(String),
-    /// The opening is complete.
+    /// The opening is complete: the link may send motion.
     Done,
     /// Report these settings, which differ from the required ones. The link writes them only on
     /// request.
     Differs(Vec<SettingDifference>),
-    /// Raise an alarm with this number and this cause: the opening has failed.
+    /// The opening has failed: the link raises the alarm with this number and cause.
     Fails(u16, Message),
 }
 
@@ -83,11 +83,10 @@ pub(super) struct LineOpening {
     /// Greatest time from leaving the board's queue to execution: the pulse timer of the board
     /// takes segments of 10 ms in advance.
     pub(super) prepared: Duration,
-    /// Whether the board can home a single axis.
+    /// Whether the board can home a single axis separately.
     pub(super) alone: bool,
     to_write: Vec<SettingDeviation>,
-    /// Whether the differing settings were written; afterwards the link reads all settings
-    /// again.
+    /// Whether the link has written the settings that differ; it then reads all settings again.
     written: bool,
     /// Whether the board was reset because it did not answer the first query.
     reset: bool,
@@ -133,7 +132,7 @@ impl LineOpening {
         self.reported.items.value(path)
     }
 
-    /// Takes a line of the board's answer to `$CD`; other texts are ignored.
+    /// Adds a line of the board's answer to `$CD`; ignores other texts.
     pub(super) fn take_text(&mut self, line: &str) {
         if let OpeningStep::Asking(question) = self.step
             && self.family.queries().get(question) == Some(&"$CD")
@@ -176,13 +175,13 @@ impl LineOpening {
         matches!(self.step, OpeningStep::Greeting | OpeningStep::Quiet)
     }
 
-    /// Stores that bytes were received at time `now`.
+    /// Records that bytes were received at time `now`.
     pub(super) fn bytes_received(&mut self, now: HostTime) {
         self.has_received = true;
         self.last_received = now;
     }
 
-    /// Advances the time, checks the time limits and returns what the link must do.
+    /// Advances the time, checks the time limits and returns the action for the link.
     pub(super) fn tick(&mut self, now: HostTime) -> OpeningAction {
         let waited = now.saturating_sub(self.since);
         let silent = now.saturating_sub(self.last_received.max(self.since));
@@ -265,7 +264,7 @@ impl LineOpening {
         }
     }
 
-    /// Handles a line that the board has sent and returns what the link must do.
+    /// Handles a line that the board has sent and returns the action for the link.
     pub(super) fn take(
         &mut self,
         answer: &LineResponse,
@@ -479,7 +478,7 @@ impl LineOpening {
     }
 
     /// Starts to write the settings that differ, after the operator has confirmed the writing.
-    /// Returns what the link must do; a setting that only the configuration file of the board can
+    /// Returns the action for the link; a setting that only the configuration file of the board can
     /// change makes the opening fail.
     pub(super) fn write_settings(&mut self, now: HostTime) -> OpeningAction {
         if self.step != OpeningStep::Differs {

@@ -5,17 +5,17 @@ use thiserror::Error;
 
 use super::fluidnc_config::FluidNcConfig;
 
-/// Why the link does not support a board.
+/// The reason for which the link does not support a board.
 #[derive(Debug, Error)]
 #[error("{}", self.message())]
 pub(super) enum Unsupported {
-    /// The answer to `$I` has no version: too old, or not Grbl.
+    /// The board's answer to `$I` contains no version: its firmware is too old, or not Grbl.
     NoVersion,
-    /// The firmware with this name is unknown.
+    /// The firmware with this name is unknown to the link.
     Firmware(String),
     /// This Grbl version is older than 1.1f.
     Old(String),
-    /// The board has no X or no Z; its axes have these letters.
+    /// The board has no axis X or no axis Z; its axes have these letters.
     Axes(String),
     /// The sizes of motion queue and receive buffer are missing or too small in this item or line
     /// of the board.

@@ -13,7 +13,7 @@ pub(super) const REPORT: u16 = 10;
 const ALL_FIELDS: f64 = 511.0;
 /// Tolerance, in the unit of the setting, for values that the board rounds to three decimals.
 const ROUNDING: f64 = 0.000_6;
-/// Relative tolerance for values that the board stores as 32-bit floating-point numbers.
+/// Relative tolerance of values that the board stores as 32-bit floating-point numbers.
 const SINGLE: f64 = 1e-7;
 
 /// A numbered setting and its required value.
@@ -26,7 +26,7 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// Returns the setting with the value that this firmware needs.
+    /// Returns the setting with its value adapted to this firmware.
     pub(super) fn adapted_to(self, family: FirmwareFamily) -> Self {
         if self.number == REPORT && family == FirmwareFamily::GrblHal {
             return Self {
@@ -69,12 +69,12 @@ pub(super) fn figure(value: f64) -> String {
     }
 }
 
-/// All settings that a board must have.
+/// All settings that a board must have for the control.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RequiredSettings {
-    /// The settings, sorted by number.
+    /// The required settings, sorted by number.
     pub settings: Vec<Setting>,
-    /// Pulses per mm of slide travel, X and Z.
+    /// Number of pulses per mm of slide travel, for X and Z.
     pub pulses_per_mm: [f64; 2],
 }
 

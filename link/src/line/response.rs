@@ -5,44 +5,44 @@ use crate::Pins;
 /// Greatest absolute value of a valid position, mm: the counters of the boards have 32 bits.
 const MAX_POSITION_MM: f64 = 1e6;
 
-/// A line from the board.
+/// A line that the board has sent, parsed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LineResponse {
     /// `ok`: the board has read the oldest unanswered line.
     Ok,
     /// `error:N`: the board has refused the oldest unanswered line.
     Error(u16),
-    /// `ALARM:N`: the board has stopped without a command.
+    /// `ALARM:N`: the board has stopped without a command; the value is the alarm number.
     Alarm(u16),
     /// `<…>`: the answer to `?`.
     StatusReport(StatusReport),
-    /// The banner that a board sends when it has started, as text.
+    /// The banner that a board sends when it has started; the value is its text.
     Banner(String),
     /// The boot message of an ESP32; the banner follows.
     Starts,
     /// `$N=V`: number and value of a setting, a line of the answer to `$$`.
     Setting(u16, f64),
-    /// `[VER:…]`: the version of the firmware.
+    /// `[VER:…]`: the version of the firmware, as text.
     Version(String),
     /// `[OPT:…]`: size of the motion queue in entries, and of the receive buffer in bytes.
     Options(u16, u16),
-    /// `[AXS:…]`: letters of the axes.
+    /// `[AXS:…]`: the letters of the axes.
     Axes(String),
-    /// `[FIRMWARE:…]`: name of the firmware.
+    /// `[FIRMWARE:…]`: the name of the firmware.
     Firmware(String),
-    /// `[NEWOPT:…]`: names of options.
+    /// `[NEWOPT:…]`: the names of compiled options.
     NewOptions(String),
     /// `[G54:…]`, `[G92:…]`, `[TLO:…]`: an offset; `true` if one of its values is not 0.
     Offset(bool),
     /// `[MSG:…]`: a message, as text.
     Message(String),
-    /// Other lines in brackets, and empty lines.
+    /// Another line in brackets, or an empty line; the link ignores it.
     Information,
-    /// An invalid line: noise, or an unknown format.
+    /// An invalid line: noise on the wire, or an unknown format.
     Garbage,
 }
 
-/// The state in a status report.
+/// The state of the board in a status report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BoardState {
     /// `Idle`: the axes are at standstill.
@@ -64,7 +64,7 @@ pub enum BoardState {
 /// A status report. A field that the report lacks is `None`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StatusReport {
-    /// The state of the board.
+    /// The state of the board, such as idle or alarm.
     pub state: BoardState,
     /// Machine position of X and Z, mm; `None` if the report lacks it.
     pub position: Option<[f64; 2]>,
@@ -74,12 +74,12 @@ pub struct StatusReport {
     pub feed: Option<f64>,
     /// Measured spindle speed, r/min; `None` if the report lacks it.
     pub spindle: Option<f64>,
-    /// The switches that are operated.
+    /// The switches that the report names as operated.
     pub pins: Pins,
 }
 
 impl LineResponse {
-    /// Parses a line of the board, given without its line end.
+    /// Parses a line that the board has sent, given without its line end.
     pub fn parse(line: &str) -> Self {
         let line = line.trim();
         if line.is_empty() || line.starts_with('>') {

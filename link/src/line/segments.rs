@@ -6,15 +6,15 @@ use core::fmt::Write;
 use super::super::{MotionRefused, RunTime, Sample};
 use gsk_units::{PerAxis, Pulses};
 
-/// Greatest duration of the standstill with which a segment may begin.
+/// Greatest duration of standstill at the beginning of a segment.
 const LONGEST: RunTime = RunTime::from_millis(500);
 
 /// A straight segment of motion, ready for the board.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct StreamedSegment {
-    /// The line for the board, with its line end.
+    /// The line of G code for the board, with its line end.
     pub(super) line: String,
-    /// Duration of the segment.
+    /// Duration of the segment's motion.
     pub(super) duration: RunTime,
     /// Kernel time at the end of the segment.
     pub(super) end: RunTime,
@@ -22,7 +22,7 @@ pub(super) struct StreamedSegment {
     pub(super) pulses: PerAxis<Pulses>,
 }
 
-/// Collects samples until a segment is due.
+/// Collects samples of the commanded position until a segment is due.
 #[derive(Clone, Debug)]
 pub(super) struct Segments {
     period: RunTime,
@@ -66,7 +66,7 @@ impl Segments {
         self.newest = None;
     }
 
-    /// Returns the duration of the motion that is not in a segment yet.
+    /// Returns the duration of the motion that is not yet part of a segment.
     pub(super) fn pending(&self) -> RunTime {
         self.newest
             .filter(|sample| sample.pulses != self.at)

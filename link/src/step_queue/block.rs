@@ -1,14 +1,14 @@
 //! Encodes and decodes blocks, `len seq content crc crc 7E`, and the VLQ integers in them.
 
-/// Length of a block without content, bytes.
+/// Length of a message block without content, bytes.
 pub(super) const LEAST: usize = 5;
-/// Greatest length of a block, bytes.
+/// Greatest length of a message block, bytes.
 const MOST: usize = 64;
-/// Greatest length of the content, bytes.
+/// Greatest length of the content of a message block, bytes.
 pub(super) const CONTENT: usize = MOST - LEAST;
-/// The last byte of each block.
+/// Value of the last byte of each message block.
 const SYNC: u8 = 0x7E;
-/// The four high bits that each sequence byte of a block has.
+/// Value of the four high bits in the sequence byte of each message block.
 const SEQUENCE: u8 = 0x10;
 /// Number of different sequence numbers on the wire.
 pub(super) const NUMBERS: u64 = 16;
@@ -73,26 +73,26 @@ pub(super) fn decode_vlq(bytes: &mut &[u8]) -> Option<u32> {
     Some(value)
 }
 
-/// A complete and undamaged block.
+/// A complete and undamaged message block.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Block {
-    /// The low four bits of the sequence number.
+    /// The low four bits of the block's sequence number.
     pub(super) sequence: u8,
-    /// The content; empty in an acknowledgement or a NAK.
+    /// The content of the block; empty in an acknowledgement or a NAK.
     pub(super) content: Vec<u8>,
 }
 
-/// Extracts the blocks from a stream of bytes.
+/// Extracts the message blocks from a stream of bytes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Reader {
     bytes: Vec<u8>,
     out_of_step: bool,
-    /// Number of damaged blocks so far.
+    /// Number of damaged blocks that were received.
     pub(super) garbage: u64,
 }
 
 impl Reader {
-    /// Drops all bytes that were received but not returned as a block.
+    /// Discards all bytes that were received but not returned as a block.
     pub(super) fn forget(&mut self) {
         self.bytes.clear();
         self.out_of_step = false;

@@ -4,17 +4,17 @@ use core::time::Duration;
 
 use super::super::HostTime;
 
-/// Number of clock answers that are stored for the estimate.
+/// Number of clock answers that are stored for the estimate of the board clock.
 const KEPT_ANSWERS: usize = 8;
 /// Number of the best answers through which the line of board ticks over host time is fitted.
 const FITTED_ANSWERS: usize = 4;
-/// Growth of the time error of an answer with its age, s per s.
+/// Growth of the time error of a clock answer with its age, s per s.
 const AGE_PENALTY: f64 = 1e-4;
 /// Greatest relative error of the board's clock rate, which a quartz crystal determines.
 const MAX_DRIFT: f64 = 300e-6;
-/// Least time span of the answers for an estimate of the clock rate, s.
+/// Least time span between the answers for an estimate of the clock rate, s.
 const MIN_SPAN_S: f64 = 1.0;
-/// Greatest distance of an answer from the line for a good estimate, s.
+/// Greatest distance of an answer from the fitted line at which the estimate is good, s.
 const MAX_SPREAD_S: f64 = 1e-3;
 
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +27,7 @@ struct Answer {
 }
 
 impl Answer {
-    /// Returns the possible error of the answer at the host time `now`, s.
+    /// Returns the possible error of a clock answer at the host time `now`, s.
     fn uncertainty(&self, now: f64) -> f64 {
         self.round_trip_s / 2.0 + (now - self.host_s) * AGE_PENALTY
     }
@@ -48,9 +48,9 @@ pub(super) struct ClockSync {
     last_clock_ticks: f64,
     /// Estimated clock rate of the board, ticks per second: the slope of the line.
     ticks_per_s: f64,
-    /// Greatest distance of a fitted answer from the line, s.
+    /// Greatest distance of a used answer from the fitted line, s.
     spread_s: f64,
-    /// Time from query to answer of the most accurate answer, s.
+    /// Time from query to answer of the most accurate stored answer, s.
     round_trip_s: f64,
     /// Time that the last report took from the board to the host.
     report_delay: Duration,
@@ -113,7 +113,7 @@ impl ClockSync {
         self.round_trip_s = best.first().map_or(0.0, |answer| answer.round_trip_s);
     }
 
-    /// Returns the distance of an answer from the line, s.
+    /// Returns the distance of a clock answer from the fitted line, s.
     fn distance_to_line(&self, answer: &Answer) -> f64 {
         let line = self.last_clock_ticks + (answer.host_s - self.last_host_s) * self.ticks_per_s;
         (line - answer.clock_ticks).abs() / self.rate
@@ -130,14 +130,14 @@ impl ClockSync {
         self.answers.len() >= FITTED_ANSWERS && self.spread_s <= MAX_SPREAD_S
     }
 
-    /// Returns the board clock at the host time `now`, ticks.
+    /// Returns the estimated board clock at the host time `now`, ticks.
     pub(super) fn at(&self, now: HostTime) -> u64 {
         let elapsed = now.as_secs_f64() - self.last_host_s;
         let ticks = self.last_clock_ticks + elapsed * self.ticks_per_s;
         ticks.max(0.0) as u64
     }
 
-    /// Returns the host time at which the board clock is `clock`, ticks.
+    /// Returns the host time at which the board clock reads `clock`, ticks.
     pub(super) fn moment(&self, clock: u64) -> HostTime {
         let ticks = clock as f64 - self.last_clock_ticks;
         let seconds = self.last_host_s + ticks / self.ticks_per_s;

@@ -1,11 +1,11 @@
 //! The commands and replies of Klipper's protocol that the link uses.
 
-/// When a board must have a command or reply.
+/// In which cases a board must have a command or reply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Requirement {
     /// The board must have the command or reply in all cases.
     Always,
-    /// The board must have at least one of the commands with this requirement.
+    /// The board must have at least one of the commands with this requirement, which restart it.
     Restart,
     /// The board must have the command or reply if the spindle speed output is wired.
     Speed,
@@ -15,7 +15,7 @@ pub(super) enum Requirement {
 
 macro_rules! commands {
     ($($name:ident $need:ident $text:literal)*) => {
-        /// A command to the board.
+        /// A command that the link sends to the board.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(super) enum Command { $($name),* }
 

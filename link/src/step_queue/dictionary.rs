@@ -19,7 +19,7 @@ const LONGEST: usize = 1 << 20;
 const IDENTIFY: i64 = 1;
 const IDENTIFY_RESPONSE: u32 = 0;
 
-/// A parameter of a reply.
+/// The type of a parameter in a reply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Parameter {
     Number,
@@ -32,7 +32,7 @@ struct Form {
     parameters: Vec<Parameter>,
 }
 
-/// The dictionary of a board.
+/// The dictionary of a board: numbers and formats of its messages, and its constants.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Dictionary {
     ids: Vec<Option<i64>>,
@@ -46,7 +46,7 @@ pub(super) struct Dictionary {
     pub(super) version: String,
 }
 
-/// The JSON of a dictionary.
+/// The JSON object in a dictionary text.
 #[derive(Deserialize)]
 struct Written {
     #[serde(default)]
@@ -86,22 +86,22 @@ impl Default for Dictionary {
     }
 }
 
-/// Why a dictionary is invalid.
+/// The reason for which a dictionary is invalid.
 #[derive(Debug, Error)]
 #[error("{}", self.message())]
 pub(super) enum DictionaryError {
-    /// The bytes are not valid zlib data, or too long.
+    /// The bytes are not valid zlib data, or their content is too long.
     Packed,
-    /// The text is not the JSON of a dictionary.
+    /// The decompressed text is not the JSON of a dictionary.
     Json(#[from] serde_json::Error),
-    /// This reply has parameters of an unknown type.
+    /// The reply with this name has parameters of an unknown type.
     Reply(String),
-    /// The range of pins with this name is invalid.
+    /// The range of pins with this name is not valid.
     Pins(String),
 }
 
 impl DictionaryError {
-    /// Returns the message that explains what is wrong with the dictionary.
+    /// Returns the message about the error in the dictionary.
     pub(super) fn message(&self) -> Message {
         match self {
             Self::Packed => say::dictionary_packed_wrong(),
@@ -116,7 +116,8 @@ impl Dictionary {
     /// Decompresses and parses a dictionary.
     ///
     /// # Errors
-    /// Why the dictionary is invalid.
+    ///
+    /// Returns an error with the reason if the dictionary is invalid.
     pub(super) fn unpack(packed: &[u8]) -> Result<Self, DictionaryError> {
         let text = decompress_to_vec_zlib_with_limit(packed, LONGEST)
             .map_err(|_| DictionaryError::Packed)?;
@@ -190,7 +191,7 @@ impl Dictionary {
         commands.chain(replies).chain(restart).next()
     }
 
-    /// Whether the board has a command.
+    /// Whether the board knows a command.
     pub(super) fn has(&self, command: Command) -> bool {
         self.id(command).is_some()
     }
@@ -253,7 +254,7 @@ impl Dictionary {
         Some(replies)
     }
 
-    /// Returns the number of a pin by its name; `None` for an unknown pin.
+    /// Returns the number of the pin with this name; `None` for an unknown pin.
     pub(super) fn pin(&self, name: &str) -> Option<u32> {
         self.pins.get(name).copied()
     }
@@ -285,7 +286,7 @@ impl Dictionary {
         })
     }
 
-    /// Returns the name of the processor; empty if unknown.
+    /// Returns the name of the board's processor; empty if unknown.
     pub(super) fn processor(&self) -> &str {
         let name = self.constants.get("MCU").and_then(Value::as_str);
         name.unwrap_or_default()
@@ -306,7 +307,7 @@ fn parameters(text: &str) -> Result<Vec<Parameter>, DictionaryError> {
 fn pins(
     written: Option<&BTreeMap<String, Value>>,
 ) -> Result<BTreeMap<String, u32>, DictionaryError> {
-    /// Greatest number of pins in a range.
+    /// Greatest number of pins in one range of names.
     const MOST: u64 = 1024;
     let mut pins = BTreeMap::new();
     for (name, value) in written.into_iter().flatten() {

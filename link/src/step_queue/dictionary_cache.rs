@@ -8,10 +8,10 @@ use super::dictionary::Dictionary;
 /// Number of bytes at the end of a dictionary that are compared with a known one. A query requests
 /// more bytes: further ones show that the dictionary is longer.
 const END: usize = 36;
-/// Greatest number of dictionaries in the cache.
+/// Greatest number of dictionaries that the cache stores.
 const MOST: usize = 16;
 
-/// Known dictionaries, compressed.
+/// Dictionaries of boards that were opened before, compressed.
 #[derive(Clone, Debug, Default)]
 pub(super) struct DictionaryCache(Vec<Vec<u8>>);
 

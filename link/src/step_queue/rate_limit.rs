@@ -9,7 +9,7 @@ const BURST: f64 = 60.0;
 /// because transmission times vary.
 const JITTER: f64 = 5.0;
 
-/// A token bucket that limits the messages per second.
+/// Limits the messages per second, with a token bucket.
 #[derive(Clone, Debug)]
 pub(super) struct RateLimit {
     /// Number of messages per second that may be sent once the burst is used up; `None` without a
@@ -43,7 +43,7 @@ impl RateLimit {
         }
     }
 
-    /// Whether the limit allows another message now.
+    /// Whether the limit permits another message now.
     pub(super) fn allows(&self) -> bool {
         self.rate.is_none() || self.left >= 1.0
     }
@@ -55,7 +55,7 @@ impl RateLimit {
         HostTime::try_from_secs_f64(seconds).unwrap_or_default()
     }
 
-    /// Whether less than a quarter of the burst remains.
+    /// Whether less than a quarter of the permitted burst remains.
     pub(super) fn is_short(&self) -> bool {
         self.rate.is_some() && self.left < BURST / 4.0
     }

@@ -29,7 +29,7 @@ const AVR_STEP_ERROR_US: f64 = 5.0;
 /// Greatest time error of a step of other processors, µs.
 const USUAL_STEP_ERROR_US: f64 = 2.0;
 
-/// The rates and the timing of a board.
+/// The step rates, message rate and timing that a board can keep.
 #[derive(Clone, Debug)]
 pub(super) struct Rates {
     pub(super) timing: [Timing; 2],

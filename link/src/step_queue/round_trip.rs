@@ -2,22 +2,24 @@
 
 use core::time::Duration;
 
-/// Least retransmission timeout; usually the timeout is four smoothed round trips.
+/// Least time without confirmation before a retransmission; normally it is four smoothed round
+/// trips.
 const LEAST_WAIT: Duration = Duration::from_millis(25);
-/// Greatest retransmission timeout; each retransmission doubles the timeout up to this.
+/// Greatest time without confirmation before a retransmission; each retransmission doubles it up to
+/// this.
 const MOST_WAIT: Duration = Duration::from_secs(1);
-/// Greatest round trip of a serial line that does not count as slow.
+/// Greatest round trip at which a serial line does not count as slow.
 pub(super) const USUAL_TRIP: Duration = Duration::from_millis(25);
 /// Greatest round trip for which the link leaves time; a longer one counts as this.
 pub(super) const SLOWEST_TRIP: Duration = Duration::from_millis(200);
 
-/// Measured round trips, and the timeout derived from them.
+/// Measured round trips of blocks, and the retransmission timeout derived from them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RoundTrip {
-    /// Smoothed round trip; `None` before the first confirmed block.
+    /// Smoothed round trip of a block; `None` before the first confirmed block.
     smooth: Option<Duration>,
     last: Duration,
-    /// Current retransmission timeout.
+    /// The retransmission timeout: a block is sent again if it is not confirmed within this time.
     wait: Duration,
 }
 
@@ -38,7 +40,7 @@ impl RoundTrip {
         self.last = trip;
     }
 
-    /// Returns the smoothed round trip; 0 if unknown.
+    /// Returns the smoothed round trip of a block; 0 if unknown.
     pub(super) fn usual(&self) -> Duration {
         self.smooth.unwrap_or_default()
     }

@@ -16,28 +16,28 @@ use super::sequence::Sequence;
 const FIRST_WINDOW: usize = 64;
 /// Size of the receive window of a board that does not report it, bytes.
 const USUAL_WINDOW: usize = 1024;
-/// Greatest number of unconfirmed blocks.
+/// Greatest number of blocks that are sent and not confirmed.
 const MOST_BLOCKS: u64 = 12;
-/// Number of unconfirmed blocks that only urgent messages may use.
+/// Number of unconfirmed blocks that are reserved for urgent messages.
 const KEPT_BLOCKS: u64 = 2;
-/// Number of bytes of the receive window that only urgent messages may use.
+/// Number of bytes of the receive window that are reserved for urgent messages.
 const KEPT_BYTES: usize = 20;
 /// Age of an unconfirmed block from which on the link assumes that the serial line is slow.
 const LONG_TRIP: Duration = Duration::from_millis(8);
-/// Assumed round trip of a serial line that the link assumes to be slow.
+/// Round trip that the link assumes for a serial line that may be slow.
 const SUSPECTED_TRIP: Duration = Duration::from_millis(75);
-/// Average length of a message, bytes.
+/// Assumed average length of a message, bytes.
 const USUAL_MESSAGE: f64 = 8.0;
 /// Time without a confirmation after which the board is lost.
 const SILENCE: Duration = Duration::from_millis(500);
 
-/// A message with its delivery requirements.
+/// A message that waits to be sent, with its delivery requirements.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct QueuedMessage {
     pub(super) bytes: Vec<u8>,
-    /// Board clock before which the message must arrive; `None` for any time.
+    /// Board clock before which the message must arrive, ticks; `None` for any time.
     pub(super) due: Option<u64>,
-    /// Whether the message belongs to motion and is dropped with it.
+    /// Whether the message is part of motion and is dropped together with it.
     pub(super) motion: bool,
     /// The axis of a step message, whose first step is at `due`; `None` for other messages.
     pub(super) axis: Option<usize>,
@@ -49,7 +49,7 @@ pub(super) struct QueuedMessage {
 }
 
 impl QueuedMessage {
-    /// Creates a message from its bytes, without delivery requirements.
+    /// Creates a message from its bytes, with no delivery requirements.
     pub(super) const fn plain(bytes: Vec<u8>) -> Self {
         Self {
             bytes,
@@ -66,7 +66,7 @@ impl QueuedMessage {
     }
 }
 
-/// Kind of a query of which only the reply to the newest one counts.
+/// The kind of a query of which only the newest one is of interest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mark {
     Uptime,
@@ -76,35 +76,35 @@ pub(super) enum Mark {
     Switch,
 }
 
-/// The acknowledgement in a block of the board.
+/// The acknowledgement that a block from the board contains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ack {
     /// The board expects the block with this sequence number next.
     Expects(u64),
-    /// The board has sent an impossible sequence number.
+    /// The board has sent a sequence number that is not possible.
     Strange,
 }
 
-/// Board clocks, ticks, for the check whether a message arrives in time.
+/// Two board clocks, ticks, for the check whether a message arrives in time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Times {
     /// The current board clock.
     pub(super) now: u64,
-    /// The clock at which a message sent now arrives at the latest.
+    /// The latest board clock at which a message that is sent now arrives.
     pub(super) earliest: u64,
     /// The clock at which a retransmission sent now arrives at the latest, on a line that does
     /// not answer.
     pub(super) again: u64,
 }
 
-/// Why the link must stop.
+/// The reason for which the link must stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum SendError {
-    /// The board does not answer.
+    /// The board has not confirmed any block within the time limit.
     Silent,
     /// The board has restarted its sequence: it was reset.
     Restarted,
-    /// A vital message would arrive after its due time.
+    /// A message with a due time would arrive too late.
     Late,
 }
 
@@ -112,13 +112,13 @@ pub(super) enum SendError {
 struct Sent {
     messages: Vec<QueuedMessage>,
     bytes: usize,
-    /// Host time of the first transmission.
+    /// Host time at which the block was sent first.
     first: HostTime,
-    /// Host time of the last transmission.
+    /// Host time at which the block was sent last.
     at: HostTime,
 }
 
-/// The waiting and the unconfirmed messages of a board.
+/// The messages for a board that wait or are not confirmed.
 #[derive(Clone, Debug)]
 pub(super) struct SendQueue {
     window: usize,
@@ -128,7 +128,7 @@ pub(super) struct SendQueue {
     in_flight: VecDeque<Sent>,
     sequence: Sequence,
     round_trip: RoundTrip,
-    /// Whether the board has sent a NAK that is not handled yet.
+    /// Whether the board has sent a NAK that the link has not handled yet.
     nak_received: bool,
     /// Host time at which the board last confirmed a block.
     progressed: HostTime,
@@ -260,7 +260,7 @@ impl SendQueue {
         self.urgent.is_empty() && self.waiting.is_empty() && self.in_flight.is_empty()
     }
 
-    /// Returns the number of bytes in the waiting messages that are not urgent.
+    /// Returns the total number of bytes in the waiting messages that are not urgent.
     pub(super) fn backlog(&self) -> usize {
         self.waiting.iter().map(|message| message.bytes.len()).sum()
     }

@@ -11,16 +11,16 @@ const RESYNC_EVERY: Duration = Duration::from_millis(100);
 /// restarted.
 const UNEXPECTED: Duration = Duration::from_millis(100);
 
-/// The sequence numbers of a link. The wire carries their low four bits.
+/// The sequence numbers of the blocks sent to a board. Only their low four bits are on the wire.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sequence {
-    /// Number of the next block to send.
+    /// Sequence number of the next block to send.
     next: u64,
-    /// Number of the next block that the board expects.
+    /// Sequence number of the next block that the board expects.
     expected: u64,
     /// The number in the last empty block of the board; `None` before the first one.
     last_empty: Option<u64>,
-    /// NAKs below this number are for blocks that were retransmitted already.
+    /// Sequence number below which NAKs are ignored: their blocks were retransmitted already.
     ignored_below: u64,
     /// Host time since which the board has sent only impossible numbers; `None` if its last number
     /// is possible.
@@ -73,12 +73,12 @@ impl Sequence {
         self.resync = None;
     }
 
-    /// Returns the number of the next block to send.
+    /// Returns the sequence number of the next block to send.
     pub(super) const fn next(&self) -> u64 {
         self.next
     }
 
-    /// Returns the number of the next block and counts it as sent.
+    /// Returns the sequence number of the next block and counts it as sent.
     pub(super) const fn take(&mut self) -> u64 {
         let next = self.next;
         self.next += 1;

@@ -39,7 +39,7 @@ use wire::StepQueueWire;
 /// Least time by which the link sends a step before its execution, in addition to the transmission
 /// time.
 const LATEST: Duration = Duration::from_millis(20);
-/// Greatest transmission time of a message for which the link leaves time.
+/// Greatest transmission time of a message for which the link plans.
 const SLOWEST: Duration = Duration::from_millis(200);
 /// Time between two calls of the link from which on the host counts as suspended.
 const AWAY: Duration = Duration::from_millis(10);
@@ -48,17 +48,17 @@ const ASK_AGAIN: Duration = Duration::from_millis(100);
 /// Time after which an unanswered query means that the board is lost.
 const GIVE_UP: Duration = Duration::from_millis(600);
 
-/// The purpose of a position query.
+/// The purpose for which the position is queried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum QueryPurpose {
-    /// Read the count while the link is being opened.
+    /// The count of the board is read while the link is being opened.
     Opening,
-    /// Compare the counts of board and kernel after the motion: all of it is executed.
+    /// The counts of board and kernel are compared after all motion is executed.
     Verify,
     /// Compare the counts of board and kernel during a standstill; `requested` tells whether the
     /// kernel gets the position.
     Look { requested: bool },
-    /// Read the position at which the axes were stopped.
+    /// The position is read at which the axes were stopped.
     Stopped,
 }
 
@@ -71,15 +71,15 @@ struct PositionQuery {
     got: [Option<u32>; 2],
 }
 
-/// The position queries of a link.
+/// All position queries of a link that are due or not answered.
 #[derive(Clone, Copy, Debug, Default)]
 struct PositionQueries {
     pending: Option<PositionQuery>,
-    /// Host time of the next comparison of the counts at standstill.
+    /// Host time at which the counts are compared next, at standstill.
     look_due: HostTime,
 }
 
-/// A link to one board with timed steps.
+/// A link to one board with timed steps (Klipper).
 #[derive(Clone, Debug)]
 pub struct StepLink {
     config: LinkConfig,

@@ -3,21 +3,21 @@
 use gsk_messages::{Message, say};
 use gsk_units::alarm;
 
-/// The cause of a shutdown.
+/// The cause of a shutdown of the board's firmware.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ShutdownCause {
-    /// Steps arrived at the board too late.
+    /// The firmware shut down because steps arrived too late.
     StepsLate,
-    /// A command was damaged on the wire.
+    /// The firmware shut down because a command was damaged on the wire.
     DamagedCommand,
-    /// The host did not renew an output in time.
+    /// The firmware shut down because the host did not renew an output in time.
     HostSilent,
-    /// A fault of the board.
+    /// The firmware shut down because of a fault of the board.
     BoardFault,
 }
 
 impl ShutdownCause {
-    /// Returns the alarm number and the remedy.
+    /// Returns the alarm number for the operator and the remedy.
     fn to_alarm(self) -> (u16, Message) {
         match self {
             Self::StepsLate => (alarm::STEPS_TOO_LATE, say::shutdown_steps_late()),
@@ -44,7 +44,7 @@ const TEXTS: [(&str, ShutdownCause); 9] = [
     // "digital out event", "pwm event", "hard pwm event".
     ("Missed scheduling of next", ShutdownCause::HostSilent),
 ];
-/// The text of a shutdown by the link's own emergency stop.
+/// The shutdown text after an emergency stop that the link itself has commanded.
 const OWN_STOP: &str = "Command request";
 
 /// Returns the alarm number and the remedy for a shutdown with this text; `None` if the link has

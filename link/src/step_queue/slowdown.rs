@@ -4,9 +4,9 @@ use core::time::Duration;
 
 /// Duration of motion over which the number of messages per ms is averaged, ms.
 const AVERAGED: f64 = 30.0;
-/// Transmission time of the waiting messages up to which motion is not slowed, s.
+/// Transmission time of the waiting messages up to which motion is not slowed down, s.
 const USUAL: f64 = 0.03;
-/// Additional transmission time at which motion takes twice its time, s.
+/// Transmission time beyond [`USUAL`] at which motion takes twice its time, s.
 const TWICE: f64 = 0.03;
 /// Greatest factor by which motion is slowed down.
 const SLOWEST: f64 = 8.0;
@@ -16,14 +16,14 @@ const BRAKES: f64 = 0.01;
 /// Greatest decrease of the slowdown factor per ms of motion.
 const RELEASES: f64 = 0.002;
 
-/// The slowdown of motion in the board compared with the kernel.
+/// The slowdown of motion in the board, when the line cannot transmit messages fast enough.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slowdown {
     /// Ratio of the duration of motion in the board to that in the kernel.
     factor: f64,
     /// Recent number of messages per ms of motion.
     density: f64,
-    /// Duration of the motion that is not compressed yet, ms.
+    /// Duration of the motion whose steps are not compressed yet, ms.
     uncompressed: f64,
 }
 
@@ -38,7 +38,7 @@ impl Default for Slowdown {
 }
 
 impl Slowdown {
-    /// Returns the expected number of messages for the motion that is not compressed yet.
+    /// Returns the expected number of messages for the motion whose steps are not compressed yet.
     pub(super) fn expected(&self) -> f64 {
         self.density * self.uncompressed
     }

@@ -10,7 +10,7 @@ use std::collections::VecDeque;
 
 use super::step_compress::Ticks;
 
-/// Interval at which the board polls the pin, s.
+/// Interval at which the board polls the index pin of the spindle, s.
 pub(super) const POLL: f64 = 100e-6;
 /// Least number of recent turns through which the line of turns over time is fitted.
 const LINE_TURNS: i64 = 4;
@@ -28,13 +28,13 @@ const STEADY_TIME: f64 = 2.0;
 const PERIOD_TIME: f64 = 0.1;
 /// Greatest number of turns over which the duration of a turn is averaged.
 const LONGEST_PERIOD: i64 = 10;
-/// Greatest transmission time of a counter report, s.
+/// Greatest transmission time of a report with the counted index pulses, s.
 const REPORT: f64 = 0.05;
-/// Number of turns without an index pulse after which the angle is unknown.
+/// Number of expected turns without an index pulse after which the angle is unknown.
 const UNCERTAIN: f64 = 1.5;
-/// Number of turns without an index pulse after which the signal is lost.
+/// Number of expected turns without an index pulse after which the signal counts as lost.
 const LOST: f64 = 2.0;
-/// Number of turns without an index pulse after which the spindle counts as stopped.
+/// Number of expected turns without an index pulse after which the spindle counts as stopped.
 const STANDS: f64 = 4.0;
 /// Time without an edge of the signal after which the spindle counts as stopped, s.
 const SLOWEST: f64 = 10.0;
@@ -51,7 +51,7 @@ pub(super) struct IndexPulse {
 struct AngleLine {
     turn: f64,
     clock: f64,
-    /// Slope of the line, turns per tick.
+    /// Slope of the fitted line, turns per tick.
     rate: f64,
 }
 
@@ -62,9 +62,9 @@ pub(super) struct SpindleEstimator {
     rate: f64,
     /// The last count of edges that the board has reported; `None` before the first report.
     reported: Option<u32>,
-    /// The last even count of edges; `None` before the first one.
+    /// The last even count of edges of the index signal; `None` before the first one.
     count: Option<u32>,
-    /// Board clock of the newest rising or falling edge, ticks.
+    /// Board clock of the newest edge of the index signal, ticks.
     alive: Ticks,
     index_pulses: VecDeque<IndexPulse>,
     line: Option<AngleLine>,
@@ -84,7 +84,7 @@ impl SpindleEstimator {
         }
     }
 
-    /// Restarts the estimate after a stop or a reversal of the spindle.
+    /// Restarts the estimate after the spindle has stopped or reversed.
     pub(super) fn begin_anew(&mut self) {
         let newest = self.index_pulses.back().copied();
         self.index_pulses.clear();

@@ -5,12 +5,12 @@
 /// A time or a duration on the board clock, ticks.
 pub(super) type Ticks = i64;
 
-/// Greatest number of steps in a run.
+/// Greatest number of steps in one `queue_step` command.
 const MOST_STEPS: usize = 65_535;
 /// Numbers of steps from which the change of the interval from step to step is estimated.
 const HORIZONS: [usize; 12] = [2, 3, 4, 6, 8, 12, 16, 32, 64, 128, 256, 1024];
 
-/// The steps of one `queue_step` command.
+/// The steps of one `queue_step` command: interval, count and change of the interval.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct StepRun {
     pub(super) interval: u32,
@@ -25,15 +25,15 @@ impl StepRun {
     }
 }
 
-/// The limits for the steps of a run.
+/// The limits within which the compressed steps may differ from the exact ones.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tolerance {
-    /// Greatest time error of a step, ticks.
+    /// Greatest time error of a compressed step, ticks.
     pub(super) max_error: Ticks,
     /// Divisor of the interval before a step; a step may also have the quotient as time error.
     /// `None`: it may not.
     pub(super) error_divisor: Option<Ticks>,
-    /// Least interval between two steps, ticks.
+    /// Least interval between two steps of a run, ticks.
     pub(super) min_interval: Ticks,
     /// Least interval between the last step before the run and its first step, ticks.
     pub(super) min_first_interval: Ticks,

@@ -8,17 +8,18 @@ use super::step_compress::{StepRun, Ticks, Tolerance, longest_run};
 /// Time after the last step after which the link may set the board's step clock, s.
 const SETTLED: f64 = 0.008;
 
-/// Divided by the factor of the permitted time error, this gives [`Tolerance::error_divisor`].
+/// Product of the factor by which the permitted time error is enlarged and
+/// [`Tolerance::error_divisor`].
 const FINEST_PART: Ticks = 64;
 
-/// The board clock at which a step is due, ticks, and its direction.
+/// A step that is due: its board clock, ticks, and its direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Due {
     at: Ticks,
     up: bool,
 }
 
-/// The commands for a run of steps.
+/// The commands for a run of steps, ready to be sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct QueuedStepRun {
     /// The value to which the board's step clock is set before the run, ticks; `None` to keep it.
@@ -26,9 +27,9 @@ pub(super) struct QueuedStepRun {
     /// The direction that is set before the run, `true` for positive; `None` to keep it.
     pub(super) up: Option<bool>,
     pub(super) run: StepRun,
-    /// Board clock of the first step, ticks.
+    /// Board clock of the first step of the run, ticks.
     pub(super) first: Ticks,
-    /// Board clock of the last step, ticks.
+    /// Board clock of the last step of the run, ticks.
     pub(super) last: Ticks,
 }
 
@@ -39,7 +40,7 @@ impl QueuedStepRun {
     }
 }
 
-/// The timing of steps at a board.
+/// The timing of steps that a board can keep.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Timing {
     /// Rate of the board clock, ticks per second.
@@ -61,7 +62,7 @@ pub(super) struct Stretch {
     pub(super) fine: [i64; 2],
 }
 
-/// The due steps of an axis, and the last step that was compressed.
+/// The due steps of one axis, and the last step that was compressed.
 #[derive(Clone, Debug)]
 pub(super) struct Steps {
     timing: Timing,

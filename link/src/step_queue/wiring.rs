@@ -18,7 +18,7 @@ const SPEED_CYCLES: u64 = 1000;
 /// `PWM_MAX`.
 const USUAL_FULL: u32 = 255;
 
-/// A configured input of the board.
+/// A configured input pin of the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Switch {
     pub(super) input: Input,
@@ -27,7 +27,7 @@ pub(super) struct Switch {
     pub(super) level: i64,
 }
 
-/// A configured output of the board.
+/// A configured output pin of the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct OutputPin {
     pub(super) output: Output,
@@ -45,11 +45,11 @@ pub(super) struct Wiring {
     pub(super) switches: Vec<Switch>,
     pub(super) outputs: Vec<OutputPin>,
     pub(super) index: Option<i64>,
-    /// Value of the speed output that gives the full spindle voltage.
+    /// Value of the speed output at which the spindle voltage is at its maximum.
     pub(super) full: u32,
-    /// The configuration messages without `finalize_config`.
+    /// The configuration messages for the board, without `finalize_config`.
     pub(super) messages: Vec<Vec<u8>>,
-    /// CRC by which the link recognizes the configuration in the board.
+    /// CRC of the configuration, by which the link recognizes it in the board.
     pub(super) crc: u32,
 }
 
@@ -66,8 +66,8 @@ struct Writer<'a> {
     messages: Vec<Vec<u8>>,
 }
 
-/// Why a board cannot have the wiring of the machine file. Each `key` is the path of a setting in
-/// the section `link`.
+/// The reason why a board cannot have the wiring of the machine file. Each `key` is the path of a
+/// setting in the section `link`.
 #[derive(Debug, Error)]
 #[error("{}", self.message())]
 pub(super) enum WiringError {
@@ -289,7 +289,7 @@ impl Writer<'_> {
     }
 }
 
-/// Computes the CRC-32 (IEEE 802.3) of bytes.
+/// Returns the CRC-32 (IEEE 802.3) of bytes.
 fn crc32(bytes: &[u8]) -> u32 {
     let update = |crc: u32, byte: &u8| {
         (0..8).fold(crc ^ u32::from(*byte), |crc, _| {

@@ -8,9 +8,9 @@ use crate::space::PlanePoint;
 /// The words of a block that define an arc's circle, after scaling and rotation, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum ArcDefinition {
-    /// The radius (word R), negative for an arc over half a turn.
+    /// The arc is given by its radius (word R), mm; negative for an arc over half a turn.
     Radius(f64),
-    /// Distance from the start of the arc to its centre (words I, J, K).
+    /// The arc is given by the distance from its start to its centre (words I, J, K), mm.
     Center(PlanePoint),
 }
 

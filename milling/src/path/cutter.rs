@@ -23,7 +23,7 @@ pub(crate) struct CutterStream {
     waiting: BTreeMap<u32, PathStep>,
     count: u32,
     plane: Plane,
-    /// End of the last step that was taken.
+    /// End of the last step passed to the stream.
     at: MillPosition,
 }
 
@@ -47,7 +47,7 @@ impl CutterStream {
         }
     }
 
-    /// Returns whether cutter radius compensation is on.
+    /// Returns whether cutter radius compensation is on, G41 or G42.
     pub(crate) const fn is_on(&self) -> bool {
         self.stream.is_on()
     }
@@ -109,7 +109,8 @@ impl CutterStream {
         side == CutterSide::On && self.is_on()
     }
 
-    /// Takes a block without motion. Errors: the alarm of a waiting step.
+    /// Processes a block without motion; a step that waits for the next motion may be completed.
+    /// Errors: the alarm of that step.
     pub(crate) fn skip_block(
         &mut self,
         side: CutterSide,

@@ -49,12 +49,12 @@ pub struct MillArc {
     pub center: PlanePoint,
 }
 
-/// A move or dwell that the preview of a mill program has found.
+/// A move or dwell in the preview of a mill program.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MillMove {
-    /// The block that caused the move.
+    /// Position of the block that caused the move.
     pub source: SourcePosition,
-    /// How the tool moves.
+    /// Whether the move is a rapid, a cut, a tap, a thread or a dwell.
     pub kind: MillMoveKind,
     /// Start of the tool tip in work coordinates. With G41 and G42, of the cutter centre.
     pub from: MillPosition,
@@ -64,12 +64,12 @@ pub struct MillMove {
     pub axes: Axes,
     /// Machine coordinates of the work zero in force.
     pub zero: MillPosition,
-    /// The circle of a clockwise or counter-clockwise cut; otherwise `None`.
+    /// The circle of a clockwise or counter-clockwise cut; `None` for other moves.
     pub arc: Option<MillArc>,
     /// Fractions of the duration after which X, Y and Z arrive, for a rapid whose axes arrive
     /// separately (012.7 = 0); otherwise `None`.
     pub arrivals: Option<[f64; 3]>,
-    /// The feed of a cut; otherwise `None`.
+    /// The feed of a cut; `None` for other moves.
     pub feed: Option<Feed>,
     /// Time at which the move starts, s since the start of the program.
     pub start_s: f64,

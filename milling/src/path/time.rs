@@ -4,10 +4,10 @@
 use crate::memory::{MillMemory, parameter};
 use crate::space::{AxisValues, Length, MillAxis, MillPosition};
 
-/// The rates and time constants of the axes.
+/// The rates and time constants of the axes, from which the times of moves are computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MillRates {
-    /// Rapid rates of the axes, mm/s or degrees/s.
+    /// Rapid rate of each axis, mm/s or degrees/s.
     rapid: AxisValues<f64>,
     /// Whether all axes of a rapid arrive together (012.7).
     is_straight: bool,
@@ -15,7 +15,7 @@ pub(crate) struct MillRates {
     rapid_time_s: f64,
     /// Greatest feed of cuts, mm/s.
     feed: f64,
-    /// Feed up to which a cut needs no ramp, mm/s.
+    /// Speed up to which a cut starts and stops without acceleration time, mm/s.
     feed_start: f64,
     /// Time constant of cuts, s.
     feed_time_s: f64,

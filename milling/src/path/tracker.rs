@@ -20,13 +20,13 @@ pub(crate) struct PathStep {
     pub(crate) to: MillPosition,
     pub(crate) arc: Option<MillArc>,
     pub(crate) feed: Option<Feed>,
-    /// Work zero in machine coordinates, without and with the length offset.
+    /// Work zero in force, machine coordinates, without the length offset.
     pub(crate) zero: MillPosition,
     pub(crate) frame: MillPosition,
     pub(crate) tool: u16,
     /// Spindle speed that a feed per revolution refers to, r/min.
     pub(crate) speed: f64,
-    /// Whether the motion stops at the end of the step.
+    /// Whether the axes stop at the end of the step.
     pub(crate) exact: bool,
     /// Whether a rigid tap moves out of the hole; `None` if the step is no rigid tap.
     pub(crate) rigid_out: Option<bool>,
@@ -37,7 +37,7 @@ pub(crate) struct PathStep {
 /// Callback that receives each move of the preview.
 pub(crate) type MoveCallback<'a> = dyn FnMut(&MillMove) + 'a;
 
-/// Turns steps into moves, and adds up their times, lengths and bounds.
+/// Converts steps into moves, and adds up their times, lengths and bounds.
 pub(crate) struct Tracker<'a> {
     rates: MillRates,
     axes: Axes,
@@ -81,7 +81,7 @@ impl<'a> Tracker<'a> {
         }
     }
 
-    /// Turns a step into a move. Errors: the alarm of a travel limit.
+    /// Converts a step into a move. Errors: the alarm of a travel limit.
     pub(crate) fn make(&mut self, step: &PathStep) -> Result<(), Alarm> {
         let turns = step.arc.is_some();
         if step.kind != MillMoveKind::Dwell && !turns && step.to == self.machine {
@@ -167,7 +167,7 @@ impl<'a> Tracker<'a> {
         Ok(())
     }
 
-    /// Ends the last cut with a stop, and passes it to the callback.
+    /// Lets the last cut end with a stop, and passes it to the callback.
     pub(crate) fn stop(&mut self) {
         if let Some((mut last, settling)) = self.pending.take() {
             last.duration_s += settling;

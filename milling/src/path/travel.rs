@@ -19,7 +19,8 @@ use crate::space::{Length, MillAxis, MillPosition, PlanePoint, sine_cosine};
 use crate::state::{MillState, Polar};
 use crate::words::{BlockWords, length};
 
-/// What the blocks of a run read and change beside the state.
+/// The memory, compensation and path that the blocks of a run read and change, besides the modal
+/// state.
 pub(crate) struct RunContext<'a, 'b> {
     pub(crate) memory: &'a mut MillMemory,
     pub(crate) cutter: &'a mut CutterStream,
@@ -27,7 +28,7 @@ pub(crate) struct RunContext<'a, 'b> {
     pub(crate) source: SourcePosition,
     /// Whether the current block ends with an exact stop (G09).
     pub(crate) exact: bool,
-    /// Queries the caller, before each repeated hole of a block, whether the run continues.
+    /// Asks the caller, before each repeated hole of a block, whether the run continues.
     pub(crate) progress_check: ProgressCheck<'a>,
 }
 
@@ -35,7 +36,7 @@ pub(crate) struct RunContext<'a, 'b> {
 pub(crate) struct ProgressCheck<'a> {
     /// Progress callback; returns false to stop the run.
     pub(crate) on_progress: &'a mut ProgressCallback<'a>,
-    /// Progress before the block.
+    /// Progress of the preview before the block.
     pub(crate) progress: PreviewProgress,
     /// Set once the caller has stopped the run.
     pub(crate) is_stopped: bool,
@@ -44,25 +45,25 @@ pub(crate) struct ProgressCheck<'a> {
 /// Progress callback; returns whether the run continues.
 pub(crate) type ProgressCallback<'a> = dyn FnMut(&PreviewProgress) -> bool + 'a;
 
-/// How a straight step is made.
+/// The kind of a straight step: cut, tap or thread.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum StepKind {
     Rapid,
-    /// Cuts at the feed in force.
+    /// The step is a cut at the feed in force.
     Cut,
-    /// Cuts at another feed, mm/min.
+    /// The step is a cut at another feed, mm/min.
     CutAt(f64),
-    /// Taps, in or out, synchronised with the spindle.
+    /// The step is a tap, in or out, synchronised with the spindle.
     Tap {
         /// Whether the tap moves out of the hole.
         out: bool,
     },
-    /// Cuts a thread with this lead, mm.
+    /// The step cuts a thread with this lead, mm.
     Thread(f64),
 }
 
 impl RunContext<'_, '_> {
-    /// Queries the caller. Returns whether to make more holes of the block.
+    /// Asks the caller whether the run continues; returns false to make no more holes of the block.
     fn can_continue(&mut self) -> bool {
         let progress_check = &mut self.progress_check;
         progress_check.progress.moves = self.tracker.moves;
@@ -71,7 +72,7 @@ impl RunContext<'_, '_> {
         !progress_check.is_stopped
     }
 
-    /// Returns a step of this kind that ends where it starts.
+    /// Returns a step of this kind without motion, at the current position.
     fn step(&self, state: &MillState, kind: MillMoveKind) -> PathStep {
         PathStep {
             source: self.source,
@@ -160,7 +161,7 @@ impl RunContext<'_, '_> {
         Ok(())
     }
 
-    /// Makes a dwell of `seconds`. A dwell of 0 is an exact stop.
+    /// Executes a dwell of `seconds`. A dwell of 0 is an exact stop.
     pub(crate) fn dwell(&mut self, state: &MillState, seconds: f64) -> Result<(), Alarm> {
         let step = PathStep {
             dwell_s: seconds,
@@ -187,8 +188,8 @@ pub(crate) fn feed(state: &MillState) -> Result<Feed, Alarm> {
     Ok(Feed::PerRevolution(modal.feed))
 }
 
-/// Returns the feed of a cut of rotary axes alone. An F in inches is no length there, so
-/// converts it back.
+/// Returns the feed of a cut in which only rotary axes move. An F in inches is converted back,
+/// because the feed of a rotary axis is in degrees.
 fn rotary_feed(state: &MillState, to: &MillPosition, feed: Feed) -> Feed {
     let moves = |axis: &MillAxis| to.get(*axis) != state.machine.get(*axis);
     let mut moving = state.axes.all().filter(moves).peekable();
@@ -388,7 +389,7 @@ pub(crate) fn take_hole_data(state: &mut MillState, words: &BlockWords) -> Resul
 /// Greatest number of holes in one block.
 const MAX_HOLES: i64 = 9999;
 
-/// Makes the holes of a block. Returns whether the block moves an axis.
+/// Executes the hole cycle at the positions of a block. Returns whether the block moves an axis.
 pub(crate) fn execute_holes(
     hole: Hole,
     state: &mut MillState,
@@ -498,7 +499,7 @@ fn hole_levels(
 }
 
 impl Polar {
-    /// Creates polar coordinates at the zero: radius and angle 0.
+    /// Creates polar coordinates with radius and angle 0.
     pub(crate) const fn begin() -> Self {
         Self {
             radius: Length::ZERO,

@@ -11,7 +11,7 @@ use crate::block::{self, BlockFlow};
 use crate::path::travel::ProgressCallback;
 use crate::words::BlockWords;
 
-/// Number of blocks that are searched for further alarms.
+/// Number of blocks after the first alarm that are searched for further alarms.
 const MAX_FURTHER_BLOCKS: u64 = 100_000;
 
 impl Run<'_> {

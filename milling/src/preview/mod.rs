@@ -34,19 +34,19 @@ use crate::words::BlockWords;
 const BLOCKS_PER_CALLBACK: u64 = 1024;
 /// Greatest number of warnings that are listed.
 const MAX_CAUTIONS: usize = 50;
-/// Greatest number of runs of a subprogram call.
+/// Greatest number of repetitions of a subprogram call.
 const MAX_RUNS: u16 = 9999;
 
-/// What a program finds when it starts: memory, position, settings.
+/// The state of a mill at the start of a program: memory, position and settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MillSetup {
     /// Parameters, tool offsets and work zeros of the mill.
     pub memory: MillMemory,
     /// Position of the axes at the start, machine coordinates.
     pub start: MillPosition,
-    /// Whether blocks with `/` are skipped.
+    /// Whether blocks that begin with `/` are skipped.
     pub block_skip: bool,
-    /// Date and time of the control's clock at the start.
+    /// Date and time of the control's clock at the start of the program.
     pub day_time: DayTime,
 }
 
@@ -65,7 +65,7 @@ impl Default for MillSetup {
 }
 
 impl MillSetup {
-    /// Replaces the parameters by those of the control `model`, which must be a mill.
+    /// Replaces the parameters by those of `model`, which must be a mill.
     #[must_use]
     pub fn with(mut self, model: &ControlModel) -> Self {
         self.memory.model.clone_from(model);
@@ -85,7 +85,7 @@ impl MillSetup {
     }
 }
 
-/// What the preview of a mill program has found.
+/// The result of the preview of a mill program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MillPreview {
     /// Whether the program ended, raised an alarm or was stopped.
@@ -108,11 +108,11 @@ pub struct MillPreview {
     pub stops: u32,
     /// Number of finished parts.
     pub parts: u32,
-    /// Numbers of the tools, in the order of their first use.
+    /// Numbers of the tools of the program, in the order of their first use.
     pub tools: Vec<u16>,
     /// The bounding box of the path; `None` without motion.
     pub bounds: Option<MillBounds>,
-    /// Path lengths by kind of move.
+    /// Lengths of the path, by kind of move.
     pub lengths: MillPathLengths,
     /// Final position of the tool tip, work coordinates.
     pub work: MillPosition,
@@ -447,7 +447,7 @@ impl<'a> Run<'a> {
         self.variables.parts = (self.variables.parts + 1) % Counters::PART_COUNT_LIMIT;
     }
 
-    /// Cancels at M30 what a reset cancels.
+    /// Resets at M30 the states that a reset cancels.
     fn reset(&mut self) {
         self.state.modal.hole = None;
         self.state.modal.cutter = CutterSide::On;

@@ -9,7 +9,8 @@ use proptest::prelude::*;
 
 use crate::{MillMove, MillMoveKind, MillPreview, MillSetup, PreviewEnd, preview_while};
 
-/// Runs a program on a setup with subprograms.
+/// Runs a program on a mill whose memory has the subprograms `others`; returns the preview and its
+/// moves.
 fn run_program(setup: &MillSetup, text: &str, others: &[&str]) -> (MillPreview, Vec<MillMove>) {
     let mut programs = ProgramMemory::default();
     for other in others {
@@ -31,7 +32,7 @@ fn run_to_end(text: &str) -> (MillPreview, Vec<MillMove>) {
     (preview, moves)
 }
 
-/// Returns the number and line of a program's alarm.
+/// Runs a program and returns number and line of its alarm.
 fn alarm(text: &str) -> (u16, u32) {
     let (preview, _) = run_program(&MillSetup::default(), text, &[]);
     let alarm = preview.alarm.unwrap_or_else(|| panic!("no alarm: {text}"));

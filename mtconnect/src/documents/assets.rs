@@ -3,7 +3,7 @@
 use super::{DocumentContext, add_sizes};
 use crate::assets::{ASSET_BUFFER_SIZE, StoredAsset, write_asset};
 
-/// Writes assets; `count` is the number of all stored ones.
+/// Writes a document with assets; `count` is the number of all stored ones.
 pub(crate) fn write_assets(
     context: DocumentContext<'_>,
     count: usize,

@@ -4,7 +4,7 @@ use super::{DocumentContext, ERROR_DOCUMENT, add_sizes};
 use crate::buffer::BUFFER_SIZE;
 use crate::query::AgentError;
 
-/// Writes the refusal of a request.
+/// Writes the document that reports a refused request.
 pub(crate) fn write_error(context: DocumentContext<'_>, error: &AgentError) -> String {
     let mut xml = context.begin(ERROR_DOCUMENT);
     add_sizes(&mut xml, &[("bufferSize", &BUFFER_SIZE)]);

@@ -11,14 +11,14 @@ use crate::agent_identity::AgentIdentity;
 use crate::time_stamp::TimeStamp;
 use crate::xml::XmlWriter;
 
-/// The document that does not describe a device.
+/// Name of the document that reports errors and has no device in it.
 const ERROR_DOCUMENT: &str = "MTConnectError";
 
-/// What every document has in its header.
+/// Data that the header of every document contains.
 #[derive(Clone, Copy)]
 pub(crate) struct DocumentContext<'a> {
     pub(crate) identity: &'a AgentIdentity,
-    /// Moment of the response.
+    /// Time of the response.
     pub(crate) now: TimeStamp,
 }
 
@@ -49,7 +49,7 @@ impl DocumentContext<'_> {
     }
 }
 
-/// Adds the attributes of the header that name a size.
+/// Adds attributes with sizes, such as `bufferSize`, to the header.
 fn add_sizes(xml: &mut XmlWriter, sizes: &[(&str, &dyn Display)]) {
     for (name, value) in sizes {
         xml.attribute(name, value);

@@ -7,7 +7,8 @@ use crate::device_description::DeviceDescription;
 use crate::model::{COMPONENTS, Component, DATA_ITEMS, DataItem};
 use crate::xml::XmlWriter;
 
-/// Writes the device model; `asset_count` is the number of stored assets.
+/// Writes the probe document, with components and data items; `asset_count` is the number of stored
+/// assets.
 pub(crate) fn write_probe(context: DocumentContext<'_>, asset_count: usize) -> String {
     let mut xml = context.begin("MTConnectDevices");
     add_sizes(

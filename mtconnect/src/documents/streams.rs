@@ -10,7 +10,7 @@ use crate::reading::FaultLevel;
 use crate::value::AgentValue;
 use crate::xml::XmlWriter;
 
-/// From this version on an alarm has an identifier.
+/// First schema version in which an alarm has an identifier.
 const CONDITION_ID_VERSION: SchemaVersion = SchemaVersion { major: 2, minor: 3 };
 
 /// Writes observations, in the order of components. `next_sequence` is the number from which the

@@ -20,7 +20,7 @@ use crate::panel::{FileRefusal, KeyEvent, PanelRetained, ReceiveError, SerialCab
 /// A change of an [`Emulator`] from outside. It acts between two ticks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum EmulatorInput {
-    /// A key, a typed character or the handwheel.
+    /// A key event: a key, a typed character or the handwheel.
     Key(KeyEvent),
     /// A request to the control without a key, for example of a view of the window.
     Request(Box<ControlRequest>),
@@ -34,9 +34,9 @@ pub enum EmulatorInput {
     ClearFaults,
     /// Forces an input of the lathe to a state; `None` releases it.
     ForceInput(BitAddress, Option<bool>),
-    /// Connects another end to the control's serial port.
+    /// Connects another device to the cable of the control's serial port.
     ConnectCable(SerialCable),
-    /// A file that the partner at the serial port sends.
+    /// Passes a file to the control, as the partner at the serial port sends it.
     Receive(SerialFile),
     /// The partner could not receive the files of the last transfer.
     TransferFailed,
@@ -44,22 +44,22 @@ pub enum EmulatorInput {
     Port(PortRequest),
     /// The state of the port of the computer, which the LCD shows.
     PortState(Communication),
-    /// Takes the files that the simulated partner has received.
+    /// Removes and returns the files that the simulated partner has received.
     TakeSent,
     /// Takes the files that 输出 sends through a port of the computer.
     TakePortFiles,
     /// Takes the report that 复位 has aborted a transfer through a port of the computer.
     TakeAborted,
-    /// What the device does that sends programs in DNC operation.
+    /// An event of the device that sends programs in DNC operation.
     Dnc(DncInput),
     /// Sets the graphic page to these extents, mm with X as a radius, and starts drawing.
     FitGraphic {
-        /// Least coordinates.
+        /// Least X and Z of the range to show, mm.
         min: Point,
-        /// Greatest coordinates.
+        /// Greatest X and Z of the range to show, mm.
         max: Point,
     },
-    /// Shows a page without keys and ends the self-test.
+    /// Shows a page of the LCD without pressing keys, and ends the self-test.
     ShowPage(PageId),
     /// Restores the panel's settings that survive power-off.
     RestorePanel(PanelRetained),
@@ -72,24 +72,24 @@ pub enum EmulatorInput {
     PlugUdisk(Option<Vec<UdiskFile>>),
     /// Takes the files that the control has stored on the U disk.
     TakeUdiskFiles,
-    /// An exercise refuses these keys and pages.
+    /// Sets the keys and pages that an exercise refuses.
     LimitPanel(PanelLimits),
 }
 
-/// What an [`EmulatorInput`] has led to.
+/// The result of applying an [`EmulatorInput`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum InputAnswer {
     /// The input was applied, or has no effect in the current state.
     Applied,
-    /// A key without effect, with the reason.
+    /// The key has no effect, for the reason in the message.
     KeyRefused(Message),
     /// The control refused the request with this alarm.
     Alarm(Box<Alarm>),
-    /// The control does not receive the file of the partner.
+    /// The control does not receive the file of the partner, for this reason.
     NotReceived(ReceiveError),
     /// The control refused the request of a client at the port.
     FileRefused(FileRefusal),
-    /// The requested or taken files.
+    /// The files that the request has returned.
     Files(Vec<SerialFile>),
     /// Files that the control has stored on the U disk.
     UdiskFiles(Vec<UdiskFile>),
@@ -100,9 +100,9 @@ pub enum InputAnswer {
 /// An input with the tick of [`Emulator::ticks`] before which it was applied.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StampedInput {
-    /// Ticks of the emulator at the time of the input.
+    /// Number of ticks of the emulator at the time of the input.
     pub tick: u64,
-    /// The applied input.
+    /// The input that was applied.
     pub input: EmulatorInput,
 }
 
@@ -188,7 +188,7 @@ impl Emulator {
         }
     }
 
-    /// Applies an input that only the panel handles.
+    /// Applies an input that concerns the panel alone.
     fn apply_to_panel(&mut self, input: &EmulatorInput) -> InputAnswer {
         match input {
             EmulatorInput::ConnectCable(cable) => self.panel.connect_cable(*cable),
@@ -211,7 +211,7 @@ impl Emulator {
         InputAnswer::Applied
     }
 
-    /// Records the inputs from now on. [`Self::take_inputs`] returns them.
+    /// Starts to record the applied inputs; [`Self::take_inputs`] returns them.
     pub fn record_inputs(&mut self) {
         self.record.is_on = true;
     }
@@ -233,7 +233,7 @@ impl Emulator {
         }
     }
 
-    /// Sets or clears a fault of the lathe.
+    /// Sets (`true`) or clears a fault of the lathe.
     pub fn set_fault(&mut self, fault: LatheFault, on: bool) {
         self.apply(EmulatorInput::Fault(fault, on));
     }
@@ -243,7 +243,7 @@ impl Emulator {
         self.apply(EmulatorInput::ForceInput(address, state));
     }
 
-    /// Connects another end to the control's serial port.
+    /// Connects another device to the control's serial port.
     pub fn connect_cable(&mut self, cable: SerialCable) {
         self.apply(EmulatorInput::ConnectCable(cable));
     }
@@ -259,7 +259,7 @@ impl Emulator {
         self.apply(EmulatorInput::RestorePanel(*retained));
     }
 
-    /// Takes the files that the simulated partner has received.
+    /// Removes and returns the files that the simulated partner has received.
     pub fn take_sent(&mut self) -> Vec<SerialFile> {
         if !self.panel.has_sent() {
             return Vec::new();
@@ -267,7 +267,7 @@ impl Emulator {
         self.take_files(EmulatorInput::TakeSent)
     }
 
-    /// Refuses keys and pages, for an exercise.
+    /// Sets the keys and pages that an exercise refuses.
     pub fn limit_panel(&mut self, limits: &PanelLimits) {
         self.apply(EmulatorInput::LimitPanel(limits.clone()));
     }

@@ -55,26 +55,26 @@ pub struct Emulator {
 /// A condition for [`Emulator::run_until`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum WaitCondition {
-    /// The self-test picture has disappeared.
+    /// Waits until the self-test picture after power-on has disappeared.
     SelfTestOver,
-    /// No program runs and the axes are stopped.
+    /// Waits until no program runs and the axes are stopped.
     Stopped,
     /// The block in execution has ended, or the run has stopped.
     BlockEnd,
-    /// An alarm or a message is active.
+    /// Waits until an alarm or a message is active.
     Alarm,
     /// A row of the LCD contains this text. Runs of blanks count as one.
     Text(String),
-    /// A bit of PLC memory has this value.
+    /// Waits until a bit of PLC memory has this value.
     Bit(BitAddress, bool),
 }
 
-/// How [`Emulator::run_until`] ended.
+/// Whether [`Emulator::run_until`] reached the condition or its time limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WaitOutcome {
     /// The condition became true.
     Reached,
-    /// The time limit expired first.
+    /// The time limit expired before the condition became true.
     TimedOut,
 }
 
@@ -120,7 +120,7 @@ impl Emulator {
         self.panel.clock()
     }
 
-    /// Simulates one millisecond of panel, control and lathe.
+    /// Simulates one tick (1 ms) of panel, control and lathe.
     pub fn tick(&mut self) {
         if self.panel.powered() {
             self.simulation.tick();
@@ -195,7 +195,7 @@ impl Emulator {
         self.key(KeyEvent::Down(key))
     }
 
-    /// Releases a key that is down.
+    /// Releases a key that is held down.
     pub fn key_up(&mut self, key: Key) {
         self.key(KeyEvent::Up(key));
     }

@@ -15,29 +15,29 @@ pub enum PortRequest {
     /// Checks whether the control would receive a file. An insufficient authority level raises
     /// its alarm.
     CheckReceive {
-        /// The file to receive.
+        /// Identifies the file to receive.
         id: FileId,
-        /// Whether an existing file may be replaced.
+        /// Whether an existing file of this name may be replaced.
         overwrite: bool,
     },
-    /// Receives a file completely or not at all.
+    /// Passes a file to the control, which receives all of it or nothing.
     Receive {
-        /// The file to receive; it gives a program its number.
+        /// Identifies the file to receive; gives a program its number.
         id: FileId,
-        /// Name and text of the file.
+        /// Name and text of the received file.
         file: SerialFile,
-        /// Whether an existing file may be replaced.
+        /// Whether an existing file of this name may be replaced.
         overwrite: bool,
     },
-    /// Returns the text of a file.
+    /// Requests the text of a file from the control.
     Send(FileId),
-    /// Deletes a program.
+    /// Deletes a program in the control's memory.
     Delete(FileId),
-    /// Gives a program another number.
+    /// Gives a program in the control's memory another number.
     Rename {
         /// The program to rename.
         from: FileId,
-        /// Its new number.
+        /// The new number of the program.
         to: FileId,
     },
 }

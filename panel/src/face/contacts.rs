@@ -2,27 +2,27 @@
 
 use gsk_messages::Message;
 
-/// An input or output of a control model.
+/// An input or output of a control model, with its pin.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactRow {
-    /// Pin of the connector; 0 if the manual gives none.
+    /// Number of the pin in the connector; 0 if the manual gives none.
     pub pin: u8,
-    /// What the contact is for.
+    /// The signal at the contact.
     pub meaning: ContactMeaning,
 }
 
-/// What an input or output of a control model is for.
+/// The purpose of an input or output of a control model.
 #[derive(Clone, Copy, Debug)]
 pub enum ContactMeaning {
-    /// The manual gives no meaning.
+    /// The manual does not assign a signal to the contact.
     Free,
     /// An M code switches the output, or an edge of the input acts as the code.
     Code(&'static str),
-    /// A signal with a name.
+    /// The contact has a signal with this name.
     Signal(fn() -> Message),
 }
 
-/// Returns a contact with a meaning at a pin.
+/// Creates the row of a contact with its pin and signal.
 pub(super) const fn contact(pin: u8, meaning: ContactMeaning) -> ContactRow {
     ContactRow { pin, meaning }
 }

@@ -7,9 +7,9 @@ pub struct Rect {
     pub x: f32,
     /// Y of the top edge, panel units, increasing downwards.
     pub y: f32,
-    /// Width, panel units.
+    /// Width of the rectangle, panel units.
     pub w: f32,
-    /// Height, panel units.
+    /// Height of the rectangle, panel units.
     pub h: f32,
 }
 

@@ -7,10 +7,10 @@ use crate::lcd::LcdColours;
 
 /// Width and height of the keys of the edit keyboard, panel units.
 const EDIT_KEY: (f32, f32) = (47.0, 60.0);
-/// Left and upper edge of the edit keyboard, panel units.
+/// Left edge of the edit keyboard, panel units.
 const LEFT: f32 = 708.0;
 const TOP: f32 = 92.0;
-/// Left edges of the address and number keys, panel units.
+/// Left edge of the address keys, panel units.
 const ADDRESS_LEFT: f32 = 822.0;
 const NUMBER_LEFT: f32 = 1095.0;
 /// Upper edge and height of the page keys, panel units.
@@ -30,7 +30,7 @@ const MODES: f32 = 28.0;
 const DIRECTIONS: f32 = 418.0;
 const SPINDLE: f32 = 622.0;
 const OVERRIDES: f32 = 764.0;
-/// Width of feed hold and cycle start, panel units.
+/// Width of the keys feed hold and cycle start, panel units.
 const HALF: f32 = 87.0;
 
 /// Returns the rectangle of a machine key in a column (from 0) after a left edge.
@@ -56,7 +56,7 @@ pub(super) const RESET: KeyGrid = grid(
     &[&[K::Reset]],
     PanelColour::Danger,
 );
-/// As large as letters, because they are pressed as often.
+/// The cursor keys, which are as large as letter keys because they are pressed as often.
 pub(super) const CURSOR: KeyGrid = grid(
     edit_key(LEFT, TOP + EDIT_KEY.1 + GAP),
     &[

@@ -19,10 +19,10 @@ pub use pages::{PAGES, PageId, PageKey, PageRow};
 use crate::keys::{Key, KeyRole, KeyRow};
 use crate::lcd::LcdColours;
 
-/// Space between keys, panel units.
+/// Space between two keys, panel units.
 pub const GAP: f32 = 6.0;
 
-/// What distinguishes the panel of a control model from others.
+/// The panel of a control model: its LCD colours, keys, pages and labels.
 #[derive(Debug)]
 pub struct Face {
     /// Colours of the LCD at full brightness.
@@ -45,44 +45,44 @@ pub struct Face {
 /// Keys of one size and colour, in rows from the top.
 #[derive(Clone, Copy, Debug)]
 pub struct KeyGrid {
-    /// Position and size of the first key, panel units.
+    /// Position and size of the first key of the grid, panel units.
     pub first: Rect,
     /// The keys of each row, from the left.
     pub rows: &'static [&'static [Key]],
-    /// The colour of the keys.
+    /// The colour of the keys in the grid.
     pub colour: PanelColour,
 }
 
-/// A label of the soft key bar and what its key does.
+/// A label in the row of soft keys, and the action of its key.
 #[derive(Clone, Copy, Debug)]
 pub struct SoftKey {
-    /// The main function whose bar has the label.
+    /// The main function whose row of soft keys has the label.
     pub group: PageKey,
-    /// The bar of the main function, from 0.
+    /// Index of the row of soft keys in the main function, from 0.
     pub bar: u8,
-    /// Position in the bar, 0 (F1) to 4 (F5).
+    /// Position of the soft key in its row, 0 (F1) to 4 (F5).
     pub position: u8,
-    /// The text of the label, at most six columns wide.
+    /// The text of the soft key's label, at most six columns wide.
     pub label: fn() -> Message,
-    /// What the key does.
+    /// The action that the soft key triggers.
     pub action: SoftAction,
 }
 
-/// What a soft key does.
+/// The action that a soft key triggers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SoftAction {
     /// Opens a page. On that page it steps through the pages of its display.
     Open(PageId),
-    /// Stores the selected program under the typed number too.
+    /// Also stores the selected program under the typed number.
     CopyProgram,
     /// Gives the selected program the typed number.
     RenameProgram,
-    /// Shows the next bar of the main function.
+    /// Shows the next row of soft keys of the main function.
     NextBar,
 }
 
-/// Returns the face of a control model. The mill has that of the GSK980TD, because it is not
-/// run here.
+/// Returns the panel of a control model. For the mill it is that of the GSK980TD, because mill
+/// panels are not simulated.
 pub const fn face_of(model: ModelId) -> &'static Face {
     match model {
         ModelId::Gsk980td | ModelId::Gsk980mdi => &gsk980td::FACE,
@@ -99,7 +99,7 @@ pub fn find_page(name: &str) -> Option<&'static PageRow> {
 }
 
 impl Face {
-    /// Returns the row of a key as it is on this panel; `None` if the panel has no such key.
+    /// Returns the row of a key of this panel; `None` if the panel has no such key.
     pub fn key(&self, key: Key) -> Option<&'static KeyRow> {
         if let Some(row) = self.printed.iter().find(|row| row.key == key) {
             return Some(row);
@@ -157,13 +157,14 @@ impl Face {
             .map_or(PageId::PosRel, |row| row.page)
     }
 
-    /// Returns the labels of a bar of a main function, in their order; empty without one.
+    /// Returns the labels of a row of soft keys of a main function, from left to right; empty if
+    /// there is no such row.
     pub fn soft_bar(&self, group: PageKey, bar: u8) -> impl Iterator<Item = &'static SoftKey> {
         let keys = self.soft_keys.iter();
         keys.filter(move |key| key.group == group && key.bar == bar)
     }
 
-    /// Returns the number of bars of a main function, at least 1.
+    /// Returns the number of rows of soft keys of a main function, at least 1.
     pub(crate) fn soft_bars(&self, group: PageKey) -> u8 {
         let keys = self.soft_keys.iter().filter(|key| key.group == group);
         keys.map(|key| key.bar + 1).max().unwrap_or(1)

@@ -18,19 +18,19 @@ pub enum PageId {
     PosAll,
     /// Position page with coordinates and program text.
     PosPrg,
-    /// Program text, and its editor in EDIT.
+    /// Program page: the program text, and in edit mode its editor.
     Prg,
     /// MDI page: words of the block and modal values.
     Mdi,
-    /// Directory of the stored programs.
+    /// Directory page of the stored programs.
     Dir,
-    /// Table of the tool offsets.
+    /// Page with the table of the tool offsets.
     Oft,
-    /// Values of the macro variables.
+    /// Page with the values of the macro variables.
     Macro,
-    /// Active messages of the PLC ladder (外部信息).
+    /// Page with the active messages of the PLC ladder (外部信息).
     Msg,
-    /// Active alarms of the control (报警信息).
+    /// Page with the active alarms of the control (报警信息).
     Alm,
     /// Setting page with TV check, ISO code, inch and automatic numbering.
     SetCode,
@@ -40,39 +40,39 @@ pub enum PageId {
     Edisk,
     /// Page that enters and changes the password of the operation level.
     Password,
-    /// Settings of the graphic page: plane, scale, centre, extents.
+    /// Setting page of the graphic display: plane, scale, centre, extents.
     GraphPar,
-    /// Picture of the tool path.
+    /// Page with the picture of the tool path.
     Graph,
-    /// State parameters: eight bits a number.
+    /// State parameters page: eight bits per number.
     ParBit,
-    /// Data parameters: one decimal value a number.
+    /// Data parameters page: one decimal value per number.
     ParData,
-    /// Pitch error compensation table.
+    /// Page with the pitch error compensation table.
     Pitch,
     /// Diagnosis page: contacts, drives, current tool.
     Dgn,
-    /// PLC signals, as bits.
+    /// Page with PLC signals, as bits.
     PlcBits,
-    /// PLC values: timers, counters and data.
+    /// Page with PLC values: timers, counters and data.
     PlcValues,
-    /// Switches of the soft machine panel, operated by number keys.
+    /// Page with the switches of the soft machine panel, operated by number keys.
     Softpanel,
-    /// Versions of control and ladder.
+    /// Page with the versions of control and ladder.
     Version,
     /// Blocks that the operator teaches by moving the axes (示教, NC-B08).
     Teach,
-    /// Parameters that only this model has (P 参数).
+    /// Page with the parameters that only this model has (P 参数).
     ParModel,
-    /// Inputs of the model with their pins, meanings and levels.
+    /// Page with the inputs of the model: pins, meanings and levels.
     Inputs,
-    /// Outputs of the model with their pins, meanings and levels.
+    /// Page with the outputs of the model: pins, meanings and levels.
     Outputs,
     /// Programs on the U disk, and those to be stored there.
     Udisk,
-    /// Zero offset and coordinates, which can be set (坐标修调, Huaxing).
+    /// Page on which zero offset and coordinates can be set (坐标修调, Huaxing).
     Coordinates,
-    /// Clears programs and restores delivered values (系统置零, Huaxing).
+    /// Page that clears programs and restores delivered values (系统置零, Huaxing).
     Reset,
 }
 
@@ -93,13 +93,13 @@ pub enum PageKey {
     Par,
     /// 诊断 DGN: opens the diagnosis and PLC pages.
     Dgn,
-    /// 示教 (NC-B08): opens the pages of teaching and graphic.
+    /// 示教 (NC-B08): opens the pages for teaching and graphic.
     Teach,
-    /// PRGRM (Huaxing): opens the main function of programs.
+    /// PRGRM (Huaxing): opens the main function for programs.
     Program,
-    /// OPERT (Huaxing): opens the main function of machining.
+    /// OPERT (Huaxing): opens the main function for machining.
     Operate,
-    /// PARAM (Huaxing): opens the main function of parameters.
+    /// PARAM (Huaxing): opens the main function for parameters.
     Parameter,
 }
 
@@ -138,7 +138,7 @@ pub(super) const fn row(
 /// Number of pages of the GSK980TD, which are the first of [`PageId`]. A recording always stores
 /// their cursors.
 pub(crate) const STORED_PAGES: usize = 25;
-/// Number of pages of all models.
+/// Total number of pages of all models.
 pub(crate) const PAGE_COUNT: usize = STORED_PAGES + MODEL_PAGE_NAMES.len();
 
 /// Names on the command line of the pages that only other models have, in the order of

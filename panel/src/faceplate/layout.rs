@@ -4,7 +4,7 @@ use super::{Outline, PanelArea, PanelColour, PanelPart, PartKind, Rect, SIZE};
 use crate::face::{Face, GAP, KeyGrid};
 use crate::keys::{Key, STRIP};
 
-/// Rectangle of the LCD, panel units.
+/// Rectangle of the LCD on the panel, panel units.
 pub(super) const LCD: Rect = Rect::new(28.0, 60.0, 640.0, 480.0);
 
 const BEZEL: Rect = Rect::new(14.0, 46.0, 668.0, 508.0);
@@ -47,7 +47,7 @@ pub(super) const SECTIONS: [PanelArea; 7] = [
     },
 ];
 
-/// Drawing layers, from the lowest.
+/// Number of the lowest drawing layer, for the background of the panel.
 const HOUSING: u8 = 0;
 const PLATE: u8 = 1;
 const ON_PLATE: u8 = 2;
@@ -122,7 +122,7 @@ fn print(
     });
 }
 
-/// Adds the strip of status lamps above the LCD.
+/// Adds the strip of status lamps above the LCD to the parts.
 fn strip(parts: &mut Vec<PanelPart>) {
     // Away from the edges of the plate: a lamp that changes repaints no edge.
     let width = (STRIP_PLATE.w - 2.0 * STRIP_MARGIN) / STRIP.len() as f32;
@@ -175,7 +175,7 @@ fn name_plate(parts: &mut Vec<PanelPart>) {
     }
 }
 
-/// Adds rows of keys of one size.
+/// Adds rows of equally large keys to the parts.
 fn grid(parts: &mut Vec<PanelPart>, face: &Face, grid: &KeyGrid) {
     let first = grid.first;
     for (row, keys) in grid.rows.iter().enumerate() {

@@ -15,13 +15,13 @@ use super::{LINE_HEIGHT, Outline, PanelArea, PanelColour, PanelPart, PartKind, R
 use crate::keys::{Bit, Key, KeyRole, STRIP, StripLamp};
 use additional::GRADUATIONS;
 
-/// Languages of the panel's print: both.
+/// Both languages, in which the panel is printed.
 const BOTH: [Language; 2] = [Language::Zh, Language::En];
 
 /// Line height of the control's name on the name plate, panel units.
 const NAME_SIZE: f32 = 32.0;
 
-/// Greatest `scale` of [`paint`], pixels a panel unit.
+/// Greatest `scale` of [`paint`], pixels per panel unit.
 const MAX_SCALE: f32 = 8.0;
 /// Distance that a part paints beyond its rectangle (shadow, glow), panel units.
 const REACH: f32 = 3.0;
@@ -29,7 +29,7 @@ const REACH_OF_WHEEL: f32 = 8.0;
 /// Margin painted around a section of the picture and cut off, pixels.
 const MARGIN: u32 = 4;
 
-/// What changes on the panel between two pictures: lamps, keys, LCD, handwheel.
+/// The state of the panel that a picture shows: lamps, keys, LCD, handwheel.
 #[derive(Clone, Copy, Default)]
 pub struct FaceState<'a> {
     /// The Y memory of the PLC, whose bits light the lamps.
@@ -308,7 +308,7 @@ impl Painter {
         self.text(lamp.label, LINE_HEIGHT, label, part.colour.rgb());
     }
 
-    /// Paints a lamp, with a glow when it is lit.
+    /// Paints a lamp in a colour, with a glow when it is lit.
     fn bulb(&mut self, rect: Rect, shape: Outline, colour: PanelColour) {
         if colour != PanelColour::LampOff {
             for (reach, strength) in [(4.0, 0.14), (2.0, 0.22)] {

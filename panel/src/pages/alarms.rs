@@ -8,7 +8,7 @@ use gsk_messages::Language;
 use crate::glyphs;
 use crate::screen::{COLUMNS, Screen};
 
-/// First and last screen row of the list, from 0.
+/// First screen row of the list, from 0.
 const FIRST_ROW: usize = 2;
 const LAST_ROW: usize = 12;
 

@@ -16,7 +16,7 @@ use super::view::PageView;
 use crate::face::PageId;
 use crate::screen::Screen;
 
-/// Number of diagnosis bytes, and of those on one screen.
+/// Number of diagnosis bytes.
 pub(crate) const DIAGNOSES: usize = 128;
 const SCREEN: usize = 16;
 
@@ -165,7 +165,7 @@ const fn wired(bits: [(u16, u8); 8]) -> [Option<(u16, u8)>; 8] {
     wired_bits
 }
 
-/// Diagnosis number that shows the current tool.
+/// Diagnosis number that shows the number of the current tool.
 const TOOL: usize = 75;
 /// Diagnosis numbers that show the state parameter whose number is 100 greater.
 const MIRRORED: [usize; 5] = [64, 68, 72, 73, 74];

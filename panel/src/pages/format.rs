@@ -3,10 +3,11 @@
 use gsk_core::cnc::Cnc;
 use gsk_core::units::Axis;
 
-/// Millimetres in an inch.
+/// Number of millimetres in an inch.
 const INCH: f64 = 25.4;
 
-/// Ten-thousandths of the F word that the per-revolution display drops.
+/// Number of ten-thousandths of the F word in one displayed unit; the per-revolution display rounds
+/// down to whole units.
 const PER_REVOLUTION_UNIT: f64 = 100.0;
 
 /// How coordinates are shown: X as diameter or radius, mm or inch.
@@ -20,7 +21,7 @@ pub struct CoordinateFormat {
 }
 
 impl CoordinateFormat {
-    /// Reads the format from the parameters of the control.
+    /// Returns the format that the parameters of the control select.
     pub fn of(cnc: &Cnc) -> Self {
         Self {
             diameter: !cnc.parameters().is_radius_programming(),
@@ -45,7 +46,7 @@ impl CoordinateFormat {
         }
     }
 
-    /// Formats a length given in mm, in inches if set.
+    /// Formats a length given in mm; in inches if the format is inch.
     pub fn length(self, value: f64) -> String {
         if self.inch {
             decimals(value / INCH, 4)
@@ -55,7 +56,7 @@ impl CoordinateFormat {
     }
 }
 
-/// Formats a number with `count` decimals, never "-0.000".
+/// Formats a number with `count` decimals; never as "-0.000".
 fn decimals(value: f64, count: usize) -> String {
     let text = format!("{value:.count$}");
     let zero = text.bytes().all(|byte| matches!(byte, b'-' | b'0' | b'.'));

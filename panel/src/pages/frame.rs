@@ -16,12 +16,12 @@ use crate::screen::{CellStyle, Screen};
 
 /// Screen row of the input line, and of the S and T display.
 pub(crate) const INPUT_ROW: usize = 13;
-/// Screen row of run state and operating mode.
+/// Screen row of the run state and the operating mode, from 0.
 const STATUS_ROW: usize = 14;
 /// Columns of the program number and the sequence number in the title row.
 const PROGRAM_COLUMN: usize = 28;
 const SEQUENCE_COLUMN: usize = 34;
-/// Column before which the input line ends.
+/// LCD column before which the input line ends.
 const INPUT_END: usize = 27;
 
 /// Columns in the status row: alarm, feed hold, mode, serial communication.
@@ -36,8 +36,8 @@ const SOFT_WIDTH: usize = 7;
 const SOFT_STATE_COLUMN: usize = 36;
 const SOFT_MODE_COLUMN: usize = 19;
 
-/// Draws what all pages have: title, program and sequence number, spindle, tool, run state,
-/// mode.
+/// Draws the parts that all pages have: title, program and sequence number, spindle, tool, run
+/// state, mode.
 pub fn draw(screen: &mut Screen, page: PageId, view: &PageView, cnc: &Cnc) {
     screen.put_message(0, 0, &page.title());
     let record = cnc.model().record();

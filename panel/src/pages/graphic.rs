@@ -24,7 +24,7 @@ pub(crate) const PLOT: DotArea = DotArea {
 /// The dot at which the centre of the picture (图形中心) is drawn.
 const CENTER: (f64, f64) = (116.0, 112.0);
 
-/// Half the length of the tool marker's arms, dots.
+/// Half the length of the lines that mark the tool, dots.
 const MARKER: f64 = 3.0;
 
 /// Draws the page with the settings of the graphic: plane, scale, centre, extents.

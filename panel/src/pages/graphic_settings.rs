@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub struct GraphicSettings {
     /// 坐标选择, the plane: `false` is XZ (0), `true` is ZX (1, Z horizontal).
     pub zx: bool,
-    /// 缩放比例, the scale: hundredths of a dot for a millimetre.
+    /// 缩放比例, the scale, in hundredths of a dot per millimetre.
     pub scale: u32,
     /// 图形中心, X of the picture's centre, 0.001 mm.
     pub center_x: i32,
@@ -45,7 +45,7 @@ impl GraphicSettings {
         self.center_z = center(self.max_z, self.min_z);
     }
 
-    /// Returns the scale of the picture, dots for a millimetre.
+    /// Returns the scale of the picture, dots per millimetre.
     pub(crate) fn dots_per_mm(&self) -> f64 {
         f64::from(self.scale) / 100.0
     }

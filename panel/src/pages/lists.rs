@@ -4,14 +4,14 @@
 use crate::glyphs;
 use crate::screen::{COLUMNS, Screen};
 
-/// Number of list rows on one screen.
+/// Number of list rows that one screen shows.
 pub(crate) const LIST_ROWS: usize = 8;
-/// Screen row of a list's headings.
+/// Screen row of a list's column headings.
 pub(crate) const HEADING_ROW: usize = 1;
-/// Screen row of a list's first item.
+/// Screen row of the first item of a list.
 pub(crate) const FIRST_ROW: usize = 2;
 
-/// LCD columns of one half of a list, from 0.
+/// The LCD columns of the left or right half of a list, from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ListColumns {
     /// Column in which the cursor is drawn.

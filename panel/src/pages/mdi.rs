@@ -12,9 +12,9 @@ use crate::screen::Screen;
 
 /// Addresses of the words on the left side, one a screen row from row 2 on.
 const WORDS: &[u8] = b"XZUWRFMSTPQ";
-/// Addresses of the words that are lengths, shown with decimals.
+/// Address letters of the words that are lengths, which are shown with decimals.
 const LENGTHS: &[u8] = b"XZUWR";
-/// Screen row of the first word.
+/// Screen row of the first word of the MDI block.
 const FIRST_ROW: usize = 2;
 /// Columns: address and end of the value on the left; codes, address and end of the value on
 /// the right.
@@ -23,7 +23,7 @@ const WORD_END: usize = 18;
 const CODE_COLUMN: usize = 24;
 const MODAL_COLUMN: usize = 30;
 const MODAL_END: usize = 39;
-/// Row of a macro B statement, which has no words.
+/// Screen row of a macro B statement, which has no words.
 const STATEMENT_ROW: usize = 1;
 /// Greatest spindle speed limit, r/min; the control then has no limit.
 const NO_LIMIT: f64 = 9999.0;

@@ -119,7 +119,7 @@ mod tests {
 
     use crate::glyphs::text_columns;
 
-    /// A text of the table without its placeholders.
+    /// Returns a text of the message table without its placeholders.
     fn words(text: &str) -> String {
         let parts = text.split('{');
         let rests = parts.map(|part| part.split_once('}').map_or(part, |(_, rest)| rest));

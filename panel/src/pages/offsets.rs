@@ -12,11 +12,11 @@ use super::view::PageView;
 use crate::face::PageId;
 use crate::screen::Screen;
 
-/// Number of variables on one screen.
+/// Number of macro variables that one screen shows.
 const VARIABLE_SCREEN: usize = 16;
 /// The text instead of a value with too many digits (manual I-3.7.3.3).
 const TOO_LONG: &str = "******";
-/// Greatest absolute value of an integer variable that is shown.
+/// Greatest absolute value of an integer variable that the page can show.
 const GREATEST_SHOWN: u64 = 9_999_999;
 
 /// Least and greatest absolute values of a real variable that are shown.
@@ -86,7 +86,7 @@ pub fn variables(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
 /// Formats a real variable with eight digits. `None` (null) is blank, and a value with too
 /// many digits is stars (manual of macro B, 2.3).
 fn real_value(value: Option<f64>) -> String {
-    /// Digits that a variable keeps.
+    /// Number of significant digits that a variable stores.
     const DIGITS: i32 = 8;
     const STARS: &str = "********";
     let Some(value) = value else {

@@ -14,13 +14,13 @@ use crate::face::PageId;
 use crate::glyphs;
 use crate::screen::Screen;
 
-/// Number of parameters on one screen.
+/// Number of parameters that one screen shows.
 const SCREEN: usize = 16;
 /// Number of points in the pitch error table, and of those on one of its screens.
 pub(crate) const PITCH_POINTS: usize = 256;
 const PITCH_SCREEN: usize = 8;
 
-/// Columns of a list whose values have eight binary digits.
+/// LCD columns of a list whose values have eight binary digits.
 pub const BITS: [ListColumns; 2] = [
     ListColumns {
         cursor: 0,

@@ -3,19 +3,19 @@
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-/// The password page's response to the last entry.
+/// The response that the password page shows to the last entry.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Hint {
-    /// No response is shown.
+    /// The password page shows no response.
     #[default]
     None,
-    /// No level has the entered password.
+    /// The entered password belongs to no operation level.
     Wrong,
     /// The two new passwords differ, or their length is not that of the old one.
     Different,
     /// The password was right, and its operation level is now in force.
     LevelEntered,
-    /// The operation level was lowered by the operator.
+    /// The operator has lowered the operation level.
     LevelLeft,
     /// The password of the level was replaced by the new one.
     Changed,
@@ -34,12 +34,12 @@ impl Hint {
     }
 }
 
-/// The typed digits of the password page and its response.
+/// The typed digits on the password page, with the response to the last entry.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PasswordEntry {
     /// The digits typed in 输入密码 (password), 更改密码 (new) and 确认密码 (new again).
     pub rows: [String; 3],
-    /// The response to the last entry.
+    /// The response that the page shows to the last entry.
     pub hint: Hint,
 }
 

@@ -27,7 +27,7 @@ const BIT_AREAS: [Area; 7] = [
 ];
 const VALUE_AREAS: [Area; 3] = [Area::D, Area::T, Area::C];
 
-/// Number of bytes on one screen of the signal page.
+/// Number of bytes that one screen of the signal page shows.
 const BIT_SCREEN: usize = 2 * LIST_ROWS;
 
 /// Returns the PLC address that an item of the signal page shows. Items are counted from 0

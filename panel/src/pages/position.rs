@@ -11,7 +11,7 @@ use super::program_text::{self, Listing};
 use super::view::PageView;
 use crate::screen::{CellStyle, Screen};
 
-/// Screen rows of the big figures of X and Z.
+/// Screen rows of the large coordinates of X and Z.
 const BIG_ROWS: [usize; 2] = [3, 6];
 /// Columns of the big letters, and end columns of the big figures: in the row's text, and on
 /// the picture.

@@ -12,7 +12,7 @@ use crate::screen::Screen;
 /// Number of programs on one screen of the directory, and in one of its rows.
 pub(crate) const DIRECTORY_SCREEN: usize = 36;
 const DIRECTORY_ROW: usize = 6;
-/// The control's version that the directory shows.
+/// The control's software version that the directory page shows.
 const VERSION: &str = "Gsk-980TD V05.05.12";
 
 /// Draws the program page: the editor in EDIT, otherwise the block in execution.

@@ -25,14 +25,14 @@ pub struct Listing {
     pub skip: usize,
 }
 
-/// What is marked in the listing of a program: a running block or the edit cursor.
+/// The mark in the listing of a program: the running block or the edit cursor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ListingMark {
     /// The block in execution, by its line (from 1). It is drawn inverse.
     Block(u32),
-    /// The edit cursor, at a character of a line.
+    /// The mark is the edit cursor, at a character of a line.
     Edit {
-        /// Line of the cursor, from 1.
+        /// Line of the edit cursor, from 1.
         line: u32,
         /// Character in the line at which the cursor is, from 0.
         column: u32,
@@ -146,7 +146,7 @@ fn byte_of(text: &str, column: u32) -> usize {
     last
 }
 
-/// Draws the listing of a program with its mark.
+/// Draws the listing of a program with its cursor or current block.
 pub fn draw(
     screen: &mut Screen,
     program: &Program,

@@ -23,9 +23,9 @@ pub struct TaughtProgram {
 pub struct TaughtPoint {
     /// The F word of the G01 to the point, empty without one; `None` for G00.
     pub feed: Option<String>,
-    /// The X word as it is written in the program.
+    /// The X word of the point as it is written in the program.
     pub x: String,
-    /// The Z word as it is written in the program.
+    /// The Z word of the point as it is written in the program.
     pub z: String,
 }
 

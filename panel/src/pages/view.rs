@@ -22,7 +22,7 @@ pub(crate) const DEFAULT_BRIGHTNESS: u8 = 8;
 /// The state of the panel that the pages draw, beside that of the control.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PageView {
-    /// Ticks (ms) since power-on; they time flashing.
+    /// Ticks (ms) since power-on; determine when texts flash.
     pub ticks: u64,
     /// Brightness of the LCD, 0 (darkest) to 15.
     pub brightness: u8,
@@ -33,11 +33,11 @@ pub struct PageView {
     pub flashing: Option<Axis>,
     /// Whether the position pages show the spindle override instead of the rapid override (转换).
     pub spindle_override: bool,
-    /// The cursor of each page.
+    /// The cursor of each page of the LCD.
     pub cursors: PageCursors,
     /// The program editor: text, cursor and mode.
     pub editor: EditorState,
-    /// Which screen of 36 programs the directory shows, from 0.
+    /// Index of the screen of 36 programs that the directory page shows, from 0.
     pub directory_screen: usize,
     /// The digits typed on the password page, and its response.
     pub password: PasswordEntry,
@@ -53,10 +53,10 @@ pub struct PageView {
     /// The program that is taught by moving the axes.
     #[serde(default)]
     pub teaching: TaughtProgram,
-    /// The plugged U disk; `None` without one.
+    /// Content of the inserted U disk; `None` without one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub udisk: Option<Udisk>,
-    /// The bar of soft keys that is shown, from 0.
+    /// Index of the row of soft keys that is shown, from 0.
     #[serde(default, skip_serializing_if = "is_first_bar")]
     pub soft_bar: u8,
 }
@@ -64,7 +64,7 @@ pub struct PageView {
 /// The content of a U disk.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Udisk {
-    /// The files, by name.
+    /// The files on the U disk, by name.
     pub files: Vec<UdiskFile>,
     /// Names of the files that the control has stored and the host has not taken yet.
     pub stored: Vec<String>,
@@ -75,7 +75,7 @@ pub struct Udisk {
 pub struct UdiskFile {
     /// Name of the file without its folder.
     pub name: String,
-    /// Text of the file.
+    /// Content of the file as text.
     pub text: String,
 }
 
@@ -108,13 +108,13 @@ impl Default for PageView {
 }
 
 impl PageView {
-    /// Returns whether flashing texts are visible at this tick.
+    /// Returns whether flashing texts are currently visible.
     pub(crate) const fn flash_on(&self) -> bool {
         (self.ticks / FLASH_TICKS).is_multiple_of(2)
     }
 }
 
-/// The cursor of a page with items.
+/// The cursor of one page with items.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PageCursor {
     /// The selected item, from 0. The page shows the screen that contains it.
@@ -172,7 +172,7 @@ impl PageCursors {
     }
 }
 
-/// What the program editor edits and how.
+/// The state of the program editor: text, cursor and mode.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EditorState {
     /// The text in the editor with its cursor. `None` shows the stored program at the

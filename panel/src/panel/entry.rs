@@ -184,7 +184,7 @@ impl Panel {
         self.clear_input();
     }
 
-    /// Handles 转换: changes what the page shows, or starts a search.
+    /// Handles the key 转换: switches the contents of the page, or starts a search.
     pub(super) fn change_key(&mut self, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         match self.page {
             PageId::Prg if self.edits(cnc) && self.view.input.starts_with('O') => {

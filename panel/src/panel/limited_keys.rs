@@ -8,7 +8,7 @@ use crate::keys::Key;
 use crate::panel::limits::PanelLimits;
 
 impl Panel {
-    /// Sets what an exercise refuses.
+    /// Sets the keys and pages that an exercise refuses.
     pub(crate) fn set_limits(&mut self, limits: PanelLimits) {
         self.limits = limits;
     }

@@ -19,21 +19,21 @@ pub struct PanelLimits {
     pages: BTreeSet<PageId>,
 }
 
-/// Names of keys or pages as written in an exercise.
+/// The names of keys or pages that an exercise permits or excludes.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 pub enum PermittedNames {
-    /// Only these are permitted.
+    /// Only keys or pages with these names are permitted.
     Only(Vec<String>),
-    /// All but these are permitted.
+    /// All keys or pages are permitted except those with these names.
     AllBut(Vec<String>),
 }
 
 /// A name that cannot be in the list of an exercise.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NameFault {
-    /// The name as written.
+    /// The invalid name as written in the exercise.
     pub name: String,
-    /// The rule that it breaks.
+    /// Message about the rule that the name breaks.
     pub rule: Message,
 }
 
@@ -70,12 +70,12 @@ impl PanelLimits {
         Ok(())
     }
 
-    /// Returns whether nothing is refused.
+    /// Returns true if no key and no page is refused.
     pub fn is_empty(&self) -> bool {
         self.keys.is_empty() && self.pages.is_empty()
     }
 
-    /// Returns whether a page is refused.
+    /// Returns whether any page is refused.
     pub(crate) fn refuses_pages(&self) -> bool {
         !self.pages.is_empty()
     }

@@ -182,13 +182,14 @@ pub(super) fn item_count(page: PageId, cnc: &Cnc) -> usize {
     }
 }
 
-/// A page whose list takes several screens.
+/// A page whose list needs several screens.
 #[derive(Clone, Copy, Debug)]
 struct ListScreen {
     page: PageId,
     size: usize,
     items: usize,
-    /// Whether the page is the only one of its display.
+    /// Whether the page has no neighbours in its group, so that paging wraps around within its
+    /// list.
     alone: bool,
 }
 

@@ -10,7 +10,7 @@ use super::Panel;
 use crate::keys::Key;
 use crate::pages::{PAGE_ROWS, PageId};
 
-/// `O-` with these digits means all programs.
+/// Typed after `O-`, these digits mean all programs.
 const ALL_PROGRAMS: [&str; 2] = ["999", "9999"];
 
 impl Panel {
@@ -246,7 +246,7 @@ impl Panel {
         }
     }
 
-    /// Moves the edit cursor one screen forward or back.
+    /// Moves the edit cursor by one screen, forward or back.
     pub(super) fn turn_text_page(
         &mut self,
         forward: bool,
@@ -391,7 +391,7 @@ impl Panel {
     }
 }
 
-/// Returns the selected program; `None` if none is selected.
+/// Returns the program that is selected; `None` if none is.
 fn current(cnc: &Cnc) -> Option<&Program> {
     cnc.programs().get(cnc.programs().selected()?)
 }
@@ -408,8 +408,8 @@ fn is_running(cnc: &Cnc) -> bool {
     cnc.rights().operating
 }
 
-/// Returns what the editor adds to typed text (sequence numbers, decimal points), by the
-/// settings of the control.
+/// Returns the characters that the editor adds to typed text (sequence numbers, decimal points), by
+/// the settings of the control.
 fn completion(cnc: &Cnc) -> Completion {
     let step = cnc.parameters().block_number_step();
     Completion {

@@ -102,8 +102,8 @@ impl Panel {
         }
     }
 
-    /// Returns the message that the typed value is invalid here, if 输入 would ignore it;
-    /// otherwise `None`.
+    /// Returns the message that the typed value is invalid on this page, if the key 输入 would ignore
+    /// it; otherwise `None`.
     fn refuses_value(&self, cnc: &Cnc) -> Option<Message> {
         let mut requests = Vec::new();
         let entered = !self.view().input.trim().is_empty();

@@ -6,7 +6,7 @@ use super::{INPUT_LENGTH, Panel};
 use crate::face::{SoftAction, face_of};
 
 impl Panel {
-    /// Does what the label at a position of the shown bar names.
+    /// Executes the action of the soft key at a position of the row that is shown.
     pub(super) fn soft_key(&mut self, position: u8, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         let face = face_of(cnc.model().id());
         let Some(shown) = face.page(self.page) else {

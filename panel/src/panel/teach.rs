@@ -127,7 +127,7 @@ fn programmed(cnc: &Cnc, axis: Axis) -> String {
     }
 }
 
-/// Formats a number with `decimals` decimals, never "-0.000".
+/// Formats a number with `decimals` decimals; never as "-0.000".
 fn signed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {

@@ -32,7 +32,7 @@ fn page(emulator: &Emulator) -> PageId {
     emulator.panel().page()
 }
 
-/// The row of a page of the GSK980TD.
+/// Returns the row of a page of the GSK980TD in the table of pages.
 fn main_row(page: PageId) -> &'static PageRow {
     face_of(ModelId::Gsk980td).page(page).unwrap()
 }

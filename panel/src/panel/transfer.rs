@@ -20,7 +20,7 @@ pub use line::{FileId, FileRefusal, file_of, number_of_name, read_data};
 const MIN_BAUD: u64 = 4800;
 /// Bits of a character on the line: start bit, eight data bits, stop bit.
 const CHARACTER_BITS: u64 = 10;
-/// Ticks in a second.
+/// Number of ticks in a second.
 const SECOND: u64 = 1000;
 
 /// The reason why the control does not receive a file.
@@ -29,7 +29,7 @@ const SECOND: u64 = 1000;
 pub enum ReceiveError {
     /// The serial port is off (parameter 002.5).
     PortOff,
-    /// Another transfer through the port is in progress.
+    /// Another transfer through the serial port is in progress.
     Busy,
     /// The baud rate of the port is too low for the partner.
     TooSlow,
@@ -44,7 +44,7 @@ pub enum ReceiveError {
     Refused {
         /// The name of the refused file.
         name: String,
-        /// The right, switch or mode that forbids receiving the file.
+        /// The operation level, switch or mode that forbids receiving the file.
         why: WriteRefusal,
     },
 }
@@ -65,13 +65,13 @@ impl ReceiveError {
 /// A text file that is sent or received through the serial port.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SerialFile {
-    /// Name of the file, with its extension.
+    /// Name of the file with its extension.
     pub name: String,
-    /// Content of the file.
+    /// Text that the file contains.
     pub text: String,
 }
 
-/// The programs or data that 输出 sends.
+/// The kind of programs or data that the key 输出 sends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum Wanted {
     Program(u16),
@@ -81,26 +81,26 @@ enum Wanted {
     Parameters,
 }
 
-/// What is connected at the other end of the serial port.
+/// The device at the other end of the serial port's cable.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SerialCable {
-    /// No cable is connected.
+    /// No cable is connected to the serial port.
     #[default]
     #[serde(rename = "Nobody")]
     Disconnected,
     /// A simulated partner that accepts every file, without a port of the computer.
     #[serde(rename = "Imagined")]
     Simulated,
-    /// A port of the computer, through which the files pass.
+    /// The cable leads to a port of the computer.
     Line,
 }
 
-/// The state of the serial port and its transfers.
+/// The state of the serial port and of its transfers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Transfer {
     partner: SerialCable,
-    /// What 输出 has requested; `None` without a request. It starts at the next tick, after the
-    /// editor has stored its text.
+    /// The files that the key 输出 has requested; `None` without a request. The transfer starts at
+    /// the next tick, after the editor has stored its text.
     wanted: Option<Wanted>,
     /// Outgoing files, incoming file, and the clock tick at which the transfer ends.
     files: Vec<SerialFile>,
@@ -115,7 +115,7 @@ pub(super) struct Transfer {
 }
 
 impl Transfer {
-    /// Returns the state after power-on. The cable remains connected.
+    /// Returns the state that power-on leaves: no transfer runs, the cable remains connected.
     pub(super) fn after_power_on(&self) -> Self {
         Self {
             partner: self.partner,
@@ -126,7 +126,7 @@ impl Transfer {
 }
 
 impl Panel {
-    /// Connects another end to the serial port.
+    /// Connects another device to the serial port.
     pub(crate) const fn connect_cable(&mut self, cable: SerialCable) {
         self.transfer.partner = cable;
     }
@@ -136,7 +136,7 @@ impl Panel {
         !self.transfer.sent.is_empty()
     }
 
-    /// Takes the files that the simulated partner has received.
+    /// Removes and returns the files that the simulated partner has received.
     pub(crate) fn take_sent(&mut self) -> Vec<SerialFile> {
         core::mem::take(&mut self.transfer.sent)
     }
@@ -347,7 +347,7 @@ impl Panel {
     }
 }
 
-/// Returns the message about a refusal, for the partner.
+/// Returns the message about a refusal that is sent to the partner.
 fn reason(refusal: WriteRefusal) -> Message {
     match refusal {
         WriteRefusal::Mode => say::refusal_mode(),

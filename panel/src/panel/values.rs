@@ -13,7 +13,7 @@ use crate::pages::{self, Hint, PageId};
 const BITS: usize = 8;
 /// Greatest number of digits in a row of the password page.
 const PASSWORD_LENGTH: usize = 8;
-/// Diagnosis number that shows the current tool.
+/// Diagnosis number that shows the number of the current tool.
 const TOOL: usize = 75;
 /// The rows of the setting page, in the order of the cursor.
 const SETTINGS: [SettingRow; 4] = [

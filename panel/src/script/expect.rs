@@ -11,17 +11,17 @@ use crate::emulator::{Emulator, fold_blanks};
 use crate::keys::Bit;
 use crate::why::{self, BitLog, CauseSubject};
 
-/// Greatest difference of two coordinates that the display shows alike, mm.
+/// Greatest difference between coordinates that are equal on the display, mm.
 const TOLERANCE: f64 = 0.000_500_1;
 
 /// One of the coordinate systems that the LCD shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CoordinateSystem {
-    /// 绝对坐标: coordinates of the workpiece.
+    /// 绝对坐标: the absolute coordinate system.
     Absolute,
-    /// 机床坐标: coordinates from the machine zero.
+    /// 机床坐标: the machine coordinate system.
     Machine,
-    /// 相对坐标: coordinates from where the operator has cleared U and W.
+    /// 相对坐标: the relative coordinate system; its zero is where the operator has cleared U and W.
     Relative,
 }
 
@@ -44,35 +44,33 @@ impl CoordinateSystem {
 /// An expectation of a script about control, panel or lathe.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Expectation {
-    /// This row of the LCD, from 0, contains this text. Runs of blanks count as one.
+    /// Expects that this row of the LCD, from 0, contains this text. Runs of blanks count as one.
     Row(usize, String),
-    /// The displayed coordinates are these: system, X as displayed (diameter or radius), Z,
-    /// mm.
+    /// Expects these displayed coordinates: system, X as displayed (diameter or radius), Z, mm.
     Position(CoordinateSystem, f64, f64),
-    /// The machine's slides are at this position: X as a diameter and Z, mm from the reference
-    /// point.
+    /// Expects the slides at this position: X as a diameter and Z, mm from the reference point.
     Slides(f64, f64),
-    /// The numbers of command pulses since power-on, X and Z, are in these ranges.
+    /// Expects that the numbers of command pulses since power-on, X and Z, are in these ranges.
     Pulses(RangeInclusive<i64>, RangeInclusive<i64>),
-    /// The analog spindle output has this voltage, V.
+    /// Expects that the analog spindle output has this voltage, V.
     Volts(f64),
-    /// The lamp with this name in the script, at this Y bit, is lit (`true`) or dark.
+    /// Expects that the lamp with this name in the script, at this Y bit, is lit (`true`) or dark.
     Lamp(String, Bit, bool),
-    /// An alarm or a message with this number is active.
+    /// Expects that an alarm or a message with this number is active.
     Alarm(u16),
-    /// No alarm and no message is active.
+    /// Expects that no alarm and no message is active.
     NoAlarm,
-    /// The control is in this operating mode.
+    /// Expects that the control is in this operating mode.
     Mode(OperatingMode),
-    /// A bit of PLC memory has this value.
+    /// Expects that a bit of PLC memory has this value.
     Bit(BitAddress, bool),
-    /// A byte of PLC memory, or an entry of timers, counters or data, has this value.
+    /// Expects that a byte of PLC memory, or an entry of timers, counters or data, has this value.
     Value(ByteAddress, i32),
-    /// A state of control, panel or lathe, as lessons expect it.
+    /// Expects a state of control, panel or lathe, as lessons do.
     State(ExpectedState),
-    /// The chain of causes of a state has a line with this text, in English.
+    /// Expects that the chain of causes of a state has a line with this text, in English.
     Cause(CauseSubject, String),
-    /// The inner expectation is not met.
+    /// Expects that the inner expectation is not met.
     Not(Box<Expectation>),
 }
 
@@ -80,7 +78,7 @@ pub enum Expectation {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum UnmetExpectation {
-    /// The row of the LCD, from 0, and its actual text.
+    /// The row of the LCD, from 0, with its actual text.
     Row(usize, String),
     /// The actual coordinates X and Z as displayed, mm.
     Position(f64, f64),
@@ -90,21 +88,21 @@ pub enum UnmetExpectation {
     Pulses(i64, i64),
     /// The actual voltage of the analog spindle output, V.
     Volts(f64),
-    /// The lamp's name, and `on` or `off` as it actually is.
+    /// The lamp's name, with `on` or `off` as its actual state.
     Lamp(String, &'static str),
     /// The alarms and messages that are actually active.
     Alarms(Vec<String>),
     /// The actual operating mode, as the LCD shows it.
     Mode(&'static str),
-    /// A bit of PLC memory, and its actual value (0 or 1).
+    /// A bit of PLC memory with its actual value (0 or 1).
     Bit(BitAddress, u8),
-    /// A byte or entry of PLC memory, and its actual value.
+    /// A byte or entry of PLC memory with its actual value.
     Value(ByteAddress, i32),
-    /// The actual chain of causes.
+    /// The chain of causes that was found instead, as text.
     Cause(String),
     /// The message about the actual state of control, panel or lathe.
     State(Message),
-    /// The state that a `not` excludes is present.
+    /// The state that `not` excludes is present.
     Holds,
 }
 

@@ -60,7 +60,7 @@ pub const FORMS: [(&str, &str); 23] = [
     ),
 ];
 
-/// A script whose lines are valid.
+/// An operator script whose lines are valid.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Script {
     /// The lines that contain an action, in order.
@@ -77,16 +77,16 @@ pub struct ScriptLine {
     /// The tick (ms) at which the action starts, counted from the start of the script; `None`
     /// starts it after the line before.
     pub at: Option<u64>,
-    /// What the line does.
+    /// The action that the line performs.
     pub action: ScriptAction,
 }
 
-/// What a line of a script does.
+/// The action that a line of a script performs.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ScriptAction {
     /// Presses a key for 100 ms, then waits 100 ms. A line with `@tick` does not wait.
     Press(Key),
-    /// Holds a key for this number of milliseconds.
+    /// Holds a key down for this number of milliseconds.
     Hold(Key, u64),
     /// Presses a key and keeps it down.
     Down(Key),
@@ -104,9 +104,9 @@ pub enum ScriptAction {
     /// Connects a partner that sends the file with this path whenever DNC mode requests a
     /// program. `None` disconnects the partner.
     Dnc(Option<String>),
-    /// Switches the power on (`true`) or off.
+    /// Switches the power on (`true`) or off (`false`).
     Power(bool),
-    /// Sets (`true`) or clears a fault of the lathe.
+    /// Sets (`true`) or clears (`false`) a fault of the lathe.
     Fault(LatheFault, bool),
     /// Turns the handwheel by a number of graduations in a number of milliseconds, by default
     /// at two turns a second. After `@tick` the default is at once.
@@ -118,7 +118,7 @@ pub enum ScriptAction {
     WaitFor(WaitCondition, u64, u64),
     /// Forces a machine input to a value instead of its sensor's.
     Set(BitAddress, bool),
-    /// Gives a machine input the value of its sensor again.
+    /// Ends the forcing of a machine input, so that it has the value of its sensor.
     Free(BitAddress),
     /// Forces a bit of PLC memory to a value against the ladder. `None` releases the bit.
     Force(BitAddress, Option<bool>),

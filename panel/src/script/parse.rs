@@ -19,7 +19,7 @@ use crate::why::CauseSubject;
 
 /// Time limit of a `wait` that does not give one, milliseconds.
 const DEFAULT_LIMIT: u64 = 60_000;
-/// Greatest time in a script, milliseconds: a hundred days.
+/// Greatest time that a script may contain, milliseconds: a hundred days.
 const LONGEST: f64 = 100.0 * 24.0 * 3600.0 * 1000.0;
 
 pub(super) fn script(text: &str) -> Result<Script, Vec<ScriptError>> {

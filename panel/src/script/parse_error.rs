@@ -7,27 +7,27 @@ use gsk_messages::{Message, say};
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum ParseError {
-    /// The word after `@` is not a number of ticks.
+    /// The word after `@` is not a number of ticks; the value is the word.
     NoTick(String),
     /// A text has no closing quotation mark.
     NotClosed,
     /// The words after a known action do not have its form.
     Form {
-        /// Name of the action.
+        /// Name of the action in the line.
         verb: String,
         /// The form that the action requires.
         form: &'static str,
     },
     /// The action is unknown, but resembles an existing one.
     NearAction {
-        /// The word in the script.
+        /// The unknown word in the script.
         verb: String,
-        /// The form of the similar action.
+        /// The correct form of the similar action.
         form: &'static str,
     },
     /// The action is unknown and resembles no other.
     UnknownAction {
-        /// The word in the script.
+        /// The unknown word in the script.
         verb: String,
         /// The names of all actions.
         all: String,
@@ -36,18 +36,18 @@ pub enum ParseError {
     UnknownKey(String),
     /// The key is unknown, but resembles existing ones.
     NearKey {
-        /// The word in the script.
+        /// The unknown word in the script.
         name: String,
         /// The names of the similar keys.
         near: String,
     },
     /// The panel has no key for this character of the text.
     NotTypable(char),
-    /// This is not a number of handwheel graduations.
+    /// The word after `turn` is not a number of handwheel graduations.
     NoGraduations {
-        /// The word in the script.
+        /// The invalid word in the script.
         text: String,
-        /// The form that `turn` requires.
+        /// The correct form of `turn`.
         form: &'static str,
     },
     /// This word is not a time with a unit.
@@ -58,7 +58,7 @@ pub enum ParseError {
     NotZeroOne(String),
     /// The lathe has no fault with this name.
     UnknownFault {
-        /// The word in the script.
+        /// The unknown name in the script.
         name: String,
         /// The names of all faults.
         all: String,
@@ -71,9 +71,9 @@ pub enum ParseError {
     NoInput(String),
     /// The time window of a `wait` ends before it begins.
     Backward {
-        /// Begin of the window, ms.
+        /// Beginning of the time window, ms.
         earliest: u64,
-        /// End of the window, ms.
+        /// End of the time window, ms.
         latest: u64,
     },
     /// This word is not a row of the LCD.
@@ -82,9 +82,9 @@ pub enum ParseError {
     NoAlarm(String),
     /// The control has no operating mode with this name.
     UnknownMode {
-        /// The word in the script.
+        /// The unknown name in the script.
         text: String,
-        /// The names of all modes.
+        /// The names of all operating modes.
         all: String,
     },
     /// These words do not name a state that can be explained.
@@ -99,23 +99,23 @@ pub enum ParseError {
     NoRange(String),
     /// The LCD has no page with this name.
     UnknownPage {
-        /// The word in the script.
+        /// The unknown name in the script.
         name: String,
         /// The names of all pages.
         all: String,
     },
-    /// This key has no lamp.
+    /// The key with this name has no lamp.
     DarkKey(String),
     /// No lamp has this name or a similar one.
     UnknownLamp {
-        /// The word in the script.
+        /// The unknown name in the script.
         name: String,
-        /// The names of the status strip's lamps.
+        /// The names of the lamps in the status strip.
         strip: String,
     },
     /// No lamp has this name, but existing ones resemble it.
     NearLamp {
-        /// The word in the script.
+        /// The unknown name in the script.
         name: String,
         /// The names of the similar lamps.
         near: String,

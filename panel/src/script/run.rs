@@ -21,13 +21,13 @@ const TICKS_PER_GRADUATION: u64 = 5;
 /// An action that the caller of the runner has to execute.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Effect {
-    /// Print this text: the rows of the LCD.
+    /// The caller must print this text: the rows of the LCD.
     Show(String),
-    /// Print this chain of causes.
+    /// The caller must print this chain of causes.
     Explain(CauseChain),
     /// Save a picture of the current state of the LCD or the panel.
     Shot {
-        /// Path of the picture file.
+        /// Path of the picture file to write.
         path: String,
         /// Whether the picture shows the whole panel instead of the LCD.
         panel: bool,
@@ -49,10 +49,10 @@ pub enum Effect {
     DncRoom,
 }
 
-/// How a script has progressed when the runner returns.
+/// How far a script has progressed when the runner returns.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ScriptProgress {
-    /// The permitted ticks have elapsed and the script continues.
+    /// The permitted ticks have elapsed, but the script has not ended.
     Running,
     /// The caller has to execute an effect before the script continues.
     Effect(Effect),
@@ -62,14 +62,14 @@ pub enum ScriptProgress {
     Finished,
 }
 
-/// A line of a script that failed, and what was found instead.
+/// A line of a script that failed, with the state that was found instead.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failure {
     /// Number of the line in the script file, from 1.
     pub line: u32,
     /// Text of the failed line.
     pub text: String,
-    /// The message about the actual state.
+    /// The message about the actual state that was found.
     pub seen: Message,
 }
 
@@ -96,7 +96,7 @@ pub struct Runner {
     /// The emulator's tick count at the start of the script, from which `@tick` counts.
     origin: u64,
     stage: Stage,
-    /// Whether a partner sends programs in DNC mode.
+    /// Whether a partner is connected that sends programs in DNC mode.
     dnc: bool,
     /// Emulator tick of the partner's last [`Effect::DncRoom`]; `None` before the first.
     last_request: Option<u64>,
@@ -104,7 +104,7 @@ pub struct Runner {
     log: Option<BitLog>,
 }
 
-/// What the current line waits for.
+/// The condition for which the current line waits.
 #[derive(Clone, Debug, PartialEq)]
 enum Stage {
     /// Waits for the end of the self-test picture, at most until this tick.
@@ -113,7 +113,7 @@ enum Stage {
     Ready,
     /// Holds a key until this tick; after its release pauses for a number of ticks.
     Holding(Key, u64, u64),
-    /// Pauses until this tick.
+    /// The line waits until this tick.
     Resting(u64),
     /// Types the next character at this tick: the remaining ones, last first, then a pause in
     /// ticks.
@@ -137,7 +137,7 @@ enum Stage {
     Over,
 }
 
-/// What the runner does next: a tick of the emulator, another check, or return.
+/// The next action of the runner: a tick of the emulator, another check, or return.
 enum Next {
     Tick,
     Recheck,
@@ -169,7 +169,7 @@ impl Runner {
         self.script.lines.get(self.next.saturating_sub(1))
     }
 
-    /// Creates a failure of the current line with what was found.
+    /// Creates a failure of the current line with the state that was found.
     pub fn failure(&self, seen: impl Into<Message>) -> Failure {
         let (line, text) = self
             .line()
@@ -294,7 +294,7 @@ impl Runner {
         Next::Recheck
     }
 
-    /// Starts the next line, if its tick has come.
+    /// Starts the next line of the script, if its tick has come.
     fn start_line(&mut self, emulator: &mut Emulator, now: u64) -> Next {
         let Some(line) = self.script.lines.get(self.next) else {
             return Next::Return(ScriptProgress::Finished);

@@ -17,12 +17,12 @@ use crate::screen::ROWS;
 /// Greatest difference of two values that the display shows alike, mm or the value's own unit.
 const TOLERANCE: f64 = 0.000_500_1;
 
-/// The forms of expected states, for help and messages.
+/// The forms of `expect` in a script, for help and messages.
 pub(super) const FORM: &str = "expect screen \"TEXT\" | page oft | key ESTOP down | at abs X 20..30 | offset 1 X -2.5 | \
      param 22 3800 | param 1.4 1 | program 1 \"G01 X20\" | selected 1 | tool 2 | tool 0202 | \
      spindle 500..600 | run run|hold|stop|reset | parts 1..9999 | power on | referenced X";
 
-/// A range of expected values that includes both ends.
+/// A range of expected values, including both ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ValueRange {
     from: f64,
@@ -52,13 +52,13 @@ impl ValueRange {
 /// A column of the offset page that a script expects a value in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OffsetField {
-    /// X offset as typed, mm.
+    /// The X value of a tool offset as typed, mm.
     X,
-    /// Z offset, mm.
+    /// The Z value of a tool offset, mm.
     Z,
-    /// Nose radius, mm.
+    /// The nose radius of a tool offset, mm.
     Radius,
-    /// Number of the imaginary tool tip.
+    /// The imaginary tip number of a tool offset.
     Tip,
 }
 
@@ -67,7 +67,7 @@ pub enum OffsetField {
 pub enum ExpectedState {
     /// A row of the LCD contains this text. Runs of blanks count as one.
     Screen(String),
-    /// The LCD shows this page.
+    /// Expects that the LCD shows this page.
     Page(PageId),
     /// This key is down, or the emergency stop latched (`true`); or it is not (`false`).
     Key(Key, bool),
@@ -75,24 +75,24 @@ pub enum ExpectedState {
     At(CoordinateSystem, Axis, ValueRange),
     /// A column of the offset with this number is in this range, mm.
     Offset(u8, OffsetField, ValueRange),
-    /// A parameter (number), or one bit of it (0 to 7), has this value.
+    /// Expects that a parameter (number), or one of its bits (0 to 7), has this value.
     Parameter(u16, Option<u8>, i32),
     /// The memory has the program with this number. If a text is given, the program contains
     /// it without regard to blanks.
     Program(u16, Option<String>),
-    /// The program with this number is selected.
+    /// Expects that the program with this number is selected.
     Selected(u16),
     /// The current tool is this one, and the offset in force is this one if given.
     Tool(u8, Option<u8>),
     /// The spindle speed is in this range, r/min, negative in reverse.
     Spindle(ValueRange),
-    /// The program run is in this state.
+    /// Expects that the program run is in this state.
     Run(RunState),
-    /// The part counter is in this range.
+    /// Expects that the part counter is in this range.
     Parts(ValueRange),
-    /// The power is on (`true`) or off (`false`).
+    /// Expects that the power is on (`true`) or off (`false`).
     Power(bool),
-    /// This axis has returned to its reference since power-on.
+    /// Expects that this axis has been referenced since power-on.
     Referenced(Axis),
 }
 

@@ -21,17 +21,17 @@ const AREAS: [Area; 8] = [
     Area::K,
     Area::C,
 ];
-/// R900 and up have the flags of comparisons, which change with every one.
+/// First byte of R with the flags of comparisons: the flags change with every comparison.
 const FIRST_FLAG_BYTE: u16 = 900;
 
 /// A change of an input of the ladder: X from the machine and the keys, F from the control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InputChange {
-    /// The input.
+    /// The PLC input that has changed.
     pub bit: BitAddress,
-    /// Its value after the change.
+    /// Value of the input after the change.
     pub value: bool,
-    /// Tick of the change.
+    /// Tick in which the input changed.
     pub tick: u64,
 }
 
@@ -52,8 +52,8 @@ pub struct BitLog {
 }
 
 impl BitLog {
-    /// Compares the memory of the PLC with that of the last call; `tick` is the time of what has
-    /// changed. Begins anew if time goes back.
+    /// Compares the memory of the PLC with that of the last call and records the changes with the
+    /// time `tick`. Restarts the log if time goes back.
     pub fn follow_tick(&mut self, cnc: &Cnc, tick: u64) {
         if tick < self.last_tick {
             // Another machine, or an earlier moment of it.

@@ -5,35 +5,35 @@ use gsk_messages::{Language, Message};
 
 use crate::keys::Key;
 
-/// Greatest number of links of a chain.
+/// Greatest number of links in a chain of causes.
 pub(super) const MAX_LINKS: usize = 80;
 
-/// Where a link of a chain leads.
+/// The thing that a link of a chain of causes is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CauseTarget {
-    /// A bit of the PLC, on the diagnosis page.
+    /// The link is about a bit of the PLC, on the diagnosis page.
     Bit(BitAddress),
-    /// The rung of the ladder with this number.
+    /// The link is about the ladder rung with this number.
     Rung(u32),
-    /// A key of the panel.
+    /// The link is about a key of the panel.
     Key(Key),
-    /// The parameter with this number.
+    /// The link is about the parameter with this number.
     Parameter(u16),
 }
 
 /// A fact with its depth: the links after it that are one deeper decide it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CauseLink {
-    /// 0 for the subject itself.
+    /// Depth of the link below the explained state; 0 for the state itself.
     pub depth: usize,
-    /// Where the link leads; `None` for a state of the control.
+    /// The thing that the link is about; `None` for a state of the control.
     pub target: Option<CauseTarget>,
     chinese: String,
     english: String,
 }
 
 impl CauseLink {
-    /// The fact in a language.
+    /// Returns the text of the link in a language.
     pub fn text(&self, language: Language) -> &str {
         match language {
             Language::Zh => &self.chinese,
@@ -49,7 +49,7 @@ pub struct CauseChain {
 }
 
 impl CauseChain {
-    /// The links, each before those that decide it.
+    /// Returns the links of the chain, each before its causes.
     pub fn links(&self) -> &[CauseLink] {
         &self.links
     }
@@ -58,7 +58,7 @@ impl CauseChain {
         self.links.len() >= MAX_LINKS
     }
 
-    /// Adds a fact whose text `message` writes in a language. A full chain stays as it is.
+    /// Adds a link whose text `message` writes in a language. A full chain does not change.
     pub(super) fn push(
         &mut self,
         depth: usize,
@@ -78,7 +78,7 @@ impl CauseChain {
         }
     }
 
-    /// The chain as lines, indented by depth.
+    /// Returns the chain as lines of text, indented by depth.
     pub fn text(&self, language: Language) -> String {
         let mut text = String::new();
         for link in &self.links {

@@ -18,17 +18,17 @@ use crate::pages::plc_names;
 
 /// X0.5: the emergency stop circuit, 0 while it is open.
 const EMERGENCY_INPUT: BitAddress = BitAddress::new(Area::X, 0, 5);
-/// Greatest depth of a chain.
+/// Greatest depth of a chain of causes.
 const MAX_DEPTH: usize = 20;
 /// Greatest number of rungs between an input and a bit that it has changed.
 const TRIGGER_DEPTH: usize = 5;
 
-/// Follows bits of one control.
+/// Finds the causes of a bit's value in the ladder of a control.
 pub(super) struct LadderTracer<'a> {
     emulator: &'a Emulator,
     log: &'a BitLog,
     visited: BTreeSet<PlcAddress>,
-    /// Whether the chain has the faults of the lathe.
+    /// Whether the chain already contains the faults of the lathe.
     has_faults: bool,
     pub chain: CauseChain,
 }
@@ -52,14 +52,15 @@ impl<'a> LadderTracer<'a> {
         self.emulator.cnc().plc().memory().bit(bit)
     }
 
-    /// Adds a bit and what decides it, unless the chain has it already.
+    /// Adds a bit and the causes of its value, unless the chain already contains the bit.
     pub fn trace_bit_once(&mut self, bit: BitAddress, depth: usize) {
         if !self.visited.contains(&PlcAddress::Bit(bit)) {
             self.trace_bit(bit, None, depth);
         }
     }
 
-    /// Adds a bit and what decides it. `reader` is the index of the statement that reads it.
+    /// Adds a bit and the causes of its value. `reader` is the index of the statement that reads
+    /// it.
     fn trace_bit(&mut self, bit: BitAddress, reader: Option<usize>, depth: usize) {
         let value = self.bit(bit);
         let since = self.log.since(PlcAddress::Bit(bit));
@@ -99,7 +100,7 @@ impl<'a> LadderTracer<'a> {
         }
     }
 
-    /// Adds what operates an input of the machine.
+    /// Adds the sensor or switch that operates an input of the machine.
     fn add_sensor_causes(&mut self, bit: BitAddress, depth: usize) {
         let emulator = self.emulator;
         let lathe = emulator.lathe();
@@ -139,7 +140,7 @@ impl<'a> LadderTracer<'a> {
         }
     }
 
-    /// Adds a byte or counter and what decides it.
+    /// Adds a byte or counter and the causes of its value.
     fn trace_byte(&mut self, byte: ByteAddress, reader: Option<usize>, depth: usize) {
         let address = PlcAddress::Byte(byte);
         let memory = self.emulator.cnc().plc().memory();
@@ -311,7 +312,7 @@ impl<'a> LadderTracer<'a> {
         }
     }
 
-    /// The byte that a function writes: its last operand.
+    /// Returns the byte that a function writes: its last operand; `None` if that is not a byte.
     fn written_byte(&self, writer: &CrossReference) -> Option<ByteAddress> {
         let statement = self.ladder().statements().get(writer.statement)?;
         match statement.operands.last() {
@@ -388,7 +389,7 @@ impl<'a> LadderTracer<'a> {
         }
     }
 
-    /// Adds the parameters that a text names, with their values.
+    /// Adds the parameters to which a text refers, with their values.
     pub fn add_named_parameters(&mut self, text: &str, depth: usize) {
         let parameters = self.emulator.cnc().parameters();
         for (number, bit) in named_places::find_parameters(text) {

@@ -15,25 +15,25 @@ use crate::emulator::Emulator;
 use crate::keys::{Key, lamp_of};
 use crate::refusal::present_reason;
 
-/// G7.2: cycle start, which acts when it falls.
+/// G7.2: cycle start; the program starts when the signal changes from 1 to 0.
 const CYCLE_START: BitAddress = BitAddress::new(Area::G, 7, 2);
-/// G8.4: emergency stop, 0 stops.
+/// G8.4: emergency stop; the signal stops the machine while it is 0.
 const EMERGENCY_SIGNAL: BitAddress = BitAddress::new(Area::G, 8, 4);
-/// G44.1: machine lock.
+/// G44.1: machine lock of all axes.
 const MACHINE_LOCK: BitAddress = BitAddress::new(Area::G, 44, 1);
 /// G46.1: single block.
 const SINGLE_BLOCK: BitAddress = BitAddress::new(Area::G, 46, 1);
 
-/// A state that can be explained.
+/// The state of the machine that is to be explained.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CauseSubject {
-    /// The value of a bit.
+    /// Explains the value of a PLC bit.
     Bit(BitAddress),
-    /// A key: why it has no effect, or what it acts on.
+    /// Explains a key: why it has no effect, or what it acts on.
     Key(Key),
-    /// An axis: why it stands still.
+    /// Explains why an axis stands still.
     Axis(Axis),
-    /// The alarm or message with this number.
+    /// Explains the alarm or message with this number.
     Alarm(u16),
 }
 

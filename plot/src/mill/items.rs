@@ -16,7 +16,7 @@ const LEGEND_TOP: f64 = 44.0;
 const ROW_HEIGHT: f64 = 22.0;
 const ENTRY_GAP: f64 = 30.0;
 
-/// The style of the frame around a view.
+/// The line style of the frame around a view.
 const FRAME: LinePen = LinePen {
     color: [0xB0; 3],
     width: 1.0,
@@ -26,15 +26,15 @@ const FRAME: LinePen = LinePen {
 /// A line or text of a picture, with positions in picture units.
 #[derive(Clone, Debug)]
 pub enum PictureItem {
-    /// A line in the style of the pen through these points.
+    /// A line through these points, drawn with this pen.
     Line(LinePen, Vec<(f64, f64)>),
-    /// A text at a point.
+    /// A text at a position, picture units.
     Text {
         /// Reference point of the text, picture units.
         position: (f64, f64),
         /// The text to draw.
         text: String,
-        /// Which part of the text is at the reference point.
+        /// Which part of the text is at its reference point: left end, middle or right end.
         anchor: TextAnchor,
     },
 }
@@ -50,7 +50,7 @@ pub enum TextAnchor {
     Right,
 }
 
-/// All lines and texts of the picture of a mill path.
+/// Returns all lines and texts of the picture of a mill path.
 pub fn picture_items(drawing: &MillDrawing, language: Language) -> Vec<PictureItem> {
     let (wide, tall) = drawing.options.size.units();
     let cube = drawing.box_with_margin();

@@ -8,20 +8,20 @@ use crate::number_placement::PictureArea;
 
 /// Gap between views, picture units.
 const VIEW_GAP: f64 = 30.0;
-/// Space at the side and below a view for its figures, picture units.
+/// Space at the side of and below a view for its numbers, picture units.
 const SIDE_MARGIN: f64 = 60.0;
 const BOTTOM_MARGIN: f64 = 36.0;
 
-/// A direction from which the path is seen.
+/// A direction from which the path of a mill is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MillView {
-    /// From above: X to the right, Y up.
+    /// View from above: X to the right, Y up.
     Xy,
-    /// From the front: X to the right, Z up.
+    /// View from the front: X to the right, Z up.
     Xz,
-    /// From the right: Y to the right, Z up.
+    /// View from the right: Y to the right, Z up.
     Yz,
-    /// From above, the front and the left.
+    /// Isometric view from above, from the front and the left.
     Isometric,
 }
 
@@ -40,7 +40,7 @@ impl MillView {
         }
     }
 
-    /// The caption of the view: `XY`, or the word for isometric.
+    /// Returns the caption of the view: `XY`, or the word for isometric.
     pub fn name(self, language: Language) -> String {
         match self {
             Self::Xy => "XY".to_owned(),

@@ -19,7 +19,7 @@ pub struct SolidBody {
     pub(super) vertices: Vec<Vertex>,
     /// Corners of each triangle as vertex indexes, counter-clockwise seen from outside.
     pub(super) triangles: Vec<[u32; 3]>,
-    /// Ends of the edges that are drawn as lines, mm.
+    /// Both ends of each edge that is drawn as a line, mm.
     pub(super) lines: Vec<[Vec3; 2]>,
 }
 
@@ -33,7 +33,7 @@ pub(super) struct TurnArc {
 }
 
 impl TurnArc {
-    /// A whole turn, approximated by `sides` flat sides.
+    /// Creates a whole turn, approximated by `sides` flat sides.
     pub(super) const fn full_turn(sides: u16) -> Self {
         Self {
             from: 0.0,
@@ -175,9 +175,9 @@ impl SolidBody {
 /// One of the two flat faces of the cut-out quarter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum SectionPlane {
-    /// The face in the plane of the tools.
+    /// The face of the cut-out quarter in the plane of the tools.
     X,
-    /// The face at right angles to the plane of the tools.
+    /// The face of the cut-out quarter at right angles to the plane of the tools.
     Y,
 }
 
@@ -186,7 +186,7 @@ mod tests {
     use super::*;
     use gsk_workpiece::grid::{GridPoint, grid};
 
-    /// The volume inside closed surfaces of counter-clockwise triangles, mm³.
+    /// Returns the volume inside closed surfaces of counter-clockwise triangles, mm³.
     fn volume(bodies: &[&SolidBody]) -> f32 {
         let of = |body: &&SolidBody| {
             let corner = |index: u32| body.vertices[index as usize].position;

@@ -20,7 +20,7 @@ pub struct SurfaceFinish {
     /// Red, green, blue; 255 reflects all light. Section faces are brighter than that, so that
     /// they are easy to see.
     color: Vec3,
-    /// Glossiness, from 0 (matt) to 1.
+    /// Glossiness of the surface, from 0 (matt) to 1.
     glossiness: f32,
     /// Whether the surface is hatched as a section.
     pub(super) hatched: bool,
@@ -36,13 +36,13 @@ impl SurfaceFinish {
         hatched: true,
         ..Self::with_color([280.0, 211.0, 142.0], 0.0)
     };
-    /// Finishes of the chuck, of its jaws, and of the chuck's section.
+    /// Finish of the chuck body.
     pub(super) const CHUCK: Self = Self::with_color([104.0, 113.0, 126.0], 0.5);
     pub(super) const JAWS: Self = Self::with_color([128.0, 140.0, 158.0], 0.4);
     pub(super) const CHUCK_SECTION: Self = Self::with_color([92.0, 98.0, 108.0], 0.0);
     /// Finish of the tailstock's centre and quill.
     pub(super) const TAILSTOCK: Self = Self::with_color([140.0, 146.0, 156.0], 0.9);
-    /// Finishes of the parts of a tool.
+    /// Finish of the insert of a tool.
     pub(super) const INSERT: Self = Self::with_color([340.0, 276.0, 84.0], 0.5);
     pub(super) const HOLDER: Self = Self::with_color([124.0, 132.0, 144.0], 0.4);
     pub(super) const TURRET: Self = Self::with_color([86.0, 93.0, 104.0], 0.3);
@@ -99,15 +99,15 @@ fn square_repeatedly(base: f32, squarings: u8) -> f32 {
     (0..squarings).fold(base, |value, _| value * value)
 }
 
-/// The hatching of a section: lines at 45°, a few pixels apart.
+/// The hatching of a section: parallel lines at 45°.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SectionHatch {
-    /// Number of lines per millimetre, along Z and along X.
+    /// Number of hatch lines per millimetre, along Z and along X.
     lines_per_mm: f32,
 }
 
 impl SectionHatch {
-    /// Least distance of two lines along Z, pixels.
+    /// Least distance between two hatch lines along Z, pixels.
     const MIN_LINE_DISTANCE_PX: f32 = 13.0;
 
     /// Creates the hatching for a scale in pixels per millimetre. The distance of its lines

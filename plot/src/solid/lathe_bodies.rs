@@ -26,10 +26,10 @@ const INSERT_RANGE_MM: (f32, f32) = (-4.8, 0.02);
 const HOLDER_RANGE_MM: (f32, f32) = (-20.0, 0.01);
 const TURRET_RANGE_MM: (f32, f32) = (-60.0, 0.01);
 
-/// How finely bodies are approximated, so that no step is visible at a scale.
+/// The tolerances with which bodies are approximated, so that no step is visible at a scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyResolution {
-    /// Greatest deviation of a surface, mm.
+    /// Greatest deviation of a drawn surface from the exact one, mm.
     tolerance_mm: f32,
 }
 
@@ -181,7 +181,7 @@ fn add_round_bar(body: &mut SolidBody, contour: &GridContour, fineness: BodyReso
     }
 }
 
-/// The greatest radius in a box, mm.
+/// Returns the greatest radius in a box, mm.
 fn max_radius(bounds: &GridBounds) -> f32 {
     from_grid(bounds.high).x as f32
 }

@@ -37,19 +37,19 @@ use view::Projection;
 
 /// Largest side of a picture, pixels. Of a larger picture the rest stays empty.
 const MAX_SIDE_PX: usize = 16_384;
-/// Colour of the lines at the edges of a section.
+/// Colour of the lines along the edges of a section.
 const EDGE_COLOR: SolidPixel = [60, 40, 24, 255];
-/// Width of a line, pixels of the picture.
+/// Width of the lines along edges, pixels.
 const LINE_WIDTH_PX: f32 = 1.0;
 /// Offset of lines towards the viewer, pixels, so that the surfaces they bound do not hide
 /// them.
 const LINE_DEPTH_OFFSET_PX: f32 = 0.75;
 
-/// Draws solid bodies. The canvas reuses its memory for the next picture.
+/// Draws solid bodies into a picture; reuses its memory for the next picture.
 #[derive(Clone, Debug, Default)]
 pub struct SolidCanvas {
     raster: Raster,
-    /// Projected corners of the current body, pixels: right, down, near.
+    /// Corners of the current body after projection, pixels: right, down, near.
     corners: Vec<Vec3>,
     lights: Vec<[f32; 3]>,
 }

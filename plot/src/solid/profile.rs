@@ -28,7 +28,7 @@ impl ProfileEdge {
         self.ends.iter().any(|end| end.y > AXIS_TOLERANCE_MM)
     }
 
-    /// Whether both ends of the edge are on one line of another outline.
+    /// Whether both ends of the edge are on the same line of another outline.
     pub(super) fn is_on(&self, outline: &[(Vec2, Vec2)]) -> bool {
         let on = |line: &(Vec2, Vec2)| {
             self.ends
@@ -49,7 +49,7 @@ pub(super) fn region_edges(region: &Region, tolerance: f32) -> Vec<ProfileEdge> 
         .collect()
 }
 
-/// The lines of a region's outlines with all corners: Z and X, mm.
+/// Returns the lines of a region's outlines with all corners: Z and X, mm.
 pub(super) fn region_lines(region: &Region) -> Vec<(Vec2, Vec2)> {
     region
         .edges()
@@ -126,7 +126,7 @@ fn simplify(contour: &GridContour, tolerance: f32) -> Vec<Vec2> {
     kept.map(|(point, _)| *point).collect()
 }
 
-/// Distance of a point from a line segment.
+/// Returns the distance of a point from a line segment, mm.
 fn segment_distance(point: Vec2, from: Vec2, to: Vec2) -> f32 {
     let (along, beside) = (to - from, point - from);
     let length = along.length_squared();

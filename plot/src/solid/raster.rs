@@ -2,13 +2,13 @@
 
 use glam::{Vec2, Vec3};
 
-/// Red, green, blue and opacity, premultiplied.
+/// A pixel: red, green and blue, each multiplied by the opacity, then the opacity; 0 to 255.
 pub type SolidPixel = [u8; 4];
 
 /// Area below which a triangle covers no pixel, square pixels.
 const MIN_TRIANGLE_AREA: f32 = 1e-5;
 
-/// A picture with the depth of each pixel.
+/// A picture that stores the depth of each pixel.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Raster {
     width: usize,
@@ -21,13 +21,13 @@ pub(super) struct Raster {
 /// A corner of a triangle, with values that are interpolated between the corners.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TriangleCorner<const N: usize> {
-    /// Position in pixels: right, down, near.
+    /// Position in the picture, pixels: right, down, near.
     pub position: Vec3,
     pub values: [f32; N],
 }
 
 impl Raster {
-    /// Clears the picture and sets its size in pixels.
+    /// Clears the picture and sets its size, pixels.
     pub(super) fn clear(&mut self, width: usize, height: usize) {
         (self.width, self.height) = (width, height);
         self.pixels.clear();

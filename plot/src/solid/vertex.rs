@@ -7,8 +7,8 @@ use glam::Vec3;
 pub(super) struct Vertex {
     /// Position of the corner, mm.
     pub position: Vec3,
-    /// Outward direction of the surface at the corner, length 1.
+    /// Outward direction of the surface at the corner, a vector of length 1.
     pub normal: Vec3,
-    /// Direction of the turning marks, length 1; 0 without marks.
+    /// Direction of the turning marks, a vector of length 1; 0 without marks.
     pub marks: Vec3,
 }

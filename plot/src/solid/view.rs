@@ -15,7 +15,7 @@
 
 use glam::{Mat3, Vec2, Vec3};
 
-/// A direction from which the lathe is seen.
+/// A direction from which the lathe is seen, as two angles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViewDirection {
     /// Whether the lathe has a rear tool post. X then points up, otherwise towards the viewer.
@@ -54,7 +54,7 @@ impl ViewDirection {
         }
     }
 
-    /// Turns the view by two angles, degrees, within the limits.
+    /// Returns the view turned by two angles, degrees, within the limits.
     #[must_use]
     pub const fn turn_by(self, yaw: f32, pitch: f32) -> Self {
         let (low, high) = if self.rear {
@@ -69,7 +69,7 @@ impl ViewDirection {
         }
     }
 
-    /// Maps the directions Z, X, Y to right, up, near.
+    /// Returns the matrix that maps the directions Z, X, Y to right, up, near.
     pub(super) fn matrix(self) -> Mat3 {
         let (yaw, pitch) = (self.yaw_deg.to_radians(), self.pitch_deg.to_radians());
         let (side, along) = (libm::sinf(yaw), libm::cosf(yaw));
@@ -92,7 +92,7 @@ impl ViewDirection {
 /// A view of the lathe: direction, middle and scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolidView {
-    /// The direction of view.
+    /// The direction from which the lathe is seen.
     pub direction: ViewDirection,
     /// Z and X in the middle of the picture, mm.
     pub centre: (f32, f32),
@@ -100,13 +100,13 @@ pub struct SolidView {
     pub pixels_per_mm: f32,
 }
 
-/// Projects positions of the lathe to a picture of a size.
+/// Projects positions of the lathe to a picture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Projection {
     pub matrix: Mat3,
-    /// Pixels, or samples, per millimetre.
+    /// Scale of the projection, pixels (or samples) per millimetre.
     pub scale: f32,
-    /// Whether the projection mirrors: the lathe has a front tool post.
+    /// Whether the picture is mirrored, because the lathe has a front tool post.
     pub mirrored: bool,
     centre: Vec3,
     middle: Vec2,
@@ -124,7 +124,7 @@ impl Projection {
         }
     }
 
-    /// Projects a position, mm: right, down and near, in pixels.
+    /// Projects a position, mm, to the picture: right, down and near, pixels.
     pub(super) fn project(&self, at: Vec3) -> Vec3 {
         let seen = self.matrix * (at - self.centre) * self.scale;
         Vec3::new(self.middle.x + seen.x, self.middle.y - seen.y, seen.z)

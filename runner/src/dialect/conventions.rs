@@ -27,7 +27,7 @@ pub enum Difference {
     Range(char, String),
     /// The models read a T word differently: as tool and offset, or as the tool alone.
     Tool,
-    /// The models have different macro languages.
+    /// The models have different macro languages (macro A or macro B).
     Macros,
     /// The number of a G code that has the same meaning in both models, but is modal in only
     /// one of them.

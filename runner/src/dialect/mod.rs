@@ -6,7 +6,7 @@ mod conventions;
 use gsk_core::model::{GCode, MCode, ModelRecord};
 use gsk_messages::{Message, say};
 
-/// A difference in how two models read a program, with its line.
+/// A word that two models read differently, with its line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DialectFinding {
     /// Line of the program text, from 1.
@@ -20,7 +20,7 @@ pub struct DialectFinding {
 
 pub use conventions::Difference;
 
-/// How the target model reads a code or a convention of the source model.
+/// The difference with which the target model reads a code or a convention of the source model.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CodeDifference {
     /// A difference other than in G and M codes, and the number of blocks that have it.
@@ -29,21 +29,21 @@ pub enum CodeDifference {
     UnknownCode,
     /// The target model has the same function under another number.
     Renumbered {
-        /// What the code means in the source model.
+        /// The meaning of the code in the source model.
         here: CodeMeaning,
-        /// The number of the function in the target model.
+        /// The number of the G or M code that has this function in the target model.
         number: u8,
     },
     /// The target model has no such function.
     Missing {
-        /// What the code means in the source model.
+        /// The meaning of the code in the source model.
         here: CodeMeaning,
     },
-    /// The code means something else in the target model.
+    /// The code has another meaning in the target model.
     Differs {
-        /// The function in the source model.
+        /// The meaning of the code in the source model.
         here: CodeMeaning,
-        /// What it means in the target model.
+        /// The meaning of the code in the target model.
         there: CodeMeaning,
         /// The number of the source function in the target model; `None` if the target has no
         /// such function.
@@ -60,7 +60,7 @@ pub enum CodeMeaning {
     M(MCode, MeaningSource),
 }
 
-/// The source of a code's meaning.
+/// Whether a code's meaning is in the manual or was decided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeaningSource {
     /// The manual of the model defines the code.
@@ -70,7 +70,7 @@ pub enum MeaningSource {
 }
 
 impl CodeMeaning {
-    /// The message that names the function of the code, for the user.
+    /// Returns the name of the code's function, as a message for the user.
     pub fn text(self) -> Message {
         let (text, known) = match self {
             Self::G(code, known) => (code.text(), known),
@@ -184,7 +184,7 @@ pub fn rewrite_program(text: &str, from: &ModelRecord, to: &ModelRecord) -> Stri
     out
 }
 
-/// A word: its letter, and the byte range of its number in the text.
+/// A word of a block: its letter, and the byte range of its number in the text.
 #[derive(Clone, Copy, Debug)]
 struct DialectWord<'a> {
     letter: u8,
@@ -192,7 +192,7 @@ struct DialectWord<'a> {
     value: &'a str,
 }
 
-/// A block: its line and its words.
+/// A block of a program: its line and its words.
 #[derive(Debug)]
 struct DialectBlock<'a> {
     line: u32,
@@ -207,7 +207,7 @@ impl DialectBlock<'_> {
         !self.words.is_empty() || self.has_formula
     }
 
-    /// The words of the block whose letter is `letter`.
+    /// Returns the words of the block with this letter.
     fn words_with_letter(&self, letter: u8) -> impl Iterator<Item = &DialectWord<'_>> {
         self.words.iter().filter(move |word| word.letter == letter)
     }
@@ -231,7 +231,7 @@ impl DialectBlock<'_> {
     }
 }
 
-/// The blocks of a text that have words or formulas. Comments are skipped.
+/// Returns the blocks of a text that have words or formulas. Comments are skipped.
 fn parse_blocks(text: &str) -> Vec<DialectBlock<'_>> {
     let bytes = text.as_bytes();
     let mut blocks = Vec::new();

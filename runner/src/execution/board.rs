@@ -29,7 +29,7 @@ const MAX_RETURN_TICKS: u32 = 10 * 60 * 1000;
 const KEY_RESPONSE_TICKS: u32 = 1000;
 /// Ticks within which RESET clears the alarms that can be cleared.
 const RESET_RESPONSE_TICKS: u32 = 5000;
-/// Ticks at standstill after which a stop raises no late alarm any more.
+/// Ticks at standstill after which a stop cannot raise a delayed alarm any more.
 const STOP_SETTLE_TICKS: u32 = 300;
 
 /// A pulse board that makes the motion of a run, with the operator who supervises it.
@@ -61,12 +61,12 @@ impl SupervisedBoard {
     }
 }
 
-/// State of a stop that waits for the operator.
+/// State of a program stop that waits for the operator to continue it.
 #[derive(Debug, Default)]
 pub(super) struct StopState {
     /// Time since the program stopped, ticks.
     duration_ticks: u32,
-    /// Whether the terminal already shows the question whether to continue.
+    /// Whether the terminal already shows the question whether the program should continue.
     is_question_shown: bool,
     /// Line at which the last M00 stopped the program, from 1; `None` before any M00.
     program_stop_line: Option<u32>,

@@ -52,7 +52,7 @@ const OUTSIDE_ALLOWANCE_MM: f64 = 1.0;
 const BORE_WALL_MM: f64 = 10.0;
 /// Greatest Z at which cuts begin if the program zero is at the face of the part, mm.
 const FACE_APPROACH_MM: f64 = 10.0;
-/// Greatest number of Z positions that are tried for the face of the bar.
+/// Greatest number of Z positions that are tried for the face of the guessed bar.
 const MAX_TRIED_FACES: usize = 4;
 /// Depth of a metric external thread, as a radius, divided by its lead.
 const THREAD_DEPTH_PER_LEAD: f64 = 0.613_4;
@@ -176,7 +176,8 @@ struct JobGuess<'a> {
     fronts: Vec<f64>,
     deepest: f64,
     poses: BTreeMap<u8, ToolPose>,
-    /// Slimness level of each tool with which its pose was judged, by tool number.
+    /// For each tool number, the level of slimness (0 is the usual tool) with which its mounting
+    /// was judged.
     slimness: BTreeMap<u8, u8>,
 }
 
@@ -249,7 +250,7 @@ impl JobGuess<'_> {
         radii
     }
 
-    /// Greatest radius of a longitudinal outside cut, mm.
+    /// Returns the greatest radius of a longitudinal outside cut, mm.
     fn widest_cut(&self) -> f64 {
         let outside = self.uses.iter().filter(|(tool, _)| self.is_outside(**tool));
         outside.map(|(_, used)| used.widest_mm).fold(0.0, f64::max)
@@ -473,8 +474,8 @@ impl JobGuess<'_> {
     }
 }
 
-/// How badly a bar fits, the most serious first: number of rapids through the bar, whether a
-/// longitudinal cut is wider than it, whether a tool body passes through it.
+/// Measure of how badly a bar fits, the most serious value first: number of rapids through the bar,
+/// whether a longitudinal cut is wider than it, whether a tool body passes through it.
 type BarMisfit = (usize, bool, bool);
 
 /// Greatest length of a guessed bar, mm.

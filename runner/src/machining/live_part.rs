@@ -21,7 +21,7 @@ const MAX_PIECE_TICKS: u32 = 25;
 /// Speed below which the spindle counts as stopped, r/min.
 const STANDSTILL_RPM: f64 = 1.0;
 
-/// A part that is machined live: it follows each tick of a running control.
+/// A part that is machined while a control runs, tick by tick.
 #[derive(Clone, Debug)]
 pub struct LivePart {
     machining: Machining,
@@ -59,7 +59,8 @@ struct PendingCut {
     imprints: Vec<Point>,
 }
 
-/// The conditions that must stay the same within a pending motion.
+/// Conditions that do not change within one motion, such as tool and spindle state; a change begins
+/// a new motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct MotionConditions {
     tool: u8,
@@ -70,7 +71,7 @@ struct MotionConditions {
 }
 
 impl LivePart {
-    /// Makes this part, which must be uncut, follow a control.
+    /// Creates a live part from `machining`, whose part must be uncut.
     pub fn new(machining: Machining) -> Self {
         Self {
             machining,
@@ -83,17 +84,17 @@ impl LivePart {
         }
     }
 
-    /// The threads that were cut since the stock was clamped.
+    /// Returns the threads that were cut since the stock was clamped.
     pub fn threads(&self) -> &[ThreadZone] {
         self.threads.zones()
     }
 
-    /// Length of the last motion on each axis, mm, X as a radius.
+    /// Returns the length of the last motion on each axis, mm, X as a radius.
     pub const fn last_motion(&self) -> Point {
         self.last_motion
     }
 
-    /// The part and its collisions so far.
+    /// Returns the part and its collisions so far.
     pub const fn machining(&self) -> &Machining {
         &self.machining
     }
@@ -217,7 +218,7 @@ impl LivePart {
         }
     }
 
-    /// Cuts the part with the pending motion.
+    /// Cuts the part with the motion that was collected but not cut yet.
     fn cut_pending(&mut self) {
         let Some(piece) = self.pending.take() else {
             return;

@@ -36,13 +36,13 @@ const PART_OFF_RADIUS_MM: f64 = 0.05;
 pub struct CollisionFinding {
     /// The block that caused the collision; `None` in manual operation.
     pub source: Option<SourcePosition>,
-    /// The T number of the tool.
+    /// Number of the tool that collided.
     pub tool: u8,
-    /// The collision itself: touching parts, position and depth.
+    /// The collision: touching parts, position and depth.
     pub collision: Collision,
 }
 
-/// The part of a job, machined move by move.
+/// The part of a job that is being machined, move by move.
 #[derive(Clone, Debug)]
 pub struct Machining {
     job: Job,
@@ -72,17 +72,17 @@ impl Machining {
         }
     }
 
-    /// The job with stock and tools, as passed to [`Machining::new`].
+    /// Returns the job with stock and tools, as passed to [`Machining::new`].
     pub const fn job(&self) -> &Job {
         &self.job
     }
 
-    /// The part, its clamping and the stock in their current state.
+    /// Returns the part, its clamping and the stock in their current state.
     pub const fn scene(&self) -> &LatheScene {
         &self.scene
     }
 
-    /// Volume that cuts have removed, mm³, without the parted-off pieces.
+    /// Returns the volume that cuts have removed, mm³, without the parted-off pieces.
     pub fn removed_volume(&self) -> f64 {
         self.job.stock.section().volume() - self.scene.part().volume() - self.parted_volume_mm3
     }
@@ -92,7 +92,7 @@ impl Machining {
         &self.findings
     }
 
-    /// The mapping from slide positions to tip positions in the part.
+    /// Returns the mapping from slide positions to tip positions in the part.
     pub const fn mounting(&self) -> &Mounting {
         self.track.mounting()
     }

@@ -18,7 +18,7 @@ pub(super) struct MotionTrack {
 }
 
 impl MotionTrack {
-    /// Creates a track from the tool lengths and the zero of a job.
+    /// Creates a track from the tool lengths and the work zero of a job.
     pub(super) fn from_job(job: &Job) -> Self {
         Self {
             mounting: Mounting::from_job(job),
@@ -26,7 +26,7 @@ impl MotionTrack {
         }
     }
 
-    /// The mapping from slide positions to tip positions in the part.
+    /// Returns the mapping from slide positions to tip positions in the part.
     pub(super) const fn mounting(&self) -> &Mounting {
         &self.mounting
     }

@@ -21,7 +21,7 @@ const MAX_PATH_PIECES: usize = 200_000;
 /// A straight piece of a path, in part coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathPiece {
-    /// Start and end, mm; X is a radius.
+    /// Start and end of the piece, mm; X is a radius.
     pub ends: [Point; 2],
     /// Nose radius of the tool, mm; 0 for a sharp tool.
     pub nose_radius_mm: f64,

@@ -2,28 +2,28 @@
 
 use gsk_core::units::Point;
 
-/// Greatest number of stored zones.
+/// Greatest number of thread zones that are stored.
 const MAX_ZONES: usize = 16;
-/// Least lead along Z, mm: a spiral on a face has none.
+/// Least lead along Z, mm, of a thread that is logged; a spiral on a face has none.
 const MIN_LEAD_MM: f64 = 0.01;
-/// Share of the lead by which two passes of one thread may differ.
+/// Difference of the leads, as a fraction, up to which two passes belong to the same thread.
 const LEAD_TOLERANCE: f64 = 0.02;
 
 /// A range along Z in which a thread was cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThreadZone {
-    /// Least Z of the grooves in the drawn plane, part coordinates, mm.
+    /// Least Z of the grooves in the plane of the half section, part coordinates, mm.
     pub low: f64,
-    /// Greatest Z of the grooves in the drawn plane, part coordinates, mm.
+    /// Greatest Z of the grooves in the plane of the half section, part coordinates, mm.
     pub high: f64,
     /// Distance along Z per turn of the spindle, mm; negative if the tool moves to the chuck
     /// while the spindle turns forward: a right-hand thread.
     pub lead: f64,
-    /// Whether the thread is in a bore.
+    /// Whether the thread is internal, in a bore.
     pub is_internal: bool,
 }
 
-/// The threads of a part, and the last groove of the pass under way.
+/// The threads of a part, and the last groove of the pass that is being cut.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ThreadLog {
     zones: Vec<ThreadZone>,
@@ -33,17 +33,17 @@ pub(super) struct ThreadLog {
 }
 
 impl ThreadLog {
-    /// The zones in the order in which they were begun.
+    /// Returns the thread zones in the order in which they were begun.
     pub(super) fn zones(&self) -> &[ThreadZone] {
         &self.zones
     }
 
-    /// Ends a pass: the next imprint does not continue it.
+    /// Ends a pass: the next groove does not continue it.
     pub(super) const fn end_pass(&mut self) {
         self.last = None;
     }
 
-    /// Discards all threads.
+    /// Discards all logged threads.
     pub(super) fn clear(&mut self) {
         *self = Self::default();
     }

@@ -10,11 +10,11 @@ use serde_json::{Value, json};
 
 use super::{AlarmReport, ProgramReport, message_text};
 
-/// Version of the SARIF format, and the URL of its schema.
+/// Version of the SARIF format that is written.
 const SARIF_VERSION: &str = "2.1.0";
 const SARIF_SCHEMA: &str = "https://json.schemastore.org/sarif-2.1.0.json";
 
-/// How serious an annotation is.
+/// Whether an annotation is an error or a warning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AnnotationLevel {
     /// The program does not run to its end, or a tool collides: an alarm, a collision, a
@@ -25,7 +25,7 @@ pub enum AnnotationLevel {
 }
 
 impl AnnotationLevel {
-    /// The name of the level in GitHub commands and in SARIF.
+    /// Returns the name of the level in GitHub commands and in SARIF.
     const fn name(self) -> &'static str {
         match self {
             Self::Error => "error",
@@ -39,9 +39,9 @@ impl AnnotationLevel {
 pub struct Annotation {
     /// Name of the program file.
     pub file: String,
-    /// How serious the fault is.
+    /// Whether the fault is an error or a warning.
     pub level: AnnotationLevel,
-    /// Identifier of the rule that is broken: `PS010`, `collision`, `spindle-stands`.
+    /// Identifier of the rule that the program breaks: `PS010`, `collision`, `spindle-stands`.
     pub rule: String,
     /// Line of the file, from 1; `None` if the fault has no line there.
     pub line: Option<u32>,
@@ -52,8 +52,8 @@ pub struct Annotation {
     pub text: String,
 }
 
-/// The faults of a program in the order of its report: alarms, collisions, what prevents its
-/// end, probable mistakes. Their texts are English if `language` is `None`.
+/// Returns the faults of a program in the order of its report: alarms, collisions, the reason that
+/// prevents its end, probable mistakes. Their texts are English if `language` is `None`.
 pub fn collect_annotations(report: &ProgramReport, language: Option<Language>) -> Vec<Annotation> {
     let annotation = |level, rule: &str, line: Option<u32>, text| Annotation {
         file: report.file.clone(),

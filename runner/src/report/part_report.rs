@@ -41,7 +41,7 @@ pub struct CollisionReport {
     pub program: Option<ProgramId>,
     /// The T number of the tool.
     pub tool: u8,
-    /// The text that names the parts that touched.
+    /// Message text that names the parts that touched.
     pub text: String,
     /// Position of the tool tip at the first contact: X as a diameter and Z, part coordinates,
     /// mm.
@@ -88,7 +88,7 @@ impl PartReport {
         }
     }
 
-    /// The report as lines of text for the user, in the language `words`.
+    /// Returns the report as lines of text for the user, in the language `words`.
     pub(super) fn text_lines(&self, words: Language) -> Vec<String> {
         let part = match &self.job {
             Some(job) => say::report_part(job, self.removed_mm3, self.left_mm3),
@@ -150,7 +150,7 @@ fn round_to_micrometre(feature: Feature) -> Feature {
     }
 }
 
-/// The message with the measured values of a feature, for the user.
+/// Returns the message with the measured values of a feature, for the user.
 pub fn feature_message(feature: &Feature) -> Message {
     match *feature {
         Feature::Cylinder { diameter, z } => say::measure_cylinder(diameter.0, z.0, z.1),

@@ -3,7 +3,7 @@
 use gsk_core::preview;
 use serde::{Serialize, Serializer};
 
-/// How a program ended.
+/// The reason for which a program run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RunEnd {
     /// M30 ended the program.
@@ -12,26 +12,26 @@ pub enum RunEnd {
     M02,
     /// M99 ended the main program.
     M99,
-    /// The text of the program ended without M30.
+    /// The text of the program ended without an M30.
     Text,
-    /// An alarm, or a message of the ladder, held the program.
+    /// An alarm, or a message of the PLC ladder, stopped the program.
     Alarm,
-    /// Cycle start was refused.
+    /// Cycle start had no effect: the control refused it.
     Refused,
     /// The program stopped on a board, and no operator was at the terminal to continue it.
     Stop,
-    /// The end was requested from outside: Ctrl-C, `kill`.
+    /// The user requested the end: Ctrl-C or `kill`.
     Requested,
-    /// A tool hit something, and the run was set to end then.
+    /// A tool collided, and the run was set to end then.
     Collision,
     /// The run reached the location at which it was set to end.
     Location,
-    /// The program did not end within the limits.
+    /// The program did not end within the time or part limit.
     Limit,
 }
 
 impl RunEnd {
-    /// The name of the end in the JSON of a report.
+    /// Returns the name of the end in the JSON of a report.
     pub const fn name(self) -> &'static str {
         match self {
             Self::M30 => "M30",

@@ -9,13 +9,13 @@ use crate::times::{TimeUse, TimesByUse, ToolTime};
 /// Machine time of each kind of motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct TimeReport {
-    /// Time of rapids, s.
+    /// Machine time of rapids, s.
     pub rapid: f64,
-    /// Time of straight and circular cuts, s.
+    /// Machine time of straight and circular cuts, s.
     pub feed: f64,
-    /// Time of threads and taps, s.
+    /// Machine time of threads and taps, s.
     pub thread: f64,
-    /// Time of dwells (G04), s.
+    /// Machine time of dwells (G04), s.
     pub dwell: f64,
     /// Time of M, S and T functions, and of other waits of the slides, s.
     pub other: f64,
@@ -26,7 +26,7 @@ pub struct TimeReport {
 pub struct ToolTimeReport {
     /// The T word of the tool's first cut, as digits.
     pub tool: String,
-    /// Machine time of the tool by kind of motion.
+    /// Machine time of the tool, by kind of motion.
     #[serde(flatten)]
     pub seconds: TimeReport,
 }
@@ -54,7 +54,7 @@ impl From<&ToolTime> for ToolTimeReport {
 }
 
 impl TimeReport {
-    /// The kinds of motion with a time above zero, with their times in s.
+    /// Returns the kinds of motion with a time above zero, with their times in s.
     pub(super) fn nonzero_kinds(&self) -> impl Iterator<Item = (TimeUse, f64)> {
         [
             (TimeUse::Rapid, self.rapid),
@@ -67,12 +67,12 @@ impl TimeReport {
         .filter(|(_, seconds)| *seconds > 0.0)
     }
 
-    /// Time of cuts, threads and taps: the tool is in the material, s.
+    /// Returns the time in which tools are in the material, s: cuts, threads and taps.
     pub(super) fn cutting_s(&self) -> f64 {
         self.feed + self.thread
     }
 
-    /// Sum of the times of all kinds, s.
+    /// Returns the sum of the times of all kinds, s.
     pub(crate) fn total_s(&self) -> f64 {
         self.rapid + self.feed + self.thread + self.dwell + self.other
     }

@@ -11,21 +11,21 @@ use super::copy_run::{CopyProgress, CopyRun};
 use super::machine_functions::MachineFunctions;
 use crate::machining::live_part::LivePart;
 
-/// Greatest machine time of a search, hours.
+/// Machine time after which the search for the block ends, hours.
 const MAX_HOURS: u64 = 12;
 const TICKS_PER_HOUR: u64 = 3_600_000;
-/// Ticks between two stored moments of the search, from which the run to the block begins.
+/// Ticks between two stored states of the search, from which the run to the block begins.
 const CHECKPOINT_TICKS: u64 = 2000;
-/// Ticks without progress after which the wait of the copy ends the search.
+/// Ticks without progress of the copied machine after which the search ends.
 const MAX_WAIT_TICKS: u64 = 600_000;
 
-/// Decides in which tick the wanted block begins.
+/// Recognizes the tick in which the wanted block begins.
 pub trait BlockWatcher {
     /// Called after each tick. Returns the wanted block once it has begun in this tick.
     fn follow_tick(&mut self, simulation: &Simulation) -> Option<SourcePosition>;
 }
 
-/// Waits for the block in a line to begin for the first time.
+/// Recognizes the first time that the block in a certain line begins.
 #[derive(Clone, Copy, Debug)]
 pub struct LineWatcher {
     program: ProgramId,
@@ -67,24 +67,24 @@ fn begun_blocks(simulation: &Simulation) -> impl Iterator<Item = SourcePosition>
 /// The machine before a block, in a copy that has run the program from its head.
 #[derive(Clone, Debug)]
 pub struct BlockState {
-    /// Control and lathe, stopped before the block.
+    /// Copy of control and lathe, stopped before the wanted block.
     pub simulation: Simulation,
-    /// The part, if the search began with one.
+    /// The part as cut before the wanted block; `None` if the search began without a part.
     pub part: Option<LivePart>,
-    /// The M functions that the program has output.
+    /// The M functions that the program has output before the wanted block.
     pub functions: MachineFunctions,
     /// A slide position that is clear of the part, machine coordinates, mm: the one of the last
     /// tool change, else the outermost end of a rapid.
     pub clear_point: Point,
-    /// What the operator must know about this state.
+    /// Messages about the state before the block that the operator must read.
     pub remarks: Vec<Message>,
 }
 
-/// A moment of the search.
+/// A stored state of the search, from which the run to the block is repeated.
 #[derive(Clone, Debug)]
 struct SearchMoment {
     run: CopyRun,
-    /// Number of blocks that have begun.
+    /// Number of blocks that have begun up to this state.
     blocks: u64,
     functions: MachineFunctions,
     tool_change: Option<Point>,
@@ -208,8 +208,8 @@ fn place_at_program_zero(now: &Simulation) -> Simulation {
     copy
 }
 
-/// Runs until the watcher reports a block. Returns the stored moments, the oldest first, and
-/// the number of the block in the run.
+/// Runs until the watcher reports a block. Returns the stored states, the oldest first, and the
+/// number of the block in the run.
 fn search_forward(
     mut moment: SearchMoment,
     watcher: &mut impl BlockWatcher,

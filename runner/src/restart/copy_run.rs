@@ -11,9 +11,9 @@ use crate::machining::live_part::LivePart;
 
 const AUTO_KEY: BitAddress = BitAddress::new(Area::X, 20, 1);
 const START_KEY: BitAddress = BitAddress::new(Area::X, 25, 0);
-/// Ticks for which a key is down, and the pause after its release.
+/// Number of ticks for which a key is pressed, and then released, in the copy.
 const PRESS_TICKS: u32 = 100;
-/// Ticks after the last key within which a run must begin.
+/// Number of ticks after the last key within which the run must begin.
 const START_TICKS: u32 = 300;
 
 /// A copy of control, lathe and part, with the keys that are still to be pressed.
@@ -21,26 +21,27 @@ const START_TICKS: u32 = 300;
 pub(super) struct CopyRun {
     pub simulation: Simulation,
     pub part: Option<LivePart>,
-    /// Key, whether it goes down, and the ticks until the next one.
+    /// The keys to press in the copy: address, whether it is pressed, and the ticks until the next
+    /// one.
     keys: VecDeque<(BitAddress, bool, u32)>,
     wait_ticks: u32,
     idle_ticks: u32,
     has_begun: bool,
 }
 
-/// Whether the copy runs.
+/// Whether the program runs in the copy of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum CopyProgress {
-    /// Keys are being pressed, or the program runs.
+    /// Keys are being pressed in the copy, or its program runs.
     Running,
-    /// The program waits for cycle start.
+    /// The program in the copy waits for cycle start.
     Stopped,
-    /// The program has ended, or it did not start.
+    /// The program in the copy has ended, or it did not start.
     Ended,
 }
 
 impl CopyRun {
-    /// A copy in which the next ticks press AUTO and cycle start.
+    /// Creates a run of a machine copy, whose next ticks press AUTO and cycle start.
     pub fn new(simulation: Simulation, part: Option<LivePart>) -> Self {
         let mut run = Self {
             simulation,
@@ -60,13 +61,13 @@ impl CopyRun {
         self.keys.push_back((key, false, PRESS_TICKS));
     }
 
-    /// Presses cycle start in the next ticks.
+    /// Presses cycle start in the next ticks of the copy.
     pub fn press_cycle_start(&mut self) {
         self.idle_ticks = 0;
         self.press(START_KEY);
     }
 
-    /// Advances by one tick; returns the collisions of the part in it.
+    /// Advances the copy by one tick; returns the collisions of the part in this tick.
     pub fn tick(&mut self) -> Vec<CollisionFinding> {
         if self.wait_ticks > 0 {
             self.wait_ticks -= 1;
@@ -86,7 +87,7 @@ impl CopyRun {
         part.map_or_else(Vec::new, |part| part.follow_tick(&self.simulation).to_vec())
     }
 
-    /// Whether the copy runs.
+    /// Returns whether the program in the copy runs, waits or has ended.
     pub fn progress(&self) -> CopyProgress {
         let cnc = &self.simulation.cnc;
         let state = cnc.run_state();

@@ -10,25 +10,25 @@ use super::block_search::BlockState;
 use super::machine_functions::Equipment;
 use crate::report;
 
-/// A value that a restart changes.
+/// A value of the machine that a restart changes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StateDifference {
-    /// The name of the value.
+    /// The name of the value, such as the spindle speed.
     pub name: Message,
-    /// The value in the machine now.
+    /// The current value in the machine, as text.
     pub now: String,
-    /// The value before the block.
+    /// The value at the beginning of the block of the restart, as text.
     pub then: String,
 }
 
 impl StateDifference {
-    /// The difference as one line.
+    /// Returns the name with the current and the new value as one line.
     pub fn to_message(&self) -> Message {
         say::restart_difference(self.name.clone(), &self.now, &self.then)
     }
 }
 
-/// Collects the values that differ.
+/// Collects the values that a restart changes.
 #[derive(Default)]
 struct DifferenceList(Vec<StateDifference>);
 
@@ -130,7 +130,8 @@ fn compare_equipment(list: &mut DifferenceList, now: &Simulation, target: &Block
     );
 }
 
-/// The M code of the direction in which the control has switched the spindle.
+/// Returns the M code (M03, M04 or M05) of the direction in which the control has switched the
+/// spindle.
 fn spindle_code(simulation: &Simulation) -> String {
     format!("M{:02}", simulation.cnc.spindle_m_code())
 }
@@ -174,7 +175,7 @@ fn offset_text(offset: &ToolOffset) -> String {
     format!("X{x} Z{z} R{r} T{t}")
 }
 
-/// A point as the position page shows it: X as a diameter.
+/// Formats a point as the position page shows it: X as a diameter.
 fn point_text(point: Point) -> String {
     format!("X{:.3} Z{:.3}", 2.0 * point.x, point.z)
 }

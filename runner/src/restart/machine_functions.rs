@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Equipment of the lathe that M functions switch between a few states.
+/// A device of the lathe, such as coolant or chuck, that M functions switch between a few states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Equipment {
     Chuck,
@@ -27,7 +27,7 @@ impl Equipment {
     }
 }
 
-/// The last M code of each equipment, and the M codes with another effect.
+/// The last M code for each device of the lathe, and the M codes with another effect.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MachineFunctions {
     last: BTreeMap<Equipment, u8>,
@@ -35,7 +35,7 @@ pub struct MachineFunctions {
 }
 
 impl MachineFunctions {
-    /// Adds the M code of a block that begins.
+    /// Records the M code of a block that begins.
     pub(super) fn add(&mut self, code: u8) {
         match Equipment::from_code(code) {
             Some(equipment) => {
@@ -54,7 +54,7 @@ impl MachineFunctions {
         self.last.get(&equipment).copied()
     }
 
-    /// The M codes that a restart does not repeat, in ascending order.
+    /// Returns the M codes that a restart does not repeat, in ascending order.
     pub(super) fn others(&self) -> impl Iterator<Item = u8> + '_ {
         self.others.iter().copied()
     }

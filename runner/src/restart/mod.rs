@@ -26,22 +26,22 @@ use crate::machining::live_part::LivePart;
 pub use block_search::{BlockState, BlockWatcher, LineWatcher, find_block};
 pub use difference::StateDifference;
 
-/// A restart that can be requested, with all that an operator must know before.
+/// A prepared restart at a block, with the information that the operator needs before it.
 #[derive(Clone, Debug)]
 pub struct RestartPlan {
-    /// The block at which the run continues.
+    /// The block at which the program continues.
     pub block: SourcePosition,
-    /// The text of the block.
+    /// The text of the block at which the program continues.
     pub block_text: String,
     /// The calls that lead to the block, the innermost last.
     pub calls: Vec<RunningCall>,
     /// The values that the restart changes.
     pub differences: Vec<StateDifference>,
-    /// The way to the start point, one action each.
+    /// The moves to the start point of the block, one message for each action.
     pub steps: Vec<Message>,
-    /// What the restart does not do.
+    /// Messages about effects that the restart does not repeat.
     pub remarks: Vec<Message>,
-    /// The restart itself.
+    /// The data with which the control executes the restart.
     pub restart: Box<PreparedRestart>,
 }
 
@@ -80,7 +80,7 @@ pub fn plan_restart(
 }
 
 impl RestartPlan {
-    /// The plan as lines for the operator. `program_name` names a program.
+    /// Returns the plan as lines for the operator. `program_name` names a program.
     pub fn lines(&self, program_name: impl Fn(ProgramId) -> String) -> Vec<Message> {
         let name = program_name(self.block.program);
         let mut lines = vec![say::restart_block(name, self.block.line, &self.block_text)];

@@ -13,19 +13,19 @@ use super::machine_functions::{Equipment, MachineFunctions};
 use crate::machining::live_part::LivePart;
 use crate::report;
 
-/// Greatest machine time of an approach, ticks.
+/// Greatest machine time of a trial approach, ticks.
 const MAX_TRIAL_TICKS: u32 = 300_000;
-/// Distance below which an axis does not move, mm.
+/// Length of a displacement below which an axis does not move, mm.
 const SAME_MM: f64 = 1e-9;
 
-/// The order in which the axes move on a leg of the way.
+/// Which axis moves first on a section of the approach: X or Z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum AxisOrder {
     XFirst,
     ZFirst,
 }
 
-/// The orders of retract and approach, the usual one of outside turning first.
+/// The orders of retract and approach that are tried; the usual one of outside turning is first.
 const ORDERS: [(AxisOrder, AxisOrder); 4] = [
     (AxisOrder::XFirst, AxisOrder::ZFirst),
     (AxisOrder::ZFirst, AxisOrder::XFirst),
@@ -85,7 +85,8 @@ fn build_route(
     }
 }
 
-/// The points of a leg, one axis after the other; none for an axis that stands still.
+/// Returns the points of a section of the approach, one axis after the other; none for an axis that
+/// does not move.
 fn leg(from: Point, to: Point, order: AxisOrder) -> Vec<Point> {
     let corner = match order {
         AxisOrder::XFirst => Point::new(to.x, from.z),
@@ -124,7 +125,7 @@ fn function_codes(
     (before, after.flatten().collect())
 }
 
-/// Executes the way in a copy of the machine.
+/// Executes the approach in a copy of the machine, to find out whether it collides.
 fn try_route(
     now: &Simulation,
     part: Option<&LivePart>,
@@ -162,7 +163,7 @@ fn try_route(
     ))
 }
 
-/// The actions of a way, in their order.
+/// Returns the actions of the approach as messages, in their order.
 pub(super) fn step_messages(route: &RestartRoute, target: &Simulation) -> Vec<Message> {
     let rapid = |point: &Point| say::restart_path(2.0 * point.x, point.z);
     let output = |code: &u8| say::restart_step_m(*code);

@@ -2,7 +2,7 @@
 
 use gsk_messages::{Language, Message};
 
-/// The page under construction.
+/// Writes the HTML page of a setup sheet.
 pub(super) struct HtmlWriter {
     out: String,
     language: Language,
@@ -20,7 +20,7 @@ impl HtmlWriter {
         self.language
     }
 
-    /// A message in the language of the page.
+    /// Returns the text of a message in the language of the page.
     pub(super) fn text(&self, message: &Message) -> String {
         message.text(self.language)
     }
@@ -45,7 +45,7 @@ impl HtmlWriter {
         self.out
     }
 
-    /// Writes markup.
+    /// Writes HTML markup without changes.
     pub(super) fn raw(&mut self, markup: &str) {
         self.out.push_str(markup);
     }
@@ -75,7 +75,7 @@ impl HtmlWriter {
         self.raw("</h2>\n");
     }
 
-    /// Writes a picture, an SVG.
+    /// Writes a picture, given as SVG.
     pub(super) fn picture(&mut self, svg: &str) {
         self.raw("<figure>");
         self.raw(svg);
@@ -107,7 +107,7 @@ impl HtmlWriter {
         self.raw("</tr>\n");
     }
 
-    /// Writes a row whose last cell is a picture, an SVG.
+    /// Writes a table row whose last cell is a picture, given as SVG.
     pub(super) fn tool_row(&mut self, cells: &[String], svg: &str) {
         self.raw("<tr>");
         for cell in cells {

@@ -21,23 +21,23 @@ use crate::text_format::{format_time, short_description};
 use crate::times::TimeUse;
 use html::HtmlWriter;
 
-/// Greatest number of program lines on a sheet.
+/// Greatest number of program lines that a setup sheet prints.
 const MAX_LINES: usize = 5000;
-/// The style of the page.
+/// The CSS style sheet of the page.
 const STYLE: &str = include_str!("style.css");
 
-/// What a setup sheet shows.
+/// The data that a setup sheet shows.
 #[derive(Clone, Debug)]
 pub struct SetupSheet<'a> {
     /// Name of the program file.
     pub file_name: &'a str,
-    /// The program.
+    /// The program whose lines the sheet prints.
     pub program: &'a Program,
     /// The SHA-256 of the program file, hexadecimal.
     pub hash: &'a str,
-    /// The check of the program, with the measured part.
+    /// Report of the program check, with the measured part.
     pub report: &'a ProgramReport,
-    /// Stock, clamping and tools.
+    /// The job: stock, clamping and tools.
     pub job: &'a Job,
     /// The tool offsets of the control.
     pub offsets: &'a Offsets,
@@ -50,7 +50,7 @@ pub struct SetupSheet<'a> {
 }
 
 impl SetupSheet<'_> {
-    /// Writes the page in a language.
+    /// Writes the setup sheet as an HTML page in a language.
     pub fn render(&self, language: Language) -> String {
         let mut page = HtmlWriter::new(language);
         self.write_head(&mut page);
@@ -306,12 +306,14 @@ fn millimetres(value: f64) -> String {
     format!("{:.3}", value + 0.0)
 }
 
-/// The tool of a time report: the first half of the digits.
+/// Returns the tool number of a time report: the first half of its T digits; `None` if they are
+/// invalid.
 fn tool_number(time: &ToolTimeReport) -> Option<u8> {
     time.tool.get(..time.tool.len() / 2)?.parse().ok()
 }
 
-/// The offset of a time report: the second half of the digits.
+/// Returns the offset number of a time report: the second half of its T digits; `None` if they are
+/// invalid.
 fn offset_number(time: &ToolTimeReport) -> Option<u8> {
     time.tool.get(time.tool.len() / 2..)?.parse().ok()
 }
@@ -323,7 +325,7 @@ fn sets_coordinates(code: &str) -> bool {
     is_whole && code.contains(['X', 'Z', 'U', 'W'])
 }
 
-/// Splits a line into its words and its comments in brackets.
+/// Splits a line into its words (first) and its comments in brackets (second).
 fn split_comments(line: &str) -> (Cow<'_, str>, Cow<'_, str>) {
     match line.split_once('(') {
         Some((code, rest)) if rest.trim_end().ends_with([')', ';']) => {

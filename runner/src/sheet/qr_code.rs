@@ -4,7 +4,7 @@ use core::fmt::Write;
 
 use qrcodegen::{QrCode, QrCodeEcc};
 
-/// Width of the light border, modules.
+/// Width of the light border around the QR code, modules.
 const BORDER: i32 = 4;
 
 /// The QR code of a text; `None` for a text that is too long for one.

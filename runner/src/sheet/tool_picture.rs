@@ -5,10 +5,10 @@ use core::fmt::Write;
 use gsk_workpiece::grid::{GridContour, from_grid};
 use gsk_workpiece::tool::{BodyPart, Tool, ToolShape};
 
-/// Greatest distance from the tip that is drawn, mm.
+/// Greatest distance from the tool tip that the picture shows, mm.
 const MAX_REACH_MM: f64 = 45.0;
 
-/// Draws a tool.
+/// Draws a tool with its holder as an SVG picture.
 pub(super) fn render_tool(tool: &Tool) -> String {
     let shape = ToolShape::from_tool(tool);
     let holder = shape

@@ -81,7 +81,8 @@ pub fn add_body(mesh: &mut SceneMesh, dimensions: &LatheDimensions) {
     }
 }
 
-/// Adds a jaw with two steps. Its gripping face is at y = 0, its front at the jaw length.
+/// Adds a jaw with two steps to the mesh. Its gripping face is at y = 0, its front at x = the jaw
+/// length.
 pub fn add_jaw(mesh: &mut SceneMesh, dimensions: &LatheDimensions) {
     let (length, height) = (dimensions.jaw_length, dimensions.jaw_height);
     let half = (dimensions.chuck_diameter * 0.055).max(3.0);
@@ -119,7 +120,8 @@ fn guard_radius(dimensions: &LatheDimensions) -> f32 {
     dimensions.chuck_diameter * 0.5 + GUARD_GAP_MM
 }
 
-/// Points of an arc about the spindle axis from the back over the top to the front, (z, y).
+/// Returns the points (z, y) of an arc about the spindle axis, from the back over the top to the
+/// front.
 fn guard_arc(radius: f32) -> Vec<(f32, f32)> {
     (0..=20)
         .map(|at| {
@@ -129,7 +131,7 @@ fn guard_arc(radius: f32) -> Vec<(f32, f32)> {
         .collect()
 }
 
-/// The outline of a bent sheet along the arc.
+/// Returns the outline of a bent sheet of metal along the arc of the chuck guard.
 fn guard_sheet(radius: f32, thickness: f32) -> Vec<(f32, f32)> {
     let mut outline = guard_arc(radius);
     let mut inner = guard_arc(radius - thickness);
@@ -138,7 +140,7 @@ fn guard_sheet(radius: f32, thickness: f32) -> Vec<(f32, f32)> {
     outline
 }
 
-/// Adds the bows of the chuck guard.
+/// Adds the curved bars of the chuck guard.
 pub fn add_guard_frame(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &LatheDimensions) {
     let radius = guard_radius(dimensions);
     mesh.material = match kind {
@@ -160,7 +162,7 @@ pub fn add_guard_frame(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &Lathe
     );
 }
 
-/// Adds the pane of the chuck guard.
+/// Adds the transparent pane of the chuck guard.
 pub fn add_guard_pane(mesh: &mut SceneMesh, dimensions: &LatheDimensions) {
     let radius = guard_radius(dimensions);
     let arc = guard_arc(radius);

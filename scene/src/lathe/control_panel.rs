@@ -7,7 +7,7 @@ use crate::description::{LatheDimensions, LatheKind};
 use crate::mesh::{SceneMaterial, SceneMesh};
 use crate::placement::hand_wheels::{operator_panel, panel_depth};
 
-/// Adds the operator panel without its hand wheel: screen, keys, emergency stop, override switch.
+/// Adds the operator panel without its hand wheel: screen, keys, lamps.
 pub fn add_control_panel(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &LatheDimensions) {
     let Some((corner, size)) = operator_panel(kind, dimensions) else {
         return;

@@ -9,7 +9,7 @@ use super::tower::add_tower;
 use crate::description::{LatheDimensions, LatheKind};
 use crate::mesh::SceneMesh;
 
-/// Adds everything that stands still.
+/// Adds the stationary parts of a flat bed lathe to the mesh.
 pub fn add_fixed(mesh: &mut SceneMesh, dimensions: &LatheDimensions) {
     let scale = dimensions.centre_height / 190.0;
     let head = -dimensions.chuck_length - 26.0;

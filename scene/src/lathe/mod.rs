@@ -17,16 +17,16 @@ mod wheels;
 use crate::description::{LatheDescription, LatheDimensions, LatheKind, MountedTool, TowerLamp};
 use crate::mesh::SceneMesh;
 
-/// A group of triangles that moves as one.
+/// A group of triangles that moves as a unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeshGroup {
     /// The floor of the workshop.
     Floor,
-    /// Bed, headstock and walls.
+    /// The stationary parts: bed, headstock and walls.
     Fixed,
     /// The body of the chuck.
     Chuck,
-    /// One jaw, drawn three times.
+    /// One jaw of the chuck, drawn three times.
     Jaw,
     /// The carriage.
     Carriage,
@@ -38,11 +38,11 @@ pub enum MeshGroup {
     Tailstock,
     /// The quill with its centre.
     Quill,
-    /// The wheel on the apron.
+    /// The hand wheel on the apron, which moves the carriage.
     CarriageWheel,
-    /// The wheel of the cross slide.
+    /// The hand wheel of the cross slide.
     CrossWheel,
-    /// The wheel of the tailstock.
+    /// The hand wheel of the tailstock.
     TailstockWheel,
     /// The electronic hand wheel of the operator panel.
     PanelWheel,
@@ -52,16 +52,16 @@ pub enum MeshGroup {
     SteadyJaw,
     /// The glass of a lit lamp of the tower.
     Lamp(TowerLamp),
-    /// The frame of the guard.
+    /// The frame of the machine guard.
     Door,
-    /// The pane of the guard, which is transparent.
+    /// The pane of the machine guard, which is transparent.
     Pane,
     /// The jet of coolant, which is transparent.
     Coolant,
 }
 
 impl MeshGroup {
-    /// All groups.
+    /// All mesh groups.
     pub const ALL: [Self; 21] = [
         Self::Floor,
         Self::Fixed,
@@ -86,13 +86,13 @@ impl MeshGroup {
         Self::Coolant,
     ];
 
-    /// Whether light passes through the group.
+    /// Whether the group is drawn transparent: a pane or the coolant.
     pub const fn is_transparent(self) -> bool {
         matches!(self, Self::Pane | Self::Coolant)
     }
 }
 
-/// What determines the meshes of a lathe.
+/// Type, dimensions and tools of a lathe, from which its meshes are built.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshDesign {
     kind: LatheKind,
@@ -102,7 +102,7 @@ pub struct MeshDesign {
 }
 
 impl MeshDesign {
-    /// Takes from a description what determines its meshes.
+    /// Takes type, dimensions and tools from a description.
     pub fn new(lathe: &LatheDescription) -> Self {
         Self {
             kind: lathe.kind,
@@ -120,7 +120,7 @@ impl MeshDesign {
             && self.quill_diameter == lathe.quill.map(|it| it.diameter)
     }
 
-    /// Whether a group has the same mesh in another design.
+    /// Whether a group has the same mesh in the design `other`.
     pub fn has_same_group(&self, other: &Self, group: MeshGroup) -> bool {
         let is_same_machine = self.kind == other.kind && self.dimensions == other.dimensions;
         is_same_machine
@@ -131,7 +131,7 @@ impl MeshDesign {
             }
     }
 
-    /// Builds the mesh of a group.
+    /// Builds the mesh of one group.
     pub fn build(&self, group: MeshGroup) -> SceneMesh {
         let (mut mesh, dimensions) = (SceneMesh::default(), &self.dimensions);
         match (group, self.kind) {
@@ -177,7 +177,7 @@ impl MeshDesign {
     }
 }
 
-/// Adds the floor of the workshop. Only a bench is not on the floor.
+/// Adds the floor of the workshop to the mesh. A bench lathe stands on a bench instead.
 fn add_floor(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &LatheDimensions) {
     let bench = match kind {
         LatheKind::Bench => 640.0 * dimensions.centre_height / 190.0,
@@ -195,7 +195,7 @@ fn add_floor(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &LatheDimensions
     );
 }
 
-/// Height of the floor below the spindle axis, mm.
+/// Returns the height of the floor relative to the spindle axis, mm.
 fn floor_y(kind: LatheKind, dimensions: &LatheDimensions) -> f32 {
     let below = match kind {
         LatheKind::FlatBed => 2.6,

@@ -11,13 +11,13 @@ use crate::description::{LatheDimensions, LatheKind};
 use crate::mesh::SceneMesh;
 use crate::placement::tool_side;
 
-/// Extents of the cabinet, mm.
+/// Positions of the walls and of the door of the cabinet, mm.
 struct Cabinet {
     scale: f32,
-    /// The wall at the headstock, and the one at the far end.
+    /// Position of the cabinet wall at the headstock; then that of the wall at the far end, mm.
     head: f32,
     right: f32,
-    /// Lower and upper edge of the door's opening.
+    /// Heights of the lower and upper edge of the door opening, mm.
     sill: f32,
     lintel: f32,
     front: f32,
@@ -39,7 +39,7 @@ impl Cabinet {
     }
 }
 
-/// Adds everything that stands still.
+/// Adds the stationary parts of a slant bed lathe to the mesh.
 pub fn add_fixed(mesh: &mut SceneMesh, dimensions: &LatheDimensions) {
     let cabinet = Cabinet::new(dimensions);
     let floor = floor_y(LatheKind::SlantBed, dimensions);
@@ -203,7 +203,7 @@ fn add_front(mesh: &mut SceneMesh, cabinet: &Cabinet, floor: f32) {
     mesh.add_side_prism(&pan, head, right - 8.0);
 }
 
-/// Extents of the closed door along the axis.
+/// Returns the left and right end of the closed door along the spindle axis, mm.
 fn door_span(dimensions: &LatheDimensions, cabinet: &Cabinet) -> (f32, f32) {
     (
         cabinet.head + 4.0,
@@ -211,7 +211,7 @@ fn door_span(dimensions: &LatheDimensions, cabinet: &Cabinet) -> (f32, f32) {
     )
 }
 
-/// Adds the frame of the closed door.
+/// Adds the frame of the closed door to the mesh.
 pub fn add_door(mesh: &mut SceneMesh, dimensions: &LatheDimensions) {
     let cabinet = Cabinet::new(dimensions);
     let Cabinet {
@@ -260,7 +260,7 @@ pub fn add_door(mesh: &mut SceneMesh, dimensions: &LatheDimensions) {
     );
 }
 
-/// Adds the pane of the closed door.
+/// Adds the transparent pane of the closed door to the mesh.
 pub fn add_pane(mesh: &mut SceneMesh, dimensions: &LatheDimensions) {
     let cabinet = Cabinet::new(dimensions);
     let (left, right) = door_span(dimensions, &cabinet);

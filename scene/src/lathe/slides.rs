@@ -98,7 +98,7 @@ pub fn add_cross_slide(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &Lathe
     );
 }
 
-/// Adds a hose of links from its foot to its nozzle.
+/// Adds an articulated coolant hose from `foot` to `nozzle`.
 fn add_hose(mesh: &mut SceneMesh, foot: Vec3, nozzle: Vec3, scale: f32) {
     let high = nozzle.y.max(foot.y) + 60.0 * scale;
     let control = [
@@ -123,8 +123,8 @@ fn add_hose(mesh: &mut SceneMesh, foot: Vec3, nozzle: Vec3, scale: f32) {
     }
 }
 
-/// Adds the carriage of a slant bed, in the frame of the tool side, below a turret whose
-/// centre is at x = 0.
+/// Adds the carriage of a slant bed, in the tilted frame of the tools, below a turret whose centre
+/// is at x = 0.
 pub fn add_slant_carriage(mesh: &mut SceneMesh, dimensions: &LatheDimensions) {
     let (scale, wide) = (tool_scale(dimensions), dimensions.centre_height / 190.0);
     mesh.step_mm = 36.0;
@@ -144,7 +144,7 @@ pub fn add_slant_carriage(mesh: &mut SceneMesh, dimensions: &LatheDimensions) {
     }
 }
 
-/// Adds the slide that carries the turret, in the frame of the tool side.
+/// Adds the slide that carries the turret, in the tilted frame of the tools.
 pub fn add_turret_slide(mesh: &mut SceneMesh, dimensions: &LatheDimensions) {
     let (scale, wide) = (tool_scale(dimensions), dimensions.centre_height / 190.0);
     let radius = carrier_radius(LatheKind::SlantBed, dimensions);
@@ -195,7 +195,7 @@ pub fn add_turret_slide(mesh: &mut SceneMesh, dimensions: &LatheDimensions) {
     mesh.add_tube(&pipe, 5.5 * scale, 12);
 }
 
-/// Adds three jets that meet at the tool tip, in the frame of the tool side.
+/// Adds three coolant jets that meet at the tool tip, in the tilted frame of the tools.
 pub fn add_jet(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &LatheDimensions) {
     let scale = tool_scale(dimensions);
     // On a slant bed the rake face is away from the operator, the pipe on his side.

@@ -12,7 +12,8 @@ const HALF_WIDTH_MM: f32 = 15.0;
 /// Length of the bronze tip of a jaw, mm.
 const TIP_MM: f32 = 14.0;
 
-/// Adds ring and foot at the distance of the steady rest; nothing without one.
+/// Adds ring and foot of the steady rest at its distance from the chuck; nothing without a steady
+/// rest.
 pub fn add_body(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &LatheDimensions) {
     let Some(x) = dimensions.steady_rest else {
         return;

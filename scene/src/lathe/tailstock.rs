@@ -8,10 +8,10 @@ use crate::mesh::SceneMesh;
 use crate::placement::hand_wheels::tailstock_length;
 use crate::placement::tool_scale;
 
-/// Diameter of the quill without a described one, relative to the centre height.
+/// Default diameter of the quill, as a fraction of the centre height.
 const USUAL_QUILL_SHARE: f32 = 0.30;
 
-/// Adds the body with its front at x = 0.
+/// Adds the body of the tailstock with its front at x = 0.
 pub fn add_body(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &LatheDimensions) {
     let (height, scale) = (dimensions.centre_height, tool_scale(dimensions));
     let (length, half) = (tailstock_length(dimensions), 58.0 * scale);

@@ -10,10 +10,10 @@ use crate::description::{LatheDimensions, LatheKind, MountedTool, MountedToolFor
 use crate::mesh::{SceneMaterial, SceneMesh};
 use crate::placement::{carrier_radius, mounted_tip, station_turn, tool_scale};
 
-/// Steel of the post.
+/// Steel of the tool post.
 const POST_STEEL: SceneMaterial = SceneMaterial::steel(122, 84);
 
-/// Adds the carrier with station 0 in the working position, centred on its axis.
+/// Adds the tool post or turret with station 0 in the working position, centred on its axis.
 pub fn add_carrier(
     mesh: &mut SceneMesh,
     kind: LatheKind,
@@ -36,7 +36,8 @@ pub fn add_carrier(
     }
 }
 
-/// Adds the part of the holder that is inside the carrier, or the block that holds a bar.
+/// Adds the part of the holder that is inside the tool post or turret, or the block that holds a
+/// boring bar.
 fn add_clamped_shank(
     mesh: &mut SceneMesh,
     kind: LatheKind,

@@ -9,7 +9,7 @@ use crate::mesh::SceneMesh;
 /// Thickness of an insert, mm.
 const INSERT_THICKNESS_MM: f32 = 4.8;
 
-/// Adds a tool in the frame of the tool side: its tip at the origin, its rake face up.
+/// Adds a tool in the tilted frame of the tools: its tip at the origin, its rake face up.
 pub fn add_tool(mesh: &mut SceneMesh, tool: &MountedTool) {
     mesh.step_mm = 25.0;
     match tool.form {
@@ -42,7 +42,7 @@ fn points(polygon: &[[f32; 2]]) -> Vec<(f32, f32)> {
     polygon.iter().map(|&[x, out]| (x, out)).collect()
 }
 
-/// The middle of polygons; `None` if there are none.
+/// Returns the middle of the bounding box of polygons; `None` if there are none.
 fn middle(polygons: &[Vec<[f32; 2]>]) -> Option<(f32, f32)> {
     let all: Vec<[f32; 2]> = polygons.iter().flatten().copied().collect();
     let count = all.len() as f32;
@@ -52,7 +52,7 @@ fn middle(polygons: &[Vec<[f32; 2]>]) -> Option<(f32, f32)> {
     (count > 0.0).then(|| (sum.0 / count, sum.1 / count))
 }
 
-/// Least and greatest coordinates of a polygon: along the axis, and away from it.
+/// Returns the least and greatest coordinates of a polygon: along the axis, and away from it.
 fn extent(polygon: &[[f32; 2]]) -> [(f32, f32); 2] {
     [0, 1].map(|axis| {
         let values = polygon.iter().map(|it| it[axis]);

@@ -6,14 +6,14 @@ use super::palette::{BLACK, BRIGHT_STEEL};
 use crate::description::{LatheDimensions, LatheKind, TowerLamp};
 use crate::mesh::{SceneMaterial, SceneMesh};
 
-/// Height of the tower's foot, of one lamp with its ring, and of the lamp alone, mm.
+/// Height of the foot of the signal tower, mm.
 const FOOT_MM: f32 = 70.0;
 const LEVEL_MM: f32 = 36.0;
 const LAMP_MM: f32 = 31.0;
-/// Radius of a lit lamp relative to the dark one, which it covers.
+/// Radius of a lit lamp relative to the dark lamp, which it covers.
 const LIT_SHARE: f32 = 1.02;
 
-/// The foot of the tower in the scene.
+/// Returns the position of the signal tower's foot in the scene.
 fn tower_base(kind: LatheKind, dimensions: &LatheDimensions) -> Vec3 {
     let (height, scale) = (dimensions.centre_height, dimensions.centre_height / 190.0);
     let head = -dimensions.chuck_length - 26.0;
@@ -33,7 +33,7 @@ fn tower_base(kind: LatheKind, dimensions: &LatheDimensions) -> Vec3 {
     }
 }
 
-/// The colours of a dark and of a lit lamp as sRGB bytes.
+/// Returns the colours of a dark and of a lit lamp as sRGB bytes.
 const fn lamp_colors(lamp: TowerLamp) -> [[u8; 3]; 2] {
     match lamp {
         TowerLamp::Green => [[28, 84, 46], [96, 255, 140]],
@@ -42,7 +42,7 @@ const fn lamp_colors(lamp: TowerLamp) -> [[u8; 3]; 2] {
     }
 }
 
-/// Adds the tower with dark lamps.
+/// Adds the signal tower with dark lamps.
 pub fn add_tower(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &LatheDimensions) {
     let (base, scale) = (
         tower_base(kind, dimensions),
@@ -73,7 +73,7 @@ pub fn add_tower(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &LatheDimens
     }
 }
 
-/// Adds the glass of a lit lamp, which covers the dark one.
+/// Adds the glass of a lit lamp, which covers the dark lamp.
 pub fn add_lit_lamp(
     mesh: &mut SceneMesh,
     kind: LatheKind,

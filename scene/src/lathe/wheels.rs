@@ -9,7 +9,7 @@ use crate::description::{LatheDimensions, LatheKind};
 use crate::mesh::{SceneMaterial, SceneMesh};
 use crate::placement::tool_scale;
 
-/// Adds the wheel on the apron.
+/// Adds the hand wheel on the apron.
 pub fn add_carriage_wheel(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &LatheDimensions) {
     let radius = match kind {
         LatheKind::Bench => 52.0,
@@ -19,13 +19,13 @@ pub fn add_carriage_wheel(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &La
     add_hand_wheel(mesh, radius * wide, tool_scale(dimensions));
 }
 
-/// Adds the wheel of the cross slide.
+/// Adds the hand wheel of the cross slide.
 pub fn add_cross_wheel(mesh: &mut SceneMesh, dimensions: &LatheDimensions) {
     let wide = dimensions.centre_height / 190.0;
     add_hand_wheel(mesh, 36.0 * wide, tool_scale(dimensions));
 }
 
-/// Adds the wheel of the tailstock.
+/// Adds the hand wheel of the tailstock.
 pub fn add_tailstock_wheel(mesh: &mut SceneMesh, dimensions: &LatheDimensions) {
     let scale = tool_scale(dimensions);
     add_hand_wheel(mesh, 66.0 * scale, scale);

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use crate::mesh::SceneMesh;
 
-/// Fails unless each edge of a triangle is met by one in the other direction.
+/// Panics unless each edge of a triangle is shared with another triangle that has it in the
+/// opposite direction.
 pub fn assert_closed(mesh: &SceneMesh) {
     let weld = |at: u32| {
         let position = mesh.vertices[at as usize].position;
@@ -27,7 +28,7 @@ pub fn assert_closed(mesh: &SceneMesh) {
     assert!(!balance.is_empty(), "an empty mesh");
 }
 
-/// Fails unless all normals have length 1.
+/// Panics unless all normals of the mesh have length 1.
 pub fn assert_unit_normals(mesh: &SceneMesh) {
     for vertex in &mesh.vertices {
         let length = vertex.normal.length();
@@ -35,7 +36,7 @@ pub fn assert_unit_normals(mesh: &SceneMesh) {
     }
 }
 
-/// Volume inside a closed mesh, mm³; positive if its triangles face outwards.
+/// Returns the volume inside a closed mesh, mm³; positive if its triangles face outwards.
 pub fn signed_volume(mesh: &SceneMesh) -> f32 {
     let corner = |at: u32| mesh.vertices[at as usize].position;
     let tetrahedra = mesh.indices.chunks_exact(3).map(|it| {

@@ -8,10 +8,10 @@ use crate::chips::ChipState;
 use crate::mesh::{SceneMaterial, SceneMesh};
 use crate::part::material::ChipShape;
 
-/// Sides of the wire of a chip.
+/// Number of sides of the drawn wire that forms a chip.
 const WIRE_SIDES: u32 = 4;
 
-/// Builds a chip at the origin.
+/// Builds the mesh of one chip at the origin.
 fn build_chip(shape: ChipShape) -> SceneMesh {
     let mut mesh = SceneMesh::default();
     let line = |count: u32, point: &dyn Fn(f32) -> Vec3| -> Vec<Vec3> {
@@ -41,7 +41,7 @@ fn build_chip(shape: ChipShape) -> SceneMesh {
     mesh
 }
 
-/// Builds the mesh of all chips.
+/// Builds one mesh of all chips.
 pub fn build_mesh(chips: &[ChipState]) -> SceneMesh {
     let mut mesh = SceneMesh::default();
     let shapes = [

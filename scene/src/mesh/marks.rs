@@ -4,18 +4,18 @@ use core::f32::consts::TAU;
 
 use glam::{Vec3, vec3};
 
-/// Greatest number of marks.
+/// Greatest number of collision marks that are drawn.
 pub const MAX_MARKS: usize = 100;
-/// Sides of the ring of a mark.
+/// Number of straight sides of the ring that marks a collision.
 pub const MARK_SIDES: u32 = 48;
-/// Distance of the two rings of a mark, mm.
+/// Distance between the two rings of a collision mark, mm.
 const MARK_WIDTH_MM: f32 = 0.8;
-/// Distance of a ring from the surface, mm.
+/// Distance of a ring above the surface of the part, mm.
 const MARK_LIFT_MM: f32 = 0.4;
 /// Colour of a mark as sRGB bytes, with an unused byte.
 pub const MARK_COLOR: [u8; 4] = [255, 60, 50, 255];
 
-/// The rings of all marks as closed lines.
+/// Returns the rings of all collision marks as closed lines.
 pub fn mark_rings(marks: &[[f32; 2]]) -> Vec<[Vec3; MARK_SIDES as usize]> {
     let drawable = marks.iter().filter(|it| it.iter().all(|it| it.is_finite()));
     let rings = drawable.take(MAX_MARKS).flat_map(|&[x, radius]| {

@@ -17,7 +17,7 @@ pub struct SceneMaterial {
     pub color: [u8; 3],
     /// Roughness, 0 (mirror) to 255 (chalk).
     pub roughness: u8,
-    /// Share of metal, 0 to 255.
+    /// Metallic reflection of the surface, 0 (none) to 255 (metal).
     pub metal: u8,
     /// Strength of turning marks around the spindle axis, 0 to 255.
     pub rings: u8,
@@ -26,7 +26,7 @@ pub struct SceneMaterial {
 }
 
 impl SceneMaterial {
-    /// Creates a painted surface.
+    /// Creates a painted surface with this sRGB colour.
     pub const fn paint(red: u8, green: u8, blue: u8) -> Self {
         Self {
             color: [red, green, blue],
@@ -37,7 +37,7 @@ impl SceneMaterial {
         }
     }
 
-    /// Creates bare steel of a grey level and a roughness.
+    /// Creates bare steel with a grey level and a roughness, 0 to 255.
     pub const fn steel(level: u8, roughness: u8) -> Self {
         Self {
             color: [level, level, level.saturating_add(5)],
@@ -54,7 +54,7 @@ impl SceneMaterial {
         Self { rings: 255, ..self }
     }
 
-    /// Returns the material with emitted light.
+    /// Returns the material with light that it emits, 0 to 255.
     #[must_use]
     pub const fn glowing(self, glow: u8) -> Self {
         Self { glow, ..self }
@@ -68,13 +68,14 @@ pub struct SceneVertex {
     pub position: Vec3,
     /// Outward direction of the surface, length 1.
     pub normal: Vec3,
-    /// Reflection of light.
+    /// How the surface reflects light at the vertex.
     pub material: SceneMaterial,
-    /// Share of the sky that the vertex sees, 0 to 255.
+    /// Share of the sky that is visible from the vertex, 0 to 255; the rest is in ambient
+    /// occlusion.
     pub exposure: u8,
 }
 
-/// Bytes of a vertex in a buffer.
+/// Size of a vertex in a buffer, bytes.
 pub const VERTEX_BYTES: usize = 24;
 
 impl SceneVertex {
@@ -95,18 +96,19 @@ impl SceneVertex {
     }
 }
 
-/// Triangles, and the frame, material and step with which the next primitive is added.
+/// A triangle mesh, with the frame, material and step for the next primitive that is added.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneMesh {
     /// Corners of the triangles.
     pub vertices: Vec<SceneVertex>,
     /// Three indices per triangle, counter-clockwise seen from outside.
     pub indices: Vec<u32>,
-    /// Frame of the next primitive.
+    /// Matrix that places the next primitive.
     pub frame: Mat4,
-    /// Material of the next primitive.
+    /// Material that the next primitive gets.
     pub material: SceneMaterial,
-    /// Greatest distance of vertices on flat surfaces, mm: occlusion is stored per vertex.
+    /// Greatest distance between vertices on flat surfaces, mm: ambient occlusion is stored per
+    /// vertex.
     pub step_mm: f32,
 }
 
@@ -123,7 +125,7 @@ impl Default for SceneMesh {
 }
 
 impl SceneMesh {
-    /// Number of triangles.
+    /// Returns the number of triangles.
     pub fn triangle_count(&self) -> usize {
         self.indices.len() / 3
     }
@@ -148,7 +150,7 @@ impl SceneMesh {
         self.indices.extend(corners);
     }
 
-    /// Runs `add` in a frame relative to the current one.
+    /// Calls `add` with a frame relative to the current one, then restores the frame.
     pub fn within(&mut self, frame: Mat4, add: impl FnOnce(&mut Self)) {
         let outer = self.frame;
         self.frame = outer * frame;
@@ -169,7 +171,7 @@ impl SceneMesh {
             .extend(other.indices.iter().map(|at| at + first));
     }
 
-    /// The vertices in the layout of [`SceneVertex::write_bytes`].
+    /// Returns the vertices in the layout of [`SceneVertex::write_bytes`].
     pub fn vertex_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(self.vertices.len() * VERTEX_BYTES);
         for vertex in &self.vertices {
@@ -178,7 +180,7 @@ impl SceneMesh {
         bytes
     }
 
-    /// The indices as bytes.
+    /// Returns the indices of the triangles as bytes.
     pub fn index_bytes(&self) -> Vec<u8> {
         self.indices
             .iter()

@@ -5,23 +5,25 @@ use glam::{Vec3, vec3};
 
 use crate::mesh::SceneMesh;
 
-/// Side of a depth picture, pixels.
+/// Width and height of a depth picture, pixels.
 const PICTURE_SIDE: usize = 288;
-/// Number of directions.
+/// Number of directions from which ambient occlusion is sampled.
 pub const DIRECTIONS: usize = 48;
-/// Distance within which a vertex sees itself, pixels.
+/// Depth tolerance within which a vertex counts as visible, pixels: surfaces do not occlude
+/// themselves.
 const BIAS_PIXELS: f32 = 2.5;
-/// Golden angle, radians: directions at its multiples are spread evenly.
+/// The golden angle, radians. Directions at its multiples are spread evenly.
 const GOLDEN_ANGLE: f32 = 2.399_963;
-/// Least exposure, 0–1, so that no corner is black.
+/// Least exposure of a vertex, 0 to 1, so that no corner is black.
 const MIN_EXPOSURE: f32 = 0.10;
 
-/// Computes the exposure of one mesh, direction by direction, so that no frame waits for it.
+/// Computes the ambient occlusion of one mesh, one direction per step, so that no frame waits for
+/// it.
 #[derive(Clone, Debug)]
 pub struct OcclusionBake {
     centre: Vec3,
     pixels_per_mm: f32,
-    /// Weight of the seen directions and of all directions, per vertex.
+    /// For each vertex, the summed weight of the directions that see it, and of all directions.
     sums: Vec<(f32, f32)>,
     projected: Vec<Vec3>,
     depth: Vec<f32>,
@@ -29,7 +31,7 @@ pub struct OcclusionBake {
 }
 
 impl OcclusionBake {
-    /// Starts the computation for a mesh.
+    /// Prepares the computation of ambient occlusion for a mesh.
     pub fn new(mesh: &SceneMesh) -> Self {
         let (mut low, mut high) = (Vec3::MAX, Vec3::MIN);
         for vertex in &mesh.vertices {
@@ -56,12 +58,12 @@ impl OcclusionBake {
         }
     }
 
-    /// Whether all directions are done.
+    /// Whether all directions have been added.
     pub const fn is_complete(&self) -> bool {
         self.next_direction >= DIRECTIONS
     }
 
-    /// Adds one direction. Returns true once all are done.
+    /// Adds the next direction. Returns true once all directions are added.
     pub fn add_direction(&mut self, mesh: &SceneMesh) -> bool {
         if self.is_complete() {
             return true;

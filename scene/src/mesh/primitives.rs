@@ -7,12 +7,13 @@ use glam::{Mat4, Vec2, Vec3, vec2, vec3};
 
 use crate::mesh::SceneMesh;
 
-/// Cosine of the angle below which two pieces of a revolved outline are shaded as one surface.
+/// Cosine of the angle between two pieces of a revolved outline above which they are shaded as one
+/// smooth surface.
 const SMOOTH_COSINE: f32 = 0.82;
 /// Least distance between two points, mm, below which they count as one.
 const SAME_POINT_MM: f32 = 1e-4;
 
-/// Number of equal pieces of at most `step` in `length`.
+/// Returns the number of equal pieces of at most `step` into which `length` is divided.
 fn piece_count(length: f32, step: f32) -> u32 {
     let count = (length / step.max(1.0)).ceil();
     if count.is_finite() {
@@ -112,7 +113,7 @@ impl SceneMesh {
         }
     }
 
-    /// Adds a quad as two triangles, in the given order or reversed.
+    /// Adds a quadrangle as two triangles, in the given order or reversed.
     fn add_facing_quad(&mut self, [a, b, c, d]: [u32; 4], reversed: bool) {
         if reversed {
             self.add_triangle([a, b, c]);
@@ -169,7 +170,7 @@ impl SceneMesh {
         }
     }
 
-    /// Revolves an outline of (height, radius) about an axis through `base` along y.
+    /// Revolves an outline of (height, radius) about a vertical axis through `base`.
     pub fn add_upright(&mut self, base: Vec3, outline: &[(f32, f32)], sides: u32) {
         let frame = Mat4::from_translation(base) * Mat4::from_rotation_z(FRAC_PI_2);
         self.within(frame, |mesh| mesh.add_revolve(outline, sides));
@@ -315,7 +316,7 @@ fn doubled_area(points: &[Vec2]) -> f32 {
     points.iter().zip(next).map(|(a, b)| a.perp_dot(*b)).sum()
 }
 
-/// Cuts a counter-clockwise polygon into triangles, ear by ear.
+/// Cuts a counter-clockwise polygon into triangles; returns three point indices for each.
 fn triangulate(points: &[Vec2]) -> Vec<[usize; 3]> {
     let turn =
         |a: usize, b: usize, c: usize| (points[b] - points[a]).perp_dot(points[c] - points[a]);

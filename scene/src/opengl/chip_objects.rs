@@ -4,7 +4,7 @@ use crate::chips::ChipState;
 use crate::mesh::chips::build_mesh;
 use crate::opengl::device::{Device, GpuMesh, SceneError, VertexLayout};
 
-/// The chips; nothing without any.
+/// The mesh of all chips in the memory of OpenGL; empty without chips.
 #[derive(Debug, Default)]
 pub struct ChipObjects {
     shown: Vec<ChipState>,
@@ -12,7 +12,7 @@ pub struct ChipObjects {
 }
 
 impl ChipObjects {
-    /// Uploads the chips if they have moved.
+    /// Uploads the mesh of the chips if they have moved.
     pub fn update(&mut self, device: Device<'_>, chips: &[ChipState]) -> Result<(), SceneError> {
         if self.shown == chips {
             return Ok(());
@@ -28,14 +28,14 @@ impl ChipObjects {
         Ok(())
     }
 
-    /// Draws the chips with the program in use.
+    /// Draws the chips with the shader program in use.
     pub fn draw(&self, device: Device<'_>) {
         if let Some(mesh) = &self.mesh {
             device.draw_mesh(mesh, None);
         }
     }
 
-    /// Deletes the mesh.
+    /// Deletes the mesh of the chips from OpenGL.
     pub fn release(&self, device: Device<'_>) {
         if let Some(mesh) = &self.mesh {
             device.delete_mesh(mesh);

@@ -13,49 +13,49 @@ use glow::HasContext as _;
 
 use crate::opengl::tally::ObjectTally;
 
-/// Why no scene can be drawn.
+/// The reason why OpenGL cannot draw the scene.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SceneError {
-    /// The context is older than OpenGL 3.3 and OpenGL ES 3.0.
+    /// The OpenGL context is older than OpenGL 3.3 and OpenGL ES 3.0; the value is its version.
     #[error("OpenGL {0} is too old: 3.3 or ES 3.0 is needed")]
     TooOld(String),
-    /// A shader was refused.
+    /// OpenGL refused to compile or link a shader; the value is its message.
     #[error("the shader was refused: {0}")]
     Shader(String),
-    /// An object was not created.
+    /// OpenGL did not create an object; the value is its message.
     #[error("OpenGL created no object: {0}")]
     Object(String),
-    /// A framebuffer is not complete.
+    /// A framebuffer is not complete; the value is the status that OpenGL returned.
     #[error("the framebuffer is not complete: {0:#x}")]
     Framebuffer(u32),
 }
 
-/// A linked program with the locations of its uniforms.
+/// A linked shader program with the locations of its uniforms.
 #[derive(Debug)]
 pub struct SceneProgram {
     program: glow::Program,
     uniforms: BTreeMap<String, glow::UniformLocation>,
 }
 
-/// Buffers of a mesh.
+/// OpenGL buffers of a mesh: vertices and indices.
 #[derive(Debug)]
 pub struct GpuMesh {
     array: glow::VertexArray,
     vertices: glow::Buffer,
     indices: glow::Buffer,
     count: i32,
-    /// Triangles or lines.
+    /// OpenGL primitive: triangles or lines.
     mode: u32,
-    /// Bytes of both buffers.
+    /// Total size of both buffers, bytes.
     bytes: i64,
 }
 
-/// How the bytes of a vertex are read.
+/// The layout of the vertices in a buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VertexLayout {
-    /// The one of [`crate::mesh::SceneVertex::write_bytes`].
+    /// The layout that [`crate::mesh::SceneVertex::write_bytes`] writes.
     Surface,
-    /// Two 16 bit numbers: end of an edge, and side of the turn.
+    /// Two 16 bit numbers for the revolved part: the end of an edge, and the side of the turn.
     Edge,
     /// Ends of lines: position as 3 floats, colour as 4 bytes.
     Line,
@@ -66,14 +66,14 @@ pub enum VertexLayout {
 pub struct DrawTarget {
     /// Width and height, pixels.
     pub size: [i32; 2],
-    /// Its texture.
+    /// The texture into which the target draws.
     pub texture: glow::Texture,
     framebuffer: glow::Framebuffer,
     depth: Option<glow::Renderbuffer>,
 }
 
 impl DrawTarget {
-    /// Number of its objects, and bytes of their pixels.
+    /// Returns the number of OpenGL objects of the target, and the bytes of their pixels.
     fn weight(&self) -> (i64, i64) {
         let [width, height] = self.size.map(i64::from);
         match self.depth {
@@ -83,7 +83,7 @@ impl DrawTarget {
     }
 }
 
-/// OpenGL during one paint callback.
+/// Access to OpenGL during one paint callback.
 #[derive(Clone, Copy)]
 pub struct Device<'a> {
     gl: &'a glow::Context,
@@ -96,12 +96,12 @@ impl<'a> Device<'a> {
         Self { gl, tally }
     }
 
-    /// The objects that exist.
+    /// Returns the count of the existing OpenGL objects.
     pub const fn tally(self) -> &'a ObjectTally {
         self.tally
     }
 
-    /// Checks the version of the context.
+    /// Returns an error if the OpenGL context is too old for the shaders.
     pub fn check_version(self) -> Result<(), SceneError> {
         let version = self.gl.version();
         let needed = if version.is_embedded { (3, 0) } else { (3, 3) };
@@ -114,7 +114,7 @@ impl<'a> Device<'a> {
         }
     }
 
-    /// Whether the processor draws instead of a graphics card.
+    /// Whether OpenGL is computed by the processor and not by a graphics card.
     pub fn is_software(self) -> bool {
         // SAFETY: the context is current; the query has no other condition.
         let name = unsafe { self.gl.get_parameter_string(glow::RENDERER) }.to_lowercase();
@@ -128,13 +128,14 @@ impl<'a> Device<'a> {
         software.iter().any(|it| name.contains(it))
     }
 
-    /// Whether a program of this context still exists; false after a loss of the context.
+    /// Whether a shader program of this context still exists; `false` after a loss of the context.
     pub fn is_alive(self, program: &SceneProgram) -> bool {
         // SAFETY: the context is current; a name that does not exist gives false.
         unsafe { self.gl.is_program(program.program) }
     }
 
-    /// Sets the state for opaque surfaces. `clips`: surfaces seen from the back are left out.
+    /// Sets the OpenGL state for opaque surfaces. If `clips`, surfaces seen from the back are left
+    /// out.
     pub fn begin_surfaces(self, clips: bool) {
         // SAFETY: the context is current; the calls set state only.
         unsafe {
@@ -151,7 +152,7 @@ impl<'a> Device<'a> {
         }
     }
 
-    /// Sets the state for a triangle that covers the picture.
+    /// Sets the OpenGL state for a triangle that covers the picture.
     pub fn begin_cover(self) {
         // SAFETY: the context is current; the calls set state only.
         unsafe {
@@ -160,7 +161,7 @@ impl<'a> Device<'a> {
         }
     }
 
-    /// Sets the state for transparent surfaces, which are drawn last.
+    /// Sets the OpenGL state for transparent surfaces, which are drawn last.
     pub fn begin_transparent(self) {
         // SAFETY: the context is current; the calls set state only.
         unsafe {
@@ -171,7 +172,8 @@ impl<'a> Device<'a> {
         }
     }
 
-    /// Shifts depths away from the light, or ends that.
+    /// Shifts the drawn depths away from the light if `shifts`, else ends the shift; prevents
+    /// surfaces from shading themselves.
     pub fn set_depth_shift(self, shifts: bool) {
         // SAFETY: the context is current; the calls set state only.
         unsafe {
@@ -183,7 +185,7 @@ impl<'a> Device<'a> {
         }
     }
 
-    /// Draws into a target from now on; `clears`: with empty depths.
+    /// Selects the target of all further drawing; if `clears`, its depths are cleared.
     pub fn bind_target(self, target: &DrawTarget, clears: bool) {
         let [width, height] = target.size;
         // SAFETY: the context is current; the target was created by it.
@@ -199,7 +201,8 @@ impl<'a> Device<'a> {
         }
     }
 
-    /// Copies colours and depths, or depths alone, between targets of one size and kind.
+    /// Copies colours and depths, or depths alone, from one target to another of the same size and
+    /// kind.
     pub fn copy_target(self, from: &DrawTarget, to: &DrawTarget) {
         let [width, height] = from.size;
         let planes = match from.depth {
@@ -227,8 +230,8 @@ impl<'a> Device<'a> {
         }
     }
 
-    /// Draws into egui's picture from now on, within `viewport`: left, bottom, width, height,
-    /// pixels.
+    /// Selects egui's framebuffer for all further drawing, within `viewport`: left, bottom, width,
+    /// height, pixels.
     pub fn bind_output(self, output: Option<glow::Framebuffer>, viewport: [i32; 4]) {
         let [left, bottom, width, height] = viewport;
         // SAFETY: the context is current; the framebuffer is the one of the caller.
@@ -243,20 +246,20 @@ impl<'a> Device<'a> {
         }
     }
 
-    /// Restores what egui expects after a failed drawing.
+    /// Restores the framebuffer and viewport that egui expects, after a drawing has failed.
     pub fn restore_output(self, output: Option<glow::Framebuffer>, viewport: [i32; 4]) {
         self.bind_output(output, viewport);
         // SAFETY: the context is current; the call sets state only.
         unsafe { self.gl.bind_vertex_array(None) };
     }
 
-    /// Uses a program from now on.
+    /// Selects the shader program for all further drawing.
     pub fn use_program(self, program: &SceneProgram) {
         // SAFETY: the context is current; it has linked the program.
         unsafe { self.gl.use_program(Some(program.program)) };
     }
 
-    /// Binds a texture to a unit; `None`: no texture.
+    /// Binds a texture to a texture unit; `None` removes the texture of the unit.
     pub fn bind_texture(self, unit: u32, texture: Option<glow::Texture>) {
         // SAFETY: the context is current; it has created the texture.
         unsafe {
@@ -266,7 +269,7 @@ impl<'a> Device<'a> {
         }
     }
 
-    /// Sets a matrix of the program in use.
+    /// Sets a matrix uniform of the shader program in use.
     pub fn set_matrix(self, program: &SceneProgram, name: &str, value: &Mat4) {
         let columns = value.to_cols_array();
         // SAFETY: the context is current; the location is one of the program in use.
@@ -276,32 +279,32 @@ impl<'a> Device<'a> {
         };
     }
 
-    /// Sets a vector of the program in use.
+    /// Sets a vector uniform of the shader program in use.
     pub fn set_vector(self, program: &SceneProgram, name: &str, value: Vec3) {
         let Vec3 { x, y, z } = value;
         // SAFETY: the context is current; the location is one of the program in use.
         unsafe { self.gl.uniform_3_f32(program.uniforms.get(name), x, y, z) };
     }
 
-    /// Sets two numbers of the program in use.
+    /// Sets a uniform of two numbers of the shader program in use.
     pub fn set_pair(self, program: &SceneProgram, name: &str, [x, y]: [f32; 2]) {
         // SAFETY: the context is current; the location is one of the program in use.
         unsafe { self.gl.uniform_2_f32(program.uniforms.get(name), x, y) };
     }
 
-    /// Sets a number of the program in use.
+    /// Sets a number uniform of the shader program in use.
     pub fn set_number(self, program: &SceneProgram, name: &str, value: f32) {
         // SAFETY: the context is current; the location is one of the program in use.
         unsafe { self.gl.uniform_1_f32(program.uniforms.get(name), value) };
     }
 
-    /// Sets the texture unit of a sampler of the program in use.
+    /// Sets the texture unit of a sampler of the shader program in use.
     pub fn set_sampler(self, program: &SceneProgram, name: &str, unit: i32) {
         // SAFETY: the context is current; the location is one of the program in use.
         unsafe { self.gl.uniform_1_i32(program.uniforms.get(name), unit) };
     }
 
-    /// Draws a mesh; `limit`: only its first indices.
+    /// Draws a mesh; with `limit` only its first `limit` indices.
     pub fn draw_mesh(self, mesh: &GpuMesh, limit: Option<i32>) {
         let count = limit.map_or(mesh.count, |limit| limit.min(mesh.count));
         // SAFETY: the context is current; the buffer of indices holds at least `count`.

@@ -7,16 +7,16 @@ use crate::mesh::SceneMesh;
 use crate::mesh::occlusion::OcclusionBake;
 use crate::opengl::device::{Device, GpuMesh, SceneError, VertexLayout};
 
-/// Triangles of depth pictures that one frame may draw for ambient occlusion.
+/// Number of triangles in depth pictures that one frame may draw to compute ambient occlusion.
 const TRIANGLES_PER_FRAME: usize = 130_000;
 
-/// A group with its state of occlusion.
+/// The buffers of a mesh group, with the progress of its ambient occlusion.
 #[derive(Debug)]
 struct GroupMesh {
     group: MeshGroup,
     buffers: GpuMesh,
     triangles: usize,
-    /// The mesh and its computation; `None` once it is complete.
+    /// The mesh and the computation of its ambient occlusion; `None` once that is complete.
     bake: Option<(SceneMesh, OcclusionBake)>,
 }
 
@@ -47,7 +47,7 @@ impl GroupMesh {
     }
 }
 
-/// The meshes of all groups.
+/// The OpenGL buffers of all mesh groups.
 #[derive(Debug)]
 pub struct GpuMeshes {
     design: MeshDesign,
@@ -75,12 +75,12 @@ impl GpuMeshes {
         Ok(meshes)
     }
 
-    /// Whether these are the meshes of a description.
+    /// Whether these meshes fit the type, dimensions and tools of a description.
     pub fn is_design_of(&self, lathe: &LatheDescription) -> bool {
         self.design.is_design_of(lathe)
     }
 
-    /// Builds the groups anew that differ in a description.
+    /// Rebuilds the mesh groups for which a new description differs.
     pub fn update(
         &mut self,
         device: Device<'_>,
@@ -97,7 +97,7 @@ impl GpuMeshes {
         Ok(())
     }
 
-    /// Number of triangles.
+    /// Returns the number of triangles of all groups.
     pub fn triangle_count(&self) -> usize {
         self.groups.iter().map(|it| it.triangles).sum()
     }
@@ -107,7 +107,7 @@ impl GpuMeshes {
         self.groups.iter().any(|it| it.bake.is_some())
     }
 
-    /// Continues ambient occlusion. Returns true if a mesh has changed.
+    /// Continues the computation of ambient occlusion. Returns true if a mesh has changed.
     pub fn continue_bake(&mut self, device: Device<'_>) -> Result<bool, SceneError> {
         let mut budget = TRIANGLES_PER_FRAME;
         let mut has_changed = false;
@@ -133,13 +133,13 @@ impl GpuMeshes {
         Ok(has_changed)
     }
 
-    /// The buffers of a group.
+    /// Returns the buffers of a mesh group; `None` if they do not exist.
     pub fn get(&self, group: MeshGroup) -> Option<&GpuMesh> {
         let found = self.groups.iter().find(|it| it.group == group);
         found.map(|it| &it.buffers)
     }
 
-    /// Deletes all buffers.
+    /// Deletes the OpenGL buffers of all groups.
     pub fn release(&self, device: Device<'_>) {
         for group in &self.groups {
             device.delete_mesh(&group.buffers);

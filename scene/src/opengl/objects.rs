@@ -18,10 +18,10 @@ use crate::opengl::shader;
 use crate::opengl::targets::SceneTargets;
 use crate::viewport::{SceneFigures, SceneViewport};
 
-/// Frames after which the layer of what stands still is drawn again, for the shadows of what
-/// moves.
+/// Number of frames after which the picture of the stationary parts is drawn again, to renew the
+/// shadows that moving parts cast on it.
 const LAYER_FRAMES: u32 = 15;
-/// The programs.
+/// The shader programs that draw a scene.
 #[derive(Debug)]
 struct ScenePrograms {
     surface: SceneProgram,
@@ -87,7 +87,8 @@ impl ScenePrograms {
     }
 }
 
-/// The level of a renderer by its name alone.
+/// Returns the default level of detail: half the size if the processor computes OpenGL, else the
+/// full size.
 const fn usual_level(is_software: bool) -> SceneLevel {
     match is_software {
         true => SceneLevel::Half,
@@ -95,7 +96,7 @@ const fn usual_level(is_software: bool) -> SceneLevel {
     }
 }
 
-/// Everything that lives in the context.
+/// All OpenGL objects of a scene: shader programs, meshes and framebuffers.
 #[derive(Debug)]
 pub struct SceneObjects {
     programs: ScenePrograms,
@@ -108,9 +109,9 @@ pub struct SceneObjects {
     cover: glow::VertexArray,
     is_software: bool,
     level: SceneLevel,
-    /// What the picture shows; `None` if it must be drawn.
+    /// Lathe and camera that the current picture shows; `None` if it must be drawn again.
     drawn: Option<(LatheDescription, OrbitCamera)>,
-    /// What the layer of what stands still shows; `None` if it must be drawn.
+    /// Inputs of the current picture of the stationary parts; `None` if it must be drawn again.
     layer: Option<LayerInputs>,
     has_fixed_shadow: bool,
     is_full_size: bool,
@@ -118,7 +119,7 @@ pub struct SceneObjects {
 }
 
 impl SceneObjects {
-    /// Creates everything for a lathe.
+    /// Creates all OpenGL objects for a lathe.
     pub fn create(device: Device<'_>, lathe: &LatheDescription) -> Result<Self, SceneError> {
         device.check_version()?;
         let is_software = device.is_software();
@@ -142,12 +143,12 @@ impl SceneObjects {
         })
     }
 
-    /// Whether the context still has the objects.
+    /// Whether the OpenGL objects still exist; `false` after a loss of the context.
     pub fn is_alive(&self, device: Device<'_>) -> bool {
         device.is_alive(&self.programs.surface)
     }
 
-    /// Draws what has changed, and shows the picture.
+    /// Draws the picture if anything has changed, and shows it in the viewport.
     pub fn paint(
         &mut self,
         device: Device<'_>,
@@ -172,7 +173,7 @@ impl SceneObjects {
         })
     }
 
-    /// Deletes everything.
+    /// Deletes all OpenGL objects of the scene.
     pub fn release(&self, device: Device<'_>) {
         self.programs.release(device);
         self.meshes.release(device);
@@ -291,7 +292,7 @@ impl SceneObjects {
         self.marks.draw(device);
     }
 
-    /// Draws the jaws of a fast spindle as a haze.
+    /// Draws the blurred jaws of a fast spindle.
     fn draw_haze(&self, device: Device<'_>, scene: &FrameInputs) {
         let program = &self.programs.surface;
         device.set_number(program, "u_alpha", HAZE_ALPHA);
@@ -340,8 +341,8 @@ impl SceneObjects {
         self.has_fixed_shadow = true;
     }
 
-    /// Draws what stands still, if the camera or something of it has moved, or its shadows are
-    /// old.
+    /// Draws the stationary parts again if the camera, the quill or the door has moved, or the
+    /// shadows are old.
     fn draw_layer(&mut self, device: Device<'_>, scene: &FrameInputs, is_thorough: bool) {
         let layer = scene.layer();
         let is_same = self.layer.as_ref() == Some(&layer);
@@ -398,7 +399,7 @@ impl SceneObjects {
     }
 
     /// Shows the picture in the viewport of the caller, with smoothed edges. A small picture is
-    /// smoothed before it is enlarged, which costs a quarter.
+    /// smoothed before it is enlarged, which costs a quarter of the time.
     fn show(&self, device: Device<'_>, viewport: SceneViewport) {
         let ScenePrograms {
             show, show_smooth, ..

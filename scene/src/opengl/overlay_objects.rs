@@ -6,14 +6,14 @@ use crate::mesh::marks::{MARK_COLOR, MARK_SIDES, mark_rings};
 use crate::opengl::device::{Device, GpuMesh, SceneError, VertexLayout};
 use crate::tool_path::ToolPath;
 
-/// The lines of a path; nothing while it is hidden.
+/// The lines of the programmed path in the memory of OpenGL; empty while the path is hidden.
 #[derive(Debug, Default)]
 pub struct PathObjects {
     shown: Option<(Arc<ToolPath>, GpuMesh)>,
 }
 
 impl PathObjects {
-    /// Uploads the path if it has changed.
+    /// Uploads the programmed path if it has changed.
     pub fn update(
         &mut self,
         device: Device<'_>,
@@ -33,14 +33,14 @@ impl PathObjects {
         Ok(())
     }
 
-    /// Draws the lines with the program in use.
+    /// Draws the programmed path with the shader program in use.
     pub fn draw(&self, device: Device<'_>) {
         if let Some((_, lines)) = &self.shown {
             device.draw_mesh(lines, None);
         }
     }
 
-    /// Deletes the lines.
+    /// Deletes the lines of the path from OpenGL.
     pub fn release(&self, device: Device<'_>) {
         if let Some((_, lines)) = &self.shown {
             device.delete_mesh(lines);
@@ -48,14 +48,14 @@ impl PathObjects {
     }
 }
 
-/// Rings around the axis where something has collided.
+/// Rings around the axis that mark the positions of collisions.
 #[derive(Debug, Default)]
 pub struct MarkObjects {
     shown: Vec<[f32; 2]>,
     lines: Option<GpuMesh>,
 }
 
-/// The ends of the lines of all marks, and their indices.
+/// Returns the vertices of the rings of all collision marks, and their indices, as bytes.
 fn mark_bytes(marks: &[[f32; 2]]) -> [Vec<u8>; 2] {
     let (mut vertices, mut indices) = (Vec::new(), Vec::new());
     let mut first = 0_u32;
@@ -74,7 +74,7 @@ fn mark_bytes(marks: &[[f32; 2]]) -> [Vec<u8>; 2] {
 }
 
 impl MarkObjects {
-    /// Uploads the marks if they have changed.
+    /// Uploads the collision marks if they have changed.
     pub fn update(&mut self, device: Device<'_>, marks: &[[f32; 2]]) -> Result<(), SceneError> {
         if self.shown == marks {
             return Ok(());
@@ -89,14 +89,14 @@ impl MarkObjects {
         Ok(())
     }
 
-    /// Draws the rings with the program in use.
+    /// Draws the rings with the shader program in use.
     pub fn draw(&self, device: Device<'_>) {
         if let Some(lines) = &self.lines {
             device.draw_mesh(lines, None);
         }
     }
 
-    /// Deletes the rings.
+    /// Deletes the rings from OpenGL.
     pub fn release(&self, device: Device<'_>) {
         if let Some(lines) = &self.lines {
             device.delete_mesh(lines);

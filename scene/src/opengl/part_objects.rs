@@ -11,24 +11,25 @@ use crate::part::details::build_details;
 use crate::part::outline::{MAX_EDGES, PartOutline};
 use crate::part::section_cut::kept_sweep;
 
-/// The part: a fixed grid with the texture of its outline, and its details.
+/// The part in the memory of OpenGL: a fixed grid, the texture of its outline, and its threads and
+/// cut faces.
 #[derive(Debug)]
 pub struct PartObjects {
     grid: GpuMesh,
-    /// The same with half the sides.
+    /// A grid of the revolved part with half the sides.
     coarse_grid: GpuMesh,
     texture: glow::Texture,
     outline: Arc<PartOutline>,
     edges: i32,
-    /// Threads and cut faces; `None` without any.
+    /// Mesh of the threads and cut faces; `None` if the part has neither.
     details: Option<GpuMesh>,
     cut: (LatheKind, SectionCut),
-    /// Whether marks show that the part turns.
+    /// Whether chalk marks show that the part turns.
     has_marks: bool,
 }
 
 impl PartObjects {
-    /// Creates the grid, without a part.
+    /// Creates the grid, before a part is known.
     pub fn create(device: Device<'_>) -> Result<Self, SceneError> {
         let sides = shader::PART_SIDES;
         let ends = (0..2 * MAX_EDGES as u16)
@@ -58,7 +59,7 @@ impl PartObjects {
         })
     }
 
-    /// Uploads what has changed.
+    /// Uploads the outline, threads and cut faces if they have changed.
     pub fn update(
         &mut self,
         device: Device<'_>,
@@ -90,7 +91,7 @@ impl PartObjects {
         Ok(())
     }
 
-    /// Draws the revolved surfaces with a program of the variant `PART`, which is in use.
+    /// Draws the revolved surfaces with `program`, a shader variant `PART` that is in use.
     pub fn draw_revolved(&self, device: Device<'_>, program: &SceneProgram, level: SceneLevel) {
         if self.edges == 0 {
             return;
@@ -115,14 +116,14 @@ impl PartObjects {
         device.bind_texture(1, None);
     }
 
-    /// Draws threads and cut faces with the program in use.
+    /// Draws threads and cut faces with the shader program in use.
     pub fn draw_details(&self, device: Device<'_>) {
         if let Some(details) = &self.details {
             device.draw_mesh(details, None);
         }
     }
 
-    /// Deletes everything.
+    /// Deletes all OpenGL objects of the part.
     pub fn release(&self, device: Device<'_>) {
         device.delete_mesh(&self.grid);
         device.delete_mesh(&self.coarse_grid);

@@ -9,11 +9,11 @@ use crate::opengl::device::Device;
 use crate::opengl::objects::SceneObjects;
 use crate::opengl::tally::ObjectTally;
 
-/// Draws lathes with one OpenGL context; survives its loss.
+/// Draws lathes with one OpenGL context; creates its objects again after a loss of the context.
 #[derive(Debug, Default)]
 pub struct SceneRenderer {
     objects: Option<SceneObjects>,
-    /// Address of the context that has created the objects.
+    /// Address of the OpenGL context that owns the objects.
     context: usize,
     tally: ObjectTally,
 }
@@ -22,8 +22,9 @@ impl SceneRenderer {
     /// Draws a lathe into a viewport. `gl` must be current, as in a paint callback of egui.
     ///
     /// # Errors
-    /// The context is too old, or refuses an object. It is then as egui expects it, and the
-    /// next call tries again.
+    ///
+    /// Returns an error if the context is too old, or refuses an object. The context then has the
+    /// state that egui expects, and the next call tries again.
     pub fn paint(
         &mut self,
         gl: &glow::Context,
@@ -49,7 +50,7 @@ impl SceneRenderer {
         drawn
     }
 
-    /// Deletes all objects. `gl` must be the current context.
+    /// Deletes all OpenGL objects. `gl` must be the current context.
     pub fn release(&mut self, gl: &glow::Context) {
         if let Some(objects) = self.objects.take() {
             objects.release(Device::new(gl, &self.tally));

@@ -1,16 +1,16 @@
 //! The texts of the shaders. The first lines differ between OpenGL and OpenGL ES; variants
 //! differ by definitions, because a software renderer computes both sides of a branch.
 
-/// Definition of the variant that revolves the outline of the part.
+/// Preprocessor definition of the shader variant that revolves the outline of the part.
 pub const PART: &str = "#define PART\n";
-/// Definition of the variant that smooths edges while it shows the picture.
+/// Preprocessor definition of the shader variant that smooths edges while it shows the picture.
 pub const SMOOTH: &str = "#define SMOOTH\n";
-/// Definition of the variant with four samples of the shadow map.
+/// Preprocessor definition of the shader variant with four samples of the shadow map.
 pub const SOFT_SHADOW: &str = "#define SOFT_SHADOW\n";
-/// Flat sides of the revolved part.
+/// Number of flat sides with which the part is revolved.
 pub const PART_SIDES: u32 = 64;
 
-/// Transforms vertices; revolves the part from its outline.
+/// Vertex shader of surfaces; its variant `PART` revolves the part from its outline.
 pub const VERTEX: &str = "
 uniform mat4 u_projection, u_model;
 out vec3 v_position, v_normal;
@@ -51,7 +51,7 @@ void main() {
 }
 ";
 
-/// Transforms the ends of lines, in front of the surfaces in which they are.
+/// Vertex shader of lines: draws them before the surfaces in which they lie.
 pub const LINE_VERTEX: &str = "
 uniform mat4 u_projection, u_model;
 in vec3 a_position;
@@ -64,18 +64,18 @@ void main() {
 }
 ";
 
-/// Draws lines without light.
+/// Fragment shader of lines, without lighting.
 pub const LINE_FRAGMENT: &str = "
 in vec4 v_color;
 out vec4 o_color;
 void main() { o_color = vec4(v_color.rgb, 1.0); }
 ";
 
-/// Draws nothing but depth.
+/// Fragment shader that writes only depth.
 pub const DEPTH_FRAGMENT: &str = "void main() {}\n";
 
-/// Lights a surface: sky by exposure, a key light with shadow, a fill light, gloss, and a
-/// studio of bright strips in the reflections.
+/// Fragment shader that lights a surface: sky by exposure, a main light with shadow, a fill light,
+/// gloss, and a studio of bright strips in the reflections.
 pub const LIT_FRAGMENT: &str = "
 in vec3 v_position, v_normal;
 in vec4 v_color, v_finish;
@@ -133,7 +133,7 @@ void main() {
 }
 ";
 
-/// One triangle that covers the picture.
+/// Vertex shader of one triangle that covers the picture.
 pub const COVER_VERTEX: &str = "
 out vec2 v_at;
 void main() {
@@ -143,7 +143,7 @@ void main() {
 }
 ";
 
-/// Shows a picture, with smoothed edges in one variant.
+/// Fragment shader that shows a finished picture; its variant `SMOOTH` smooths edges.
 pub const SHOW_FRAGMENT: &str = "
 in vec2 v_at;
 out vec4 o_color;
@@ -170,7 +170,7 @@ void main() {
 }
 ";
 
-/// The background: a gradient from below to above.
+/// Fragment shader of the background: a vertical gradient.
 pub const GROUND_FRAGMENT: &str = "
 in vec2 v_at;
 out vec4 o_color;

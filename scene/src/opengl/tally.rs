@@ -2,7 +2,7 @@
 
 use core::cell::Cell;
 
-/// Number of existing objects, and the bytes of their contents.
+/// Counts the existing OpenGL objects and the bytes of their contents.
 #[derive(Clone, Debug, Default)]
 pub struct ObjectTally {
     objects: Cell<i64>,
@@ -10,24 +10,24 @@ pub struct ObjectTally {
 }
 
 impl ObjectTally {
-    /// Adds created objects; negative: deleted ones.
+    /// Adds a number of created objects and their bytes; negative for deleted ones.
     pub(crate) fn add(&self, objects: i64, bytes: i64) {
         self.objects.set(self.objects.get() + objects);
         self.bytes.set(self.bytes.get() + bytes);
     }
 
-    /// Forgets all objects, which went with their context.
+    /// Sets the counts to 0 after a loss of the OpenGL context.
     pub(crate) fn clear(&self) {
         self.objects.set(0);
         self.bytes.set(0);
     }
 
-    /// Number of existing objects.
+    /// Returns the number of existing OpenGL objects.
     pub const fn objects(&self) -> i64 {
         self.objects.get()
     }
 
-    /// Bytes of their contents.
+    /// Returns the size of the contents of all existing OpenGL objects, bytes.
     pub const fn bytes(&self) -> i64 {
         self.bytes.get()
     }

@@ -2,26 +2,26 @@
 
 use crate::opengl::device::{Device, DrawTarget, SceneError};
 
-/// Side of a shadow map, pixels.
+/// Width and height of a shadow map, pixels.
 const SHADOW_SIDE: i32 = 1024;
 
-/// All framebuffers.
+/// All framebuffers into which a scene is drawn.
 #[derive(Debug)]
 pub struct SceneTargets {
-    /// The picture.
+    /// Framebuffer of the finished picture.
     pub picture: DrawTarget,
-    /// The picture with smoothed edges, if it is smaller than the viewport.
+    /// Framebuffer of the picture with smoothed edges, if it is smaller than the viewport.
     pub smooth: DrawTarget,
-    /// What stands still, copied into each picture.
+    /// Framebuffer of the stationary parts, which is copied into each picture.
     pub fixed: DrawTarget,
-    /// The shadow of what stands still.
+    /// Shadow map of the stationary parts.
     pub fixed_shadow: DrawTarget,
-    /// The shadow of everything.
+    /// Shadow map of all parts.
     pub shadow: DrawTarget,
 }
 
 impl SceneTargets {
-    /// Creates framebuffers for a picture of a size, pixels.
+    /// Creates framebuffers for a picture of `size` pixels.
     pub fn create(device: Device<'_>, size: [i32; 2]) -> Result<Self, SceneError> {
         Ok(Self {
             picture: device.create_target(size)?,
@@ -32,7 +32,7 @@ impl SceneTargets {
         })
     }
 
-    /// Replaces picture and layer if their size differs. Returns true if it did.
+    /// Recreates the framebuffers of the picture if their size differs. Returns true if it did.
     pub fn resize(&mut self, device: Device<'_>, size: [i32; 2]) -> Result<bool, SceneError> {
         if self.picture.size == size {
             return Ok(false);

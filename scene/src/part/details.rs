@@ -9,13 +9,13 @@ use crate::part::outline::PartOutline;
 use crate::part::section_cut::{add_face, kept_sweep, tool_angle};
 use crate::placement::LathePlacement;
 
-/// Lines of the hatch over the longer side of the part.
+/// Number of hatch lines over the longer side of the part.
 const HATCH_LINES: f32 = 18.0;
-/// Least and greatest distance of two lines of the hatch, mm.
+/// Least and greatest distance between two hatch lines, mm.
 const HATCH_MM: (f32, f32) = (2.5, 25.0);
 
-/// The matrix with which the part is drawn. A cut part does not turn: its cut face shows the
-/// half section in the plane of the tool.
+/// Returns the matrix with which the part is drawn. A cut part does not turn: its cut face shows
+/// the half section in the plane of the tool.
 pub fn part_model(lathe: &LatheDescription, placement: &LathePlacement) -> Mat4 {
     let turn = match lathe.overlay.section_cut {
         SectionCut::Whole => placement.spindle,
@@ -24,7 +24,7 @@ pub fn part_model(lathe: &LatheDescription, placement: &LathePlacement) -> Mat4 
     bar_bend(lathe) * turn
 }
 
-/// Builds threads and cut faces of a part.
+/// Builds the mesh of the threads and cut faces of a part.
 pub fn build_details(outline: &PartOutline, kind: LatheKind, cut: SectionCut) -> SceneMesh {
     let mut mesh = SceneMesh::default();
     let [start, extent] = kept_sweep(kind, cut);

@@ -2,46 +2,45 @@
 
 use glam::{Vec3, vec3};
 
-/// Feeds of steel below which chips are ribbons, and above which they break to needles, mm per
-/// turn.
+/// Feed of steel below which chips are ribbons, mm per turn.
 const RIBBON_FEED: f32 = 0.08;
 const NEEDLE_FEED: f32 = 0.32;
 /// Feed of a tough material below which chips are ribbons, mm per turn.
 const TOUGH_RIBBON_FEED: f32 = 0.16;
 
-/// Form of a chip.
+/// The shape of a chip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChipShape {
-    /// A short piece of a heavy cut.
+    /// A short chip of a heavy cut.
     Needle,
-    /// A coil.
+    /// The chip is coiled.
     Curl,
-    /// A long wavy piece of a fine cut.
+    /// A long wavy chip of a fine cut.
     Ribbon,
-    /// A glowing particle.
+    /// A glowing particle instead of a chip.
     Spark,
 }
 
-/// What the part consists of.
+/// The material of the part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PartMaterial {
-    /// Carbon steel.
+    /// The part is carbon steel.
     #[default]
     Steel,
-    /// Stainless steel.
+    /// The part is stainless steel.
     Stainless,
-    /// Grey cast iron.
+    /// The part is grey cast iron.
     CastIron,
-    /// Aluminium alloy.
+    /// The part is an aluminium alloy.
     Aluminium,
-    /// Brass.
+    /// The part is brass.
     Brass,
-    /// Plastic.
+    /// The part is plastic.
     Plastic,
 }
 
 impl PartMaterial {
-    /// All materials.
+    /// All materials of a part.
     pub const ALL: [Self; 6] = [
         Self::Steel,
         Self::Stainless,
@@ -51,7 +50,7 @@ impl PartMaterial {
         Self::Plastic,
     ];
 
-    /// Colours of a cut surface and of the skin as sRGB, 0–1.
+    /// Returns the colours of a cut surface and of the uncut bar surface as sRGB, 0 to 1.
     pub const fn colors(self) -> [Vec3; 2] {
         match self {
             Self::Steel => [vec3(0.80, 0.80, 0.815), vec3(0.40, 0.385, 0.38)],
@@ -63,7 +62,7 @@ impl PartMaterial {
         }
     }
 
-    /// Share of metal in the reflection of a surface, 0–1.
+    /// Returns how metallic the surface reflects, 0 to 1.
     pub const fn metal(self) -> f32 {
         match self {
             Self::Plastic => 0.0,
@@ -71,7 +70,7 @@ impl PartMaterial {
         }
     }
 
-    /// The shape of the chips at a feed, mm per turn.
+    /// Returns the shape of the chips at `feed`, mm per turn.
     pub fn chip_shape(self, feed: f32) -> ChipShape {
         match self {
             Self::Brass | Self::CastIron => ChipShape::Needle,
@@ -83,8 +82,8 @@ impl PartMaterial {
         }
     }
 
-    /// The colour of the chips at a cutting speed, m/min: heat tempers steel bright, straw,
-    /// brown, blue.
+    /// Returns the sRGB colour of the chips at a cutting speed, m/min: heat tempers steel bright,
+    /// straw, brown, blue.
     pub fn chip_color(self, speed: f32) -> [u8; 3] {
         match (self, speed) {
             (Self::CastIron, _) => [96, 98, 104],
@@ -98,7 +97,8 @@ impl PartMaterial {
         }
     }
 
-    /// Cutting speed above which a cut throws sparks, m/min; `None`: it never does.
+    /// Returns the cutting speed above which a cut throws sparks, m/min; `None` if the material
+    /// throws none.
     pub const fn spark_speed(self) -> Option<f32> {
         match self {
             Self::Steel => Some(450.0),

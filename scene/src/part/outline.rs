@@ -9,29 +9,29 @@ use crate::part::threads::{SectionSampler, ThreadDescription, ThreadSurface};
 
 /// Greatest number of edges; an outline with more is simplified.
 pub const MAX_EDGES: usize = 384;
-/// Floats of an edge: two ends, each with x, radius and a normal.
+/// Number of floats of an edge in the texture: two ends, each with x, radius and a normal.
 pub const EDGE_FLOATS: usize = 8;
-/// Cosine of the angle below which two edges are shaded as one surface.
+/// Cosine of the angle between two edges above which they are shaded as one smooth surface.
 const SMOOTH_COSINE: f32 = 0.93;
-/// Length of the normal of an edge that no tool has cut: the shader draws it as bar skin.
+/// Length of the stored normal that marks an uncut edge: the shader draws it as bar surface.
 const SKIN_NORMAL_LENGTH: f32 = 2.0;
-/// Distance from the stock's radius within which a surface counts as uncut, mm.
+/// Difference from the radius of the stock within which a surface counts as uncut, mm.
 const SKIN_TOLERANCE_MM: f32 = 0.01;
 /// First tolerance with which an outline is simplified, mm; doubled until the edges fit.
 const FIRST_TOLERANCE_MM: f32 = 0.002;
 
-/// An edge of the half section that sweeps a surface.
+/// An edge of the half section, which forms a surface when it is revolved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutlineEdge {
     /// Both ends as (x, radius), mm. The material is to the left.
     pub ends: [Vec2; 2],
     /// Outward normals at both ends.
     pub normals: [Vec2; 2],
-    /// Whether the surface is the one of the stock.
+    /// Whether the edge is the uncut surface of the stock.
     pub is_skin: bool,
 }
 
-/// The surfaces of the part.
+/// The surfaces of the part: edges that are revolved, and threads.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PartOutline {
     edges: Vec<OutlineEdge>,
@@ -40,14 +40,14 @@ pub struct PartOutline {
 }
 
 impl PartOutline {
-    /// Creates the surfaces of a half section: closed polygons of (x, radius), mm, with holes
-    /// turning the other way. `stock_radius`: radius of the stock, mm.
+    /// Creates the surfaces of a half section: closed polygons of (x, radius), mm, with holes in
+    /// the opposite direction. `stock_radius` is the radius of the stock, mm.
     pub fn from_polygons(polygons: &[Vec<[f32; 2]>], stock_radius: f32) -> Self {
         Self::with_threads(polygons, stock_radius, &[])
     }
 
-    /// Creates the surfaces of a half section with threads, which are led around the axis. Of
-    /// two threads in one place the later one counts.
+    /// Creates the surfaces of a half section with threads, whose grooves run helically around the
+    /// axis. Where two threads overlap, the later one is valid.
     pub fn with_threads(
         polygons: &[Vec<[f32; 2]>],
         stock_radius: f32,
@@ -124,23 +124,23 @@ impl PartOutline {
         }
     }
 
-    /// Returns the part of another material.
+    /// Returns the same part with the material `material`.
     #[must_use]
     pub fn with_material(self, material: PartMaterial) -> Self {
         Self { material, ..self }
     }
 
-    /// What the part consists of.
+    /// Returns the material of the part.
     pub const fn material(&self) -> PartMaterial {
         self.material
     }
 
-    /// The threads, which no edge sweeps.
+    /// Returns the threads of the part; no revolved edge covers them.
     pub fn threads(&self) -> &[ThreadSurface] {
         &self.threads
     }
 
-    /// The half section at an angle of the part as lines; those on the axis are missing.
+    /// Returns the half section at an angle of the part as lines; lines on the axis are left out.
     pub fn section_lines(&self, angle: f32) -> Vec<[Vec2; 2]> {
         let mut lines: Vec<[Vec2; 2]> = self.edges.iter().map(|edge| edge.ends).collect();
         for thread in &self.threads {
@@ -150,12 +150,12 @@ impl PartOutline {
         lines
     }
 
-    /// The edges that sweep a surface.
+    /// Returns the edges that form surfaces when they are revolved.
     pub fn edges(&self) -> &[OutlineEdge] {
         &self.edges
     }
 
-    /// The edges as texels: two per edge, each x, radius and normal.
+    /// Returns the edges as texels: two per edge, each with x, radius and normal.
     pub fn texels(&self) -> Vec<f32> {
         let mut texels = Vec::with_capacity(self.edges.len() * EDGE_FLOATS);
         for edge in &self.edges {
@@ -172,7 +172,7 @@ impl PartOutline {
         texels
     }
 
-    /// Greatest radius at x, mm; `None` without material there.
+    /// Returns the greatest radius at x, mm; `None` without material there.
     pub fn radius_at(&self, x: f32) -> Option<f32> {
         let edges = self.edges.iter().map(|edge| edge.ends);
         let crossed = edges.filter(|[a, b]| (a.x <= x) != (b.x <= x));
@@ -182,7 +182,7 @@ impl PartOutline {
         radii.chain(crests).reduce(f32::max)
     }
 
-    /// Least and greatest x, and greatest radius, mm; `None` without a part.
+    /// Returns least x, greatest x and greatest radius, mm; `None` without a part.
     pub fn bounds(&self) -> Option<(f32, f32, f32)> {
         let threads = self.threads.iter().flat_map(ThreadSurface::corners);
         let edges = self.edges.iter().flat_map(|edge| edge.ends);
@@ -196,7 +196,7 @@ impl PartOutline {
     }
 }
 
-/// Splits an edge where it crosses one of two x.
+/// Splits an edge where it crosses one of the two x in `stops`.
 fn split_edge(edge: &OutlineEdge, stops: [f32; 2]) -> Vec<OutlineEdge> {
     let mut pieces = vec![*edge];
     for stop in stops {

@@ -7,16 +7,16 @@ use glam::{Vec2, vec2, vec3};
 use crate::description::{LatheKind, SectionCut};
 use crate::mesh::{SceneMaterial, SceneMesh};
 
-/// Cut faces between the lines of the hatch.
+/// Colour of cut faces between the hatch lines.
 const FACE: SceneMaterial = SceneMaterial::paint(226, 208, 166);
-/// Lines of the hatch.
+/// Colour of the hatch lines.
 const HATCH: SceneMaterial = SceneMaterial::paint(146, 96, 60);
-/// Share of a line in the distance of two lines.
+/// Width of a hatch line as a fraction of the distance between two lines.
 const LINE_SHARE: f32 = 0.24;
-/// Least width of a trapezoid, mm.
+/// Least width of a trapezoid of a cut face, mm; narrower ones are left out.
 const MIN_WIDTH_MM: f32 = 1e-4;
 
-/// Angle of the tool about the spindle axis, from y to z, radians.
+/// Returns the angle of the tool about the spindle axis, from y to z, radians.
 pub const fn tool_angle(kind: LatheKind) -> f32 {
     match kind {
         LatheKind::FlatBed | LatheKind::Bench => FRAC_PI_2,
@@ -24,8 +24,8 @@ pub const fn tool_angle(kind: LatheKind) -> f32 {
     }
 }
 
-/// The angles of the part that remain: start and extent, radians, from the plane of the tool.
-/// A half is cut along the plane of the tool, on the side of the operator.
+/// Returns the angles of the part that are drawn: start and extent, radians, from the plane of the
+/// tool. A half is cut along the plane of the tool, on the operator's side.
 pub fn kept_sweep(kind: LatheKind, cut: SectionCut) -> [f32; 2] {
     let is_rear = kind == LatheKind::SlantBed;
     match (cut, is_rear) {
@@ -69,7 +69,7 @@ pub fn trapezoids(edges: &[[Vec2; 2]]) -> Vec<[Vec2; 4]> {
     found
 }
 
-/// The part of a convex polygon with `x + radius` at or above (`side` 1) or at or below
+/// Returns the area of a convex polygon with `x + radius` at or above (`side` 1) or at or below
 /// (`side` -1) a limit.
 fn clip(polygon: &[Vec2], limit: f32, side: f32) -> Vec<Vec2> {
     let distance = |it: Vec2| (it.x + it.y - limit) * side;
@@ -86,8 +86,8 @@ fn clip(polygon: &[Vec2], limit: f32, side: f32) -> Vec<Vec2> {
     kept
 }
 
-/// Adds the hatched area within edges, in the plane at an angle about the axis. `side` 1: it
-/// faces growing angles. `spacing`: distance of two lines along the axis, mm.
+/// Adds the hatched area within edges to the mesh, in the plane at an angle about the axis. `side`
+/// 1: it faces growing angles. `spacing`: distance between two hatch lines along the axis, mm.
 pub fn add_face(mesh: &mut SceneMesh, edges: &[[Vec2; 2]], angle: f32, side: f32, spacing: f32) {
     let (sine, cosine) = angle.sin_cos();
     let normal = vec3(0.0, -sine, cosine) * side;
@@ -123,7 +123,7 @@ pub fn add_face(mesh: &mut SceneMesh, edges: &[[Vec2; 2]], angle: f32, side: f32
 mod tests {
     use super::*;
 
-    /// The area of a mesh, mm², and the share of it that is hatch.
+    /// Returns the area of a mesh, mm², and the fraction of it that is hatch.
     fn areas(mesh: &SceneMesh) -> (f32, f32) {
         let corner = |at: u32| mesh.vertices[at as usize].position;
         let (mut all, mut hatched) = (0.0, 0.0);

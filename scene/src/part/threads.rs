@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3, vec2, vec3};
 use crate::mesh::polyline::simplify;
 use crate::mesh::{SceneMaterial, SceneMesh};
 
-/// A thread of the part.
+/// The range and lead of a thread on the part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThreadDescription {
     /// Least x of the grooves of the half section, mm.
@@ -17,11 +17,11 @@ pub struct ThreadDescription {
     /// Distance along x per positive turn of the spindle, mm; negative for a right-hand
     /// thread.
     pub lead: f32,
-    /// Whether the thread is in a bore.
+    /// Whether the thread is internal, in a bore.
     pub is_internal: bool,
 }
 
-/// Surface of a cut thread.
+/// Material of the surface of a cut thread.
 const THREAD_STEEL: SceneMaterial = SceneMaterial {
     color: [204, 204, 208],
     roughness: 61,
@@ -29,50 +29,51 @@ const THREAD_STEEL: SceneMaterial = SceneMaterial {
     rings: 0,
     glow: 0,
 };
-/// Distance at both sides of a step at which its radii are read, mm.
+/// Distance before and after a step at which its radii are read, mm.
 const STEP_MM: f32 = 1e-3;
-/// Samples per lead of the surface without grooves.
+/// Number of samples per lead at which the surface without grooves is stored.
 const SAMPLES_PER_LEAD: f32 = 32.0;
-/// Greatest number of samples of a surface without grooves.
+/// Greatest number of samples of a thread's surface without grooves.
 const MAX_SAMPLES: usize = 8000;
-/// Greatest number of points of a profile; a longer thread is drawn as rings.
+/// Greatest number of points of a profile; a longer thread is drawn as rings without a helix.
 const MAX_PROFILE: usize = 1200;
-/// Share of the lead by which a profile is simplified.
+/// Tolerance with which a profile is simplified, as a fraction of the lead.
 const PROFILE_TOLERANCE: f32 = 0.004;
-/// Columns of a full turn.
+/// Number of columns of triangles in a full turn of the thread.
 const COLUMNS: usize = 64;
 
-/// A thread of the part in its range along the axis.
+/// The helical surface of a thread within its range along the axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ThreadSurface {
-    /// Range along the axis, mm.
+    /// Least x of the thread, mm.
     pub low: f32,
-    /// Range along the axis, mm.
+    /// Greatest x of the thread, mm.
     pub high: f32,
-    /// Whether the thread is in a bore.
+    /// Whether the thread is internal, in a bore.
     pub is_internal: bool,
     lead: f32,
-    /// Radius at both ends in the drawn plane, mm.
+    /// Radius at `low` and `high` in the plane of the half section, mm.
     ends: [f32; 2],
-    /// Depth of the grooves below the surface by x, in the drawn plane, mm.
+    /// Depth of the grooves below the surface, as points (x, depth), in the plane of the half
+    /// section, mm.
     depths: Vec<Vec2>,
-    /// Radius of the surface without grooves, from `low` on in equal steps.
+    /// Radius of the surface without grooves, mm, at equal steps from `low` on.
     body: Vec<f32>,
 }
 
-/// Radii of a half section by x.
+/// Reads radii from the polygons of a half section.
 pub struct SectionSampler<'a> {
     lines: &'a [Vec<Vec2>],
 }
 
 impl<'a> SectionSampler<'a> {
-    /// Reads closed polygons of (x, radius).
+    /// Creates a reader of closed polygons of points (x, radius), mm.
     pub const fn new(lines: &'a [Vec<Vec2>]) -> Self {
         Self { lines }
     }
 
-    /// Least and greatest radius of the surfaces at x; `None` beside the part. The least one
-    /// is 0 without a bore.
+    /// Returns the least and greatest radius of the surfaces at x; `None` outside the part. The
+    /// least one is 0 without a bore.
     pub fn radii(&self, x: f32) -> Option<(f32, f32)> {
         let mut found: Option<(f32, f32, usize)> = None;
         for points in self.lines {
@@ -103,7 +104,8 @@ impl<'a> SectionSampler<'a> {
         }
     }
 
-    /// Range of x within `low` and `high` in which the surface exists.
+    /// Returns the range of x, within `low` and `high`, in which the outer surface or the bore
+    /// exists; `None` if it does not exist there.
     fn extent(&self, low: f32, high: f32, is_internal: bool) -> Option<(f32, f32)> {
         let x = self.lines.iter().flatten().map(|it| it.x);
         let inner = x.filter(|x| *x > low && *x < high);
@@ -120,7 +122,8 @@ impl<'a> SectionSampler<'a> {
         Some((first[0], last[1]))
     }
 
-    /// The surface as points from low to high x, with two points at a step.
+    /// Returns the outer surface, or the bore, as points from `low` to `high`, with two points at a
+    /// step.
     fn profile(&self, low: f32, high: f32, is_internal: bool) -> Vec<Vec2> {
         let x = self.lines.iter().flatten().map(|it| it.x);
         let inner = x.filter(|x| *x > low + 2.0 * STEP_MM && *x < high - 2.0 * STEP_MM);
@@ -144,7 +147,7 @@ impl<'a> SectionSampler<'a> {
     }
 }
 
-/// Radius of a profile at x.
+/// Returns the radius of a profile at x, interpolated between its points; `None` outside it.
 fn read_profile(points: &[Vec2], x: f32) -> Option<f32> {
     let next = points.partition_point(|it| it.x <= x);
     let before = points.get(next.checked_sub(1)?)?;
@@ -155,7 +158,8 @@ fn read_profile(points: &[Vec2], x: f32) -> Option<f32> {
     Some(before.y + (after.y - before.y) * share)
 }
 
-/// Fills grooves that are narrower than `width`: greatest, then least values within a window.
+/// Removes grooves narrower than `width` samples: takes the greatest, then the least value within a
+/// window.
 fn close_grooves(samples: &[f32], width: usize) -> Vec<f32> {
     let half = width / 2;
     let window = |values: &[f32], at: usize, pick: fn(f32, f32) -> f32| {
@@ -174,7 +178,7 @@ fn close_grooves(samples: &[f32], width: usize) -> Vec<f32> {
 }
 
 impl ThreadSurface {
-    /// Reads a thread from a half section; `None` if there is none of more than one lead.
+    /// Reads a thread from a half section; `None` if its grooves are shorter than one lead.
     pub fn from_section(section: &SectionSampler<'_>, thread: &ThreadDescription) -> Option<Self> {
         let (lead, is_internal) = (thread.lead, thread.is_internal);
         let turn = lead.abs();
@@ -225,7 +229,8 @@ impl ThreadSurface {
         (surface.depths.len() <= MAX_PROFILE).then_some(surface)
     }
 
-    /// Whether an edge of the half section is replaced by the thread.
+    /// Whether the thread covers the edge from `a` to `b` of the half section, so that the edge is
+    /// not drawn.
     pub fn replaces(&self, section: &SectionSampler<'_>, a: Vec2, b: Vec2, tolerance: f32) -> bool {
         let middle = (a + b) * 0.5;
         if middle.x <= self.low + STEP_MM || middle.x >= self.high - STEP_MM {
@@ -240,7 +245,7 @@ impl ThreadSurface {
         }
     }
 
-    /// Points that bound the thread.
+    /// Returns the points at which the thread begins and ends.
     pub fn corners(&self) -> [Vec2; 2] {
         let radius = self.body.iter().copied().fold(0.0, f32::max);
         [vec2(self.low, radius), vec2(self.high, radius)]
@@ -256,7 +261,7 @@ impl ThreadSurface {
         read(before) * (1.0 - share) + read(before + 1) * share
     }
 
-    /// Shift of the grooves along the axis at an angle of the part.
+    /// Returns the shift of the grooves along the axis at an angle of the part, mm.
     fn shift(&self, angle: f32) -> f32 {
         -self.lead * angle / TAU
     }
@@ -269,18 +274,20 @@ impl ThreadSurface {
         read_profile(&self.depths, within).unwrap_or(0.0)
     }
 
-    /// Radius at x and an angle of the part, mm. At angle 0 it is the one of the half section.
+    /// Returns the radius at x and at an angle of the part, mm. At angle 0 it is that of the half
+    /// section.
     pub fn radius(&self, x: f32, angle: f32) -> f32 {
         (self.body_radius(x) - self.depth(x - self.shift(angle))).max(0.0)
     }
 
-    /// The profile at an angle of the part, from low to high x.
+    /// Returns the profile at an angle of the part, as points from low to high x.
     pub fn profile(&self, angle: f32) -> Vec<Vec2> {
         let rows = self.rows([angle, angle]);
         rows.iter().map(|row| self.row_point(*row, angle)).collect()
     }
 
-    /// Points (x in the drawn plane, depth) of all grooves that angles of a range need.
+    /// Returns the points (x in the plane of the half section, depth) of all grooves that are
+    /// visible within a range of angles.
     fn rows(&self, angles: [f32; 2]) -> Vec<Vec2> {
         let turn = self.lead.abs();
         let shifts = angles.map(|angle| self.shift(angle));
@@ -308,7 +315,8 @@ impl ThreadSurface {
         vec2(x, (self.body_radius(x) - row.y).max(0.0))
     }
 
-    /// Adds the surface over a range of angles of the part: its start and extent, radians.
+    /// Adds the thread surface over a range of angles of the part to the mesh: start and extent,
+    /// radians.
     pub fn add_to(&self, mesh: &mut SceneMesh, [start, extent]: [f32; 2]) {
         mesh.material = THREAD_STEEL;
         let columns = ((extent / TAU * COLUMNS as f32).round() as usize).max(1);
@@ -364,7 +372,8 @@ fn revolved(point: Vec2, angle: f32) -> Vec3 {
     vec3(point.x, point.y * cosine, point.y * sine)
 }
 
-/// Adds the triangles between pairs of vertices.
+/// Adds the triangles between neighbouring rows of vertices, `columns` pairs from the index `first`
+/// on.
 fn add_strip(mesh: &mut SceneMesh, first: u32, columns: usize) {
     for column in 0..columns as u32 {
         let at = first + column * 2;
@@ -399,7 +408,7 @@ mod tests {
         ThreadSurface::from_section(&SectionSampler::new(&lines), &thread).unwrap()
     }
 
-    /// x of the deepest point near 30 mm at an angle.
+    /// Returns x of the deepest point of the groove near x = 30 mm, at an angle of the part.
     fn root(thread: &ThreadSurface, angle: f32) -> f32 {
         let x = (0..2000).map(|at| 29.0 + at as f32 * 0.001);
         x.min_by(|a, b| {

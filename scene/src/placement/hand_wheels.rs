@@ -7,41 +7,43 @@ use glam::{Mat4, Vec3, vec3};
 use super::tool_scale;
 use crate::description::{LatheDimensions, LatheKind};
 
-/// Travel of a slide for one turn of its wheel, mm.
+/// Travel of the carriage for one turn of its hand wheel, mm.
 const CARRIAGE_MM_PER_TURN: f32 = 60.0;
 const CROSS_MM_PER_TURN: f32 = 10.0;
 const QUILL_MM_PER_TURN: f32 = 10.0;
-/// Detents of the electronic hand wheel in one turn.
+/// Number of detents in one turn of the electronic hand wheel.
 const DETENTS_PER_TURN: i32 = 100;
 
-/// The model matrices of the hand wheels, each about the x axis; `None`: the machine has none.
+/// The model matrices of the hand wheels, each about the x axis; `None` for a wheel that the
+/// machine does not have.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HandWheels {
-    /// The wheel on the apron, which turns with the carriage.
+    /// Matrix of the hand wheel on the apron, which turns with the carriage; `None` without it.
     pub carriage: Option<Mat4>,
-    /// The wheel of the cross slide.
+    /// Matrix of the hand wheel of the cross slide; `None` without it.
     pub cross_slide: Option<Mat4>,
-    /// The wheel of the tailstock, which turns with the quill.
+    /// Matrix of the hand wheel of the tailstock, which turns with the quill; `None` without it.
     pub tailstock: Option<Mat4>,
-    /// The electronic hand wheel on the operator panel.
+    /// Matrix of the electronic hand wheel on the operator panel; `None` without it.
     pub panel: Option<Mat4>,
 }
 
-/// Positions of what the wheels move, and the frames that carry the wheels.
+/// Positions of the slides and the quill, which turn their hand wheels, with the frames that carry
+/// the wheels.
 #[derive(Clone, Copy, Debug)]
 pub struct WheelMotion {
-    /// The carriage, and its position along the axis, mm.
+    /// Matrix of the carriage, and its position along the axis, mm.
     pub carriage: (Mat4, f32),
-    /// The cross slide, and its distance from the axis, mm.
+    /// Matrix of the cross slide, and its distance from the axis, mm.
     pub cross_slide: (Mat4, f32),
-    /// The body of the tailstock, and the retraction of the quill, mm.
+    /// Matrix of the tailstock body, and the retraction of the quill, mm.
     pub tailstock: (Mat4, f32),
-    /// Detents of the electronic hand wheel, clockwise positive.
+    /// Position of the electronic hand wheel, detents, clockwise positive.
     pub detents: i32,
 }
 
 impl HandWheels {
-    /// Computes where the wheels are.
+    /// Computes the matrices of all hand wheels.
     pub fn new(kind: LatheKind, dimensions: &LatheDimensions, motion: &WheelMotion) -> Self {
         let turned = |wheel: Option<Mat4>, (frame, travel): (Mat4, f32), pitch: f32| {
             wheel.map(|wheel| frame * wheel * Mat4::from_rotation_x(travel / pitch % 1.0 * TAU))
@@ -74,12 +76,12 @@ impl HandWheels {
     }
 }
 
-/// A wheel at a position whose axis points to the operator.
+/// Returns the matrix of a hand wheel at `at` whose axis points to the operator.
 fn facing(at: Vec3) -> Mat4 {
     Mat4::from_translation(at) * Mat4::from_rotation_y(-FRAC_PI_2)
 }
 
-/// Height of the apron's lower edge, and of the carriage's top, mm.
+/// Returns the heights of the apron's lower edge and of the carriage's top, mm.
 pub fn apron_span(kind: LatheKind, dimensions: &LatheDimensions) -> (f32, f32) {
     let below = match kind {
         LatheKind::Bench => 78.0,
@@ -90,7 +92,7 @@ pub fn apron_span(kind: LatheKind, dimensions: &LatheDimensions) -> (f32, f32) {
     (-height - below * height / 190.0, top)
 }
 
-/// Distance of the apron's front from the spindle axis, mm.
+/// Returns the distance of the apron's front from the spindle axis, mm.
 pub fn apron_front(kind: LatheKind, dimensions: &LatheDimensions) -> f32 {
     let front = match kind {
         LatheKind::Bench => 150.0,
@@ -99,7 +101,7 @@ pub fn apron_front(kind: LatheKind, dimensions: &LatheDimensions) -> f32 {
     front * dimensions.centre_height / 190.0
 }
 
-/// The wheel on the apron, relative to the carriage.
+/// Returns the matrix of the hand wheel on the apron, relative to the carriage; `None` without it.
 fn carriage_wheel(kind: LatheKind, dimensions: &LatheDimensions) -> Option<Mat4> {
     let (foot, top) = apron_span(kind, dimensions);
     let at = vec3(
@@ -110,7 +112,7 @@ fn carriage_wheel(kind: LatheKind, dimensions: &LatheDimensions) -> Option<Mat4>
     (kind != LatheKind::SlantBed).then(|| facing(at))
 }
 
-/// The wheel of the cross slide, relative to it.
+/// Returns the matrix of the cross slide's hand wheel, relative to the cross slide.
 fn cross_wheel(kind: LatheKind, dimensions: &LatheDimensions) -> Option<Mat4> {
     let (scale, wide) = (tool_scale(dimensions), dimensions.centre_height / 190.0);
     let at = vec3(
@@ -121,19 +123,19 @@ fn cross_wheel(kind: LatheKind, dimensions: &LatheDimensions) -> Option<Mat4> {
     (kind == LatheKind::Bench).then(|| facing(at))
 }
 
-/// Length of the tailstock's body, mm.
+/// Returns the length of the tailstock body, mm.
 pub fn tailstock_length(dimensions: &LatheDimensions) -> f32 {
     165.0 * tool_scale(dimensions)
 }
 
-/// The wheel of the tailstock, relative to it.
+/// Returns the matrix of the tailstock's hand wheel, relative to the tailstock; `None` without it.
 fn tailstock_wheel(kind: LatheKind, dimensions: &LatheDimensions) -> Option<Mat4> {
     let at = vec3(tailstock_length(dimensions), 0.0, 0.0);
     (kind != LatheKind::SlantBed).then(|| Mat4::from_translation(at))
 }
 
-/// The operator panel: its upper left front corner, width and height, mm; `None`: the machine
-/// has only switches.
+/// Returns the operator panel: its upper left front corner, then width and height, mm; `None` if
+/// the machine has only switches.
 pub fn operator_panel(kind: LatheKind, dimensions: &LatheDimensions) -> Option<(Vec3, [f32; 2])> {
     let (height, scale) = (dimensions.centre_height, dimensions.centre_height / 190.0);
     let head = -dimensions.chuck_length - 26.0;
@@ -152,12 +154,12 @@ pub fn operator_panel(kind: LatheKind, dimensions: &LatheDimensions) -> Option<(
     }
 }
 
-/// Depth of the operator panel, mm.
+/// Returns the depth of the operator panel, mm.
 pub fn panel_depth(dimensions: &LatheDimensions) -> f32 {
     14.0 * dimensions.centre_height / 190.0
 }
 
-/// The electronic hand wheel on the operator panel.
+/// Returns the matrix of the electronic hand wheel on the operator panel; `None` without it.
 fn panel_wheel(kind: LatheKind, dimensions: &LatheDimensions) -> Option<Mat4> {
     let (corner, [width, height]) = operator_panel(kind, dimensions)?;
     let shift = vec3(width * 0.76, -height * 0.86, panel_depth(dimensions));

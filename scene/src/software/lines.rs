@@ -7,12 +7,13 @@ use crate::description::LatheDescription;
 use crate::frame::FrameInputs;
 use crate::mesh::marks::{MARK_COLOR, mark_rings};
 
-/// Distance by which lines are in front of the surfaces in which they are, depths.
+/// Depth by which lines are drawn before the surfaces in which they lie, 0 to 1.
 const DEPTH_SHIFT: f32 = 0.0006;
-/// Greatest number of pixels along a line.
+/// Greatest number of pixels that are drawn along a line.
 const MAX_STEPS: f32 = 8192.0;
 
-/// Draws path and marks. Marks are in front of everything: a bent bar would hide them.
+/// Draws the programmed path and the collision marks. Marks are before everything: a bent bar would
+/// hide them.
 pub fn draw_lines(
     lathe: &LatheDescription,
     scene: &FrameInputs,

@@ -5,11 +5,11 @@ use glam::{Mat4, Vec2, Vec3, vec3, vec4};
 use super::visibility::SurfaceCorner;
 use crate::part::outline::PartOutline;
 
-/// Half the width of the chalk mark on the skin, turns.
+/// Half the width of the chalk mark on the uncut surface, turns.
 const MARK_TURNS: f32 = 1.5 / 64.0;
 
-/// Revolves the outline of a part. `sweep`: start and extent of the angles, radians; `model`:
-/// turn of the spindle.
+/// Returns the triangles of the revolved outline of a part. `sweep`: start and extent of the
+/// angles, radians; `model`: rotation of the spindle.
 pub fn triangles(
     part: &PartOutline,
     sides: u32,

@@ -5,15 +5,15 @@ use glam::{Mat4, Vec2, Vec3, Vec4, vec3};
 use super::visibility::SurfaceCorner;
 use crate::frame::{FrameInputs, LIGHT};
 
-/// Side of a shadow map, pixels.
+/// Width and height of a shadow map, pixels.
 const SHADOW_SIDE: usize = 1024;
-/// Distance along the normal at which the shadow is read, pixels of the shadow map: a surface
-/// does not shade itself.
+/// Distance along the surface normal by which the shadow is read, pixels of the shadow map, so that
+/// a surface does not shade itself.
 const SHADOW_SHIFT_PIXELS: f32 = 2.5;
-/// Distance towards the light within which a surface is not in the shadow, depths.
+/// Depth towards the light within which a surface is not in the shadow, 0 to 1.
 const SHADOW_BIAS: f32 = 0.0016;
 
-/// Depths as the key light sees them.
+/// A shadow map: depths of the scene as the main light sees them.
 #[derive(Clone, Debug)]
 pub struct ShadowMap {
     depths: Vec<f32>,
@@ -22,10 +22,10 @@ pub struct ShadowMap {
 }
 
 impl ShadowMap {
-    /// Size of the picture from which a map is made, pixels.
+    /// Size of the depth picture from which a shadow map is made, pixels.
     pub const SIZE: [usize; 2] = [SHADOW_SIDE; 2];
 
-    /// Creates a map from the depths of a picture.
+    /// Creates a shadow map from the depths of a picture drawn with `projection`.
     pub fn new(depths: &[f32], projection: Mat4) -> Self {
         let across = projection.row(0).truncate().length();
         Self {
@@ -35,7 +35,7 @@ impl ShadowMap {
         }
     }
 
-    /// Share of the key light that reaches a surface, 0–1.
+    /// Returns the share of the main light that reaches a surface, 0 to 1.
     fn light_at(&self, position: Vec3, normal: Vec3) -> f32 {
         let shifted = position + normal * (self.mm_per_pixel * SHADOW_SHIFT_PIXELS);
         let at = self.projection.project_point3(shifted);
@@ -65,7 +65,7 @@ impl ShadowMap {
     }
 }
 
-/// The colour of the ground at a height of the picture, 0 (below) to 1.
+/// Returns the background colour at a height in the picture, 0 (below) to 1.
 pub fn ground(scene: &FrameInputs, height: f32) -> Vec3 {
     scene.ground[0].lerp(scene.ground[1], height)
 }
@@ -75,7 +75,7 @@ fn smoothstep(from: f32, to: f32, value: f32) -> f32 {
     share * share * (3.0 - 2.0 * share)
 }
 
-/// The bright strips of a studio as a reflected ray sees them.
+/// Returns the light of the studio's bright strips in the direction of a reflected ray.
 fn studio(ray: Vec3, rough: f32, sky: f32) -> Vec3 {
     let walls = vec3(0.08, 0.08, 0.09).lerp(vec3(0.66, 0.71, 0.78), smoothstep(-0.35, 0.8, ray.y));
     let ceiling = 1.6
@@ -88,7 +88,7 @@ fn studio(ray: Vec3, rough: f32, sky: f32) -> Vec3 {
     (walls + Vec3::splat(ceiling + front)) * (side * sky)
 }
 
-/// Computes the colour of a surface, premultiplied with its opacity. `height`: of the pixel in
+/// Computes the colour of a surface, multiplied by its opacity. `height` is that of the pixel in
 /// the picture, 0 (below) to 1.
 pub fn shade(
     surface: &SurfaceCorner,

@@ -17,7 +17,7 @@ use crate::part::outline::PartOutline;
 const MOMENTS: u32 = 200;
 const SIZE: [usize; 2] = [420, 240];
 const PIXELS_PER_MM: f64 = 3.0;
-/// x at the left side of the picture, mm.
+/// Coordinate x at the left side of the picture, mm.
 const LEFT_MM: f64 = -110.0;
 
 /// A number from 0 to 1 that depends on its arguments only.
@@ -29,7 +29,7 @@ fn scatter(moment: u32, salt: u32) -> f64 {
     f64::from((mixed ^ (mixed >> 13)) & 0xFFFF) / 65535.0
 }
 
-/// Greatest radius of the polygons at x; 0 without material.
+/// Returns the greatest radius of the polygons at x; 0 without material.
 fn radius_at(polygons: &[Vec<[f64; 2]>], x: f64) -> f64 {
     let edges = polygons.iter().flat_map(|points| {
         let next = points.iter().cycle().skip(1);
@@ -42,7 +42,7 @@ fn radius_at(polygons: &[Vec<[f64; 2]>], x: f64) -> f64 {
     crossings.fold(0.0, f64::max)
 }
 
-/// Greatest drawn radius of each column, pixels; the same above and below the axis.
+/// Returns the greatest drawn radius of each column, in pixels: above and below the axis.
 fn drawn_radii(outline: &PartOutline) -> Vec<(f64, f64)> {
     let [columns, rows] = SIZE;
     let across = PIXELS_PER_MM as f32 * 2.0 / columns as f32;

@@ -75,7 +75,7 @@ fn a_layer_that_is_kept_gives_the_same_picture() {
     assert!(different < 400, "{different}");
 }
 
-/// Number of pixels by which a change of the description changes the picture.
+/// Returns the number of pixels that differ after a change of the description.
 fn changed_pixels(change: impl FnOnce(&mut LatheDescription)) -> usize {
     let before = lathe(LatheKind::FlatBed, SceneTheme::Day);
     let mut after = before.clone();

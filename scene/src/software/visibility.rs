@@ -2,19 +2,19 @@
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
-/// No triangle.
+/// Index that means: the pixel shows no triangle.
 const NO_TRIANGLE: u32 = u32::MAX;
 
 /// A corner of a triangle in the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceCorner {
-    /// Position, mm.
+    /// Position of the corner in the scene, mm.
     pub position: Vec3,
-    /// Outward direction.
+    /// Outward normal of the surface at the corner.
     pub normal: Vec3,
-    /// Colour as sRGB, and the share of the sky that the corner sees, 0–1.
+    /// Colour as sRGB, 0 to 1; then the share of the sky that is visible from the corner, 0 to 1.
     pub color: Vec4,
-    /// Roughness, metal, rings and glow, 0–1.
+    /// Roughness, metallic reflection, turning marks and glow, each 0 to 1.
     pub finish: Vec4,
 }
 
@@ -35,7 +35,7 @@ impl SurfaceCorner {
     }
 }
 
-/// A triangle on the picture.
+/// A triangle projected to the picture.
 #[derive(Clone, Copy, Debug)]
 struct ScreenTriangle {
     /// Column, row, depth and reciprocal of w of each corner; pixels from the upper left.
@@ -44,13 +44,14 @@ struct ScreenTriangle {
 }
 
 impl ScreenTriangle {
-    /// Twice the signed area, pixels²; negative for a triangle that is seen from outside.
+    /// Returns twice the signed area, pixels²; negative for a triangle that is seen from outside.
     fn doubled_area(&self) -> f32 {
         let [a, b, c] = self.screen.map(|it| Vec2::new(it.x, it.y));
         (b - a).perp_dot(c - a)
     }
 
-    /// The surface at a point of the picture.
+    /// Returns the surface at a point of the triangle, interpolated with the weights of its
+    /// corners.
     fn surface_at(&self, weights: Vec3) -> SurfaceCorner {
         let [a, b, c] = self.screen.map(|it| it.w);
         let weights = weights * Vec3::new(a, b, c);
@@ -58,7 +59,8 @@ impl ScreenTriangle {
         SurfaceCorner::weighted(&self.surface, weights / sum)
     }
 
-    /// Calls `visit` with index, depth and weights of each pixel whose centre is inside.
+    /// Calls `visit` with pixel index, depth and weights for each pixel whose centre is inside the
+    /// triangle.
     fn scan(&self, size: [usize; 2], mut visit: impl FnMut(usize, f32, Vec3)) {
         let area = self.doubled_area();
         if !(area.abs() > 1e-9 && area.is_finite()) {
@@ -86,7 +88,7 @@ impl ScreenTriangle {
     }
 }
 
-/// Which triangle each pixel sees.
+/// For each pixel the nearest triangle, with its depth.
 #[derive(Clone, Debug, Default)]
 pub struct VisibilityBuffer {
     size: [usize; 2],
@@ -96,7 +98,7 @@ pub struct VisibilityBuffer {
 }
 
 impl VisibilityBuffer {
-    /// Creates an empty buffer of a size, pixels.
+    /// Creates an empty buffer of `size` pixels.
     pub fn new(size: [usize; 2]) -> Self {
         let count = size[0] * size[1];
         Self {
@@ -107,17 +109,17 @@ impl VisibilityBuffer {
         }
     }
 
-    /// The depths of all pixels, row by row from above; `f32::MAX`: nothing.
+    /// Returns the depths of all pixels, row by row from above; `f32::MAX` where no triangle is.
     pub fn depths(&self) -> &[f32] {
         &self.depth
     }
 
-    /// Replaces the depths by those of a picture of the same size that is drawn already.
+    /// Replaces the depths by those of a finished picture of the same size.
     pub fn set_depths(&mut self, depths: &[f32]) {
         self.depth.copy_from_slice(depths);
     }
 
-    /// Adds a triangle. `culls`: it is left out if it is seen from inside.
+    /// Adds a triangle. If `culls`, a triangle seen from inside is left out.
     pub fn add(&mut self, projection: &Mat4, corners: [SurfaceCorner; 3], culls: bool) {
         for triangle in to_screen(self.size, projection, corners) {
             if culls && triangle.doubled_area() >= 0.0 {
@@ -139,8 +141,8 @@ impl VisibilityBuffer {
         }
     }
 
-    /// Calls `visit` with the index and the surface of each pixel where a triangle is nearer
-    /// than everything in the buffer, without adding it.
+    /// Calls `visit` with pixel index and surface for each pixel where a triangle is nearer than
+    /// all triangles in the buffer; does not add the triangle.
     pub fn visit_nearer(
         &self,
         projection: &Mat4,
@@ -156,7 +158,7 @@ impl VisibilityBuffer {
         }
     }
 
-    /// The surface that a pixel sees; `None` if no triangle was added there.
+    /// Returns the surface at the pixel with index `at`; `None` if no triangle is there.
     pub fn surface(&self, at: usize) -> Option<SurfaceCorner> {
         let owner = *self.owner.get(at)?;
         let triangle = self.triangles.get(owner as usize)?;
@@ -171,7 +173,7 @@ impl VisibilityBuffer {
     }
 }
 
-/// Projects a triangle; what is nearer than the near plane is cut off.
+/// Projects a triangle to the picture; cuts off what is nearer than the near plane.
 fn to_screen(
     size: [usize; 2],
     projection: &Mat4,

@@ -1,13 +1,13 @@
 //! Parses blocks of G code with straight moves.
 
-/// The contents of a parsed block.
+/// A parsed G code block: its motion, feed, dwell and effects.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct ParsedBlock {
     /// Target of X, Y, Z in machine coordinates, mm; `None` if the block does not move.
     pub(super) target: Option<[f64; 3]>,
     /// Whether the move is a rapid.
     pub(super) rapid: bool,
-    /// Feed of the move if it is a cut.
+    /// Feed of the move; used only if the move is a cut.
     pub(super) feed: CutFeed,
     /// Dwell time, s; `None` if the block does not dwell.
     pub(super) dwell: Option<f64>,
@@ -21,7 +21,7 @@ pub(super) struct ParsedBlock {
     pub(super) lead: Option<f64>,
 }
 
-/// How a block gives the feed of a cut.
+/// How a block gives the feed of a cut: as speed or as duration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum CutFeed {
     /// The move has this speed, mm/s.
@@ -36,10 +36,10 @@ impl Default for CutFeed {
     }
 }
 
-/// The words in force: the parser's modal state.
+/// The modal state of the G code parser.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Modal {
-    /// Motion code in force: 0, 1, 33, or 80 for none.
+    /// Motion code in force: 0, 1 or 33 for G00, G01 or G33; 80 for none.
     pub(super) motion: u8,
     /// Whether G91 (incremental distances) is in force.
     pub(super) incremental: bool,
@@ -55,9 +55,9 @@ pub(super) struct Modal {
     pub(super) spindle_code: u8,
     /// Whether M08 (coolant on) is in force.
     pub(super) coolant: bool,
-    /// Plane in force: 17, 18 or 19.
+    /// Plane in force: 17, 18 or 19 for G17 to G19.
     pub(super) plane: u8,
-    /// Work coordinate system in force, 54 to 59.
+    /// Work coordinate system in force: 54 to 59 for G54 to G59.
     pub(super) system: u8,
     /// End of the last block in machine coordinates, mm.
     pub(super) position: [f64; 3],
@@ -245,15 +245,15 @@ impl Modal {
     }
 }
 
-/// The words of a block that take effect together after its last word.
+/// The words of a block, collected until its last word and then executed together.
 #[derive(Default)]
 struct GrblWords {
     axes: [Option<f64>; 3],
-    /// F as written; `None` without F.
+    /// Number of the F word as written; `None` without F.
     feed: Option<f64>,
-    /// P of a dwell, s; `None` without P.
+    /// Dwell time by the P word, s; `None` without P.
     dwell_s: Option<f64>,
-    /// K of a thread as written; `None` without K.
+    /// Lead of a thread by the K word as written; `None` without K.
     lead: Option<f64>,
     /// Whether the block has G04 (dwell).
     dwells: bool,

@@ -187,10 +187,10 @@ const RANGES: [(&str, f64, f64); 21] = [
     ("planner_blocks", 10.0, 120.0),
 ];
 
-/// Value of a pin that is not connected.
+/// Text in the configuration for a pin that is not connected.
 const NO_PIN: &str = "NO_PIN";
 
-/// The type of the value of a configuration item.
+/// The type of a configuration item, which determines which values are valid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ItemType {
     /// The firmware cannot change the item while it runs; its message calls the type by this
@@ -307,7 +307,7 @@ impl FluidConfig {
         self.value(path) == Some("true")
     }
 
-    /// Returns whether the pin of an item is connected.
+    /// Returns whether the pin of an item is connected, that is, not `NO_PIN`.
     pub(super) fn is_wired(&self, path: &str) -> bool {
         self.value(path).is_some_and(|pin| pin != NO_PIN)
     }
@@ -335,7 +335,7 @@ impl FluidConfig {
         Ok(())
     }
 
-    /// Removes the items of a section from the file.
+    /// Removes the items of a section from the configuration file.
     #[cfg(test)]
     pub(super) fn remove_section(&mut self, section: &str) {
         let within = |path: &str| {

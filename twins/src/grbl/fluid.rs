@@ -24,7 +24,7 @@ use super::{BOOT_NS, GrblState, GrblTwin};
 use events::FluidEvent;
 use homing::HomingCycle;
 
-/// One millisecond in ns.
+/// Number of nanoseconds in a millisecond.
 const MS: u64 = 1_000_000;
 /// Polling interval of received bytes while a line is executed, ns.
 const BUSY_POLL_NS: u64 = 51 * MS;
@@ -36,9 +36,9 @@ const BOOT_DEAF_NS: u64 = 300 * MS;
 const RECEIVE_BUFFER_BYTES: usize = 384;
 /// Free buffer size in a status report when the buffer is empty, bytes.
 const REPORTED_BUFFER_BYTES: usize = 128;
-/// Duration of the motion in one segment of the configured number, s.
+/// Duration of the motion that one segment contains, s.
 const SEGMENT_S: f64 = 0.01;
-/// Boot messages with their times, ms after power-on.
+/// Messages at startup, each with its time after power-on, ms.
 const BOOT_TEXT: [(u64, &str); 6] = [
     (20, "rst:0x1 (POWERON_RESET),boot:0x13\r\n"),
     (30, "load:0x3fff0030,len:1184\r\n"),
@@ -51,7 +51,8 @@ const BOOT_TEXT: [(u64, &str); 6] = [
     (1100, "[MSG:INFO: Axis count 3]\r\n"),
 ];
 
-/// The configuration as read at startup, which does not change afterwards.
+/// The settings that the board reads from the configuration at startup and keeps until the next
+/// one.
 #[derive(Clone, Debug, Default)]
 struct StartupConfig {
     /// Which of X and Z have a limit input connected: at the positive end (`positive`), and at
@@ -61,7 +62,7 @@ struct StartupConfig {
     emergency: bool,
     door: bool,
     probe: bool,
-    /// Which of X and Z have a homing section with a cycle.
+    /// Whether X and Z have a homing section with a cycle in the configuration.
     homing: [bool; 2],
     /// Duration of the motion that is prepared in advance for the pulse timer, s.
     prepared_s: f64,
@@ -97,7 +98,7 @@ impl StartupConfig {
     }
 }
 
-/// The state that only FluidNC has.
+/// The state of a board with FluidNC, in addition to that of a Grbl board.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FluidState {
     start: StartupConfig,
@@ -107,7 +108,7 @@ pub(super) struct FluidState {
     blocked_until: u64,
     /// Time of the next poll while a line is executed, ns.
     next_poll_at: u64,
-    /// Polled bytes that are not part of a line yet.
+    /// Received bytes that do not form a complete line yet.
     polled_bytes: VecDeque<u8>,
     after_cr: bool,
     /// A received line that the main task has not started; `None` if there is none.
@@ -126,8 +127,8 @@ pub(super) struct FluidState {
     /// Whether the motors of X and Z are blocked and make no pulses.
     blocked_motors: [bool; 2],
     unhomed: [bool; 2],
-    /// How far the planner's position of X, Y, Z deviates from the pulse count after failed
-    /// homing, pulses.
+    /// Difference of the planner's position of X, Y, Z from the pulse count after failed homing,
+    /// pulses.
     planner_error: [i64; 3],
 }
 
@@ -208,7 +209,7 @@ impl GrblTwin {
         self.fluid.start.full_speed_rpm
     }
 
-    /// Resets the board as the reset line does.
+    /// Resets the board as its hardware reset line does.
     pub(super) fn reset_fluid(&mut self) {
         self.fluid = FluidState::default();
         self.state = GrblState::Starting;

@@ -16,10 +16,10 @@ const SEEK_TRAVEL_FACTOR: f64 = 1.5;
 /// Distance of the slow approach to a switch as a multiple of the pull-off.
 const LOCATE_PULL_OFF_FACTOR: f64 = 5.0;
 
-/// Indices of X and Z among the axes of the board.
+/// Indices of X and Z among the axes X, Y, Z of the board.
 const AXES: [usize; 2] = [0, 2];
 
-/// The stage of homing one axis.
+/// The stage of homing one axis: search, pull-off, slow approach.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum HomingStage {
     Seek,
@@ -28,13 +28,13 @@ enum HomingStage {
     FinalPullOff,
 }
 
-/// The state of a homing in progress.
+/// The state of a homing that is in progress.
 #[derive(Clone, Debug)]
 pub(super) struct GrblHoming {
     /// Axes that are not homed yet, 0 for X and 1 for Z.
     axes: VecDeque<usize>,
     stage: HomingStage,
-    /// Distance, mm (`distance_mm`), and number of pulses (`pulses_made`) made in this stage.
+    /// Distance moved in this stage, mm.
     distance_mm: f64,
     pulses_made: i64,
 }
@@ -67,7 +67,7 @@ impl GrblTwin {
         None
     }
 
-    /// Advances homing by `seconds`.
+    /// Advances homing by a time step of `seconds`.
     pub(super) fn advance_homing(&mut self, seconds: f64) {
         let Some(mut homing) = self.homing.take() else {
             return;
@@ -136,7 +136,7 @@ impl GrblTwin {
         self.send_answer(Ok(()));
     }
 
-    /// Ends homing with this alarm number and restarts the firmware.
+    /// Ends homing with the alarm `number` and restarts the firmware.
     fn fail_homing(&mut self, number: u8) {
         self.state = GrblState::Alarm;
         self.send_text(&format!("ALARM:{number}\r\n"));

@@ -219,7 +219,7 @@ impl GrblTwin {
         Some(Ok(()))
     }
 
-    /// Sends the work offsets, the answer to `$#`. Only G54 has an offset.
+    /// Sends the work offsets, the answer to `$#`. Only that of G54 can differ from 0.
     pub(super) fn list_offsets(&mut self) {
         for system in 54..=59 {
             let offset = if system == 54 {

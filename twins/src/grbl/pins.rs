@@ -5,20 +5,20 @@ use super::{GrblState, GrblTwin, Variant};
 /// The input pins of a Grbl board; true while a switch is operated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GrblPins {
-    /// Input of the X limit switch.
+    /// Whether the X limit switch is operated.
     pub limit_x: bool,
-    /// Input of the Z limit switch.
+    /// Whether the Z limit switch is operated.
     pub limit_z: bool,
-    /// Input of the safety door.
+    /// Whether the safety door input is operated.
     pub door: bool,
-    /// Input of the probe contact.
+    /// Whether the probe contact is operated.
     pub probe: bool,
-    /// Input of the emergency stop; on Grbl 1.1h the reset input.
+    /// Whether the emergency stop input is operated; on Grbl 1.1h it is the reset input.
     pub emergency: bool,
 }
 
 impl GrblTwin {
-    /// Returns whether the limit inputs of X and Z are operated.
+    /// Returns whether the limit switches of X and Z are operated.
     pub fn limits(&self) -> [bool; 2] {
         let at = |place: i64, switch: i64| place * switch.signum() >= switch.abs();
         let [x, z] = self.switch_pulses;

@@ -16,15 +16,15 @@ use std::collections::VecDeque;
 
 /// Duration of the motion in one segment for the pulse timer, s.
 const SEGMENT_S: f64 = 1e-4;
-/// Speed below which the planner does not go, mm/s.
+/// Least speed that the planner gives a move, mm/s.
 const MIN_SPEED: f64 = 0.05;
 
 /// A straight move in the planner queue.
 #[derive(Clone, Debug)]
 pub(super) struct PlannedBlock {
-    /// Pulses of X, Y, Z for the whole move, with signs.
+    /// Number of pulses of X, Y, Z in the whole move, with signs.
     pub(super) steps: [i64; 3],
-    /// Direction of the move in X, Y, Z, length 1.
+    /// Direction of the move in X, Y, Z, a vector of length 1.
     pub(super) direction: [f64; 3],
     /// Length of the move, mm.
     pub(super) length: f64,
@@ -76,11 +76,11 @@ pub(super) struct Planner {
     prepare_ahead_s: f64,
     prepared_s: f64,
     segments: VecDeque<PlannerSegment>,
-    /// Distance of the first move that is already prepared, mm.
+    /// Distance of the first move that is already prepared as pulses, mm.
     front_distance_mm: f64,
-    /// Pulses of the first move that are already prepared.
+    /// Number of pulses of the first move, X, Y, Z, that are already prepared.
     front_pulses: [i64; 3],
-    /// Speed at the end of the prepared motion, mm/s.
+    /// Speed along the path at the end of the prepared motion, mm/s.
     speed: f64,
     last_block: Option<([f64; 3], f64)>,
 }

@@ -10,7 +10,7 @@ pub(super) fn format_axes([x, y, z]: [f64; 3]) -> String {
 }
 
 impl GrblTwin {
-    /// Returns the status report, the answer to `?`.
+    /// Returns the text of a status report, the answer to `?`.
     pub(super) fn status_report(&self) -> String {
         let state = match self.state {
             GrblState::Idle => "Idle",

@@ -6,12 +6,12 @@ use std::collections::BTreeMap;
 use super::Variant;
 use super::config::FluidConfig;
 
-/// Numbers of the settings that have no decimals. All others have three.
+/// Numbers of the settings that are reported without decimals. All others are reported with three.
 const WHOLE_NUMBER_SETTINGS: [u16; 19] = [
     0, 1, 2, 3, 4, 5, 6, 10, 13, 20, 21, 22, 23, 26, 30, 31, 32, 33, 38,
 ];
 
-/// Numbers and values of the default settings.
+/// Number and value of each default setting.
 const DEFAULTS: [(u16, f64); 34] = [
     (0, 10.0),
     (1, 25.0),
@@ -49,7 +49,7 @@ const DEFAULTS: [(u16, f64); 34] = [
     (132, 200.0),
 ];
 
-/// Numbers and values of the numbered settings of FluidNC: report mask and inches.
+/// Number and value of the numbered settings that FluidNC has: report mask and inches.
 const FLUIDNC_SETTINGS: [(u16, f64); 2] = [(10, 1.0), (13, 0.0)];
 
 /// The settings that a board stores. They survive a reset.

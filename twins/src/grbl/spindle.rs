@@ -12,7 +12,7 @@ use super::{GrblState, GrblTwin, Variant};
 
 /// Time constant with which the spindle approaches its speed, s.
 const TIME_CONSTANT_S: f64 = 0.1;
-/// Relative deviation of the speed below which the spindle has reached it.
+/// Relative difference from the commanded speed below which the spindle counts as at speed.
 const SPEED_TOLERANCE: f64 = 1e-5;
 /// Time without an index signal after which a thread pass ends with an alarm, ns.
 const INDEX_TIMEOUT_NS: u64 = 5_000_000_000;
@@ -28,7 +28,7 @@ const MAX_Z_RATE_FRACTION: f64 = 0.9;
 pub struct GrblSpindle {
     /// Spindle speed at the maximum S value, r/min.
     pub full_speed_rpm: f64,
-    /// Whether the spindle is blocked and does not turn.
+    /// Whether the spindle is blocked, so that it cannot turn.
     pub blocked: bool,
     rpm: f64,
     turns: f64,
@@ -51,7 +51,7 @@ impl GrblSpindle {
         self.rpm
     }
 
-    /// Returns the turns of the spindle since power-on; reverse turns count down.
+    /// Returns the number of spindle turns since power-on; reverse turns are subtracted.
     pub const fn turns(&self) -> f64 {
         self.turns
     }
@@ -73,12 +73,12 @@ impl GrblSpindle {
 #[derive(Clone, Debug, Default)]
 pub struct PassTrace(pub Vec<([i64; 2], f64)>);
 
-/// The thread pass (G33) in execution.
+/// The thread pass (G33) that the board executes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TwinThreadPass {
     block: ParsedBlock,
     target: [f64; 3],
-    /// Speed along the path, mm/s.
+    /// Speed of the thread pass along the path, mm/s.
     speed: f64,
     /// Spindle turn at which the pass starts, and the time at which the wait began, ns; `None`
     /// after the start.
@@ -107,7 +107,7 @@ impl GrblTwin {
         &mut self.spindle
     }
 
-    /// Returns the records of the thread passes so far.
+    /// Returns the recorded motion of all thread passes so far.
     pub fn passes(&self) -> &[PassTrace] {
         &self.passes
     }

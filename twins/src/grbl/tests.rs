@@ -230,7 +230,7 @@ fn lathe(rpm: f64, gain: f64) -> GrblTwin {
     twin
 }
 
-/// Returns the spindle turns between two Z positions, mm, in the last pass.
+/// Returns the number of spindle turns between two Z positions, mm, in the last thread pass.
 fn turns_between(twin: &GrblTwin, from: f64, to: f64) -> f64 {
     let trace = &twin.passes().last().unwrap().0;
     let at = |z: f64| {

@@ -1,20 +1,20 @@
 //! Encodes and parses message blocks: `len seq content crc crc 7E`.
 
-/// Least and greatest length of a block, bytes.
+/// Least length of a message block, bytes.
 const MIN_BLOCK_BYTES: usize = 5;
 const MAX_BLOCK_BYTES: usize = 64;
 const SYNC: u8 = 0x7E;
 
-/// What the start of the receive buffer contains.
+/// What the bytes at the start of the receive buffer are.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum BufferFront {
-    /// The buffer does not contain a whole block yet.
+    /// The start of the buffer is not a whole block yet.
     Incomplete,
-    /// This number of bytes must be dropped without a reply.
+    /// This number of bytes at the start must be dropped without a reply.
     Skip(usize),
     /// The block is invalid. The bytes up to the next 7E must be dropped.
     Invalid,
-    /// A valid block with this length, bytes, and this sequence number.
+    /// The start of the buffer is a valid block with this length, bytes, and this sequence number.
     Block(usize, u8),
 }
 

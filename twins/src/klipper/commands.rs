@@ -6,14 +6,14 @@ use super::objects::{EdgeCounter, Endstop, Trsync, TwinOutput};
 use super::stepper::{QueueResult, Stepper};
 use super::{CLOCK_HZ, ConfigObject, KlipperTwin, MOVE_QUEUE_SIZE, pins};
 
-/// Maximum number of parameters of a command.
+/// Greatest number of parameters of a command.
 const MAX_PARAMETERS: usize = 8;
-/// Lateness of a step of a moving stepper that causes a shutdown, ticks.
+/// Delay of a step of a moving stepper, ticks, from which on the firmware shuts down.
 const MAX_PAST_TICKS: i64 = CLOCK_HZ as i64 / 1000;
 
 const SECOND: u64 = 1_000_000_000;
 
-/// The reason of a shutdown, as the firmware words it.
+/// The text with which the firmware reports a shutdown.
 type ShutdownReason = &'static str;
 
 impl KlipperTwin {

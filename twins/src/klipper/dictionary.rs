@@ -8,11 +8,11 @@ use super::pins::PORTS;
 
 macro_rules! messages {
     ($kind:ident $table:ident: $($name:ident $text:literal)*) => {
-        /// The messages of the protocol, by name.
+        /// The kinds of messages of the protocol.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(super) enum $kind { $($name),* }
 
-        /// The messages, each with its format in the dictionary.
+        /// Each kind of message with its format text in the dictionary.
         pub(super) const $table: &[($kind, &str)] = &[$(($kind::$name, $text)),*];
     };
 }

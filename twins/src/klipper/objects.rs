@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Endstop {
     pub(super) pin: u32,
-    /// Clock of the next sample; `None` if homing is not active.
+    /// Clock of the next sample, ticks; `None` if homing is not active.
     pub(super) next: Option<i64>,
     pub(super) sample_ticks: i64,
     pub(super) sample_count: u32,
@@ -53,7 +53,7 @@ pub(super) struct Trsync {
     pub(super) report_ticks: i64,
 }
 
-/// A digital or PWM output with its queue of values.
+/// A digital or PWM output with its queue of future values.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TwinOutput {
     pub(super) pin: u32,

@@ -6,7 +6,7 @@ use super::{ConfigObject, KlipperTwin, pins};
 
 /// Fraction of a turn in which the index signal is high.
 const INDEX_PULSE_TURNS: f64 = 0.1;
-/// PWM value at full spindle speed.
+/// PWM value at which the spindle turns at full speed.
 const MAX_PWM: f64 = 255.0;
 
 /// The pins and the speed behaviour of a spindle on a Klipper board.
@@ -26,7 +26,7 @@ pub struct SpindleWiring<'a> {
     pub time_constant_s: f64,
 }
 
-/// The speed and the angle of a spindle over time.
+/// The speed and angle of a simulated spindle over time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct KlipperSpindle {
     index: u32,
@@ -67,7 +67,7 @@ impl KlipperSpindle {
         }
     }
 
-    /// Returns the spindle speed without ripple at time `now` (ns), r/s.
+    /// Returns the spindle speed without ripple at time `now` (ns), turns per second.
     fn speed(&self, now: u64) -> f64 {
         let passed = seconds(self.since_ns, now);
         if self.time_constant_s <= 0.0 {
@@ -88,7 +88,7 @@ impl KlipperSpindle {
         self.turns + self.target * passed + missing
     }
 
-    /// Returns the turns of the spindle from its attachment to time `now` (ns).
+    /// Returns the number of spindle turns from the attachment of the spindle to time `now` (ns).
     pub(super) fn turns(&self, now: u64) -> f64 {
         let (part, frequency, since) = self.ripple;
         let phase = 2.0 * PI * frequency * seconds(since, now);
@@ -123,7 +123,7 @@ impl KlipperTwin {
         });
     }
 
-    /// Attaches a spindle that the outputs of the board switch and control.
+    /// Attaches a simulated spindle to the outputs that switch and control it.
     pub fn attach_spindle(&mut self, make: SpindleWiring<'_>) {
         let pin = |name: &str| pins::pin_number(name);
         self.spindle = pin(make.index_pin).map(|index| KlipperSpindle {
@@ -150,7 +150,7 @@ impl KlipperTwin {
         }
     }
 
-    /// Suppresses the index signal, or restores it.
+    /// Suppresses the index signal (`true`), or restores it (`false`).
     pub const fn set_index_lost(&mut self, index_lost: bool) {
         if let Some(spindle) = &mut self.spindle {
             spindle.index_lost = index_lost;
@@ -164,7 +164,7 @@ impl KlipperTwin {
         }
     }
 
-    /// Returns the turns of the spindle at time `at`, ns, negative in reverse.
+    /// Returns the number of spindle turns at time `at`, ns, negative in reverse.
     pub fn spindle_turns(&self, at: u64) -> f64 {
         self.spindle.map_or(0.0, |spindle| spindle.turns(at))
     }

@@ -19,7 +19,7 @@ pub(super) struct Stepper {
     /// Clock of the next step, ticks; for a stopped stepper that of the last step.
     next: i64,
     pub(super) position: i64,
-    /// Direction of the moves that are queued next; true is positive.
+    /// Whether the moves that are queued next go in positive direction.
     pub(super) up: bool,
     /// Whether the stepper drops moves until the host resets its step clock, as after a stop.
     needs_clock: bool,
@@ -27,7 +27,7 @@ pub(super) struct Stepper {
     pub(super) trsync: Option<u32>,
 }
 
-/// What happened to a move that was queued.
+/// What a stepper did with a queued move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum QueueResult {
     /// The move waits in the queue.
@@ -116,7 +116,7 @@ impl Stepper {
         (up, next.is_some())
     }
 
-    /// Stops the stepper at once, clears its queue and resets its direction pin.
+    /// Stops the stepper at once, empties its queue and resets its direction pin.
     pub(super) fn stop(&mut self) {
         self.queue.clear();
         self.active = None;

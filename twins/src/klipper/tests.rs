@@ -9,7 +9,7 @@ fn booted() -> KlipperTwin {
     twin
 }
 
-/// Sends commands in one block and returns the contents received within 20 ms.
+/// Sends commands in one block and returns the messages received within 20 ms.
 fn send_commands(
     twin: &mut KlipperTwin,
     commands: &[(dictionary::Command, &[i64])],
@@ -39,7 +39,7 @@ fn contents(mut bytes: &[u8]) -> Vec<Vec<u8>> {
 
 use dictionary::Command as C;
 
-/// Configures steppers 0 and 2 and trsync 1.
+/// Configures the steppers with the oids 0 and 2, and the trsync with the oid 1.
 fn stepper(twin: &mut KlipperTwin) {
     send_commands(
         twin,

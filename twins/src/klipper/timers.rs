@@ -20,7 +20,7 @@ impl ConfigObject {
 }
 
 impl KlipperTwin {
-    /// Returns the clock at which the next timer is due, ticks.
+    /// Returns the clock at which the next timer is due, ticks; `None` if no timer is active.
     pub(super) fn next_timer(&self) -> Option<i64> {
         let objects = self.oids.values().filter_map(ConfigObject::due);
         objects.chain([self.stats_at]).min()

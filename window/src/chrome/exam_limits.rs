@@ -6,26 +6,26 @@ use super::top_bar::TopBarRequest;
 use crate::Window;
 use crate::view::{VIEWS, ViewId};
 
-/// The views that stay during an exam: the task, what is to be seen of the machine, and the bench
-/// where faults are repaired.
+/// The views that may be open during an exam: the task, the machine, and the bench where faults are
+/// repaired.
 const EXAM_VIEWS: [ViewId; 3] = [ViewId::Lesson, ViewId::Machine, ViewId::Bench];
 
-/// What was closed for an exam.
+/// The views and bars that were closed when an exam began, to be opened again after it.
 #[derive(Debug, Default)]
 pub struct ClosedForExam {
     views: Vec<ViewId>,
-    /// Whether the time line was shown.
+    /// Whether the time line was shown before the exam.
     has_timeline: bool,
 }
 
 impl Window {
-    /// Whether an exam has begun and is not over.
+    /// Whether an exam has begun and has not ended.
     pub(crate) fn is_in_exam(&mut self) -> bool {
         self.views.lessons().exercises().is_in_exam()
     }
 
-    /// Closes during an exam, in every frame, whatever is not part of it, and opens it again
-    /// after the exam.
+    /// In every frame of an exam, closes all views and bars that an exam excludes, and opens them
+    /// again after the exam.
     pub(crate) fn restrict_to_exam(&mut self) {
         if !self.is_in_exam() {
             return self.open_closed_views();
@@ -52,7 +52,7 @@ impl Window {
         self.settings.timeline = false;
     }
 
-    /// Opens what was closed for an exam that is over.
+    /// Opens the views and bars that were closed for an exam that has ended.
     fn open_closed_views(&mut self) {
         let Some(closed) = self.closed_for_exam.take() else {
             return;
@@ -68,8 +68,8 @@ impl Window {
     }
 }
 
-/// Returns whether a learner may use an entry of the top bar during an exam: what he sees of the
-/// machine, and how the window looks.
+/// Returns whether a learner may use an entry of the top bar during an exam: entries about the view
+/// of the machine and the look of the window.
 pub fn is_allowed_in_exam(request: &TopBarRequest) -> bool {
     match request {
         TopBarRequest::ToggleView(view) => EXAM_VIEWS.contains(view),

@@ -21,7 +21,7 @@ use gsk_messages::{Language, Message, say};
 
 /// Height of an answer, points: large enough for a finger.
 const ANSWER_HEIGHT: f32 = 44.0;
-/// Minimum width of an answer button, points.
+/// Minimum width of a button with an answer, points.
 const MIN_ANSWER_WIDTH: f32 = 150.0;
 /// Maximum width of the column of questions, points.
 const MAX_COLUMN_WIDTH: f32 = 720.0;
@@ -29,11 +29,11 @@ const MAX_COLUMN_WIDTH: f32 = 720.0;
 /// The purpose for which the operator uses the program, which selects the layout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
-    /// Learning to operate and program the control.
+    /// The operator wants to learn how to operate and program the control.
     Learning,
-    /// Checking programs before they are cut.
+    /// The operator wants to check programs before they are cut.
     Checking,
-    /// Running a real lathe with a pulse board.
+    /// The operator wants to run a real lathe with a pulse board.
     OwnLathe,
 }
 
@@ -41,7 +41,7 @@ struct PurposeRow {
     purpose: Purpose,
     icon: Icon,
     name: fn() -> Message,
-    /// Description of the screen that opens.
+    /// Returns the description of the screen that opens for this purpose.
     description: fn() -> Message,
     layout: WindowLayout,
     /// A view that is docked in addition to those of the layout; `None`: no other view.
@@ -101,7 +101,7 @@ pub struct FirstStartAnswers {
     pub machine_file: Option<PathBuf>,
 }
 
-/// How the operator has left the questions.
+/// How the operator has ended the questions of the first start.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FirstStartEnd {
     /// The operator has answered all questions.

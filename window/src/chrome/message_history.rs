@@ -13,10 +13,10 @@ use crate::widgets::alarm_text;
 use crate::widgets::severity::MessageSeverity;
 use crate::widgets::status_message::StatusMessage;
 
-/// Maximum number of kept messages.
+/// Maximum number of messages that the history stores.
 const MAX_ENTRIES: usize = 200;
 
-/// The text of a message, in no language yet.
+/// The text of a message, which is formatted later in the selected language.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LineText {
     Fixed(Message),
@@ -25,7 +25,7 @@ pub enum LineText {
 }
 
 impl LineText {
-    /// Formats the text for the message line.
+    /// Formats the text in a language for the message line.
     pub fn text(&self, language: Language) -> String {
         match self {
             Self::Fixed(message) => message.text(language),
@@ -35,28 +35,28 @@ impl LineText {
     }
 }
 
-/// A message and how dangerous it is.
+/// A message of the message line, with its severity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineMessage {
     pub severity: MessageSeverity,
     pub text: LineText,
 }
 
-/// A message in the history.
+/// An entry of the message history: a message, its time and count.
 #[derive(Clone, Debug)]
 struct HistoryEntry {
     message: LineMessage,
-    /// Local time of the last occurrence: `14:03:27`.
+    /// Local time of the message's last occurrence: `14:03:27`.
     time: String,
-    /// How often the message came without another one between.
+    /// Number of times that the message came in succession.
     count: u32,
 }
 
-/// What the operator requests in the history.
+/// A request of the operator in the message history.
 pub enum HistoryRequest {
     /// Show the block that raised this alarm.
     ShowBlock(Box<AlarmRecord>),
-    /// Show the list of collisions.
+    /// Show the list of collisions of the machine view.
     ShowCollisions,
 }
 
@@ -64,12 +64,12 @@ pub enum HistoryRequest {
 #[derive(Debug, Default)]
 pub struct MessageHistory {
     entries: VecDeque<HistoryEntry>,
-    /// What the line shows now; `None` while it shows only a hint.
+    /// The message that the line shows; `None` while it shows only a hint.
     current: Option<LineMessage>,
 }
 
 impl MessageHistory {
-    /// Records what the message line shows from now on. `None`: it shows only a hint.
+    /// Records the message that the line now shows; `None` if it shows only a hint.
     pub fn record(&mut self, shown: Option<&LineMessage>) {
         let shown = shown.filter(|message| message.severity.is_kept());
         if self.current.as_ref() == shown {
@@ -98,8 +98,8 @@ impl MessageHistory {
         self.entries.len()
     }
 
-    /// Draws the messages, the newest first. `records`: the alarms with the blocks that raised
-    /// them. Returns what the operator requests, if anything.
+    /// Draws the messages, the newest first. `records` are the alarms with the blocks that raised
+    /// them. Returns the request of the operator; `None` without one.
     pub fn show(
         &self,
         ui: &mut Ui,

@@ -25,7 +25,7 @@ use crate::widgets::status_message::StatusMessage;
 const SECOND_MESSAGE_WIDTH: f32 = 240.0;
 
 impl Window {
-    /// Draws the line at the bottom of the window.
+    /// Draws the message line at the bottom of the window.
     pub(crate) fn show_message_line(&mut self, ui: &mut Ui) {
         let top = self.top_message(focus::are_cursor_keys_reserved(ui.ctx()));
         self.message_history.record(top.as_ref());
@@ -120,7 +120,8 @@ impl Window {
             })
     }
 
-    /// Draws the button that marks the keys of the way back on the panel.
+    /// Draws the button that marks on the panel the keys that return the machine to the start point
+    /// of the program.
     fn show_way_back_button(&mut self, ui: &mut Ui) {
         let language = self.settings.language;
         let words = RichText::new(say::window_way_back().text(language));
@@ -141,8 +142,8 @@ impl Window {
         self.crash().is_some()
     }
 
-    /// What is most dangerous now; `None` if there is only a hint. `in_list`: the cursor keys
-    /// move in a list.
+    /// Returns the message with the highest severity; `None` if there is only a hint. `in_list`:
+    /// the cursor keys move in a list.
     fn top_message(&self, in_list: bool) -> Option<LineMessage> {
         let status = self.message.as_ref().map(|message| LineMessage {
             severity: message.severity(),
@@ -204,8 +205,8 @@ impl Window {
         })
     }
 
-    /// Message that explains what the state of the control means for the next key; `None` in a
-    /// usual state.
+    /// Returns a message that explains how the state of the control affects the next key; `None` in
+    /// a usual state.
     fn state_message(&self, in_list: bool) -> Option<LineMessage> {
         let language = self.settings.language;
         let hint = |severity, message| {
@@ -237,8 +238,8 @@ impl Window {
         )
     }
 
-    /// What the operator could do next; in an exercise its title and time. `None` in a lesson,
-    /// which has its own instructions.
+    /// Returns a hint about the next action of the operator; in an exercise its title and time.
+    /// `None` in a lesson, which has its own instructions.
     fn next_step(&self) -> Option<Message> {
         let snapshot = self.snapshot.as_ref();
         let exercise = snapshot.and_then(|it| it.exercise.as_ref());

@@ -31,7 +31,7 @@ pub struct ProgramOpener {
     newest_number: Arc<AtomicU64>,
 }
 
-/// Limit of the work of a preview.
+/// Limit of the work of one preview.
 const PREVIEW_BUDGET: WorkBudget = WorkBudget::interactive(50_000_000);
 
 /// Interval between two progress messages of a preview.

@@ -7,7 +7,7 @@ use gsk_host::platform;
 use crate::{TITLE, fonts, theme};
 use gsk_messages::{Language, Message, say};
 
-/// Size of the dialog, points.
+/// Size of the error dialog, points.
 const DIALOG_SIZE: [f32; 2] = [560.0, 230.0];
 
 /// Shows a message until the operator closes it: in `language`, or in both languages if that
@@ -41,7 +41,7 @@ fn translate(message: &Message, language: Option<Language>) -> Vec<String> {
     sentences
 }
 
-/// Formats the message in English and Chinese.
+/// Formats the message in English and in Chinese, one after the other.
 fn in_both_languages(message: &Message) -> String {
     let texts = [Language::En, Language::Zh].map(|language| message.text(language));
     texts.join(" / ")

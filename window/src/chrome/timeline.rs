@@ -16,20 +16,20 @@ use crate::widgets::files::{FileChoice, choose_file};
 use crate::widgets::right_aligned;
 use band::Band;
 
-/// Height of the strip, points.
+/// Height of the time line strip, points.
 const HEIGHT: f32 = 58.0;
 /// Height of the row with text and buttons, points.
 const ROW_HEIGHT: f32 = 26.0;
-/// Height of the band, points.
+/// Height of the band with the marks, points.
 const BAND_HEIGHT: f32 = 24.0;
 /// Choices of minutes, for the shown range and for saving; `None` is the whole session.
 const MINUTES: [Option<u64>; 4] = [Some(5), Some(15), Some(60), None];
-/// Machine time of a minute, ticks.
+/// Number of ticks in a minute of machine time.
 const MINUTE_TICKS: u64 = 60_000;
-/// Ticks of a second.
+/// Number of ticks in a second of machine time.
 const SECOND_TICKS: u64 = 1000;
 
-/// The strip and the session that it shows.
+/// The state of the time line strip, and the session that it shows.
 pub struct TimelineStrip {
     console: Console,
     is_open: bool,
@@ -41,7 +41,7 @@ pub struct TimelineStrip {
 }
 
 impl TimelineStrip {
-    /// Creates the closed strip.
+    /// Creates the time line strip, closed.
     pub fn new(console: Console) -> Self {
         Self {
             console,
@@ -93,7 +93,7 @@ impl TimelineStrip {
         });
     }
 
-    /// Draws what is shown, the present or the past, and the buttons.
+    /// Draws the row with the shown moment (present or past) and the buttons.
     fn show_state_row(&self, ui: &mut Ui, snapshot: &PanelSnapshot, language: Language) {
         let size = vec2(ui.available_width(), ROW_HEIGHT);
         let past = snapshot.past;
@@ -182,7 +182,7 @@ impl TimelineStrip {
         });
     }
 
-    /// Draws the menu of ranges and the band.
+    /// Draws the menu of time ranges and the band with the marks.
     fn show_band_row(
         &mut self,
         ui: &mut Ui,
@@ -231,7 +231,7 @@ impl TimelineStrip {
     }
 }
 
-/// Returns what the strip shows, as a sentence.
+/// Returns a sentence about the moment that the strip shows.
 fn state_text(past: Option<PastMoment>, has_board: bool) -> Message {
     let Some(past) = past else {
         return say::timeline_hint();

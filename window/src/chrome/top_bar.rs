@@ -33,10 +33,10 @@ const NARROW_WIDTH: f32 = 620.0;
 /// Width of the window from which the buttons at the right end show their names, points.
 const NAMED_BUTTONS_WIDTH: f32 = 1000.0;
 
-/// What the operator requests in the top bar.
+/// A request of the operator in the top bar.
 #[derive(Clone, Debug)]
 pub enum TopBarRequest {
-    /// Choose a program file and open it.
+    /// Show a dialog to choose a program file, and open the file.
     ChooseProgram,
     /// Open this file as a program or project.
     Open(PathBuf),
@@ -44,7 +44,7 @@ pub enum TopBarRequest {
     Sample(&'static ProgramSample),
     /// Carry out a command of the project view.
     Project(ProjectViewCommand),
-    /// Choose this layout.
+    /// Switch the main window to this layout.
     Layout(WindowLayout),
     /// Switch between the light and the dark theme.
     ToggleLight,
@@ -60,28 +60,29 @@ pub enum TopBarRequest {
     ToggleTimeline,
     /// Open or close the lessons.
     ToggleLessons,
-    /// End the lesson and return to the learner's machine.
+    /// End the lesson and return to the learner's own machine.
     LeaveLesson,
     /// Set the speed at which programs run.
     Speed(RunSpeed),
-    /// Release all forced bits.
+    /// Release all forced PLC bits.
     ReleaseBits,
-    /// Clear all faults and release all held inputs.
+    /// Clear all lathe faults and release all forced inputs.
     ClearFaults,
-    /// Turn another control model on.
+    /// Switch the current control off and this control model on.
     Model(ModelId),
     /// Show the questions of the first start again.
     FirstStart,
-    /// Show or hide the key map.
+    /// Show or hide the map of the PC keys.
     ToggleKeyMap,
     /// Open the help window.
     Help,
-    /// Switch to the other language.
+    /// Switch the language of the window to the other one.
     SwitchLanguage,
 }
 
 impl TopBarRequest {
-    /// Whether the request shows something that the questions of the first start would cover.
+    /// Whether the request opens a view or window that the questions of the first start would
+    /// cover.
     pub const fn needs_window_area(&self) -> bool {
         matches!(
             self,
@@ -96,14 +97,14 @@ impl TopBarRequest {
     }
 }
 
-/// The control models that the operator can choose.
+/// The control models between which the operator can switch.
 #[derive(Clone, Debug)]
 pub struct ModelChoice {
-    /// The model that is on.
+    /// The control model that is switched on.
     pub current: ModelId,
-    /// Whether the menu offers another model at all.
+    /// Whether the menu offers any other model.
     pub is_offered: bool,
-    /// Why another model cannot be turned on now; `None` if it can.
+    /// The reason why no other model can be switched on at the moment; `None` if it is possible.
     pub refusal: Option<Message>,
 }
 

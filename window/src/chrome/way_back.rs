@@ -5,15 +5,15 @@ use gsk_core::units::{Axis, Point};
 use gsk_host::kernel::PanelSnapshot;
 use gsk_panel::keys::{Key, STRIP};
 
-/// Distances up to this one need no motion, mm.
+/// Distance in mm below which an axis needs no motion.
 const TOLERANCE_MM: f64 = 0.05;
 
-/// A way back that the operator has requested, in the order of its keys: the head of the
-/// program (edit mode, RESET), program zero mode, the axis keys one after the other, automatic
-/// mode.
+/// The return to the start point of the program, which the operator has requested. Order of its
+/// keys: the head of the program (edit mode, RESET), program zero mode, the axis keys one after the
+/// other, automatic mode.
 #[derive(Clone, Copy, Debug)]
 pub struct WayBack {
-    /// Distance of the start point when the way back was requested, mm, X as a radius.
+    /// Distance of the start point when the return was requested, mm, X as a radius.
     distance: Point,
     /// The axis that leads out of the part and goes first.
     first_axis: Axis,
@@ -44,7 +44,7 @@ impl WayBack {
         })
     }
 
-    /// The keys to press now.
+    /// Returns the panel keys that the operator must press now.
     pub fn keys(self, snapshot: &PanelSnapshot) -> Vec<Key> {
         if self.rewinds {
             return vec![match is_lit(Key::Edit, snapshot) {

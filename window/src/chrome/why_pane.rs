@@ -20,7 +20,7 @@ use crate::widgets::status_message::StatusMessage;
 const INDENT: f32 = 14.0;
 const WINDOW_SIZE: [f32; 2] = [460.0, 360.0];
 
-/// The state of the pane.
+/// The state of the pane *Why?*, which shows chains of causes.
 #[derive(Default)]
 pub struct WhyPane {
     is_open: bool,
@@ -38,7 +38,7 @@ impl WhyPane {
         self.refused_key = key;
     }
 
-    /// Stores a chain that the kernel has computed.
+    /// Stores a chain of causes that the kernel has computed.
     pub fn take_chain(&mut self, chain: CauseChain) {
         self.chain = chain;
     }
@@ -169,7 +169,7 @@ impl Window {
         )));
     }
 
-    /// Opens the pane *Why?*; not in an exam.
+    /// Opens the pane *Why?* for a state; has no effect in an exam.
     pub(crate) fn explain_subject(&mut self, subject: CauseSubject) {
         if !self.is_in_exam() {
             self.why.open(subject, &self.console);
@@ -190,7 +190,7 @@ impl Window {
         is_waiting.then_some(CauseSubject::Axis(gsk_core::units::Axis::Z))
     }
 
-    /// Draws the pane *Why?* and follows a selected link.
+    /// Draws the pane *Why?*, and opens the target of a clicked link.
     pub(crate) fn show_why_pane(&mut self, context: &Context) {
         let language = self.settings.language;
         match self

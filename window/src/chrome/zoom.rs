@@ -4,7 +4,7 @@ use egui::{Context, Event, Id, Key, Vec2};
 
 use crate::WindowSettings;
 
-/// The zooms that the menu offers, per cent.
+/// The zoom levels that the menu offers, per cent.
 pub const ZOOM_CHOICES: [u16; 8] = [75, 100, 125, 150, 175, 200, 250, 300];
 /// Length of the shorter side of a monitor at which the zoom is 100 per cent, pixels.
 const REFERENCE_SIDE: f32 = 1080.0;
@@ -21,7 +21,7 @@ pub fn zoom_for_monitor(pixels: Vec2, native: f32) -> u16 {
 #[derive(Clone, Copy, Debug)]
 struct Monitor {
     pixels: Vec2,
-    /// Physical pixels per point that the system reports.
+    /// Number of physical pixels per point that the system reports.
     pixels_per_point: f32,
 }
 

@@ -11,16 +11,16 @@ use super::{reserve_cursor_keys, take_keys};
 /// Number of rows per page until the list has been drawn.
 const DEFAULT_PAGE_ROWS: usize = 10;
 
-/// State of a list between two frames.
+/// State of a list that is kept between two frames: cursor and page size.
 #[derive(Clone, Copy, Debug, Default)]
 struct ListMemory {
-    /// Index of the row with the cursor.
+    /// Index of the row that has the cursor.
     row: usize,
-    /// Number of visible rows.
+    /// Number of rows that are visible at a time.
     page_rows: usize,
 }
 
-/// A list, while its rows are being drawn.
+/// A list with keyboard focus whose rows are being drawn.
 #[derive(Debug)]
 pub struct FocusList {
     id: Id,

@@ -8,7 +8,7 @@ use gsk_panel::alarm_log::AlarmRecord;
 use super::HelpRequest;
 use crate::widgets::alarm_text;
 
-/// Maximum number of listed occurrences.
+/// Maximum number of earlier occurrences of an alarm that are listed.
 const MAX_LISTED: usize = 5;
 
 /// Draws the last occurrences of an alarm, the newest first; nothing if there are none. `number` is

@@ -13,22 +13,22 @@ use crate::widgets::icons::Icon;
 /// A group of topics in the contents.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HelpChapter {
-    /// Keys and lamps of the panel.
+    /// Help chapter about keys and lamps of the panel.
     Panel,
-    /// Pages of the LCD and their fields.
+    /// Help chapter about pages of the LCD and their fields.
     Pages,
-    /// Words of part programs.
+    /// Help chapter about words of part programs.
     Codes,
     Alarms,
-    /// Parameters and their bits.
+    /// Help chapter about parameters and their bits.
     Parameters,
-    /// Signals of the PLC, and diagnoses.
+    /// Help chapter about signals of the PLC, and diagnoses.
     Signals,
-    /// Modes, functions and other terms.
+    /// Help chapter about modes, functions and other terms.
     Notions,
 }
 
-/// A chapter with its icon and its name.
+/// A help chapter with its icon and the function that returns its name.
 type ChapterRow = (HelpChapter, Icon, fn() -> Message);
 
 const CHAPTERS: [ChapterRow; 7] = [

@@ -30,12 +30,12 @@ pub struct PanelKeyChange<K> {
     pub is_down: bool,
 }
 
-/// The key that a right click has latched.
+/// State of the latch with which a right click holds a panel key down.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum KeyLatch<K> {
     #[default]
     Free,
-    /// This latched key waits for the next key.
+    /// This key is latched until the next key is pressed.
     Waiting(K),
     /// The latched key is down while this other key is down.
     DownWith(K),
@@ -68,8 +68,8 @@ impl HeldKeys<Key> {
     }
 }
 
-/// Whether a right click may latch this key. Keys that move or start something must be pressed
-/// by hand, and the emergency stop latches mechanically.
+/// Whether a right click may latch this key. Keys that move or start the machine must be held by
+/// hand, and the emergency stop latches mechanically.
 pub const fn can_be_latched(key: Key) -> bool {
     !matches!(
         key,

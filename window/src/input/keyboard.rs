@@ -9,9 +9,9 @@ use crate::focus;
 /// The action of a PC key on the panel or the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PcAction {
-    /// Press this panel key, held by this holder.
+    /// Press this panel key; the holder keeps it down.
     Press(KeyHolder, Key),
-    /// Release the key that the holder presses.
+    /// Release the panel key that this holder keeps down.
     Release(KeyHolder),
     /// Enter this character, for which the panel has no key.
     Type(char),

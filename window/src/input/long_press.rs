@@ -4,7 +4,7 @@ use egui::{Event, Pos2, TouchPhase};
 
 /// Time for which a finger must stay on the screen, s.
 const HOLD_TIME_S: f64 = 0.8;
-/// Maximum movement of the finger during this time, points.
+/// Maximum movement of the finger during a long press, points.
 const MAX_MOVEMENT: f32 = 12.0;
 
 /// The position and time of the only finger on the screen.

@@ -10,12 +10,12 @@ use gsk_panel::keys::Key;
 use super::held_keys::{HeldKeys, KeyHolder, PanelKeyChange, can_be_latched};
 use crate::placement::panel_placement::{self, PlacedArea};
 
-/// Points of scrolling per detent of the handwheel.
+/// Scroll distance that turns the handwheel by one detent, points.
 const POINTS_PER_DETENT: f32 = 24.0;
-/// Detents per turn of the handwheel.
+/// Number of detents in one turn of the handwheel.
 const DETENTS_PER_TURN: f32 = 100.0;
 
-/// What the mouse and touch events of one frame did to the panel.
+/// The effects on the panel of the mouse and touch events of one frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointerResult {
     /// Keys that went down or came up, in order.
@@ -26,12 +26,12 @@ pub struct PointerResult {
     pub not_latched: Option<Key>,
 }
 
-/// The panel of a control model in the window.
+/// The panel of a control model as it is placed in the window.
 #[derive(Clone, Copy, Debug)]
 pub struct PlacedPanel<'a> {
-    /// The placed areas of the panel.
+    /// The areas of the panel that are placed in the window.
     pub areas: &'a [PlacedArea],
-    /// The model whose panel it is.
+    /// The control model to which the panel belongs.
     pub model: ModelId,
 }
 
@@ -47,8 +47,8 @@ pub struct PanelPointer {
 }
 
 impl PanelPointer {
-    /// Handles the events of one frame and returns their effects. `is_panel` reports whether a
-    /// position belongs to the panel and is not covered.
+    /// Handles the pointer events of one frame and returns their effects. `is_panel` returns
+    /// whether a position belongs to the panel and is not covered.
     pub fn handle_events(
         &mut self,
         events: &[Event],
@@ -128,7 +128,7 @@ impl PanelPointer {
         result
     }
 
-    /// Forgets the fingers and the drag of the handwheel.
+    /// Discards the pressed fingers and the drag of the handwheel.
     pub fn reset(&mut self) {
         self.fingers.clear();
         self.drag_angle = None;

@@ -13,7 +13,7 @@ const SIZES: [(f32, f32); 6] = [
     (2560.0, 1440.0),
     (1080.0, 1920.0),
 ];
-/// Height of the bars of the window, points.
+/// Total height of the top bar and the message line, points.
 const BARS: f32 = 50.0;
 
 fn panel_pane(layouts: &Layouts, (width, height): (f32, f32)) -> Option<Rect> {

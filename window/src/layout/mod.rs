@@ -39,11 +39,11 @@ impl WindowLayout {
 pub struct WindowGeometry {
     /// Upper left corner including the frame; `None` if the system does not report it.
     pub corner: Option<(i32, i32)>,
-    /// Width and height without the frame.
+    /// Width and height of the window without its frame.
     pub size: (u32, u32),
 }
 
-/// What the operator has changed in a layout.
+/// The changes that the operator has made to a layout.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 struct LayoutChanges {
@@ -53,7 +53,7 @@ struct LayoutChanges {
     shares: BTreeMap<u8, u16>,
 }
 
-/// Where a view opens the next time.
+/// Whether a view opens docked or in a separate window, and where.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 struct ViewHome {
@@ -90,7 +90,7 @@ pub struct Layouts {
 }
 
 impl Layouts {
-    /// Creates layouts with this one chosen and without changes.
+    /// Creates layouts in which `layout` is selected and nothing is changed.
     pub fn with_layout(layout: WindowLayout) -> Self {
         Self {
             chosen: Some(layout),
@@ -120,7 +120,7 @@ impl Layouts {
         self.bring_first_to_front();
     }
 
-    /// Brings to the front what the layout shows first where its views do not fit together.
+    /// Brings the first pane of the layout to the front, where its views do not fit together.
     pub fn bring_first_to_front(&mut self) {
         self.front = self.current().row().first_in_front;
     }
@@ -132,7 +132,7 @@ impl Layouts {
         changed.unwrap_or_else(|| layout.row().default_docked.to_vec())
     }
 
-    /// The views in separate windows.
+    /// Returns the views that are in separate windows.
     pub fn floating(&self) -> Vec<ViewId> {
         let docked = self.docked();
         let floating = self.floating.iter().copied();
@@ -167,7 +167,7 @@ impl Layouts {
         self.front = Some(view);
     }
 
-    /// Docks a view without bringing it to the front.
+    /// Docks a view in the main window without bringing it to the front.
     pub fn dock_beside(&mut self, view: ViewId) {
         let front = self.front;
         self.dock(view);
@@ -180,7 +180,7 @@ impl Layouts {
         self.is_single_window = only_docks;
     }
 
-    /// Sets whether panel and views do not fit together.
+    /// Sets whether panel and views are shown in tabs because they do not fit together.
     pub const fn set_tabbed(&mut self, is_tabbed: bool) {
         self.is_tabbed = is_tabbed;
     }
@@ -284,9 +284,9 @@ impl Layouts {
 /// The scales from which the size of the panel is computed.
 #[derive(Clone, Copy, Debug)]
 pub struct Scales {
-    /// Physical pixels per point.
+    /// Number of physical pixels per point.
     pixels_per_point: f32,
-    /// Minimum side of a key, points; 0: no limit.
+    /// Minimum side length of a panel key, points; 0 for no limit.
     min_key_size: f32,
 }
 

@@ -10,7 +10,7 @@ use gsk_panel::faceplate::SIZE;
 
 /// Width of a splitter, points.
 pub(super) const SPLITTER_WIDTH: f32 = 6.0;
-/// Minimum side of a pane, points.
+/// Minimum width and height of a pane, points.
 const MIN_PANE_SIDE: f32 = 90.0;
 /// Number of the splitter between the columns; the settings store the numbers. The constants
 /// after it number the splitters in the left column, in the right column, and in the single
@@ -24,7 +24,7 @@ const SINGLE_SPLIT: u8 = 20;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WindowPane {
     Panel,
-    /// This docked view.
+    /// The pane shows this docked view.
     View(ViewId),
 }
 
@@ -34,7 +34,7 @@ pub struct Splitter {
     /// Number of the splitter, under which the settings store its position.
     pub split: u8,
     pub bar: Rect,
-    /// The rectangle of both sides, points.
+    /// The rectangle that both sides of the splitter fill, points.
     pub bounds: Rect,
     /// True if the sides are beside each other, false if one is above the other.
     pub is_side_by_side: bool,
@@ -50,7 +50,7 @@ impl Splitter {
         share.clamp(0.0, 1.0)
     }
 
-    /// The current share of the first side, 0–1.
+    /// Returns the current share of the first side, 0 to 1.
     pub fn current_share(&self) -> f32 {
         self.share_at(self.bar.center())
     }
@@ -69,9 +69,9 @@ pub struct Arrangement {
 /// The tab bar with which the operator switches between panes, of which one is shown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PaneTabs {
-    /// The rectangle of the tab bar.
+    /// The rectangle of the tab bar, points.
     pub bar: Rect,
-    /// All panes, the panel first.
+    /// All panes that the tab bar offers, the panel first.
     pub all: Vec<WindowPane>,
     /// The arrangement that shows all panes together.
     pub all_together: Box<Arrangement>,

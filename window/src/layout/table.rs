@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::view::{ViewId, is_pressed_with_shift};
 
-/// How a layout divides a wide window whose splitters were not dragged.
+/// The proportions by which a layout divides a wide window whose splitters were not dragged.
 #[derive(Clone, Copy, Debug)]
 pub struct Proportions {
     /// Maximum share of the window's width for the panel, 0–1.
@@ -28,13 +28,13 @@ pub(super) const LARGE_PANEL: Proportions = Proportions {
 /// A predefined arrangement of panel and views that the operator chooses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum WindowLayout {
-    /// The panel alone.
+    /// Layout with the panel alone.
     Panel,
-    /// The panel and the machine.
+    /// Layout with the panel and the machine.
     Machine,
-    /// Program text, machine and a smaller panel: for programming.
+    /// Layout for programming: program text, machine and a smaller panel.
     Programmer,
-    /// Panel, machine, scope and fault bench: for teaching.
+    /// Layout for teaching: panel, machine, scope and fault bench.
     Instructor,
     /// Panel and lessons beside the machine: for the operator in training.
     Learner,
@@ -52,7 +52,7 @@ pub struct LayoutRow {
     pub(super) proportions: Proportions,
 }
 
-/// The layouts in the order of the menu.
+/// All layouts in the order of the menu.
 pub static LAYOUTS: [LayoutRow; 5] = [
     LayoutRow {
         layout: WindowLayout::Panel,

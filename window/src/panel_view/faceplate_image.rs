@@ -22,9 +22,9 @@ const PIXEL_EXACT: TextureOptions = TextureOptions::NEAREST;
 /// The image of an area of the panel, and how its keys and lamps look in the image.
 struct AreaImage {
     texture: TextureHandle,
-    /// The model whose panel it shows.
+    /// The control model whose panel the image shows.
     model: ModelId,
-    /// Physical pixels per panel unit.
+    /// Number of physical pixels per panel unit.
     scale: f32,
     /// The keys and lamps of the area, each with the number of its look in the image.
     looks: Vec<(PanelPart, u32)>,
@@ -32,7 +32,7 @@ struct AreaImage {
 
 /// An image that a thread has rendered, its model and its scale, physical pixels per panel unit.
 type AreaRendering = (ColorImage, ModelId, f32);
-/// Receives an image that a thread renders.
+/// Receives the image that a background thread renders.
 type RenderedImage = Receiver<AreaRendering>;
 
 /// An area of the panel with its image, which is rendered again when its size changes.
@@ -151,7 +151,7 @@ impl AreaSlot {
 }
 
 impl AreaImage {
-    /// Repaints those keys and lamps whose look has changed.
+    /// Repaints those keys and lamps whose appearance has changed.
     fn repaint_changed_parts(&mut self, area: PanelArea, state: &FaceState<'_>) {
         for (part, shown_look) in &mut self.looks {
             let look = faceplate::part_state(part, state);

@@ -21,15 +21,15 @@ use crate::placement::panel_placement::{self, PlacedArea};
 use crate::screen_reader;
 use gsk_messages::{Language, say};
 
-/// What the user wants of a part of the panel through its widget.
+/// A request of the user through the widget of a part of the panel.
 enum PartRequest {
-    /// A screen reader presses the key.
+    /// A screen reader has pressed the key: press and release it.
     Tap(Key),
-    /// Why the lamp of this Y bit is lit or not.
+    /// Explain why the lamp at this Y bit is lit or dark.
     Explain(Bit),
 }
 
-/// Draws a coloured ring around a key.
+/// Draws a coloured ring around a key of the panel.
 fn draw_ring(painter: &Painter, placed: PlacedArea, part: &PanelPart, colour: Color32) {
     let rect = placed.to_window(part.rect);
     let width = (4.0 * placed.scale).max(2.0);
@@ -85,7 +85,7 @@ impl Window {
         self.show_areas(ui, &placed);
     }
 
-    /// The model whose panel is shown.
+    /// Returns the control model whose panel is shown.
     pub(super) fn panel_model(&self) -> ModelId {
         self.snapshot
             .as_ref()
@@ -308,8 +308,8 @@ impl Window {
         self.used_part = part.filter(|_| is_used || self.used_part == part);
     }
 
-    /// The help topic about what is at a position in the window: a key, a lamp or a cell of
-    /// the LCD. `None` if there is none.
+    /// Returns the help topic about the key, lamp or LCD cell at a position in the window; `None`
+    /// if there is none.
     pub(super) fn topic_at_position(&self, position: Pos2) -> Option<&'static Topic> {
         if let Some((row, column)) = self.lcd_cell(Some(position)) {
             let snapshot = self.snapshot.as_ref()?;

@@ -31,7 +31,7 @@ fn both_names(language: Language, zh: &str, en: &str) -> String {
     }
 }
 
-/// Draws the tip of a key.
+/// Draws the hover text of a key.
 pub fn show_key_tip(ui: &mut Ui, language: Language, row: &KeyRow, reversed: KeysReversed) {
     let mut text = both_names(language, row.name_zh, row.name_en);
     if !row.pc.is_empty() {
@@ -43,7 +43,7 @@ pub fn show_key_tip(ui: &mut Ui, language: Language, row: &KeyRow, reversed: Key
     }
 }
 
-/// Draws the tip of a lamp.
+/// Draws the hover text of a lamp.
 pub fn show_lamp_tip(ui: &mut Ui, language: Language, lamp: &StripLamp, lit: bool) {
     let state = match lit {
         true => say::window_lamp_on(),

@@ -7,10 +7,10 @@ use gsk_panel::screen::{HEIGHT, WIDTH};
 /// image uses the greatest zoom.
 const MIN_FILL: f32 = 0.88;
 
-/// Position and resolution of the image of the LCD.
+/// Position and resolution of the LCD image in the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LcdPlacement {
-    /// Rectangle of the image, on whole pixels, points.
+    /// Rectangle of the LCD image, aligned to whole pixels, points.
     pub rect: Rect,
     /// Texture pixels per dot. If no whole zoom fits, the texture is larger than the image,
     /// and the graphics card reduces it.

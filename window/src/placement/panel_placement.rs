@@ -21,7 +21,7 @@ pub const STOP_KEYS: [Key; 3] = [Key::EmergencyStop, Key::FeedHold, Key::Reset];
 /// The model by whose panel positions are computed. Every panel has the same areas and the same
 /// positions of the stop keys, and no smaller keys.
 const PLACED_MODEL: ModelId = ModelId::Gsk980td;
-/// Gap between two stop keys, points.
+/// Gap between two stop keys (feed hold, reset, emergency stop), points.
 const STOP_KEY_GAP: f32 = 8.0;
 /// Value of the whole panel, compared with sections of equal legends: it looks as on the
 /// machine, but dots of the LCD that are no whole pixels are blurred.
@@ -41,9 +41,9 @@ const LCD_WEIGHT: f32 = 0.2;
 const KEY_WEIGHT: f32 = 0.1;
 /// Height divided by width from which the available area counts as upright.
 const UPRIGHT_RATIO: f32 = 1.25;
-/// Em size of the smallest legend, panel units.
+/// Height of the smallest printed legend, panel units.
 const LEGEND_HEIGHT: f32 = 15.04;
-/// Smallest legends that are read without effort, physical pixels.
+/// Least height of a legend that is easy to read, physical pixels.
 pub const MIN_LEGEND_HEIGHT: f32 = 11.0;
 
 /// Bounds and scale with the areas of the panel placed for them.
@@ -59,9 +59,9 @@ pub struct PlacedArea {
     pub area: PanelArea,
     /// Position of the upper left corner of the whole panel at this scale, points.
     pub origin: Pos2,
-    /// Points per panel unit.
+    /// Number of points per panel unit.
     pub scale: f32,
-    /// Physical pixels per point.
+    /// Number of physical pixels per point.
     pub pixels_per_point: f32,
 }
 

@@ -5,7 +5,7 @@ use egui::{Context, Id, Rect, Vec2, pos2};
 
 use super::panel_placement::{self, PlacedArea};
 
-/// Margin around each key, points.
+/// Margin that is kept free around each stop key, points.
 const KEY_MARGIN: f32 = 4.0;
 
 /// The rectangles of those placed keys that stop the machine, with their margin, points.

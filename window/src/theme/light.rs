@@ -48,7 +48,7 @@ const RED: [u8; 3] = [186, 26, 20];
 const ORANGE: [u8; 3] = [170, 68, 0];
 const MAGENTA: [u8; 3] = [170, 24, 130];
 
-/// Colours of the dark palette with their light counterparts.
+/// Colours of the dark theme, each with its counterpart in the light theme.
 const COLORS: [(Color32, [u8; 3]); 70] = [
     (ACCENT, BLUE),
     (ACCENT_GROUND, [206, 226, 252]),
@@ -162,7 +162,7 @@ fn light_grey(grey: u8) -> u8 {
     egui::lerp(f32::from(low.1)..=f32::from(high.1), share).round() as u8
 }
 
-/// Converts an sRGB colour to the light theme.
+/// Converts an sRGB colour of the dark theme to that of the light theme.
 pub(super) fn to_light_rgb(color: [u8; 3], is_opaque: bool) -> [u8; 3] {
     find_counterpart(color, is_opaque).unwrap_or_else(|| map_lightness(color))
 }

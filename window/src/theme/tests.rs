@@ -18,7 +18,7 @@ const SIZE_FUNCTIONS: [&str; 4] = [
     "FontId::new(",
     ".size(",
 ];
-/// Code that defines a colour in another way.
+/// Source texts by which code outside the theme would define a colour.
 const COLOR_CODE: [&str; 5] = [
     "Rgba::",
     "Hsva::",
@@ -38,7 +38,7 @@ fn collect_sources(folder: &Path, files: &mut Vec<PathBuf>) {
     }
 }
 
-/// Whether `code` begins with a digit, spaces skipped.
+/// Whether `code` begins with a digit after any spaces.
 fn begins_with_digit(code: &str) -> bool {
     code.trim_start()
         .starts_with(|letter: char| letter.is_ascii_digit())

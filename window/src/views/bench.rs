@@ -18,7 +18,7 @@ use crate::widgets::right_aligned;
 use crate::{focus, screen_reader};
 use gsk_messages::{Language, Message, say};
 
-/// Height of a row, points.
+/// Height of a row of the fault bench, points.
 const ROW_HEIGHT: f32 = 24.0;
 /// Width reserved for the scroll bar of a list, points.
 const SCROLL_BAR_WIDTH: f32 = 12.0;
@@ -307,7 +307,7 @@ fn draw_row(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
     ui.scope_builder(builder, content);
 }
 
-/// Draws the heading of a lamp column, centred.
+/// Draws the heading of a column of lamps, centred.
 fn draw_column_heading(ui: &mut Ui, words: &str, width: f32) {
     let (rect, _) = ui.allocate_exact_size(vec2(width, ROW_HEIGHT), Sense::HOVER);
     let font = egui::TextStyle::Body.resolve(ui.style());

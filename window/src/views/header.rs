@@ -10,24 +10,24 @@ use crate::theme;
 use crate::view::{ViewRow, key_name};
 use gsk_messages::{Language, say};
 
-/// Height of the header line, points.
+/// Height of the header line of a view, points.
 pub const HEIGHT: f32 = 22.0;
 /// Side of an icon, points. The constant after it is the size of its clickable area.
 const ICON_SIDE: f32 = 10.0;
 const ICON_AREA: Vec2 = vec2(28.0, HEIGHT);
 
-/// Where a view is drawn.
+/// Whether a view is docked in the main window or in a separate window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ViewPlacement {
-    /// In a pane of the main window, on a platform with separate windows.
+    /// The view is docked in a pane of the main window, on a platform with separate windows.
     Docked,
-    /// In a pane of the main window, on a platform without separate windows.
+    /// The view is in a pane of the main window, on a platform without separate windows.
     SingleWindow,
-    /// In a separate window, whose frame shows the name and a close button.
+    /// The view is in a separate window, whose frame shows the name and a close button.
     Floating,
 }
 
-/// What the user clicked in the header line.
+/// The button that the user has clicked in the header line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HeaderAction {
     /// Move the view into the main window.

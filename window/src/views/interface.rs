@@ -11,14 +11,15 @@ use gsk_messages::Language;
 use crate::settings::WindowSettings;
 use crate::widgets::questions::Unsaved;
 
-/// What views start with: the kernel's console and the settings of the last session.
+/// The data with which views are created: the kernel's console and the settings of the last
+/// session.
 #[derive(Clone, Copy)]
 pub struct ViewStart<'a> {
     pub console: &'a Console,
     pub settings: &'a WindowSettings,
 }
 
-/// What a view is drawn with.
+/// Context, language and data with which a view is drawn.
 #[derive(Clone, Copy)]
 pub struct ViewFrame<'a> {
     pub language: Language,
@@ -32,9 +33,9 @@ pub struct ViewFrame<'a> {
     pub part: Option<&'a Arc<PartView>>,
 }
 
-/// A view beside the panel.
+/// A view of the window, such as machine or scope.
 pub trait View {
-    /// Creates the view closed.
+    /// Creates the view in the closed state.
     fn create(start: ViewStart<'_>) -> Self
     where
         Self: Sized;

@@ -36,7 +36,7 @@ pub struct LessonView {
     /// Names of the lessons that were completed.
     finished: BTreeSet<String>,
     state: Option<LessonState>,
-    /// What the active alarm adds to its text; `None` without one.
+    /// Additional text of the active alarm; `None` without one.
     alarm_detail: Option<Message>,
     /// Start of the current step, seconds of the window's clock; `None` until the first frame
     /// of the step.
@@ -60,7 +60,8 @@ impl View for LessonView {
 }
 
 impl LessonView {
-    /// Creates the view with the built-in lessons. The settings have what was completed earlier.
+    /// Creates the view with the built-in lessons. `settings` contain the lessons completed
+    /// earlier.
     pub fn new(console: Console, settings: &WindowSettings) -> Self {
         let (best, learner) = (settings.exercises.clone(), settings.learner.clone());
         Self {
@@ -84,7 +85,7 @@ impl LessonView {
         self.sample.take()
     }
 
-    /// The exercises beside the lessons.
+    /// Returns the pane with the exercises.
     pub const fn exercises(&mut self) -> &mut ExercisePane {
         &mut self.exercises
     }
@@ -94,13 +95,13 @@ impl LessonView {
         core::mem::replace(&mut self.has_begun, false)
     }
 
-    /// Replaces the listed lessons. `errors`: those in lesson files.
+    /// Replaces the listed lessons. `errors` are those of lesson files.
     pub fn set_lessons(&mut self, lessons: Vec<Lesson>, errors: Vec<Message>) {
         self.lessons = lessons.into_iter().map(Arc::new).collect();
         self.load_errors = errors;
     }
 
-    /// Names of the lessons that were completed.
+    /// Returns the names of the lessons that were completed.
     pub const fn finished_lessons(&self) -> &BTreeSet<String> {
         &self.finished
     }
@@ -145,7 +146,7 @@ impl LessonView {
         self.console.send(Command::Lesson(order));
     }
 
-    /// Draws the view and handles its input.
+    /// Draws the lesson view and handles its input.
     fn draw(&mut self, ui: &mut Ui, language: Language, part: Option<&Arc<PartView>>) {
         self.exercises.receive_marks();
         let lesson = self.current_lesson().map(|(lesson, _)| Arc::clone(lesson));
@@ -414,7 +415,7 @@ impl LessonView {
     }
 }
 
-/// The picture of a lesson's card, by what its first steps show.
+/// Returns the icon on a lesson's card, which depends on its first steps.
 fn lesson_icon(lesson: &Lesson) -> Icon {
     let icons = [
         ("01", Icon::KEYBOARD),

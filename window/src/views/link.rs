@@ -250,7 +250,7 @@ const fn state_colour(state: LinkState) -> Color32 {
     }
 }
 
-/// Formats the contents of the page as English text.
+/// Formats the contents of the link page as English text.
 fn format_report(view: &LinkView) -> String {
     let mut out = format!(
         "{}  {}  {}\n\n",

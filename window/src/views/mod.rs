@@ -70,7 +70,7 @@ pub struct Views {
 }
 
 impl Views {
-    /// Creates all views closed.
+    /// Creates all views in the closed state.
     pub fn new(start: ViewStart<'_>) -> Self {
         Self {
             open_views: Vec::new(),
@@ -127,7 +127,7 @@ impl Views {
         }
     }
 
-    /// Deletes the objects of OpenGL before the window closes.
+    /// Deletes the OpenGL objects before the window closes.
     pub fn release(&self, gl: &eframe::glow::Context) {
         self.all.scene.release(gl);
     }
@@ -145,7 +145,7 @@ impl Views {
         &mut self.all.lathe
     }
 
-    /// The camera of the lathe view for the settings.
+    /// Returns the camera of the lathe view, for the settings.
     pub fn scene_camera(&self) -> Option<StoredSceneCamera> {
         self.all.scene.stored_camera()
     }
@@ -187,7 +187,7 @@ impl Views {
         }
     }
 
-    /// Whether an open view shows the part.
+    /// Whether any open view shows the part.
     fn needs_part(&self) -> bool {
         self.open_views.iter().any(|view| view.row().shows_part)
     }
@@ -210,7 +210,7 @@ impl Views {
         self.pass_requests_on();
     }
 
-    /// Passes requests of one view to another.
+    /// Passes requests of a view to the view that handles them.
     fn pass_requests_on(&mut self) {
         if let Some(document) = self.all.program.take_changed_document() {
             self.all.lathe.try_typed_text(document);
@@ -349,10 +349,10 @@ impl Views {
     }
 }
 
-/// Keyboard input in the windows of views, and what it requests of the main window.
+/// Keyboard input in the separate windows of views, and its requests to the main window.
 #[derive(Debug, Default)]
 pub struct PanelInput {
-    /// Whether a window of a view has the focus.
+    /// Whether a separate window of a view has the focus.
     pub has_focus: bool,
     pub events: Vec<Event>,
     /// Whether a jog key was suppressed because a list uses the cursor keys.
@@ -373,7 +373,7 @@ struct ViewWindow {
     size: Vec2,
 }
 
-/// What happened in a view's separate window during a frame.
+/// The events in a view's separate window during a frame.
 #[derive(Debug, Default)]
 struct ViewWindowReport {
     header_action: Option<header::HeaderAction>,

@@ -9,12 +9,12 @@ const LISTED: usize = 12;
 
 /// Functions that describe the entries and changes of an undo list.
 pub struct UndoTexts<Label, Change> {
-    /// Describes an entry as a whole.
+    /// Function that describes a whole entry of the undo list.
     pub label: fn(&Label) -> Message,
-    /// Describes a change: the item and its value.
+    /// Function that describes one change: the item and its value.
     pub change: fn(&Change) -> Message,
-    /// What the control needs before it accepts the old values: hover text of the disabled
-    /// button.
+    /// The condition under which the control would accept the old values: hover text of the
+    /// disabled button.
     pub blocked_hint: Message,
 }
 

@@ -15,7 +15,7 @@ const HEIGHT: f32 = 60.0;
 const MIN_WIDTH: f32 = 190.0;
 /// Maximum width of a card, points.
 const MAX_WIDTH: f32 = 420.0;
-/// Width and height of the picture, points.
+/// Width and height of the picture on a card, points.
 const PICTURE_SIZE: Vec2 = vec2(56.0, 44.0);
 /// Space between the edge of the card, its picture and its texts, points.
 const MARGIN: f32 = 8.0;
@@ -24,7 +24,7 @@ const CORNER_RADIUS: f32 = 6.0;
 /// The outline of a turned part from the face to the chuck: Z and radius of each corner, mm.
 pub type SampleOutline = &'static [(f32, f32)];
 
-/// What a card shows at its left edge.
+/// The picture that a card shows at its left edge.
 #[derive(Clone, Copy, Debug)]
 pub enum CardPicture {
     Icon(Icon),
@@ -38,12 +38,12 @@ pub struct Card {
     pub title: String,
     /// A line under the title: time, number of steps, file name. May be empty.
     pub detail: String,
-    /// Whether the card is marked as chosen or done.
+    /// Whether the card has a mark, as chosen or done.
     pub is_marked: bool,
 }
 
 impl Card {
-    /// Draws the card. Its accessible name is the title.
+    /// Draws the card; its accessible name is its title.
     pub fn show(&self, ui: &mut Ui, width: f32) -> Response {
         let (rect, response) = ui.allocate_exact_size(vec2(width, HEIGHT), Sense::click());
         response.widget_info(|| {

@@ -14,12 +14,12 @@ use gsk_host::kernel::Notice;
 use gsk_host::platform::{self, FileDialog};
 use gsk_messages::{Language, Message, say};
 
-/// What the operator chooses in a file dialog.
+/// What the operator chooses in the file dialog: a file, a folder or a new name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FileChoice {
     /// An existing file with one of these extensions; the string is the name of the file type.
     Open(String, Vec<&'static str>),
-    /// An existing folder.
+    /// The operator chooses an existing folder.
     Folder,
     /// A file to write, with the proposed name and the extension.
     Save(String, &'static str),

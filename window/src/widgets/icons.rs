@@ -8,7 +8,7 @@ use egui::{
 
 use crate::theme;
 
-/// The font file, whose characters are the icons below.
+/// The icon font, whose characters are the icons.
 pub static FONT: &[u8] = include_bytes!("../../../assets/fonts/icons.ttf");
 /// Name of the font family of the icons.
 pub const FAMILY: &str = "icons";
@@ -22,7 +22,7 @@ const NAME_SPACE: f32 = 4.0;
 /// Radius of the corners of a button, points.
 const CORNER_RADIUS: f32 = 4.0;
 
-/// An icon of the set.
+/// An icon: a character of the icon font.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Icon(char);
 

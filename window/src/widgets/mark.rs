@@ -2,10 +2,10 @@
 
 use egui::{Color32, Sense, Stroke, Ui, vec2};
 
-/// Diameter of the mark, points.
+/// Diameter of a status mark, points.
 const MARK_DIAMETER: f32 = 12.0;
 
-/// Draws the mark; `done` adds a tick to it.
+/// Draws a status mark; if `done`, with a tick in it.
 pub fn draw(ui: &mut Ui, colour: Color32, done: bool) {
     let (rect, _) =
         ui.allocate_exact_size(vec2(MARK_DIAMETER + 2.0, MARK_DIAMETER + 4.0), Sense::HOVER);

@@ -16,7 +16,7 @@ enum CloseRequest {
     /// The window was to be closed while a program runs or work is unsaved; the operator must
     /// confirm.
     Pending,
-    /// The window closes without a further question.
+    /// The window closes without further questions.
     Confirmed,
 }
 
@@ -39,10 +39,10 @@ impl Unsaved {
     }
 }
 
-/// Preferred size of a question, points.
+/// Preferred size of the window with a question, points.
 const QUESTION_SIZE: egui::Vec2 = egui::vec2(520.0, 180.0);
 
-/// The open questions of the main window.
+/// The questions of the main window that wait for an answer.
 #[derive(Debug, Default)]
 pub struct Questions {
     closing: CloseRequest,
@@ -56,8 +56,8 @@ impl Questions {
         self.closing = CloseRequest::Confirmed;
     }
 
-    /// Opens the question what to do with an opened program whose `number` another program in
-    /// the memory has.
+    /// Opens the question about an opened program whose `number` another program in memory already
+    /// has.
     pub fn ask_about_number(&mut self, opened: Box<OpenedProgram>, number: u16) {
         self.number_conflict = Some((opened, number));
     }
@@ -140,8 +140,8 @@ impl Questions {
     }
 }
 
-/// The question, the consequence and the confirming answer for what closing the window would
-/// end or lose. `None` if it loses nothing.
+/// Returns the question before closing the window: text, consequence and confirming answer. `None`
+/// if closing ends or loses nothing.
 fn close_question(
     snapshot: Option<&PanelSnapshot>,
     unsaved: Option<Unsaved>,

@@ -31,7 +31,7 @@ pub fn state_name(state: LinkState) -> Message {
     }
 }
 
-/// Height of the bar, points.
+/// Height of the warning bar of a real machine, points.
 const BAR_HEIGHT: f32 = 30.0;
 
 /// Draws the warning bar at the top of a window, if a board moves the slides. `id_suffix`

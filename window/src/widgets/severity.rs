@@ -5,19 +5,19 @@ use gsk_messages::{Message, say};
 
 use crate::theme;
 
-/// Side of the sign, points.
+/// Width and height of the sign, points.
 const SIGN_SIZE: f32 = 14.0;
 
-/// How dangerous a message is, from the least to the most.
+/// The severity of a message, from the least to the greatest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum MessageSeverity {
-    /// What has happened, or what could be done next.
+    /// The message informs about an event, or about what could be done next.
     Information,
-    /// Why something waits, or acts otherwise than expected.
+    /// The message explains why the control waits, or behaves otherwise than expected.
     Hint,
-    /// A key or a request had no effect.
+    /// The message explains that a key or a request had no effect.
     Refusal,
-    /// The tool has touched what it must not; the lathe continues.
+    /// The tool has collided, and the lathe continues.
     Collision,
     /// An alarm of the control, or a crash that has stopped the lathe.
     Alarm,
@@ -38,7 +38,7 @@ impl MessageSeverity {
         }
     }
 
-    /// Colour of the text of a message.
+    /// Returns the colour of a message's text.
     pub const fn color(self) -> Color32 {
         match self {
             Self::Information => theme::MESSAGE_TEXT,
@@ -99,7 +99,7 @@ impl MessageSeverity {
     }
 }
 
-/// Fills a regular polygon. `turn`: rotation in corners.
+/// Fills a regular polygon. `turn` is its rotation, in corners.
 fn fill_polygon(
     painter: &Painter,
     center: Pos2,

@@ -19,9 +19,9 @@ use gsk_messages::{Language, say};
 /// A message that the message line shows.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StatusMessage {
-    /// A finished message of another module.
+    /// A message of another module, ready to be shown.
     Text(gsk_messages::Message),
-    /// What has happened, with no need to act.
+    /// An event after which the operator need not act.
     Done(gsk_messages::Message),
     /// The tool has collided, as the message describes; cleared by new stock.
     Collided(gsk_messages::Message),
@@ -36,11 +36,11 @@ pub enum StatusMessage {
     /// A program was previewed; holds its file name, where it is stored (`None` if unknown),
     /// and the result.
     Previewed(String, Option<ProgramPlacement>, Box<ProgramSummary>),
-    /// The operator drags a file over the window.
+    /// The operator drags a file over the window and can drop it.
     DropHere,
-    /// A right click cannot latch this key.
+    /// A right click on this key has no effect: the key cannot be latched.
     KeyNotLatched(Key),
-    /// The kernel has ended unexpectedly.
+    /// The kernel thread has ended unexpectedly.
     KernelEnded,
 }
 
@@ -92,7 +92,7 @@ impl StatusMessage {
         }
     }
 
-    /// How dangerous the message is.
+    /// Returns the severity of the message.
     pub fn severity(&self) -> MessageSeverity {
         match self {
             Self::KernelEnded => MessageSeverity::Safety,
@@ -110,7 +110,7 @@ impl StatusMessage {
         }
     }
 
-    /// Formats the message for the message line.
+    /// Formats the message in a language for the message line.
     pub fn text(&self, language: Language) -> String {
         match self {
             Self::Text(message)

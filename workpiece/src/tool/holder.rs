@@ -14,16 +14,16 @@ pub enum Holder {
     None,
     /// A square shank across the spindle axis.
     Shank {
-        /// Width along Z, mm.
+        /// Width of the shank along Z, mm.
         width: f64,
-        /// Distance from the tip to the turret, mm.
+        /// Distance from the tool tip to the turret, mm.
         length: f64,
     },
     /// A round bar along the spindle axis.
     Bar {
         /// Diameter of the bar, mm.
         diameter: f64,
-        /// Distance from the tip to the turret, mm.
+        /// Distance from the tool tip to the turret, mm.
         length: f64,
     },
 }

@@ -3,7 +3,7 @@
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-/// The cutting part of a tool.
+/// The cutting part of a tool: an insert or a drill.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Insert {
@@ -15,7 +15,7 @@ pub enum Insert {
         /// effect on round inserts and with tips 5 to 9: those tools are symmetric.
         #[serde(default = "right_angle")]
         entering: f64,
-        /// Diameter of the inscribed circle, mm.
+        /// Diameter of the circle inscribed in the insert, mm.
         size: f64,
         /// Nose radius of the insert, mm.
         nose: f64,
@@ -24,14 +24,14 @@ pub enum Insert {
     Grooving {
         /// Width of the cutting edge, mm.
         width: f64,
-        /// Radius of both corners, mm.
+        /// Radius of both corners of the cutting edge, mm.
         nose: f64,
         /// Greatest cutting depth in front of the holder, mm.
         reach: f64,
     },
     /// A threading insert. The programmed point is the middle of its tip.
     Threading {
-        /// Angle between the flanks, degrees.
+        /// Angle between the flanks of the thread, degrees.
         angle: f64,
         /// Nose radius of the insert, mm.
         nose: f64,
@@ -42,9 +42,9 @@ pub enum Insert {
     Drill {
         /// Diameter of the drill, mm.
         diameter: f64,
-        /// Point angle, degrees; 180 is flat.
+        /// Point angle of the drill, degrees; 180 is flat.
         point: f64,
-        /// Length of the flutes, mm.
+        /// Length of the flutes of the drill, mm.
         reach: f64,
     },
 }
@@ -53,27 +53,27 @@ const fn right_angle() -> f64 {
     90.0
 }
 
-/// The form of a turning insert (ISO 1832).
+/// The form of a turning insert, by its letter in ISO 1832.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum InsertLetter {
-    /// Rhombic insert, 80°.
+    /// Letter C: rhombic insert, 80°.
     C,
-    /// Rhombic insert, 55°.
+    /// Letter D: rhombic insert, 55°.
     D,
-    /// Rhombic insert, 35°.
+    /// Letter V: rhombic insert, 35°.
     V,
-    /// Trigon insert, 80°.
+    /// Letter W: trigon insert, 80°.
     W,
-    /// Triangular insert, 60°.
+    /// Letter T: triangular insert, 60°.
     T,
-    /// Square insert.
+    /// Letter S: square insert.
     S,
-    /// Round insert.
+    /// Letter R: round insert.
     R,
 }
 
 impl InsertLetter {
-    /// All letters, in the order of the tool dialog.
+    /// All letters, in the order in which the tool dialog lists them.
     pub const ALL: [Self; 7] = [
         Self::C,
         Self::D,
@@ -84,7 +84,7 @@ impl InsertLetter {
         Self::R,
     ];
 
-    /// The corner angle of the insert, degrees.
+    /// Returns the corner angle of the insert, degrees.
     pub const fn corner(self) -> f64 {
         match self {
             Self::C | Self::W => 80.0,

@@ -120,7 +120,7 @@ impl Tool {
         }
     }
 
-    /// The nose radius of the insert, mm; 0 for a drill.
+    /// Returns the nose radius of the insert, mm; 0 for a drill.
     pub const fn nose(&self) -> f64 {
         match self.insert {
             Insert::Turning {

@@ -7,11 +7,11 @@ use crate::convex::convex_hull;
 use crate::curve::{PlaneArc, unit_vector};
 use crate::grid::{GridContour, GridPoint, to_grid};
 
-/// Fraction of the edge length of a turning insert that may cut.
+/// Part of a turning insert's edge that may cut, as a fraction of the edge length.
 const CUTTING_SHARE: f64 = 0.95;
 /// Overhang of an insert in front of its holder, as a fraction of its edge length.
 const OVERHANG_SHARE: f64 = 0.4;
-/// Distance of a shank from the leading edge of its insert, mm.
+/// Distance between a shank and the leading edge of its insert, mm.
 const SHANK_SETBACK_MM: f64 = 1.0;
 /// Clearance of a blade on each side of its insert, mm.
 const BLADE_RELIEF_MM: f64 = 0.15;
@@ -46,18 +46,18 @@ pub struct ToolShape {
 struct Outline {
     cutting: Vec<Point>,
     back: Vec<Point>,
-    /// X at which the holder begins, mm from the tip.
+    /// X at which the holder begins, mm from the imaginary tip.
     holder_begin: f64,
-    /// Least Z of a shank, mm.
+    /// Least Z of the shank, mm from the imaginary tip.
     shank_z: f64,
     /// The blade between insert and shank; `None` without one.
     blade: Option<Blade>,
 }
 
 struct Blade {
-    /// Z of both sides of the blade, mm.
+    /// Z of both sides of the blade, mm from the imaginary tip.
     z: (f64, f64),
-    /// X of the end of the blade, mm.
+    /// X of the end of the blade, mm from the imaginary tip.
     end: f64,
 }
 
@@ -125,14 +125,14 @@ impl ToolShape {
     }
 }
 
-/// How the base pose of a tool is mapped to its mounted pose.
+/// How a tool shape in its base orientation is mapped to its mounted orientation.
 #[derive(Clone, Copy)]
 struct Pose {
-    /// Whether X and Z are exchanged first: the tool is mounted along Z.
+    /// Whether X and Z are exchanged first, because the tool is mounted along Z.
     swaps_axes: bool,
-    /// Sign of X, 1 or -1.
+    /// Factor of X after the exchange: 1, or -1 to mirror.
     x_sign: f64,
-    /// Sign of Z, 1 or -1.
+    /// Factor of Z after the exchange: 1, or -1 to mirror.
     z_sign: f64,
 }
 

@@ -129,7 +129,7 @@ pub fn entries(root: &Path, path: &str) -> Result<Vec<ArchiveEntry>, TaskError> 
     Ok(files.collect::<Result<Vec<_>, _>>()?.concat())
 }
 
-/// How much effort a .zip spends on compression.
+/// The compression level of a .zip file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effort {
     /// Compresses in one or two seconds.

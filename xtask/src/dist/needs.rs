@@ -31,7 +31,7 @@ const LOADED: [(&str, &str); 10] = [
     ("libxkbcommon-x11.so.0", "libxkbcommon-x11-0"),
 ];
 
-/// What an executable program needs from the system.
+/// The processor and the system packages that an executable program requires.
 #[derive(Debug, Default)]
 pub struct Requirements {
     /// The name of the processor in Rust and in Debian.

@@ -7,7 +7,8 @@ use std::fmt::Write as _;
 /// number and its last. `subject` begins the module's first line.
 ///
 /// # Errors
-/// Returns what is wrong with the table, with the line.
+///
+/// Returns the fault of the table, with the line.
 pub fn generate(table: &str, subject: &str) -> Result<String, String> {
     let mut lines = table.lines();
     let heading: Vec<&str> = lines.next().unwrap_or_default().split('\t').collect();

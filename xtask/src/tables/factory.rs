@@ -11,7 +11,8 @@ const STATE_RANGE: &str = "00000000..11111111";
 /// Returns the source with the factory values of all whole parameters.
 ///
 /// # Errors
-/// Returns what is wrong with the table, with the line.
+///
+/// Returns the fault of the table, with the line.
 pub fn generate(table: &str) -> Result<String, String> {
     let mut lines = table.lines();
     let heading: Vec<&str> = lines.next().unwrap_or_default().split('\t').collect();

@@ -13,7 +13,8 @@ const HEADER: &str = "id\ten\tzh";
 /// Returns the source of the list.
 ///
 /// # Errors
-/// Returns what is wrong with the table, with the line.
+///
+/// Returns the fault of the table, with the line.
 pub fn generate(table: &str) -> Result<String, String> {
     generate_list(table).map_err(|error| error.to_string())
 }
@@ -61,7 +62,7 @@ fn list_entry((name, kind): &(String, PlaceholderKind)) -> String {
     }
 }
 
-/// Why the table cannot be compiled.
+/// The reason for which the table cannot be compiled.
 #[derive(Debug, thiserror::Error)]
 enum TableError {
     /// The first line is not the heading.
@@ -72,7 +73,7 @@ enum TableError {
     Line(u32, RowError),
 }
 
-/// Why a line of the table is invalid.
+/// The reason for which a line of the table is invalid.
 #[derive(Debug, thiserror::Error)]
 enum RowError {
     /// The second id must stand before the first and only once.

@@ -13,10 +13,11 @@ use std::path::Path;
 
 use crate::error::TaskError;
 
-/// Makes the source of a list from the text of its table, or says what is wrong with the table.
+/// Makes the source of a list from the text of its table, or returns the fault of the table.
 type GenerateList = fn(&str) -> Result<String, String>;
 
-/// Table, list and how the one becomes the other.
+/// Path of each table, path of the list that is generated from it, and the function that generates
+/// it.
 const LISTS: [(&str, &str, GenerateList); 4] = [
     ("messages.tsv", "messages/src/rows.rs", messages::generate),
     ("alarms.tsv", "units/src/alarm.rs", |table| {

@@ -11,17 +11,17 @@ use super::protocol::{BreakpointsArguments, InquiryArguments};
 use super::stop_points::{BreakpointKind, ClientBreakpoints, find_file};
 use crate::commands::program_sources::program_name;
 
-/// What the session does between requests.
+/// The state of the debug session between requests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SessionState {
-    /// Breakpoints are being set; `configurationDone` starts the program.
+    /// Breakpoints are being set; the request `configurationDone` starts the program.
     Configuring,
     Running,
     Stopped,
     Ended,
 }
 
-/// A launched program and what the client has set for it.
+/// A launched program, with the breakpoints that the client has set for it.
 pub struct LaunchedProgram {
     pub session: DebugSession,
     pub sources: ProgramSources,
@@ -29,9 +29,9 @@ pub struct LaunchedProgram {
     pub state: SessionState,
     pub stops_on_entry: bool,
     pub is_undisturbed: bool,
-    /// The alarm of the last stop; `None` after another stop.
+    /// Name and alarm of the last stop by an alarm; `None` after another stop.
     pub exception: Option<(String, Alarm)>,
-    /// The targets of `goto`, by their numbers from 1.
+    /// The targets of `goto` requests; their numbers count from 1.
     pub goto_targets: Vec<(ProgramId, u32)>,
     /// Line of the `goto` under way, and whether it already runs from the beginning.
     pub goto: Option<(ProgramId, u32, bool)>,
@@ -55,7 +55,7 @@ impl LaunchedProgram {
         )
     }
 
-    /// The body of a `stackTrace` response.
+    /// Returns the body of the response to `stackTrace`.
     pub fn stack_trace(&self, args: &InquiryArguments, first_line: i64) -> Value {
         let run = self.session.run();
         let mut frames = run.calls().frames();

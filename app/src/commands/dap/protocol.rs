@@ -6,7 +6,7 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
-/// A request of the client.
+/// A request that the client has sent.
 #[derive(Debug, Deserialize)]
 pub struct Request {
     pub seq: i64,
@@ -30,7 +30,7 @@ impl Request {
     }
 }
 
-/// The file of a program.
+/// The file of a program, as the protocol describes it.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub struct Source {
@@ -48,7 +48,7 @@ pub struct SourceBreakpoint {
     pub condition: Option<String>,
 }
 
-/// `setBreakpoints`, `setFunctionBreakpoints`, `setDataBreakpoints`.
+/// Arguments of `setBreakpoints`, `setFunctionBreakpoints` and `setDataBreakpoints`.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub struct BreakpointsArguments {
@@ -56,7 +56,7 @@ pub struct BreakpointsArguments {
     pub breakpoints: Vec<SourceBreakpoint>,
 }
 
-/// `initialize`.
+/// Arguments of `initialize`.
 #[derive(Debug, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub struct InitializeArguments {
@@ -74,17 +74,17 @@ impl Default for InitializeArguments {
     }
 }
 
-/// `launch`.
+/// Arguments of `launch`.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub struct LaunchArguments {
-    /// Path of the program.
+    /// Path of the program to launch.
     pub program: String,
     /// Paths of further program files.
     pub subprograms: Vec<String>,
     pub stop_on_entry: bool,
     pub no_debug: bool,
-    /// Whether the run cuts the part and finds collisions.
+    /// Whether the run cuts a part and reports collisions.
     pub part: bool,
 }
 

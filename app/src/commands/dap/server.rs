@@ -20,9 +20,9 @@ use super::stop_points::{BreakpointKind, ClientBreakpoints};
 use super::variables;
 use crate::cli::is_chinese;
 
-/// Ticks between two checks for requests while the program runs.
+/// Number of ticks between two checks for requests while the program runs.
 const RUN_TICKS: u64 = 20_000;
-/// The control is the only thread.
+/// Id of the only thread: the control.
 const THREAD_ID: i64 = 1;
 const ALARM_FILTER: &str = "alarms";
 const MESSAGE_FILTER: &str = "messages";
@@ -34,7 +34,7 @@ struct DapServer<'a, W> {
     language: Language,
     /// Whether the command line has chosen the language.
     is_language_fixed: bool,
-    /// Number of the client's first line: 1 or 0.
+    /// Number that the client gives to the first line: 1 or 0.
     first_line: i64,
     program: Option<LaunchedProgram>,
     is_finished: bool,
@@ -241,7 +241,7 @@ impl<W: Write> DapServer<'_, W> {
         })
     }
 
-    /// Carries out a request that moves the program.
+    /// Carries out a request that continues, steps or stops the program.
     fn control(&mut self, request: &Request) -> io::Result<()> {
         let args: InquiryArguments = match request.parse() {
             Ok(args) => args,
@@ -309,7 +309,7 @@ impl<W: Write> DapServer<'_, W> {
         }
     }
 
-    /// Runs the program for a while.
+    /// Runs the program for a limited number of ticks.
     fn advance(&mut self) -> io::Result<()> {
         let Some(program) = &mut self.program else {
             return Ok(());

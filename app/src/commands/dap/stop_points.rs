@@ -20,7 +20,7 @@ pub struct ClientBreakpoints {
     ids: BTreeMap<String, Vec<u32>>,
 }
 
-/// The kind of a list of breakpoints.
+/// The kind of breakpoints that a request of the client sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BreakpointKind {
     Line,

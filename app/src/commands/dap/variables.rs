@@ -11,15 +11,15 @@ const POSITIONS: i64 = 2;
 const OFFSETS: i64 = 3;
 const VARIABLES: i64 = 4;
 const PLC: i64 = 5;
-/// Reference of the values of offset 0.
+/// Variable reference of the values of offset 0; the next offsets follow.
 const FIRST_OFFSET: i64 = 100;
-/// Number of the last offset.
+/// Number of the last tool offset.
 const LAST_OFFSET: i64 = 32;
-/// Reference of the first PLC area.
+/// Variable reference of the first PLC area; the next areas follow.
 const FIRST_AREA: i64 = 200;
-/// Reference of byte 0 of the first PLC area.
+/// Variable reference of byte 0 of the first PLC area.
 const FIRST_BYTE: i64 = 10_000;
-/// References from one PLC area to the next.
+/// Difference between the variable references of two PLC areas.
 const AREA_STEP: i64 = 1000;
 /// The areas of the PLC that have bits.
 const AREAS: [Area; 7] = [
@@ -33,10 +33,10 @@ const AREAS: [Area; 7] = [
 ];
 const MODAL_NAMES: [&str; 8] = ["G", "M", "F", "S", "T", "feed", "spindle", "angle"];
 const POSITION_NAMES: [&str; 6] = ["X", "Z", "U", "W", "XM", "ZM"];
-/// Greatest number of a local variable.
+/// Greatest number of a local macro variable.
 const LAST_LOCAL: u16 = 33;
 
-/// The scopes of a stopped control.
+/// Returns the scopes that the client shows for a stopped control.
 pub fn scopes(language: Language) -> Value {
     let scope = |name: gsk_messages::Message, reference: i64, is_costly: bool| {
         json!({
@@ -54,7 +54,7 @@ pub fn scopes(language: Language) -> Value {
     ]})
 }
 
-/// The variables with a reference; none for an unknown one.
+/// Returns the variables with this reference; empty for an unknown one.
 pub fn variables(reference: i64, simulation: &Simulation) -> Value {
     let list = match reference {
         MODAL => named(MODAL_NAMES.map(str::to_owned), simulation),
@@ -83,7 +83,7 @@ pub fn variables(reference: i64, simulation: &Simulation) -> Value {
     json!({"variables": list})
 }
 
-/// The numbers of the variables that have a value.
+/// Returns the numbers of the macro variables that have a value.
 fn variable_names(simulation: &Simulation) -> Vec<String> {
     let cnc = &simulation.cnc;
     let locals = cnc.are_variables_real().then_some(1..=LAST_LOCAL);

@@ -10,9 +10,9 @@ use gsk_messages::{Language, Message, say};
 use super::super::{CommandError, EXIT_OK, output};
 use crate::cli::ExerciseDrawingArgs;
 
-/// Width of the drawing in its file, pixels.
+/// Width of the drawing, pixels.
 const WIDTH: f64 = 900.0;
-/// Height of its texts, pixels.
+/// Height of the texts in the drawing, pixels.
 const TEXT_HEIGHT: f64 = 16.0;
 
 /// Draws the part of a task.

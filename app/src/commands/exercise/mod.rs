@@ -133,7 +133,7 @@ fn solve(args: &ExerciseSolveArgs, language: Option<Language>) -> Result<u8, Com
     Ok(EXIT_OK)
 }
 
-/// Prints the sentence and the evidence of the criteria that `is_shown` selects.
+/// Prints the sentence and the evidence of each criterion for which `is_shown` returns true.
 fn print_verdicts(
     task: &ExerciseTask,
     report: &ExerciseReport,

@@ -37,7 +37,7 @@ pub fn pack(args: &ExercisePackArgs, language: Language) -> Result<u8, CommandEr
     Ok(EXIT_OK)
 }
 
-/// Reads the files of the page with their names, sorted.
+/// Reads all files of the browser page, sorted by name.
 fn read_page(folder: &Path) -> Result<Vec<(String, Vec<u8>)>, Message> {
     let named = |path: &Path, error| say::subject_reason(path.display(), say::as_written(error));
     let mut paths = platform::list(folder).map_err(|error| named(folder, error))?;

@@ -12,14 +12,14 @@ use gsk_messages::{Message, say};
 
 use super::super::{EXIT_ALARM, EXIT_OK, output};
 
-/// Time for which the idle board is measured.
+/// Duration of the measurement of the idle board.
 const IDLE_DURATION: Duration = Duration::from_secs(3);
-/// Number of feed holds made in the test move.
+/// Number of feed holds that are made in the test move.
 const HOLD_COUNT: u32 = 10;
 /// Time to accelerate to the top speed, or to brake from it, ms.
 const RAMP_MS: f64 = 100.0;
 
-/// Median and maximum of `times`, ms; `None` if the slice is empty.
+/// Returns median and maximum of `times`, ms; `None` if the slice is empty.
 fn median_and_max(times: &mut [Duration]) -> Option<(f64, f64)> {
     times.sort_unstable();
     let worst = times.last()?;
@@ -60,7 +60,7 @@ const SWITCHES: [(Input, fn() -> Message); 4] = [
     (Input::DriveAlarm, say::link_page_drive_alarm),
 ];
 
-/// The names of those `SWITCHES` that are operated.
+/// Returns the names of those `SWITCHES` that are operated.
 pub fn operated_switches(board: &BoardSession) -> Vec<Message> {
     let name_if_operated = |(input, name): (Input, fn() -> Message)| {
         (board.link.input(input) == Some(true)).then(name)
@@ -130,7 +130,7 @@ impl TestMove<'_> {
         pushed.is_ok()
     }
 
-    /// Total distance that the board has certainly executed so far, pulses.
+    /// Returns the total distance that the board has certainly executed so far, pulses.
     fn executed_distance(&self) -> u64 {
         let executed = self.board.link.executed();
         let made = self.distances.partition_point(|(end, _)| *end <= executed);

@@ -16,7 +16,7 @@ use crate::cli::{LinkTwinArgs, TwinBoard};
 /// Number of bytes from the current one on for which losses are scheduled.
 const DAMAGE_AHEAD_BYTES: u64 = 4096;
 
-/// Pulses per turn of the encoder of the grblHAL twin.
+/// Number of encoder pulses per turn of the grblHAL twin's spindle.
 const ENCODER_PULSES_PER_TURN: u16 = 1024;
 
 /// Switches of the Klipper twin: pin, axis, first and last pulse, and pulses per turn if the
@@ -32,7 +32,7 @@ const SWITCHES: [(&str, usize, i64, i64, Option<i64>); 6] = [
     ("PC7", 1, 0, 31, Some(1600)),
 ];
 
-/// The simulated spindle of the Klipper twin.
+/// Wiring and speed of the Klipper twin's simulated spindle.
 const SPINDLE: SpindleWiring<'_> = SpindleWiring {
     index_pin: "PC3",
     forward_pin: "PB4",
@@ -42,7 +42,7 @@ const SPINDLE: SpindleWiring<'_> = SpindleWiring {
     time_constant_s: 0.2,
 };
 
-/// A simulated board with one of the firmwares.
+/// A simulated board, by its firmware.
 enum SimulatedBoard {
     Grbl(Box<GrblTwin>),
     Klipper(Box<KlipperTwin>),

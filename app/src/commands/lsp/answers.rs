@@ -33,15 +33,15 @@ use super::server_state::ServerState;
 /// The result of a request as JSON and a notice for the user, or the refusal.
 type RequestAnswer = Result<(Value, Option<Message>), RequestRefusal>;
 
-/// Why a request is refused.
+/// The reason why a request is refused.
 enum RequestRefusal {
-    /// The parameters do not fit the method; holds the reason.
+    /// The parameters do not fit the method; the value is the reason.
     Params(String),
     NotOpen,
     /// The operation would change the meaning of the program, or does not apply at the
     /// position; holds the reason for the user.
     Failed(Message),
-    /// The server does not support this method.
+    /// The server does not support this method; the value is its name.
     Method(String),
 }
 
@@ -456,7 +456,7 @@ fn on_rename(desk: &ServerState, params: &TextDocumentPositionParams, name: &str
     to_answer(&WorkspaceEdit::new(changes))
 }
 
-/// The code lenses of a document; empty before its first analysis.
+/// Returns the code lenses of a document; empty before its first analysis.
 pub fn code_lenses(
     document: &OpenDocument,
     encoding: ColumnEncoding,

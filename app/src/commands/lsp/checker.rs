@@ -21,7 +21,7 @@ use lsp_types::Uri;
 
 use super::CheckedControl;
 
-/// Work budget of one analysis.
+/// Limit of the work of one analysis.
 const BUDGET: WorkBudget = WorkBudget::interactive(20_000_000);
 
 /// A program text to be analysed by the checker thread.
@@ -29,10 +29,10 @@ pub struct AnalysisJob {
     pub uri: Uri,
     /// Version of the document, as numbered by the editor.
     pub version: i32,
-    /// Path of the file; `None` if the document was never saved.
+    /// Path of the document's file; `None` if it was never saved.
     pub path: Option<PathBuf>,
     pub text: Arc<TextDocument>,
-    /// The programs of other files that the text calls.
+    /// The programs in other files that the text calls.
     pub called_programs: Arc<Vec<FoundSubprogram>>,
     /// Set to false by the server to cancel the job.
     pub is_wanted: Arc<AtomicBool>,

@@ -10,9 +10,9 @@ use lsp_types::{PositionEncodingKind, Range, TextEdit, Uri};
 /// The unit in which the protocol counts columns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ColumnEncoding {
-    /// Bytes of UTF-8.
+    /// Columns count bytes of UTF-8.
     Utf8,
-    /// Code units of UTF-16, which every editor supports.
+    /// Columns count code units of UTF-16, which every editor supports.
     #[default]
     Utf16,
 }
@@ -25,7 +25,7 @@ impl ColumnEncoding {
         if bytes { Self::Utf8 } else { Self::Utf16 }
     }
 
-    /// Converts the encoding to its name in the protocol.
+    /// Returns the name of the encoding in the protocol.
     pub const fn to_protocol(self) -> PositionEncodingKind {
         match self {
             Self::Utf8 => PositionEncodingKind::UTF8,

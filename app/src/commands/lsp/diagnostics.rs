@@ -98,7 +98,7 @@ fn find_call(structure: &Structure, number: u16) -> Option<TextRange> {
         .map(|reference| reference.word.clone())
 }
 
-/// The range of the first line that the control executes.
+/// Returns the range of the first line that the control executes.
 fn first_block_line(text: &TextDocument, structure: &Structure) -> TextRange {
     let line = structure.block_lines.0;
     TextRange::new(line, &(0..text.line(line).len()))

@@ -14,13 +14,13 @@ use super::convert::ColumnEncoding;
 /// A document that is open in the editor.
 pub struct OpenDocument {
     pub uri: Uri,
-    /// Path of the file; `None` if the document was never saved.
+    /// Path of the document's file; `None` if it was never saved.
     pub path: Option<PathBuf>,
     /// The version number that the editor assigned.
     pub version: i32,
     pub text: Arc<TextDocument>,
     structure: OnceLock<Arc<Structure>>,
-    /// The programs of other files that the text calls.
+    /// The programs in other files that the text calls.
     pub called_programs: Arc<Vec<FoundSubprogram>>,
     /// The analysis of the current text; `None` until the checker has finished.
     pub analysis: Option<Arc<Analysis>>,

@@ -13,7 +13,7 @@ use super::documents::OpenDocument;
 /// Size limit for files that are searched for calls, bytes.
 const MAX_SEARCHED_BYTES: usize = 4 * 1024 * 1024;
 
-/// Indexes of folders by program number, cached until files change.
+/// The programs in folders, indexed by program number; cached until files change.
 #[derive(Default)]
 pub struct FolderIndexes {
     by_main: BTreeMap<PathBuf, BTreeMap<u16, PathBuf>>,
@@ -80,7 +80,7 @@ pub fn find_called_programs(
     subprograms::find_in_index(index, calls, &BTreeSet::new(), model, read)
 }
 
-/// Whether a text is small enough to be searched for calls.
+/// Whether a text is small enough to be searched for calls of programs.
 pub fn is_small(text: &str) -> bool {
     text.len() <= MAX_SEARCHED_BYTES
 }

@@ -35,7 +35,7 @@ use super::server_state::{EditorCapabilities, ServerState};
 use super::{diagnostics, settings};
 use crate::cli::is_chinese;
 
-/// How the editor ended the server.
+/// Whether the editor ended the server regularly or disconnected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ServerEnd {
     /// The editor sent `shutdown` and `exit`.
@@ -44,7 +44,7 @@ pub enum ServerEnd {
     Disconnected,
 }
 
-/// Why the connection failed.
+/// The reason why the connection to the editor failed.
 #[derive(Debug, thiserror::Error)]
 pub enum ServeError {
     /// The editor sent a message that violates the protocol.
@@ -61,7 +61,7 @@ impl<T> From<SendError<T>> for ServeError {
     }
 }
 
-/// The server with its connection and its state.
+/// The language server, with its connection and its state.
 struct Server<'a> {
     connection: &'a Connection,
     desk: ServerState,
@@ -130,7 +130,7 @@ pub fn serve(
     server.run()
 }
 
-/// Reads what the editor supports from its initialization message.
+/// Reads from the initialization message what the editor supports.
 fn read_capabilities(
     params: &InitializeParams,
     setup: &Setup,
@@ -163,7 +163,7 @@ fn read_capabilities(
     }
 }
 
-/// Lists for the editor what this server supports.
+/// Returns the list of functions that this server supports.
 fn capabilities(encoding: ColumnEncoding) -> ServerCapabilities {
     let triggers = ["G", "M", "T", "P", "Q", " "];
     ServerCapabilities {

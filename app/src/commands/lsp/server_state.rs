@@ -9,20 +9,20 @@ use super::convert::ColumnEncoding;
 use super::documents::OpenDocument;
 use super::folder::FolderIndexes;
 
-/// What the editor supports, from its initialization message.
+/// The functions that the editor supports, from its initialization message.
 #[derive(Clone, Copy, Debug)]
 pub struct EditorCapabilities {
     /// The unit in which positions count columns.
     pub encoding: ColumnEncoding,
     /// Whether the editor accepts completions with placeholders.
     pub snippets: bool,
-    /// Whether the editor shows Markdown: in hovers, and in completions.
+    /// Whether the editor shows Markdown: first in hovers, then in completions.
     pub markdown: (bool, bool),
     /// Control model of the programs, and language of the texts about them.
     pub reading: ReadingContext,
 }
 
-/// The state from which requests are answered.
+/// The state of the server, from which requests are answered.
 pub struct ServerState {
     pub editor: EditorCapabilities,
     /// The style in which programs are formatted.

@@ -15,7 +15,7 @@ const WRITE_QUEUE_CAPACITY: usize = 16;
 
 /// The threads that read standard input and write standard output.
 pub struct Streams {
-    /// Receives the result of the reading thread before the connection closes.
+    /// Receives the result of the reading thread when it ends.
     read_result: Receiver<io::Result<()>>,
     writer: JoinHandle<io::Result<()>>,
 }

@@ -20,7 +20,7 @@ use super::super::program_sources::{find_sources, program_name};
 use crate::cli::{RunArgs, RunDebugArgs};
 use crate::commands::{CommandError, output};
 
-/// Stops, watches and records a run, as its options say.
+/// Executes the options for breakpoints, watches and traces during a run.
 pub struct RunDebugger {
     sources: ProgramSources,
     breakpoints: BreakpointSet,
@@ -37,12 +37,12 @@ pub struct RunDebugger {
     language: Option<Language>,
 }
 
-/// What a tick has reached.
+/// The breakpoints and the end that a tick has reached.
 #[derive(Default)]
 pub struct ReachedLocations {
-    /// The messages about the breakpoints of this tick.
+    /// The messages about the breakpoints that this tick has reached.
     pub messages: Vec<Message>,
-    /// Whether the run must end.
+    /// Whether the run must end after this tick.
     pub ends: bool,
 }
 
@@ -83,22 +83,22 @@ impl RunDebugger {
         })
     }
 
-    /// The program files, for locations.
+    /// Returns the program files, for locations of breakpoints.
     pub const fn sources(&self) -> &ProgramSources {
         &self.sources
     }
 
-    /// The name of a program in messages.
+    /// Returns the name of a program for messages.
     pub fn name_of(&self, program: ProgramId) -> String {
         program_name(program, &self.sources)
     }
 
-    /// Whether a breakpoint needs the collisions of the part.
+    /// Whether any breakpoint needs the collisions of the part.
     pub const fn needs_part(&self) -> bool {
         self.needs_part
     }
 
-    /// Whether a breakpoint needs the explanations of cycle passes.
+    /// Whether any breakpoint needs the explanations of cycle passes.
     pub const fn needs_passes(&self) -> bool {
         self.needs_passes
     }
@@ -138,7 +138,7 @@ impl RunDebugger {
         Ok(reached)
     }
 
-    /// Stores the report of a breakpoint and returns its lines.
+    /// Stores the report about a reached breakpoint and returns its lines.
     fn report(&mut self, hit: &BreakHit, time_ms: u64, simulation: &Simulation) -> Vec<Message> {
         let location = self.breakpoints.location(hit.id);
         let location = location.map_or_else(String::new, |it| it.text.clone());
@@ -218,7 +218,7 @@ fn open_trace(args: &RunDebugArgs) -> Result<Option<TraceWriter>, CommandError> 
     })
 }
 
-/// Whether a stream of results goes to standard output.
+/// Whether any stream of results is written to standard output.
 pub fn uses_standard_output(args: &RunArgs) -> bool {
     [&args.moves, &args.positions, &args.debug.trace]
         .into_iter()

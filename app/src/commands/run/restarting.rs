@@ -13,7 +13,7 @@ use super::debugging::{RunDebugger, uses_standard_output};
 use crate::cli::RunArgs;
 use crate::commands::{CommandError, output};
 
-/// Waits for a location of the debugger.
+/// Recognizes the location of the restart with the breakpoints of the debugger.
 struct LocationWatcher(BreakpointSet);
 
 impl BlockWatcher for LocationWatcher {

@@ -319,8 +319,8 @@ impl Cnc {
         true
     }
 
-    /// Decides what follows a finished command: the next command, a stop, or the end of the
-    /// program.
+    /// Decides whether a finished command is followed by the next command, a stop, or the end of
+    /// the program.
     fn decide_next(&mut self, command: &ControlCommand) {
         match command.action {
             Action::ProgramStop => return self.run.automatic.state = RunState::Stop,

@@ -76,8 +76,8 @@ impl Cnc {
         Some(why)
     }
 
-    /// Message that names what blocks motion of an axis in the direction that the ladder requests;
-    /// `None` if nothing does.
+    /// Returns the message about the cause that blocks motion of an axis in the direction that the
+    /// ladder requests; `None` if motion is possible.
     fn direction_refusal(&self, axis: Axis) -> Option<Message> {
         let g = &self.plc.signals;
         let direction = match (*g.jog_plus.get(axis), *g.jog_minus.get(axis)) {

@@ -22,18 +22,18 @@ use gsk_messages::{Message, say};
 const SAME_POSITION_MM: f64 = 0.000_5;
 /// Deviation from the commanded spindle speed at which a restart continues, as a fraction.
 const SPEED_TOLERANCE: f64 = 0.02;
-/// The same for low speeds, r/min.
+/// Deviation from the commanded spindle speed at which a restart continues at low speeds, r/min.
 const SPEED_TOLERANCE_RPM: f64 = 2.0;
 
-/// The way to the start point of a restart. Points are machine coordinates, mm; each is
-/// reached by a rapid.
+/// The approach to the start point of a restart: points in machine coordinates, mm, each reached by
+/// a rapid, and the M codes between.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RestartRoute {
-    /// Points before the tool change.
+    /// Points that the tool passes before the tool change, machine coordinates, mm.
     pub retract: Vec<Point>,
-    /// M codes before the tool change.
+    /// M codes that are output before the tool change.
     pub m_before_tool: Vec<u8>,
-    /// M codes after tool change and S.
+    /// M codes that are output after the tool change and S.
     pub m_after_tool: Vec<u8>,
     /// Points after the tool change; the last one is the start point of the block.
     pub approach: Vec<Point>,
@@ -226,12 +226,13 @@ impl Cnc {
         self.run.automatic.restart = Some(restart);
     }
 
-    /// Whether the next cycle start in AUTO begins a restart, or its approach is under way.
+    /// Whether the next cycle start in AUTO begins a restart, or the approach of a restart is being
+    /// executed.
     pub const fn has_restart(&self) -> bool {
         self.run.automatic.restart.is_some()
     }
 
-    /// Begins the approach at cycle start.
+    /// Begins the approach of a prepared restart at cycle start.
     pub(super) fn begin_restart(&mut self) {
         let Some(restart) = self.run.automatic.restart.take() else {
             return;

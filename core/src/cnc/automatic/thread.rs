@@ -88,8 +88,8 @@ impl Cnc {
         }
     }
 
-    /// Checks the run-out or thread that continues from the thread about to begin, before anything
-    /// is cut; raises an alarm if it is not possible.
+    /// Checks the run-out or thread that follows in phase, before the thread itself is cut; raises
+    /// an alarm if it is not possible.
     pub(crate) fn check_thread_ahead(&mut self) {
         let (Some(current), Some(ahead)) = (
             &self.run.automatic.current,

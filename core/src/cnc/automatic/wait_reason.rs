@@ -7,8 +7,8 @@ use crate::units::{Axis, Feed};
 use gsk_messages::{Message, say};
 
 impl Cnc {
-    /// Message that names what the running program waits for; `None` if it does not wait,
-    /// or no program runs.
+    /// Returns the message about the condition for which the running program waits; `None` if it
+    /// does not wait, or no program runs.
     pub fn wait_reason(&self) -> Option<Message> {
         match self.run.automatic.state {
             RunState::Reset | RunState::Stop => None,
@@ -91,8 +91,8 @@ impl Cnc {
         }
     }
 
-    /// Message that names what a motion without progress waits for; `None` without such a
-    /// wait.
+    /// Returns the message about the condition for which a motion without progress waits; `None`
+    /// without such a wait.
     fn motion_wait(&self) -> Option<Message> {
         for axis in [Axis::X, Axis::Z] {
             match self.coordinates.returns.get(axis) {

@@ -12,7 +12,7 @@ use gsk_link::{MissingForThreads, ThreadCapability};
 use gsk_messages::{Message, say};
 use passes::ThreadScan;
 
-/// What one block requires from the board.
+/// The functions and pulse rates that one block requires from the board.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct BlockNeeds {
     /// Function that the board cannot execute; `None` without one.
@@ -23,7 +23,7 @@ struct BlockNeeds {
     called_program: Option<u16>,
 }
 
-/// A function that the board cannot execute.
+/// A function of a program that the board cannot execute.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum RefusedFunction {
     /// A thread, with the equipment that the board lacks.
@@ -99,8 +99,8 @@ fn refusal_alarm(id: ProgramId, program: &Program, index: u32, refused: RefusedF
         })
 }
 
-/// Determines what a block requires from the board. `threads` tells which threads the board can
-/// cut; in `dry_run` a thread is an ordinary cut.
+/// Determines which functions a block requires from the board. `threads` gives the threads that the
+/// board can cut; in `dry_run` a thread is an ordinary cut.
 fn block_needs(block: &str, threads: ThreadCapability, dry_run: bool) -> BlockNeeds {
     let mut needs = BlockNeeds::default();
     let (mut call, mut called) = (false, None);

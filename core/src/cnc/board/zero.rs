@@ -124,7 +124,7 @@ impl Cnc {
             && (is_seeking(self.coordinates.returns.x) || is_seeking(self.coordinates.returns.z))
     }
 
-    /// Whether the board does its own homing.
+    /// Whether the board can home axes itself.
     pub(crate) fn can_board_home(&self) -> bool {
         self.drives
             .board

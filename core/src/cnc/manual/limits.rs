@@ -8,7 +8,7 @@ use crate::operation::{AxisDirection, travel_alarm};
 use crate::units::{Axis, PerAxis, Point, TICK_S};
 use gsk_messages::{Message, say};
 
-/// Both directions of both axes.
+/// Both directions of both axes, in which limit switches can be pressed.
 const SIDES: [(Axis, AxisDirection); 4] = [
     (Axis::X, AxisDirection::Plus),
     (Axis::X, AxisDirection::Minus),

@@ -9,7 +9,7 @@ use crate::units::{PerAxis, Point};
 /// Coordinate frame, zero points and reference returns of the axes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Coordinates {
-    /// Current work zero and tool offset.
+    /// Work zero and tool offset in force.
     pub frame: Frame,
     /// Absolute coordinates at which the display of relative coordinates shows zero, mm.
     pub relative_zero: Point,

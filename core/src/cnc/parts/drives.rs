@@ -16,12 +16,12 @@ use crate::units::{Axis, Point};
 pub(crate) struct DriveUnit {
     /// Computes the commanded position in each tick.
     pub interpolator: Interpolator,
-    /// Rates and accelerations from the parameters.
+    /// Rates and accelerations of the axes, from the parameters.
     pub limits: MotionLimits,
     /// Converts positions to pulses: pitch errors, backlash, gear.
     #[serde(rename = "chain")]
     pub axis_chain: AxisChain,
-    /// Software travel limits.
+    /// Soft travel limits of the axes.
     pub soft_limits: SoftLimits,
     /// Signals of drives and encoder in the last tick.
     pub sensors: Sensors,
@@ -43,7 +43,7 @@ pub(crate) struct BoardAlarms {
     pub persistent: Option<Alarm>,
     /// Alarms whose detail does not name the position of the slides yet.
     pub incomplete: Vec<Alarm>,
-    /// Whether the reference was lost in a way that requires an alarm, which is not raised yet.
+    /// Whether the loss of a reference requires an alarm that is not raised yet.
     pub reference_dropped: bool,
 }
 

@@ -16,6 +16,6 @@ pub(crate) struct ManualMotion {
     pub jog: PerAxis<Option<(bool, JogRate)>>,
     /// Axis keys that were down at the last tick.
     pub axis_keys: PerAxis<bool>,
-    /// Counter of the handwheel's graduations.
+    /// Counts the graduations of the handwheel.
     pub wheel: WheelCounter,
 }

@@ -29,13 +29,13 @@ pub(crate) struct PlcPort {
     pub output_key: bool,
     /// Switches of the soft machine panel, as the bits of F75.
     pub soft_switches: u8,
-    /// Whether the ladder is halted for stepping.
+    /// Whether the ladder is halted, to be executed in single steps.
     pub halted: bool,
     /// The ladder that the next power-on loads; `None` if the current ladder stays.
     pub next_ladder: Option<Arc<Ladder>>,
     /// Whether a message of the ladder is active.
     pub message: bool,
-    /// Output bytes Y at their last refresh.
+    /// Output bytes Y when they were last written to the machine.
     pub y: Vec<u8>,
     /// Timers of outputs that a program has switched.
     #[serde(default, skip_serializing_if = "OutputTimers::is_idle")]
@@ -64,7 +64,7 @@ const fn is_zero(levels: &u32) -> bool {
 }
 
 impl PlcPort {
-    /// Creates the port at power-on.
+    /// Creates the port in its state at power-on.
     pub(crate) fn new(engine: Plc) -> Self {
         Self {
             signals: FromPlc::read(engine.memory()),

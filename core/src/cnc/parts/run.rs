@@ -17,9 +17,9 @@ use crate::program::MdiBlock;
 pub(crate) struct CncRun {
     /// Operating mode that the ladder has selected.
     pub mode: OperatingMode,
-    /// State of automatic operation.
+    /// State of automatic operation: run, commands and current block.
     pub automatic: AutomaticRun,
-    /// Handshakes of M, S and T functions.
+    /// Handshakes of the M, S and T functions with the PLC.
     pub handshake: Handshake,
     /// Reads the blocks of the program.
     pub interpreter: Interpreter,
@@ -28,7 +28,7 @@ pub(crate) struct CncRun {
     pub registers: Registers,
     /// The block keyed in on the MDI page.
     pub mdi: MdiBlock,
-    /// Modal state of the block in execution.
+    /// Modal state of the block that is being executed.
     pub modal: ModalState,
     /// The interpolator with the rest of a held motion, while the axes are moved manually; `None`
     /// otherwise.

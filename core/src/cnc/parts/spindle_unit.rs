@@ -8,7 +8,7 @@ use crate::spindle::{SpindleAngle, SpindleControl};
 /// The spindle as the control drives and measures it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct SpindleUnit {
-    /// Commanded speed, gear and measured speed.
+    /// Computes commanded speed, gear and measured speed of the spindle.
     pub control: SpindleControl,
     /// Spindle angle, estimated from the encoder or measured by a board.
     pub angle: SpindleAngle,

@@ -28,7 +28,7 @@ const ENCODER: [u16; 3] = [
     parameter::SPINDLE_TEETH,
     parameter::ENCODER_TEETH,
 ];
-/// Millimetres in one inch.
+/// Number of millimetres in an inch.
 const MM_PER_INCH: f64 = 25.4;
 
 impl Cnc {

@@ -10,12 +10,12 @@ use crate::program::Program;
 /// State of the serial port, which the ladder reads in F213.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum SerialPort {
-    /// No transfer is in progress.
+    /// No transfer through the serial port is in progress.
     #[default]
     Idle,
-    /// Data is being sent.
+    /// The control is sending data through the serial port.
     Sending,
-    /// Data is being received.
+    /// The control is receiving data through the serial port.
     Receiving,
 }
 
@@ -28,11 +28,11 @@ pub enum ReceivedData {
     Replacement(String),
     /// Deletion of the program with this O number.
     Deletion(u16),
-    /// Renaming of a program.
+    /// A request to rename a program.
     Renaming {
-        /// Current O number.
+        /// Current O number of the program.
         from: u16,
-        /// New O number.
+        /// New O number of the program.
         to: u16,
     },
     /// Values that replace all tool offsets.

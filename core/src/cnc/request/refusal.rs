@@ -7,7 +7,7 @@ use crate::memory::WriteRefusal;
 use crate::operation::OperatingMode;
 use gsk_messages::{Message, say};
 
-/// The operating mode that a request needs.
+/// Returns the operating mode that a request requires.
 const fn required_mode(request: &ControlRequest) -> OperatingMode {
     match request {
         ControlRequest::CreateProgram(_)

@@ -14,7 +14,7 @@ const TOLERANCE: f64 = 0.001;
 struct WorkedCase {
     name: &'static str,
     nose: ToolOffset,
-    /// The texts of the blocks, in order.
+    /// The texts of the blocks of the case, in order.
     blocks: Vec<&'static str>,
     /// Expected moves: index of the block, target of the tip, and the centre if it is an arc,
     /// mm.

@@ -177,7 +177,7 @@ fn profile_program(steps: &[ProfileStep], left: bool) -> (String, Vec<ProfileSur
     (text, surface)
 }
 
-/// The result of running a profile.
+/// The result of running a profile with compensation.
 enum ProfileResult {
     Alarm(u16),
     /// The nose cuts into the part: depth, mm, and a text with the position.

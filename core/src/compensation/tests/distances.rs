@@ -14,7 +14,7 @@ fn point() -> impl Strategy<Value = Point> {
     (coordinate(), coordinate()).prop_map(|(x, z)| Point::new(x, z))
 }
 
-/// Generates random lines and arcs.
+/// Generates random lines and arcs, for property tests.
 fn piece() -> impl Strategy<Value = ContourSegment> {
     let line = (point(), point()).prop_filter_map("no length", |(from, to)| {
         ContourSegment::line(from, to).ok()

@@ -30,7 +30,7 @@ use crate::interpreter::state::State;
 use crate::interpreter::words::{AxisTarget, AxisWords, SortedWords};
 use crate::units::Axis;
 
-/// How a corner connects its two cuts: by a chamfer or by a tangent arc.
+/// Whether a corner joins its two cuts by a chamfer or by a tangent arc.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum CornerJoin {
     Chamfer,

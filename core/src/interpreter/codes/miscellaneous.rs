@@ -11,7 +11,7 @@ use crate::interpreter::exact::UNITS_PER_MM;
 use crate::interpreter::words::SortedWords;
 use crate::model::{MCode, MFunction, ModelRecord, hx31, ncb08};
 
-/// What the control does for an M code.
+/// The function of an M code for the control itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MCodeFunction {
     /// M00: stops the run until the next cycle start.
@@ -34,11 +34,12 @@ pub(crate) fn has_function(code: u8, context: &BlockContext<'_>) -> bool {
     context.machine_codes.contains(code) || context.model.record().m_function(code).is_some()
 }
 
-/// Finds what the control does for the M code `code`.
+/// Finds the function of the M code `code` for the control.
 ///
 /// # Errors
-/// 019 for a code that the control does not have, for a call or return in MDI, and for a gear
-/// code on a machine without automatic gear change.
+///
+/// 019 for a code that the control does not have, for a call or return in MDI, and for a gear code
+/// on a machine without automatic gear change.
 pub(crate) fn classify_m_code(
     code: u8,
     context: &BlockContext<'_>,

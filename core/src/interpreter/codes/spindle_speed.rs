@@ -14,7 +14,7 @@ use crate::interpreter::exact::to_mm;
 use crate::interpreter::state::State;
 use crate::interpreter::words::SortedWords;
 
-/// Greatest spindle speed, r/min.
+/// Greatest spindle speed that S can command, r/min.
 const MAX_SPEED_RPM: f64 = 9999.0;
 
 /// Plans the spindle command for S, G96 and G97 of a block; `None` if they change nothing.

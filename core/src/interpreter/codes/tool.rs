@@ -22,7 +22,7 @@ const MAX_OFFSET_NUMBER: u8 = 32;
 /// Greatest tool number of a gang tool post (084 = 0).
 const MAX_TOOL_NUMBER: u8 = 32;
 
-/// How the tool offset of a T word takes effect in its block.
+/// When the tool offset of a T word takes effect in its block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum OffsetExecution {
     /// The coordinates shift at once; only programmed axes move, to points in the new
@@ -39,7 +39,7 @@ pub(crate) enum OffsetExecution {
 pub(crate) struct ToolWord {
     /// Tool number; `None` keeps the tool in use.
     pub(crate) tool: Option<u8>,
-    /// Offset number; 0 cancels the offset.
+    /// Tool offset number; 0 cancels the offset.
     pub(crate) offset: u8,
 }
 

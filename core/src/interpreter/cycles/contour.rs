@@ -31,7 +31,8 @@ pub(crate) struct ContourPoint {
     pub(crate) along: i64,
 }
 
-/// Which axis a roughing cycle feeds in (the depth), and along which axis it cuts.
+/// The plane of a roughing cycle: in which axis it feeds (depth of cut), and along which axis it
+/// cuts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum CutPlane {
     /// G71: feeds in along X and cuts along Z.

@@ -28,7 +28,7 @@ use crate::units::Feed;
 /// Number of units of [`ExactPoint`] in a thousandth of a millimetre.
 const UNITS_PER_MICRON: i64 = UNITS_PER_MM / 1000;
 
-/// The remaining moves of a G73.
+/// The moves of a G73 that are not executed yet.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PatternCycle {
     start: ExactPoint,

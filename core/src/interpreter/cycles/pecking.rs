@@ -53,13 +53,13 @@ pub(crate) struct PeckingCycle {
     feed: Feed,
     /// Depth of a peck. This length and the next three are signed towards the end point.
     peck: i64,
-    /// Retract after a peck.
+    /// Length of the retract after a peck.
     retract: i64,
     /// Step from one column to the next, on the other axis.
     step: i64,
     /// Relief at the bottom of a column, on the other axis.
     relief: i64,
-    /// Number of the current column, from 1.
+    /// Number of the current column of pecks, from 1.
     column: i64,
     columns: i64,
     pecked: i64,

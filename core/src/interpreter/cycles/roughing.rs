@@ -55,9 +55,9 @@ pub(crate) struct RoughingCycle {
     plane: CutPlane,
     #[serde(rename = "signs")]
     directions: CutDirections,
-    /// A, from which the levels count.
+    /// Point A, from which the levels are measured.
     start: ExactPoint,
-    /// B, the beginning of the contour.
+    /// Point B, at which the contour begins.
     begin: ExactPoint,
     /// The point to which the tool returns: A without the allowances.
     #[serde(rename = "rest")]

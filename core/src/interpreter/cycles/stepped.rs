@@ -50,7 +50,7 @@ pub(crate) struct SteppedCycle {
     step: i64,
     /// Depth of the finishing pass (K); 0 for none.
     finish: i64,
-    /// Number of the current pass, from 1.
+    /// Number of the pass being cut, from 1.
     pass: i64,
     passes: i64,
     #[serde(rename = "leg")]

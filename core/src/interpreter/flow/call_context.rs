@@ -7,9 +7,9 @@ use crate::program::ProgramMemory;
 #[derive(Clone, Copy)]
 pub(crate) struct CallContext<'a> {
     pub(crate) programs: &'a ProgramMemory,
-    /// The running calls, the innermost last.
+    /// The calls in execution, the innermost last.
     pub(crate) calls: &'a [ProgramCall],
-    /// The program and index of the block.
+    /// The program of the block, and its index.
     pub(crate) position: ProgramPosition,
     /// Greatest sequence number that P of M99 can name.
     pub(crate) last_target: u32,

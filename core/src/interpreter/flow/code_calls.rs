@@ -36,7 +36,7 @@ pub(crate) struct CodeCalls {
 /// A subprogram call by an M or T word, as M98 does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PlainCall {
-    /// Number of the called program.
+    /// Number of the program that is called.
     pub program: u16,
     /// The letter of the word that calls: M or T.
     pub address: char,

@@ -32,7 +32,7 @@ pub(crate) enum Flow {
     MacroCall(Box<MacroEntry>),
     /// Ends the innermost call and continues at the block with this position.
     Return(ProgramPosition),
-    /// Ends the run.
+    /// Ends the run of the program.
     End,
 }
 
@@ -56,7 +56,7 @@ pub(crate) struct Finishing {
     pub(crate) return_position: ProgramPosition,
     /// Programmed position at the start of the G70.
     pub(crate) start: ExactPoint,
-    /// Source position of the G70.
+    /// Source position of the G70 block.
     pub(crate) source: SourcePosition,
     /// Lines of the first and the last block of the profile in the text of the program.
     pub(crate) lines: (u32, u32),

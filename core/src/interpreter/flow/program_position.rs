@@ -10,12 +10,12 @@ use crate::command::ProgramId;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct ProgramPosition {
     pub(crate) program: ProgramId,
-    /// Index of the block, from 0.
+    /// Index of the block in the program, from 0.
     pub(crate) block: u32,
 }
 
 impl ProgramPosition {
-    /// The position of the next block.
+    /// Returns the position of the next block.
     pub(crate) const fn next_block(self) -> Self {
         Self {
             block: self.block.saturating_add(1),
@@ -35,7 +35,7 @@ pub(crate) struct ProgramCall {
     /// Position of the block after the call, where the caller continues.
     #[serde(rename = "back")]
     pub(crate) return_position: ProgramPosition,
-    /// How the program was called, which decides its local variables.
+    /// The kind of the call, which determines its local variables.
     #[serde(default, skip_serializing_if = "CallKind::is_subprogram")]
     pub(crate) kind: CallKind,
     /// Index, from 0, of the block with which each run begins.
@@ -71,7 +71,7 @@ impl ProgramCall {
     }
 }
 
-/// How a program was called, which decides its local variables.
+/// The kind of a program call, which determines its local variables.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum CallKind {
     /// By M98: shares the variables of its caller.

@@ -12,15 +12,15 @@ use crate::units::{PerAxis, Point};
 /// The data of a machine that the interpreter reads and writes. The control and the dry run of
 /// the preview implement it, so both run one interpreter.
 pub trait Host {
-    /// The control parameters that the interpreter reads.
+    /// Returns the control parameters that the interpreter reads.
     fn parameters(&self) -> &ControlParameters;
-    /// The control parameters, to write: cycles write 051–060.
+    /// Returns the control parameters for writing: cycles write 051–060.
     fn parameters_mut(&mut self) -> &mut ControlParameters;
-    /// The table of tool offsets.
+    /// Returns the table of tool offsets.
     fn offsets(&self) -> &Offsets;
     /// The table of tool offsets, to write from macro B.
     fn offsets_mut(&mut self) -> &mut Offsets;
-    /// The common variables that macros read.
+    /// Returns the common variables that macros read.
     fn variables(&self) -> &Variables;
     /// The common variables, to write from G65 and macro B.
     fn variables_mut(&mut self) -> &mut Variables;
@@ -49,7 +49,7 @@ pub trait Host {
     /// Signals from the ladder to macros, G54 and G55: #1000 in bit 0. Valid while
     /// [`Host::is_settled`] holds.
     fn interface_inputs(&self) -> u16;
-    /// Signals from macros to the ladder, F54 (lowest byte) to F59.
+    /// Returns the signals from macros to the ladder, F54 (lowest byte) to F59.
     fn interface_outputs(&self) -> u64;
     /// Sets the signals from macros to the ladder, F54 (lowest byte) to F59.
     fn set_interface_outputs(&mut self, outputs: u64);
@@ -59,7 +59,7 @@ pub trait Host {
     fn machine_position(&self) -> Point;
     /// For each axis, whether its reference point is known.
     fn referenced(&self) -> PerAxis<bool>;
-    /// Whether block skip is on (F4.0).
+    /// Returns whether block skip is on (F4.0).
     fn is_block_skip_on(&self) -> bool;
     /// Whether every earlier command is finished, with the FIN signal of the ladder for M, S
     /// and T.
@@ -71,7 +71,7 @@ pub trait Host {
     }
 }
 
-/// The answer of [`Interpreter::next`](crate::interpreter::Interpreter::next).
+/// The result of one call of [`Interpreter::next`](crate::interpreter::Interpreter::next).
 #[derive(Clone, Debug, PartialEq)]
 pub enum InterpreterStep {
     /// The next command of the run.
@@ -79,6 +79,6 @@ pub enum InterpreterStep {
     /// The next block must wait until all earlier commands are finished: call again when
     /// [`Host::is_settled`] returns true.
     Wait,
-    /// The run has ended; no command follows.
+    /// The run has ended; no further command follows.
     Ended,
 }

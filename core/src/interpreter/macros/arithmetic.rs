@@ -9,13 +9,13 @@ use crate::alarm::number;
 pub(crate) struct Operands {
     /// The value of the variable of P before the operation; only H26 reads this value.
     pub(crate) i: i64,
-    /// The value of Q, the first operand.
+    /// The value of the word Q, the first operand.
     pub(crate) j: i64,
-    /// The value of R, the second operand.
+    /// The value of the word R, the second operand.
     pub(crate) k: i64,
 }
 
-/// Why an operation of G65 H has no result.
+/// The reason why an operation of G65 H has no result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ArithmeticFault {
     DivisionByZero,
@@ -53,7 +53,7 @@ impl ArithmeticFault {
     }
 }
 
-/// What G65 does for an H code.
+/// The operation of a G65 block, by its H code.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Operation {
     /// Computes a result with this function and stores it into the variable of P.
@@ -105,7 +105,7 @@ impl Operation {
         })
     }
 
-    /// Which of the letters Q and R the operation of the H code `h` does not read.
+    /// Returns which of the letters Q and R the operation of the H code `h` does not read.
     pub(crate) const fn unread_words(h: i64) -> &'static [u8] {
         match h {
             1 | 21 | 22 | 24 | 25 => b"R",

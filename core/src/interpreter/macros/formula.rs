@@ -17,7 +17,7 @@ pub(crate) type FormulaValue = Option<f64>;
 /// The variables and the angle range that the evaluation of a formula uses.
 #[derive(Clone, Copy)]
 pub(crate) struct FormulaContext<'a> {
-    /// Reads the variable with this number.
+    /// Function that reads the variable with this number.
     pub(crate) read_variable: &'a dyn Fn(u32) -> Result<FormulaValue, ReadError>,
     /// Whether the results of `ASIN` and `ATAN` are −90 to 90 and −180 to 180 degrees; if not,
     /// 0 to 360.
@@ -85,8 +85,8 @@ pub(crate) fn evaluate_formula(
     Ok(stack.pop().flatten())
 }
 
-/// Copies a block with values in place of the formulas of its words. Returns an error if a formula
-/// has no value or must wait, or if a value is out of range.
+/// Copies a block with the formulas of its words replaced by their values. Returns an error if a
+/// formula has no value or must wait, or if a value is out of range.
 pub(crate) fn evaluate_words(
     block: &ProgramBlock,
     formulas: &[FormulaCode],
@@ -243,7 +243,7 @@ fn apply_function(
     unit: f64,
     context: FormulaContext<'_>,
 ) -> Result<f64, ReadError> {
-    /// Greatest number that `BCD` can convert.
+    /// Greatest number that the function `BCD` can convert.
     const MAX_DECIMAL_CODE: f64 = 99_999_999.0;
     Ok(match function {
         FormulaFunction::Sine => sine(value),

@@ -17,13 +17,13 @@ use crate::interpreter::macros::formula::FormulaValue;
 /// Greatest number of a local variable, #33.
 pub(crate) const LAST_LOCAL: u32 = 33;
 
-/// Local variables with a value, by number.
+/// The local variables that have a value, by their numbers.
 pub(crate) type LocalVariables = BTreeMap<u8, f64>;
 
 /// The local variables, loops and modal calls (G66) of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Levels {
-    /// Local variables of the main program.
+    /// Local variables of the main program, outside all calls.
     main: LocalVariables,
     /// Local variables of the running macro calls, the innermost last.
     called: Vec<MacroLevel>,
@@ -156,7 +156,7 @@ impl Levels {
         has_capacity
     }
 
-    /// Cancels the last modal call (G67).
+    /// Cancels the modal call that was made last (G67).
     pub(crate) fn cancel_modal_call(&mut self) {
         self.modal.pop();
     }

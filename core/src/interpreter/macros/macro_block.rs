@@ -18,10 +18,10 @@ use crate::program::{ProgramBlock, WordNumber};
 /// Greatest P of H99, the number of a user alarm.
 const LAST_USER_ALARM: i64 = 99;
 
-/// What a G65 H block does.
+/// The effect of a G65 H block, which the caller carries out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MacroBlockEffect {
-    /// Stores this value into this variable.
+    /// The block stores this value into this variable.
     Value(MacroVariable, i64),
     /// Jumps to this sequence number; a negative one is searched backward first.
     Jump(i64),

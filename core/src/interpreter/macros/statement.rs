@@ -13,7 +13,7 @@ use crate::program::{
     ProgramBlock, ProgramMemory, Syntax,
 };
 
-/// Greatest depth of nested macro calls.
+/// Greatest depth to which macro calls can be nested.
 pub(crate) const MAX_MACRO_DEPTH: usize = 4;
 /// Number of the variable whose assignment raises an alarm.
 const ALARM_VARIABLE: u32 = 3000;
@@ -24,12 +24,12 @@ const MAX_ALARM_TEXT_CHARS: usize = 26;
 /// Greatest number of groups of I, J and K in a call.
 const MAX_ARGUMENT_GROUPS: u8 = 10;
 
-/// What a statement of macro B does. The caller carries out this effect.
+/// The effect of a macro B statement, which the caller carries out.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum StatementEffect {
     /// Sets the variable with this number to a value, or with `None` to null.
     Assign(u32, Option<f64>),
-    /// Jumps to this sequence number (GOTO).
+    /// The statement jumps to this sequence number (GOTO).
     Jump(i64),
     /// Runs the blocks of this loop, at its DO, for the first time or again.
     Enter(RunningLoop),
@@ -39,9 +39,9 @@ pub(crate) enum StatementEffect {
     Leave(u32),
     /// Calls a macro (G65) with these values of its local variables.
     Call(ProgramCall, LocalVariables),
-    /// Puts this modal call into force (G66).
+    /// The statement puts this modal call into force (G66).
     Modal(ModalCall),
-    /// Cancels the last modal call (G67).
+    /// The statement cancels the modal call that was made last (G67).
     CancelModal,
     /// Changes nothing and continues with the next block, as after a condition that does not
     /// hold.

@@ -39,8 +39,7 @@ use crate::interpreter::state::State;
 use crate::memory::{Counters, Registers, SwitchedOff, Variables};
 use crate::program::{FormulaCode, Program, ProgramBlock, Syntax};
 
-/// Where the variables come from that formulas read: local variables, modal state, program and
-/// host.
+/// The sources of the variables that formulas read: local variables, modal state, program and host.
 pub(crate) struct VariableSources<'a, H> {
     pub(crate) levels: &'a Levels,
     /// The state after the previous block.
@@ -51,7 +50,7 @@ pub(crate) struct VariableSources<'a, H> {
     pub(crate) host: &'a H,
 }
 
-/// The variables of the host, to write.
+/// The variables of the host, for writing.
 pub(crate) struct HostVariables<'a, H> {
     /// Whether only the variables #1 to #99 of the Huaxing lathes exist.
     pub(crate) has_huaxing_variables: bool,
@@ -102,8 +101,8 @@ impl<H: Host> VariableWriter for HostVariables<'_, H> {
 }
 
 impl<H: Host> VariableSources<'_, H> {
-    /// Copies a block with values in place of its formulas. Returns an error if a formula has no
-    /// value or must wait, or if a value is out of range.
+    /// Copies a block with its formulas replaced by their values. Returns an error if a formula has
+    /// no value or must wait, or if a value is out of range.
     pub(crate) fn evaluate_words(
         &self,
         block: &ProgramBlock,
@@ -234,7 +233,7 @@ fn write_host(number: u32, value: FormulaValue, host: &mut impl Host) -> Result<
     Ok(())
 }
 
-/// A column of the offset table.
+/// A column of the tool offset table that variables can read.
 #[derive(Clone, Copy)]
 enum OffsetTableField {
     X,
@@ -292,7 +291,7 @@ fn write_offset(number: u32, value: FormulaValue, host: &mut impl Host) -> Resul
 
 /// Number of the variable whose bits are rows of the setting page.
 pub(crate) const SETTINGS_VARIABLE: u32 = 3005;
-/// Milliseconds in an hour.
+/// Number of milliseconds in an hour.
 const HOUR_MS: f64 = 3.6e6;
 /// Bit of #3005 for the parity row of the setting page; the next constants are those of other
 /// rows.

@@ -15,12 +15,12 @@ use crate::interpreter::host::Host;
 use crate::memory::Variables;
 use crate::program::{BlockError, ProgramBlock, Syntax, VariableReference};
 
-/// Why a block cannot be read, or a variable not read or written, now.
+/// The reason why a block cannot be read, or a variable not read or written, at this moment.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ReadError {
     /// The block must wait until every earlier command is finished.
     Wait,
-    /// The block raises this alarm.
+    /// Reading fails: the block raises this alarm.
     Fault(Alarm),
 }
 
@@ -36,7 +36,7 @@ impl From<BlockError> for ReadError {
     }
 }
 
-/// A variable that G65 can read.
+/// A variable of macro A, which G65 can read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MacroVariable {
     /// A common variable by its number, #200–#231 or #500–#515.
@@ -171,7 +171,7 @@ pub(crate) fn read_value(variable: VariableReference, host: &impl Host) -> Resul
     MacroVariable::find(variable.number, host)?.read(host)
 }
 
-/// Copies a block with numbers in place of its references to variables. Returns an error if a
+/// Copies a block with its references to variables replaced by numbers. Returns an error if a
 /// variable is invalid or must wait, or if a number is out of range.
 pub(crate) fn resolve_variables(
     block: ProgramBlock,

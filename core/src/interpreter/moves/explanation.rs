@@ -47,7 +47,7 @@ pub(crate) enum DepthRule {
 /// Lengths are in units of [`ExactPoint`], diameters in X if not stated otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum PassNote {
-    /// A move without an explanation.
+    /// The move has no explanation.
     None,
     /// A pass of G90 (level in X) or G94 (level in Z): from the start A to B, cut to C, and
     /// back to A.

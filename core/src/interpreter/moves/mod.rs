@@ -53,7 +53,7 @@ impl FrameShift {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Move {
     pub(crate) action: Action,
-    /// Whether single block stops after the move.
+    /// Whether single block stops the run after the move.
     pub(crate) stops: bool,
     pub(crate) note: PassNote,
 }

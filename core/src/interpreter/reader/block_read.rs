@@ -17,7 +17,7 @@ pub(super) enum BlockRead {
     Starved,
     /// The block is skipped or has no words.
     Skipped,
-    /// The text of the program has ended.
+    /// The end of the program text is reached.
     Ended,
 }
 

@@ -100,7 +100,7 @@ pub(crate) enum AdvanceResult {
 }
 
 impl Interpreter {
-    /// The interpreter at power-on, without a run.
+    /// Creates the interpreter in its state at power-on, without a run.
     pub fn new(parameters: &ControlParameters) -> Self {
         let modal = ModalState {
             tool: parameters.tool_in_position(),
@@ -240,7 +240,7 @@ impl Interpreter {
         note.and_then(explain_pass)
     }
 
-    /// Number of running subprogram and macro calls.
+    /// Returns the number of subprogram and macro calls in execution.
     pub fn call_depth(&self) -> usize {
         self.current_run().calls.len()
     }

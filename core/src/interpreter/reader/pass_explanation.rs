@@ -12,7 +12,7 @@ use crate::interpreter::threads::single_pass;
 use crate::interpreter::threads::tapping;
 use crate::interpreter::threads::thread_cycle;
 
-/// Explains what a cycle pass does; `None` if the move has nothing to explain.
+/// Returns the explanation of a cycle pass; `None` if the move has nothing to explain.
 pub(super) fn explain_pass(note: PassNote) -> Option<Explanation> {
     match note {
         PassNote::None => None,

@@ -49,14 +49,14 @@ pub(super) enum TextBoundary {
     Starved,
 }
 
-/// Why a block cannot be evaluated now.
+/// The reason why a block cannot be evaluated now.
 pub(super) enum ReadObstacle {
     /// The block must wait until every earlier command is finished.
     Wait,
     /// The next block, which decides the end of this one, has not arrived through the serial
     /// line yet.
     Starved,
-    /// The block raises this alarm.
+    /// Evaluation fails: the block raises this alarm.
     Fault(Alarm),
 }
 
@@ -117,8 +117,8 @@ impl TextBoundary {
 }
 
 impl<'a> PendingBlock<'a> {
-    /// The block at the position of a run, whose line and sequence number [`Self::locate`]
-    /// sets later.
+    /// Creates the block at the position of a run; [`Self::locate`] later sets its line and
+    /// sequence number.
     #[inline]
     pub(super) fn new(
         (program, run): (&'a Program, &'a InterpreterRun),
@@ -175,8 +175,8 @@ impl<'a> PendingBlock<'a> {
         }
     }
 
-    /// The codes that call a program in this block; `None` if such codes are ordinary here: in
-    /// MDI, through the serial line and in some calls.
+    /// Returns the codes that call a program in this block; `None` if such codes have their
+    /// ordinary function: in MDI, through the serial line and in some calls.
     #[inline]
     pub(super) fn active_code_calls<'c>(
         &self,
@@ -296,10 +296,11 @@ impl<'a> PendingBlock<'a> {
         }
     }
 
-    /// Copies the block with numbers in place of its variables and formulas, in mm. `None` if
-    /// the block has only numbers in mm already.
+    /// Copies the block with its variables and formulas replaced by numbers, in mm. `None` if the
+    /// block contains only numbers in mm already.
     ///
     /// # Errors
+    ///
     /// The alarm of a formula, or a variable that cannot be read yet.
     #[inline]
     pub(super) fn convert<H: Host>(

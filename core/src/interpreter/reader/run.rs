@@ -21,7 +21,7 @@ pub(crate) struct InterpreterRun {
     /// The position of the next block to read.
     #[serde(rename = "place")]
     pub(crate) position: ProgramPosition,
-    /// The running calls, the innermost last.
+    /// The calls in execution, the innermost last.
     pub(crate) calls: Vec<ProgramCall>,
     /// Local variables, loops and modal calls (G66) of the running macros.
     #[serde(default, skip_serializing_if = "Levels::is_empty")]
@@ -156,7 +156,7 @@ impl InterpreterRun {
         Ok(Flow::Next)
     }
 
-    /// Continues after a block as `flow` states.
+    /// Continues the run after a block in the way that `flow` gives.
     pub(crate) fn apply_flow(&mut self, flow: Flow) {
         match flow {
             Flow::Next => self.position = self.position.next_block(),

@@ -157,7 +157,7 @@ pub(super) fn huaxing_alarm(statement: &MacroStatement) -> Option<Alarm> {
     Some(Alarm::new(number::BAD_G).with_detail(say::g_unknown(code)))
 }
 
-/// Copies a block with numbers in place of its variables and formulas; `None` if the block has only
+/// Copies a block with its variables and formulas replaced by numbers; `None` if the block has only
 /// numbers. Returns an error if a variable or formula has no value or must wait.
 pub(super) fn resolve_block<H: Host>(
     block: &ProgramBlock,

@@ -31,19 +31,19 @@ use super::block_read::missing_program_alarm;
 use super::pending_block::PendingBlock;
 use super::run::InterpreterRun;
 
-/// What [`Walker::next`] has read.
+/// The result of one call of [`Walker::next`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum WalkedBlock {
-    /// The words of a block for the caller to carry out, with numbers in place of formulas.
+    /// The words of a block, which the caller carries out; formulas are replaced by numbers.
     Words(Box<ProgramBlock>),
     /// The caller has nothing to do: the walker has carried out a statement of macro B, skipped
     /// the block or returned from a call.
     Nothing,
-    /// The run has ended.
+    /// The run has ended; no further block follows.
     Ended,
 }
 
-/// What a block is before it is carried out.
+/// A block that was read and not carried out yet.
 enum ReadBlock {
     Words(Box<ProgramBlock>),
     Statement(StatementEffect),
@@ -53,7 +53,7 @@ enum ReadBlock {
 /// A run over a program and those that it calls.
 #[derive(Clone, Debug)]
 pub struct Walker {
-    /// The run, at the block read last.
+    /// The run, positioned at the block that was read last.
     run: InterpreterRun,
     /// The flow after the block read last; `None` before the first block.
     flow: Option<Flow>,
@@ -92,7 +92,7 @@ impl Walker {
         }
     }
 
-    /// The program of the block read last.
+    /// Returns the program that contains the block that was read last.
     pub const fn current_program(&self) -> ProgramId {
         self.run.position.program
     }
@@ -187,7 +187,7 @@ impl Walker {
         Ok(ReadBlock::Words(Box::new(words)))
     }
 
-    /// What calls and returns of the block read last depend on.
+    /// Returns the data on which calls and returns of the block that was read last depend.
     fn call_context<'a>(&'a self, programs: &'a ProgramMemory) -> CallContext<'a> {
         CallContext {
             programs,

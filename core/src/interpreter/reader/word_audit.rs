@@ -19,13 +19,13 @@ use crate::program::{Program, ProgramBlock, ProgramWord};
 
 /// Greatest number of stored block shapes; a program has a few dozen.
 const MAX_SHAPES: usize = 4096;
-/// Greatest number of remarks of a run.
+/// Greatest number of remarks that a run stores.
 const MAX_REMARKS: usize = 256;
 
 /// The change that the audit makes to a value: one millimetre or one count, in millionths.
 const CHANGE_STEP: i64 = 1_000_000;
 
-/// What a preview reports about a block that the control carries out.
+/// A remark of a preview about a block that the control executes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum BlockRemark {
     /// The block has a word that changes nothing.
@@ -39,20 +39,20 @@ pub enum BlockRemark {
 pub struct IgnoredWord {
     /// The ignored word as written, without blanks.
     pub text: String,
-    /// The letter of the ignored word.
+    /// Address letter of the ignored word.
     pub address: char,
     /// The code that does not read the word, such as `G01`; `None` for a block without a code.
     pub code: Option<String>,
-    /// What the author of the word probably meant.
+    /// What the programmer probably meant by the ignored word.
     pub advice: WordAdvice,
     /// First and last column in the line, in characters from 1.
     pub columns: (u32, u32),
 }
 
-/// What the author of an ignored word probably meant.
+/// What the programmer probably meant by an ignored word.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum WordAdvice {
-    /// The intention is unknown.
+    /// It is unknown what the programmer meant.
     None,
     /// L was meant as the number of calls, which belongs into P: payload is the P to write.
     CallCount(String),
@@ -80,7 +80,7 @@ pub type LocatedRemark = (BlockRemark, SourcePosition);
 pub(crate) struct WordAudit {
     /// Shapes of blocks in which the audit found no ignored word.
     clean_shapes: BTreeSet<BlockShape>,
-    /// The remarks of the run, each once.
+    /// The remarks of the run, without repetitions.
     remarks: Vec<LocatedRemark>,
     /// Number of remarks that [`Self::take_remarks`] has returned.
     taken_count: usize,
@@ -132,19 +132,19 @@ impl BlockShape {
 pub(crate) struct EvaluatedBlock<'a> {
     /// The block as parsed, with its words in the order of the text.
     pub(crate) block: &'a ProgramBlock,
-    /// The sorted words of the block.
+    /// The words of the block, sorted by meaning.
     pub(crate) words: &'a SortedWords,
     pub(crate) record: &'a ModelRecord,
-    /// The state before the block.
+    /// The modal state before the block.
     pub(crate) before: &'a State,
-    /// The state after the block.
+    /// The modal state after the block.
     pub(crate) after: &'a State,
     pub(crate) plan: &'a Plan,
 }
 
 impl WordAudit {
-    /// Searches the block `index` (from 0) of a program for ignored words and stores a remark
-    /// for each. `evaluate` evaluates other words in place of those of the block.
+    /// Searches the block `index` (from 0) of a program for ignored words and stores a remark for
+    /// each. `evaluate` evaluates changed words instead of those of the block.
     pub(crate) fn audit_block(
         &mut self,
         program: &Program,

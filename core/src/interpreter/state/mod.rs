@@ -19,7 +19,7 @@ pub(crate) struct State {
     pub(crate) modal: ModalState,
     /// Programmed position of the tool at the end of the motion read so far.
     pub(crate) position: ExactPoint,
-    /// Machine coordinates of the program zero.
+    /// Machine coordinates of the program zero (G50).
     pub(crate) zero: ExactPoint,
     /// Tool offset in force, from a programmed point to that of the slide.
     pub(crate) offset: ExactPoint,
@@ -39,7 +39,7 @@ pub(crate) struct State {
     /// Whether the previous block cut a thread (G32 or G34), which the next one may continue.
     #[serde(rename = "threading")]
     pub(crate) is_threading: bool,
-    /// Last surface speed of G96, m/min.
+    /// Surface speed that G96 commanded last, m/min.
     pub(crate) surface: f64,
     /// Greatest spindle speed under G96 (G50 S), r/min; `None` for no limit.
     pub(crate) spindle_limit: Option<f64>,
@@ -59,12 +59,12 @@ pub(crate) struct State {
     pub(crate) run_start: Option<RunStart>,
 }
 
-/// Position of the tool at cycle start.
+/// Position of the tool when the run was started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct RunStart {
-    /// Position in machine coordinates.
+    /// Position at cycle start, machine coordinates.
     pub(crate) machine: ExactPoint,
-    /// Position in work coordinates. G92 redefines it.
+    /// Position at cycle start, work coordinates; G92 redefines it.
     pub(crate) work: ExactPoint,
 }
 

@@ -59,7 +59,7 @@ struct ThreadGeometry {
     run_out: i64,
 }
 
-/// The remaining moves of a G76.
+/// The moves of a G76 that are not executed yet.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct CompoundThread {
     #[serde(rename = "shape")]

@@ -33,7 +33,7 @@ use crate::units::{Axis, Point};
 
 /// Least increment of a depth, units of [`ExactPoint`].
 const UNITS_PER_MICRON: i64 = UNITS_PER_MM / 1000;
-/// Greatest number of thread starts.
+/// Greatest number of starts of a thread.
 const MAX_STARTS: i64 = 99;
 const MAX_PASSES: i64 = 99;
 
@@ -57,15 +57,15 @@ pub(crate) struct CountedThread {
     lead: f64,
     passes: i64,
     starts: u32,
-    /// Number of the current pass, from 1.
+    /// Number of the pass being cut, from 1.
     pass: i64,
-    /// The current thread start, from 0.
+    /// Index of the thread start being cut, from 0.
     start: u32,
     #[serde(rename = "leg")]
     next_leg: ThreadLeg,
 }
 
-/// Names the next move of a pass.
+/// The next move of a pass: infeed, thread, run-out or return.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum ThreadLeg {
     Infeed,

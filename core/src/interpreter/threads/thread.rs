@@ -22,7 +22,7 @@ use crate::interpreter::state::State;
 use crate::interpreter::words::{AxisWords, OneShot, SortedWords};
 use crate::units::{Axis, Point};
 
-/// Allowed leads of threads, mm per revolution.
+/// Permitted leads of threads, mm per revolution.
 pub(super) const LEAD_RANGE_MM: core::ops::RangeInclusive<f64> = 0.001..=500.0;
 /// Allowed numbers of threads per inch, in millionths.
 pub(super) const PER_INCH_RANGE: core::ops::RangeInclusive<i64> = 60_000..=25_400 * UNITS_PER_MM;
@@ -73,7 +73,7 @@ pub(crate) fn current_lead(state: &State) -> Result<f64, Alarm> {
     Err(Alarm::new(number::NO_FEED).with_detail(say::thread_lead_missing()))
 }
 
-/// The axis to which the lead of a thread applies: the one with the greater displacement,
+/// Returns the axis to which the lead of a thread applies: the one with the greater displacement,
 /// where X counts as a radius.
 pub(crate) const fn long_axis(from: ExactPoint, to: ExactPoint) -> Axis {
     let (x, z) = (to.x.abs_diff(from.x), to.z.abs_diff(from.z));
@@ -102,7 +102,7 @@ pub(crate) struct RunOut {
     /// Distance from the start of the run-out to the end of the thread along the long axis, in
     /// units of [`ExactPoint`]; a radius for X.
     pub(crate) length: i64,
-    /// The point where the run-out ends.
+    /// The point at which the run-out ends.
     pub(crate) end: ExactPoint,
 }
 

@@ -65,7 +65,7 @@ impl RunOutLimits {
     }
 }
 
-/// The remaining moves of a G92.
+/// The moves of a G92 that are not executed yet.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ThreadCycle {
     /// Start A of the cycle. This point, B and D are machine coordinates in mm, X as a radius.

@@ -16,7 +16,7 @@ use motion_code::find_motion_code;
 /// Codes of group 00, which act in their block only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum OneShot {
-    /// G04: dwell.
+    /// G04: dwells for a time.
     Dwell,
     /// G28, and G27 of the NC-B08: return to the reference point.
     Reference(ReturnRoute),
@@ -26,7 +26,7 @@ pub(crate) enum OneShot {
     ZeroOffset(ZeroOffsetCode),
     /// G31 and G30 of the Huaxing lathes: scaling on and off.
     Scale {
-        /// Whether the code switches scaling on.
+        /// Whether the code switches scaling on (`true`) or off.
         on: bool,
     },
     /// G75 and G76 of the Huaxing lathes: return to the position at cycle start.
@@ -54,19 +54,19 @@ pub(crate) enum OneShot {
     },
     /// G27 of the Huaxing lathes: jump to the block N.
     EndlessLoop,
-    /// G70: finish a profile.
+    /// G70: cuts a profile to its final size.
     Finishing,
-    /// G71: rough a profile by turning.
+    /// G71: roughs a profile by turning.
     TurningRough(ContourSource),
-    /// G72: rough a profile by facing.
+    /// G72: roughs a profile by facing.
     FacingRough(ContourSource),
-    /// G73: repeat a profile.
+    /// G73: roughs a profile by repeating it.
     Pattern(ContourSource),
-    /// G74: peck along Z.
+    /// G74: cuts along Z in pecks.
     FacePecking,
-    /// G75: peck along X.
+    /// G75: cuts along X in pecks.
     Grooving,
-    /// G76: cut a thread in passes.
+    /// G76: cuts a thread in several passes.
     CompoundThread,
 }
 
@@ -134,7 +134,7 @@ impl OneShot {
     }
 }
 
-/// Which blocks form the contour of a cycle.
+/// The blocks that form the contour of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ContourSource {
     /// The blocks from the sequence number P to Q.
@@ -143,7 +143,7 @@ pub(crate) enum ContourSource {
     Counted,
 }
 
-/// What a code does with the zero offset.
+/// The effect of a code on the zero offset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ZeroOffsetCode {
     /// G54: sets the zero offset to 0.
@@ -157,7 +157,7 @@ pub(crate) enum ZeroOffsetCode {
     Here,
 }
 
-/// Unit of a thread lead.
+/// Whether a thread lead is in mm or in threads per inch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LeadUnit {
     /// The lead is in mm per revolution.
@@ -166,7 +166,7 @@ pub(crate) enum LeadUnit {
     PerInch,
 }
 
-/// Which coordinates a return to the start of the run uses.
+/// The coordinates with which the tool returns to the start of the run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum StartReturn {
     /// G75: the machine coordinates at the start of the run.
@@ -178,7 +178,7 @@ pub(crate) enum StartReturn {
 /// The route and the target of a return to the reference point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ReturnRoute {
-    /// Through an intermediate point to machine zero.
+    /// The axes move over an intermediate point to the machine zero.
     MachineZero,
     /// Through an intermediate point to the reference point of the model's parameters.
     Parameters,
@@ -233,7 +233,7 @@ pub(crate) struct SortedWords {
     pub(crate) n: Option<u32>,
     /// True for G91, false for G90; `None` without either.
     pub(crate) incremental: Option<bool>,
-    /// Whether the block has G09, exact stop.
+    /// Whether the block has G09: it ends with an exact stop.
     pub(crate) exact_stop: bool,
     /// Whether R was written with a decimal point, which decides the unit of R(d) of G76.
     pub(crate) r_has_point: bool,
@@ -420,7 +420,7 @@ fn unknown_g_alarm(code: i64) -> Alarm {
     Alarm::new(number::BAD_G).with_detail(detail)
 }
 
-/// The programmed target of one axis.
+/// The programmed target of one axis: absolute, incremental or none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum AxisTarget {
     /// The block has no word for the axis.
@@ -465,12 +465,12 @@ impl AxisTarget {
 pub(crate) struct AxisWords {
     pub(crate) x: AxisTarget,
     pub(crate) z: AxisTarget,
-    /// The point from which increments count.
+    /// The point to which incremental words are added.
     pub(crate) base: ExactPoint,
 }
 
 impl AxisWords {
-    /// Whether any axis is programmed.
+    /// Whether any axis has a word.
     pub(crate) fn has_any(&self) -> bool {
         self.x != AxisTarget::None || self.z != AxisTarget::None
     }

@@ -17,7 +17,7 @@ use crate::motion::tap::TapMotion;
 use crate::motion::thread::{ThreadMotion, ThreadMove};
 use crate::units::{Axis, Feed, PerAxis, Point, TICK_S, min_not_nan};
 
-/// Programmed motion under way.
+/// The programmed motion that is being executed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum ProgrammedMotion {
     None,
@@ -124,7 +124,7 @@ impl Interpolator {
         programmed || self.manual.x.is_moving() || self.manual.z.is_moving()
     }
 
-    /// Whether no programmed motion is under way (manual motion does not count).
+    /// Whether no programmed motion is being executed (manual motion does not count).
     pub const fn is_finished(&self) -> bool {
         matches!(self.motion, ProgrammedMotion::None)
     }
@@ -211,7 +211,7 @@ impl Interpolator {
         self.begin_motion(ProgrammedMotion::Thread(thread));
     }
 
-    /// Whether a thread is under way and follows the spindle.
+    /// Whether a thread is being executed that follows the spindle.
     pub(crate) const fn is_in_thread(&self) -> bool {
         matches!(&self.motion, ProgrammedMotion::Thread(thread) if thread.is_running())
     }
@@ -252,8 +252,7 @@ impl Interpolator {
         }
     }
 
-    /// Ends the cut of the board at its end point. Returns false if no such cut is under
-    /// way.
+    /// Ends the cut that the board makes, at its end point. Returns false if there is no such cut.
     pub(crate) fn end_external_cut(&mut self) -> bool {
         let ProgrammedMotion::ExternalCut(cut) = &self.motion else {
             return false;
@@ -370,7 +369,7 @@ impl Interpolator {
         *self = Self::new(self.position);
     }
 
-    /// Drops the current motion, whose axes are at standstill.
+    /// Drops the current motion; its axes must be at standstill.
     pub fn cancel(&mut self) {
         self.stop_now();
     }

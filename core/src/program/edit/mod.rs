@@ -15,13 +15,13 @@ use super::decimal_points::append_points;
 use super::listing::{end_column, without_end_sign};
 use super::program_text::Program;
 
-/// What the editor adds automatically to typed text.
+/// The characters that the editor adds automatically to typed text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Completion {
     /// 自动序号: increment of the sequence numbers that begin new blocks; `None` if blocks get no
     /// automatic number.
     pub numbering: Option<u16>,
-    /// 013.3 PODI: whether numbers get a decimal point when their block ends.
+    /// Parameter 013.3 PODI: whether numbers get a decimal point when their block ends.
     pub points: bool,
 }
 
@@ -60,12 +60,12 @@ impl ProgramEditor {
         }
     }
 
-    /// The program with the edited text.
+    /// Returns the program with the edited text.
     pub const fn program(&self) -> &Program {
         &self.program
     }
 
-    /// The program as it is stored in the program memory, without the changes.
+    /// Returns the program as it is in the program memory, without the changes.
     pub const fn stored(&self) -> &Program {
         &self.stored
     }

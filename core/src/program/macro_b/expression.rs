@@ -18,7 +18,7 @@ const MAX_BRACKET_DEPTH: u8 = 5;
 /// One step of a formula in postfix code. It operates on a stack of values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum FormulaStep {
-    /// Pushes this number.
+    /// The step pushes this number onto the stack.
     Number(f64),
     /// Replaces the number on top of the stack by the value of the variable with that number.
     Variable,
@@ -32,7 +32,7 @@ pub(crate) enum FormulaStep {
     ArcTangent,
 }
 
-/// An operator between two values.
+/// An operator between two values of a formula.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FormulaOperator {
     Add,
@@ -45,7 +45,7 @@ pub(crate) enum FormulaOperator {
     Xor,
 }
 
-/// A function, whose argument follows in brackets.
+/// A function of a formula, whose argument follows in brackets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FormulaFunction {
     Sine,
@@ -94,7 +94,7 @@ const MAX_STEPS: usize = 1000;
 pub(crate) struct FormulaCode(Vec<FormulaStep>);
 
 impl FormulaCode {
-    /// The steps of the formula, in order.
+    /// Returns the steps of the formula, in order.
     pub(crate) fn steps(&self) -> &[FormulaStep] {
         &self.0
     }

@@ -30,7 +30,7 @@ pub(crate) enum MacroStatement {
     Words(Vec<FormulaCode>),
 }
 
-/// An assignment `#i=formula`.
+/// An assignment `#i=formula` of macro B.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MacroAssignment {
     /// The formula that yields the number of the variable.
@@ -40,14 +40,14 @@ pub(crate) struct MacroAssignment {
     pub(crate) comment: String,
 }
 
-/// What an `IF` does if its condition is met.
+/// The action of an `IF` if its condition is met.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum IfAction {
     Goto(FormulaCode),
     Assign(MacroAssignment),
 }
 
-/// A comparison such as `[a EQ b]`.
+/// A comparison in macro B, such as `[a EQ b]`.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MacroCondition {
     pub(crate) left: FormulaCode,
@@ -55,7 +55,7 @@ pub(crate) struct MacroCondition {
     pub(crate) right: FormulaCode,
 }
 
-/// How a condition compares its two values.
+/// The relation by which a condition compares its two values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MacroRelation {
     Equal,

@@ -34,7 +34,7 @@ impl WatchFormula {
         .map_err(|error| error.with_character_column(text))
     }
 
-    /// Whether the text is a comparison.
+    /// Whether the formula is a comparison.
     pub const fn is_comparison(&self) -> bool {
         self.comparison.is_some()
     }

@@ -18,13 +18,13 @@ use crate::flight::join_inputs;
 pub enum ExerciseAction {
     /// Start this exercise at its beginning.
     Begin(Arc<ExerciseTask>),
-    /// End the recording and hand it in.
+    /// End the recording of the current exercise and hand it in.
     HandIn,
     /// Start or continue an exercise of an exam.
     BeginExam(Box<ExamTask>),
     /// Pause the exam (true) or continue it; the window checks the PIN before.
     PauseExam(bool),
-    /// Leave the exam, which is over.
+    /// Leave an exam that has ended.
     LeaveExam,
     /// Show the machine at this time of the solution that was handed in, ms.
     ShowMoment(u64),
@@ -94,7 +94,7 @@ impl Kernel {
         }
     }
 
-    /// Whether the instructor has paused an exam: the machine stands still.
+    /// Whether the instructor has paused an exam, so that machine time is halted.
     pub(super) fn is_exam_paused(&self) -> bool {
         let run = self.lesson.as_ref().and_then(PracticeSession::exercise);
         run.is_some_and(ExerciseRun::is_paused)
@@ -106,9 +106,9 @@ impl Kernel {
         run.is_some_and(ExerciseRun::is_exam)
     }
 
-    /// Refuses what is no work at the machine during an exercise, with a notice: the recording of
-    /// a solution has only inputs of an operator. A click on a fault at the bench is its repair.
-    /// Returns whether the command is done with.
+    /// Refuses commands during an exercise that are no work at the machine, with a notice: the
+    /// recording of a solution contains only inputs of an operator. A click on a fault at the bench
+    /// repairs it. Returns whether the command is done with.
     pub(super) fn is_settled_in_exercise(&mut self, command: &Command) -> bool {
         if !self.is_in_exercise() || !changes_machine(command) {
             return false;
@@ -167,7 +167,7 @@ impl Kernel {
         run.is_some_and(ExerciseRun::hides_faults)
     }
 
-    /// Hands in when the time is over.
+    /// Hands the exercise in when its time limit is exceeded.
     pub(super) fn follow_exercise(&mut self) {
         let run = self.lesson.as_ref().and_then(PracticeSession::exercise);
         if run.is_some_and(|run| run.is_time_over(&self.emulator)) {
@@ -175,7 +175,7 @@ impl Kernel {
         }
     }
 
-    /// Records what the learner has done at the machine of an exercise up to this tick.
+    /// Records the inputs of the learner at the machine of an exercise up to this tick.
     pub(super) fn record_exercise(&mut self) {
         let run = self.lesson.as_mut();
         let Some(run) = run.and_then(PracticeSession::exercise_mut) else {

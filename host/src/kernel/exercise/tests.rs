@@ -17,7 +17,7 @@ use crate::kernel::pace::RunSpeed;
 use crate::kernel::{Console, LessonAction};
 use crate::ports::dnc::DncSource;
 
-/// A kernel in an exercise.
+/// A kernel that runs an exercise, for tests.
 struct Started {
     kernel: Kernel,
     console: Console,

@@ -29,9 +29,9 @@ mod tests;
 pub enum BreakpointCommand {
     /// Replace all breakpoints by those at these locations.
     Set(Vec<BreakLocation>),
-    /// End the halt.
+    /// End the halt and continue machine time.
     Continue,
-    /// Continue until the next block begins.
+    /// Continue machine time until the next block begins.
     NextBlock,
 }
 
@@ -40,7 +40,7 @@ pub enum BreakpointCommand {
 pub struct BreakpointHalt {
     /// The text of the breakpoint that was hit; `None` after a step.
     pub location: Option<String>,
-    /// The block that begins, or the one in execution.
+    /// The block that begins, or the one that is being executed.
     pub block: Option<SourcePosition>,
     /// The alarm of a condition that could not be evaluated.
     pub fault: Option<Alarm>,
@@ -53,7 +53,7 @@ pub struct BreakpointHalt {
 pub(in crate::kernel) struct ProgramBreakpoints {
     breakpoints: BreakpointSet,
     steps_block: bool,
-    /// `None` while machine time runs.
+    /// The halt of machine time; `None` while machine time runs.
     halt: Option<BreakpointHalt>,
 }
 

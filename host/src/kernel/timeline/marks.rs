@@ -7,32 +7,33 @@ use gsk_panel::emulator::EmulatorInput;
 use gsk_panel::keys::Key;
 use gsk_panel::panel::KeyEvent;
 
-/// Greatest number of marks. Above it, frequent ones of the older half are thinned.
+/// Greatest number of marks. When it is exceeded, frequent marks of the older half are removed.
 const MAX_MARKS: usize = 20_000;
-/// Blocks, keys and other inputs nearer to the mark before them get none, ticks.
+/// Least distance between marks of blocks, keys or other inputs, ticks; a nearer event gets no
+/// mark.
 const LEAST_DISTANCE_TICKS: u64 = 200;
 
-/// An event of the session.
+/// A mark on the time line for an event of the session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TimelineMark {
-    /// Tick of the machine.
+    /// Tick of the session at which the event happened.
     pub tick: u64,
-    /// What happened.
+    /// The kind of event that happened.
     pub kind: TimelineMarkKind,
 }
 
-/// What a mark on the time line means.
+/// The kind of event that a mark on the time line shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TimelineMarkKind {
     /// A block of a program begins.
     Block,
-    /// The operator presses a key.
+    /// The operator presses this key.
     Key(Key),
-    /// The operator changes something else: the handwheel, a program, a setting, a fault.
+    /// Another input of the operator: the handwheel, a program, a setting, a fault.
     Input,
-    /// An alarm, by its number.
+    /// The alarm with this number is raised.
     Alarm(u16),
-    /// The tool collides.
+    /// A tool collides.
     Collision,
 }
 
@@ -52,9 +53,9 @@ impl TimelineMarkKind {
 #[derive(Clone, Debug, Default)]
 pub(in crate::kernel) struct MarkList {
     marks: Vec<TimelineMark>,
-    /// Ticks of the last marks of the frequent kinds.
+    /// Tick of the last mark of each frequent kind.
     last_ticks: [Option<u64>; 3],
-    /// The copy for the window; `None` after a change.
+    /// The marks as shared with the window; `None` after a change.
     shared: Option<Arc<Vec<TimelineMark>>>,
 }
 
@@ -75,7 +76,7 @@ impl MarkList {
         }
     }
 
-    /// Adds the marks of recorded inputs.
+    /// Adds the marks for recorded inputs.
     pub(super) fn add_inputs(&mut self, inputs: &[RecordedInput]) {
         for recorded in inputs {
             if let Some(kind) = kind_of_input(&recorded.input) {
@@ -104,7 +105,7 @@ impl MarkList {
         }
     }
 
-    /// Removes and returns the marks after a tick.
+    /// Removes and returns the marks later than a tick.
     pub(super) fn split_after(&mut self, tick: u64) -> Self {
         let remaining = self.marks.partition_point(|mark| mark.tick <= tick);
         self.shared = None;
@@ -115,21 +116,21 @@ impl MarkList {
         }
     }
 
-    /// Appends marks that are later than these.
+    /// Appends the marks of `later`, all of which are later than these.
     pub(super) fn append(&mut self, mut later: Self) {
         self.marks.append(&mut later.marks);
         self.last_ticks = later.last_ticks;
         self.shared = None;
     }
 
-    /// Returns the marks for the window.
+    /// Returns the marks in the form that is shared with the window.
     pub(super) fn shared(&mut self) -> Arc<Vec<TimelineMark>> {
         let marks = &self.marks;
         Arc::clone(self.shared.get_or_insert_with(|| Arc::new(marks.clone())))
     }
 }
 
-/// Returns what an input means on the time line; `None` for one that no operator makes.
+/// Returns the kind of mark for an input; `None` for an input that no operator makes.
 fn kind_of_input(input: &HistoryInput) -> Option<TimelineMarkKind> {
     match input {
         HistoryInput::Machine(EmulatorInput::Key(event)) => match event {

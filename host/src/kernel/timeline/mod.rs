@@ -43,19 +43,19 @@ const SEEK_SLICE_TICKS: u64 = 2000;
 /// A command of the window for the time line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum TimelineCommand {
-    /// Publish the time line (true), or stop publishing it.
+    /// Start (`true`) or stop to publish the time line.
     Publish(bool),
-    /// Show the machine at this tick of the session.
+    /// Show the state of the machine at this tick of the session.
     LookAt(u64),
-    /// Continue the machine from the moment that is shown.
+    /// Continue the machine from the moment that is shown, and abandon what followed.
     ContinueFromHere,
-    /// Show the present again.
+    /// Return from a past moment to the present.
     ReturnToPresent,
-    /// Return to the end of the abandoned future.
+    /// Return to the end of the session that was abandoned.
     ReturnToBranch,
     /// Write the last minutes of the session into a file; `None` writes all of it.
     Save {
-        /// Number of minutes of machine time.
+        /// Number of minutes of machine time to save; `None` for the whole session.
         minutes: Option<u64>,
         /// Path of the recording.
         path: PathBuf,
@@ -65,30 +65,30 @@ pub enum TimelineCommand {
 /// The session as the window draws it. Ticks are milliseconds of machine time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimelineView {
-    /// The first tick that can be shown.
+    /// The first tick of the session that can be shown.
     pub start: u64,
-    /// The present.
+    /// The tick of the present.
     pub end: u64,
     /// First and last tick of the abandoned future; `None` if there is none.
     pub branch: Option<(u64, u64)>,
-    /// What happened, in the order of time.
+    /// The events of the session, in the order of time.
     pub marks: Arc<Vec<TimelineMark>>,
     /// Whether the machine may continue from a past moment: not with real drives.
     pub can_continue: bool,
 }
 
-/// The moment of the past that a snapshot shows.
+/// The past moment that a snapshot shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PastMoment {
-    /// Tick of the session.
+    /// Tick of the session that is shown.
     pub tick: u64,
     /// Machine time from this moment to the present, ms.
     pub age_ms: u64,
-    /// Whether the part is still being computed.
+    /// Whether the part at that moment is still being computed.
     pub is_part_pending: bool,
 }
 
-/// What the abandoned future needs besides its history.
+/// The state to which the operator can return after continuing from a past moment.
 #[derive(Debug)]
 struct AbandonedFuture {
     marks: MarkList,
@@ -98,7 +98,7 @@ struct AbandonedFuture {
 /// History and marks of the session, and the past moment that is shown.
 #[derive(Debug)]
 pub(super) struct Timeline {
-    /// `None` before the first tick.
+    /// The recorded session; `None` before the first tick.
     history: Option<History>,
     /// Whether the history has only states, because a pulse board moved the slides.
     has_linked_states: bool,
@@ -146,7 +146,7 @@ impl Timeline {
         }
     }
 
-    /// Adds inputs of the machine after a tick of it.
+    /// Adds the inputs of a tick to the recorded session, after the tick.
     pub(super) fn follow(
         &mut self,
         machine: &Emulator,
@@ -192,7 +192,7 @@ impl Timeline {
         }
     }
 
-    /// Returns the marks, for the events of a tick.
+    /// Returns the list of marks, to add the events of a tick.
     pub(super) const fn marks(&mut self) -> &mut MarkList {
         &mut self.marks
     }
@@ -207,7 +207,7 @@ impl Timeline {
         self.past.as_ref().map(PastMachine::machine)
     }
 
-    /// Returns the moment that is shown, for the snapshot.
+    /// Returns the past moment that is shown; `None` in the present.
     pub(super) fn past_moment(&self) -> Option<PastMoment> {
         let past = self.past.as_ref()?;
         let end = self.history.as_ref().map_or(0, History::end);
@@ -289,8 +289,8 @@ impl Kernel {
         self.lesson.is_none() || self.is_in_exercise()
     }
 
-    /// Why the past of the machine cannot be shown; `None` if it can. The past of an exercise is
-    /// shown after the solution was handed in.
+    /// Returns the reason why the past of the machine cannot be shown; `None` if it can. The past
+    /// of an exercise is shown after the solution was handed in.
     fn look_refusal(&self) -> Option<Message> {
         let session = self.lesson.as_ref()?;
         match session.exercise() {
@@ -300,7 +300,7 @@ impl Kernel {
         }
     }
 
-    /// Shows the machine at a tick of the session.
+    /// Shows the state of the machine at a tick of the session.
     pub(super) fn look_at(&mut self, tick: u64) {
         if let Some(why) = self.look_refusal() {
             return self.notify(Notice::Message(why));
@@ -369,14 +369,14 @@ impl Kernel {
             && chosen.is_some_and(|chosen| state.live().is_some() && **state.job() == chosen.job)
     }
 
-    /// Makes the next publication of machine and PLC due.
+    /// Makes the next publication of machine and PLC due immediately.
     fn refresh_monitor(&mut self) {
         if let Some(monitor) = &mut self.machine_monitor {
             monitor.next_tick = 0;
         }
     }
 
-    /// Ends the current session, continuing from the shown moment.
+    /// Ends the current session, and continues from the shown moment.
     fn continue_from_past(&mut self) {
         if self.has_real_slides || self.timeline.has_linked_states {
             return self.notify(Notice::Message(say::timeline_not_with_board()));
@@ -398,7 +398,7 @@ impl Kernel {
         self.notify(Notice::Message(say::timeline_continued()));
     }
 
-    /// Returns to the end of the abandoned future.
+    /// Returns to the end of the session that was abandoned.
     fn return_to_branch(&mut self) {
         if let Some(why) = self.look_refusal() {
             return self.notify(Notice::Message(why));

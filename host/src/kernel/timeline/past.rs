@@ -5,7 +5,7 @@ use gsk_panel::emulator::Emulator;
 
 use crate::kernel::part::KernelPart;
 
-/// The machine and the part at a past moment.
+/// The machine and the part at a past moment of the session.
 #[derive(Debug)]
 pub(super) struct PastMachine {
     tick: u64,
@@ -17,8 +17,8 @@ pub(super) struct PastMachine {
 }
 
 impl PastMachine {
-    /// Computes the machine at a tick and starts to compute the part; `None` outside the
-    /// session. `part` takes the part.
+    /// Computes the machine at a tick and starts to compute the part; `None` outside the session.
+    /// `part` receives the part.
     pub(super) fn new(history: &History, tick: u64, part: KernelPart) -> Option<Self> {
         Some(Self {
             tick,
@@ -42,7 +42,7 @@ impl PastMachine {
         })
     }
 
-    /// Shows another tick instead; `None` outside the session.
+    /// Shows another tick instead; returns `None` if the tick is outside the session.
     pub(super) fn redirect(self, history: &History, tick: u64) -> Option<Self> {
         if tick == self.tick {
             return Some(self);
@@ -60,7 +60,7 @@ impl PastMachine {
         })
     }
 
-    /// Continues to compute the part.
+    /// Continues the computation of the part by at most `max_ticks` ticks.
     pub(super) fn advance(&mut self, history: &History, max_ticks: u64) {
         let Some(seek) = self.seek.as_mut().filter(|_| self.is_part_pending) else {
             return;

@@ -10,7 +10,7 @@ use crate::kernel::{Kernel, Notice};
 use crate::message_format::describe_io_error;
 use crate::platform;
 
-/// Machine time of a minute, ticks.
+/// Number of ticks in a minute of machine time.
 const MINUTE_TICKS: u64 = 60_000;
 
 impl Kernel {

@@ -51,7 +51,7 @@ fn send(kernel: &mut Kernel, console: &Console, command: TimelineCommand) {
     kernel.run(0);
 }
 
-/// Shows a tick and waits for its part.
+/// Shows the machine at a tick and waits until its part is computed.
 fn look_at(kernel: &mut Kernel, console: &Console, tick: u64) {
     send(kernel, console, TimelineCommand::LookAt(tick));
     while (kernel.snapshot().past).is_some_and(|past| past.is_part_pending) {

@@ -7,7 +7,7 @@ pub const fn course_page() -> Option<CoursePage> {
     None
 }
 
-/// Returns false: there is no learning platform.
+/// Does nothing and returns false, because there is no learning platform.
 pub const fn report_course(_values: &str) -> bool {
     false
 }

@@ -8,10 +8,11 @@ use std::time::Duration;
 
 use super::super::{PathFacts, for_owner_alone, refuse_device};
 
-/// Returns type and length of what exists at a path; links are followed.
+/// Returns type and length of the file or folder at a path; links are followed.
 ///
 /// # Errors
-/// Nothing exists there, or an error of the system.
+///
+/// Nothing exists there, or the system reports an error.
 pub fn path_facts(path: &Path) -> io::Result<PathFacts> {
     refuse_device(path)?;
     let metadata = fs::metadata(path)?;
@@ -22,7 +23,7 @@ pub fn path_facts(path: &Path) -> io::Result<PathFacts> {
     })
 }
 
-/// Whether something exists at a path, including a broken link.
+/// Returns whether a file, folder or link exists at a path, including a broken link.
 pub fn is_taken(path: &Path) -> bool {
     path.symlink_metadata().is_ok()
 }

@@ -8,7 +8,7 @@ use gsk_messages::{Message, say};
 
 use super::super::FileDialog;
 
-/// The icon of the program as a PNG.
+/// The icon of the program, a PNG.
 const ICON: &[u8] = include_bytes!("../../../../assets/icon/gsk980td.png");
 
 /// Opens a window and returns when it is closed.
@@ -96,7 +96,7 @@ pub fn take_dropped(files: &[DroppedFileHandle], then: impl FnOnce(PathBuf) + 's
     }
 }
 
-/// Closes the window when its error dialog is closed.
+/// Closes the window, whose error dialog the user has closed.
 pub fn close_error_dialog(context: &Context) {
     context.send_viewport_cmd(ViewportCommand::Close);
 }

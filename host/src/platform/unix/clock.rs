@@ -4,10 +4,10 @@ use std::time::Duration;
 
 use rustix::time::{ClockId, clock_gettime};
 
-/// The system clock that continues while the computer sleeps.
+/// The system clock that also counts while the computer sleeps.
 #[cfg(any(target_os = "linux", target_os = "android"))]
 const CLOCK: ClockId = ClockId::Boottime;
-/// The monotonic clock, on systems other than Linux.
+/// The monotonic clock, which is used on systems other than Linux.
 #[cfg(not(any(target_os = "linux", target_os = "android")))]
 const CLOCK: ClockId = ClockId::Monotonic;
 

@@ -22,13 +22,13 @@ const KEY_MAP: usize = 32;
 /// The kind of display server that shows the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DisplayServer {
-    /// An X server.
+    /// The window is shown by an X server.
     X11,
-    /// A Wayland compositor.
+    /// The window is shown by a Wayland compositor.
     Wayland,
 }
 
-/// Returns the display server of a window.
+/// Returns the kind of display server that shows a window.
 pub fn display_server(window: &impl HasDisplayHandle) -> DisplayServer {
     match window.display_handle().map(|handle| handle.as_raw()) {
         Ok(RawDisplayHandle::Wayland(_)) => DisplayServer::Wayland,

@@ -23,7 +23,7 @@ pub fn is_serial_port(name: &Path) -> bool {
     fs::metadata(name).is_ok_and(|data| data.file_type().is_char_device())
 }
 
-/// Returns false: no file name is a device.
+/// Returns false: on Unix no file name is reserved for a device.
 pub const fn is_device(_path: &Path) -> bool {
     false
 }

@@ -10,7 +10,7 @@ use crate::input_watch::InputWatch;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DisplayServer;
 
-/// Returns the display of macOS.
+/// Returns the display server of macOS.
 pub fn display_server(_window: &impl HasDisplayHandle) -> DisplayServer {
     DisplayServer
 }

@@ -10,7 +10,7 @@ use serialport::{ClearBuffer, SerialPort, SerialPortBuilder, TTYPort};
 /// Error numbers of a port whose device was unplugged: EIO, ENXIO and ENODEV.
 pub const UNPLUGGED_ERRORS: [i32; 3] = [5, 6, 19];
 
-/// An open serial port, closed when dropped.
+/// An open serial port; it is closed when dropped.
 pub struct Serial(TTYPort);
 
 impl Serial {
@@ -65,7 +65,7 @@ impl Write for Serial {
     }
 }
 
-/// Whether the system can have serial ports.
+/// Returns whether the system can have serial ports.
 pub const fn has_ports() -> bool {
     true
 }

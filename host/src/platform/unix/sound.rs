@@ -47,7 +47,7 @@ pub const fn has_sound() -> bool {
     true
 }
 
-/// A running program that plays samples.
+/// A running external program that plays sound samples.
 pub struct Player {
     child: Child,
     input: ChildStdin,

@@ -12,7 +12,7 @@ use std::time::Duration;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 
-/// Size of a read, bytes.
+/// Greatest number of bytes of one read.
 const READ_BYTES: usize = 4096;
 
 /// The program's end of the connection to the holder process.
@@ -81,7 +81,7 @@ fn is_busy(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted)
 }
 
-/// The holder's end of the connection to the program.
+/// The holder process's end of the connection to the program.
 pub struct ProgramConnection(UnixStream);
 
 impl ProgramConnection {

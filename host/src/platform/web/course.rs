@@ -8,7 +8,7 @@ use wasm_bindgen::{JsCast, JsValue};
 
 use super::super::CoursePage;
 
-/// Name of the script's object.
+/// Name of the JavaScript object that connects to the learning platform.
 const ADAPTER: &str = "gskCourse";
 
 thread_local! {
@@ -23,12 +23,12 @@ fn adapter() -> Option<JsValue> {
     adapter.is_object().then_some(adapter)
 }
 
-/// Whether the page belongs to a package.
+/// Returns whether the page belongs to a SCORM package.
 pub fn is_packed() -> bool {
     adapter().is_some()
 }
 
-/// Whether a learning platform has opened the page.
+/// Returns whether a learning platform has opened the page.
 pub fn is_connected() -> bool {
     field("isConnected").and_then(|it| it.as_bool()) == Some(true)
 }
@@ -42,7 +42,7 @@ fn call(name: &str, value: &JsValue) -> Option<JsValue> {
     function.call1(&adapter()?, value).ok()
 }
 
-/// Stores the file of the course, which was fetched.
+/// Stores the content of the course file, which was fetched.
 pub fn set_course(file: Vec<u8>) {
     COURSE.set(Some(file));
 }

@@ -14,7 +14,7 @@ use super::super::PathFacts;
 use super::course;
 use super::download::download;
 
-/// The folder whose files the browser's storage keeps.
+/// The folder whose files are stored in the browser's storage.
 pub const STORAGE_FOLDER: &str = "/data";
 /// The folder of the files that the user opens and of those that become downloads.
 pub const USER_FOLDER: &str = "/files";
@@ -22,7 +22,7 @@ pub const USER_FOLDER: &str = "/files";
 const KEY_PREFIX: &str = "gsk980td:";
 /// A page that has not renewed its lock for this time counts as closed.
 const LEASE: Duration = Duration::from_secs(5);
-/// Time between two renewals of the lock.
+/// Time between two renewals of the lock on the storage.
 const RENEW_INTERVAL: Duration = Duration::from_secs(1);
 
 #[derive(Default)]
@@ -130,9 +130,10 @@ fn update_storage(path: &Path, bytes: Option<&[u8]>) -> io::Result<()> {
     done.map_err(|_| ErrorKind::StorageFull.into())
 }
 
-/// Returns type and length of what exists at a path.
+/// Returns type and length of the file or folder at a path.
 ///
 /// # Errors
+///
 /// Nothing exists there.
 pub fn path_facts(path: &Path) -> io::Result<PathFacts> {
     with_disk(|disk| {
@@ -149,7 +150,7 @@ pub fn path_facts(path: &Path) -> io::Result<PathFacts> {
     })
 }
 
-/// Whether something exists at a path.
+/// Returns whether a file or folder exists at a path.
 pub fn is_taken(path: &Path) -> bool {
     path_facts(path).is_ok()
 }

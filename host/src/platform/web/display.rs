@@ -9,11 +9,11 @@ use super::clock::time_with_sleep;
 use super::turns;
 use crate::input_watch::{DisplayReply, InputWatch, QUERY_INTERVAL};
 
-/// The display of a page: the browser itself.
+/// The display server of a page: the browser.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DisplayServer;
 
-/// Returns the display of the page.
+/// Returns the display server of a page: the browser.
 pub const fn display_server<T>(_window: &T) -> DisplayServer {
     DisplayServer
 }

@@ -8,10 +8,11 @@ pub type LogFile = fn() -> Sink;
 /// The guard of a log that has no waiting lines.
 pub type LogGuard = ();
 
-/// Refuses to open a log.
+/// Does not open a log, because a page has no files.
 ///
 /// # Errors
-/// Always.
+///
+/// Always returns an error.
 pub fn log_file(_folder: &Path, _most: usize) -> io::Result<(LogFile, LogGuard)> {
     Err(ErrorKind::Unsupported.into())
 }

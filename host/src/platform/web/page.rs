@@ -13,7 +13,7 @@ use web_sys::{Response, UrlSearchParams, Window};
 use super::view::{show_message, show_text};
 use super::{course, disk};
 
-/// The parameters in the page's address.
+/// The parameters in the address of the page, after `?`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PageParameters {
     /// Word for the language of the window; `None` if the address has none.

@@ -29,5 +29,5 @@ pub const fn processor_time(_process: u32) -> Option<f64> {
     None
 }
 
-/// Does nothing: a page shows its panic itself.
+/// Does nothing: the page itself shows a panic.
 pub fn before_panic(_then: impl Fn() + 'static) {}

@@ -10,14 +10,15 @@ use serialport::{Error, ErrorKind, SerialPortBuilder};
 /// Error numbers of a port whose device was unplugged; a page has no ports.
 pub const UNPLUGGED_ERRORS: [i32; 0] = [];
 
-/// An open port; it never exists on a page.
+/// A serial port, which never exists on a page.
 pub enum Serial {}
 
 impl Serial {
-    /// Refuses to open a port.
+    /// Does not open a port, because a page has none.
     ///
     /// # Errors
-    /// Always.
+    ///
+    /// Always returns an error.
     pub fn open(_builder: SerialPortBuilder) -> serialport::Result<Self> {
         let none = io::Error::from(io::ErrorKind::Unsupported);
         Err(Error::new(ErrorKind::NoDevice, none.to_string()))

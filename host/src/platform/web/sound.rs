@@ -4,7 +4,7 @@ use core::convert::Infallible;
 
 use gsk_messages::{Message, say};
 
-/// Returns false: a page cannot play.
+/// Returns false: a page cannot play sound.
 pub const fn has_sound() -> bool {
     false
 }
@@ -13,10 +13,11 @@ pub const fn has_sound() -> bool {
 pub struct Player(Infallible);
 
 impl Player {
-    /// Refuses to open an output.
+    /// Does not open an output, because a page has none.
     ///
     /// # Errors
-    /// Always.
+    ///
+    /// Always returns an error.
     pub fn open(_rate: u32) -> Result<Self, Message> {
         Err(say::sound_no_device())
     }

@@ -8,10 +8,11 @@ use std::time::Duration;
 pub enum HolderConnection {}
 
 impl HolderConnection {
-    /// Refuses to start a holder.
+    /// Does not start a holder process, because a page has none.
     ///
     /// # Errors
-    /// Always.
+    ///
+    /// Always returns an error.
     pub fn start(_holder: Command) -> io::Result<(Child, Self)> {
         Err(ErrorKind::Unsupported.into())
     }

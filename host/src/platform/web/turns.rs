@@ -22,7 +22,7 @@ const KERNEL: &str = "kernel";
 
 /// Function that takes one turn of a task; returns `false` after its last one.
 type TaskTurn = Box<dyn FnMut() -> bool>;
-/// Function that runs once in the background.
+/// A function that runs once in the background.
 type OneTimeJob = Box<dyn FnOnce()>;
 
 /// A task that takes turns at the ticks of the timer.
@@ -41,7 +41,7 @@ thread_local! {
     static ACTIVE: RefCell<Vec<Rc<TurnTask>>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Handle of a task that takes turns.
+/// Handle of a task that runs in turns on the thread of the page.
 pub struct TaskHandle(Rc<TurnTask>);
 
 impl core::fmt::Debug for TaskHandle {
@@ -51,7 +51,7 @@ impl core::fmt::Debug for TaskHandle {
 }
 
 impl TaskHandle {
-    /// Whether the task has turns left.
+    /// Returns whether the task has not finished yet.
     pub fn is_running(&self) -> bool {
         !self.0.has_ended.get()
     }

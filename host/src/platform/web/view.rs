@@ -21,7 +21,7 @@ use super::{course, disk, turns};
 const CANVAS: &str = "panel";
 const LCD: &str = "lcd";
 const MESSAGE: &str = "said";
-/// Time between two ticks of the timer, ms.
+/// Interval of the timer that runs the kernel, ms.
 const TIMER_INTERVAL_MS: i32 = 8;
 
 /// Opens the window on the canvas of the page and returns at once.
@@ -156,12 +156,12 @@ fn reload() {
     }
 }
 
-/// Returns the folder whose files the browser's storage keeps.
+/// Returns the folder that is stored in the browser's storage.
 pub fn data_folder(_name: &str) -> Option<PathBuf> {
     Some(PathBuf::from(disk::STORAGE_FOLDER))
 }
 
-/// Returns the message that another page holds the memory.
+/// Returns the message that another page uses the stored data.
 pub fn data_folder_in_use(_path: &Path) -> Message {
     say::page_open_elsewhere()
 }
@@ -175,7 +175,7 @@ pub fn startup_message() -> Option<Message> {
     (!disk::has_storage()).then(say::page_keeps_nothing)
 }
 
-/// Returns the folder of the user's files.
+/// Returns the folder in which the user's files are.
 pub fn home_folder() -> Option<PathBuf> {
     Some(PathBuf::from(disk::USER_FOLDER))
 }
@@ -246,7 +246,7 @@ pub fn take_dropped(files: &[DroppedFileHandle], then: impl FnOnce(PathBuf) + 's
     });
 }
 
-/// Reloads the page when its error dialog is closed.
+/// Reloads the page, whose error dialog the user has closed.
 pub fn close_error_dialog(_context: &Context) {
     reload();
 }

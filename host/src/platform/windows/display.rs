@@ -111,7 +111,7 @@ const BUTTONS: [VK; 3] = [VK::LBUTTON, VK::RBUTTON, VK::MBUTTON];
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DisplayServer;
 
-/// Returns the display of Windows.
+/// Returns the display server of Windows.
 pub fn display_server(_window: &impl HasDisplayHandle) -> DisplayServer {
     DisplayServer
 }

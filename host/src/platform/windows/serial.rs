@@ -91,7 +91,7 @@ impl Write for Serial {
     }
 }
 
-/// Whether the system can have serial ports.
+/// Returns whether the system can have serial ports.
 pub const fn has_ports() -> bool {
     true
 }

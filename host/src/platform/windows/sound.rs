@@ -15,7 +15,7 @@ pub const fn has_sound() -> bool {
     true
 }
 
-/// An open output device.
+/// An open sound output device.
 pub struct Player {
     waiting: Arc<ArrayQueue<i16>>,
     /// The output stream; it plays until this value is dropped.

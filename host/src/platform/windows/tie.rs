@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, unbounded};
 
-/// Size of a read, bytes.
+/// Greatest number of bytes of one read.
 const READ_BYTES: usize = 4096;
 /// Limit of the bytes that wait to be written to the pipe.
 const MAX_WAITING_BYTES: usize = 16 * READ_BYTES;
@@ -145,7 +145,7 @@ impl SharedProgramBytes {
     }
 }
 
-/// The holder's end of the connection to the program.
+/// The holder process's end of the connection to the program.
 pub struct ProgramConnection(Arc<SharedProgramBytes>);
 
 impl ProgramConnection {

@@ -9,7 +9,7 @@ use crate::{HostTime, LinkEvent, LinkState, MotionRefused, Uncertainty};
 use gsk_messages::{Message, say};
 use gsk_units::{Axis, PerAxis, alarm};
 
-/// Time limit for homing.
+/// Time limit for homing all requested axes.
 const HOMING_WAIT: Duration = Duration::from_secs(120);
 
 /// Homing in progress: its start time and the axes that the board is homing.
@@ -17,7 +17,7 @@ const HOMING_WAIT: Duration = Duration::from_secs(120);
 pub(super) struct Homing {
     since: HostTime,
     axes: PerAxis<bool>,
-    /// The axes that the board has reported as homed so far.
+    /// The axes that the board has reported as homed during this homing.
     named: PerAxis<bool>,
 }
 

@@ -22,7 +22,7 @@ const LATE_REPORT: Duration = Duration::from_millis(300);
 /// Time beyond its duration after which a segment in the board's queue is overdue.
 const LATE: Duration = Duration::from_secs(1);
 
-/// A segment in the board that is not executed yet.
+/// A segment in the board's queue that is not executed yet.
 #[derive(Clone, Debug)]
 pub(super) struct Queued {
     pub(super) duration: RunTime,
@@ -31,7 +31,7 @@ pub(super) struct Queued {
     pub(super) answered: bool,
 }
 
-/// Motion handed over to the board, with its progress.
+/// The motion passed to the board, with its progress.
 #[derive(Clone, Debug)]
 pub(super) struct LineMotion {
     pulses_per_mm: [f64; 2],
@@ -46,7 +46,7 @@ pub(super) struct LineMotion {
     /// Host time at which the pending status query was sent; `None` without one. Segments executed
     /// since then remain in `past`.
     queried_at: Option<HostTime>,
-    /// Position of the last sample taken, in the kernel's pulses.
+    /// Position of the last sample that was added, in the kernel's pulses.
     pub(super) commanded: PerAxis<Pulses>,
     /// The board's count minus the kernel's, pulses.
     pub(super) offset: PerAxis<Pulses>,
@@ -59,7 +59,7 @@ pub(super) struct LineMotion {
     /// Host times of the last motion of X and of Z, each in positive and in negative direction;
     /// `None` without such a motion.
     moved: [[Option<HostTime>; 2]; 2],
-    /// Whether the next sample continues from the end of a thread pass.
+    /// Whether the next sample continues at the end of a thread pass.
     pub(super) resumes: bool,
 }
 
@@ -102,7 +102,7 @@ impl LineMotion {
         self.segments.begin(kernel, self.executed);
     }
 
-    /// Drops all motion that waits, is queued or is in the board's pulse timer.
+    /// Drops all motion that waits in the link, is queued or is in the board's pulse timer.
     pub(super) fn forget(&mut self) {
         self.backlog.clear();
         self.queued.clear();
@@ -113,13 +113,13 @@ impl LineMotion {
         self.segments.begin(self.commanded, self.executed);
     }
 
-    /// Drops the motion that was not sent to the board.
+    /// Drops the motion that the link has not sent to the board.
     pub(super) fn drop_unsent(&mut self) {
         self.backlog.clear();
         self.segments.begin(self.commanded, self.executed);
     }
 
-    /// Forgets in which directions the axes have moved recently.
+    /// Clears the record of the directions in which the axes have moved recently.
     pub(super) const fn forget_directions(&mut self) {
         self.moved = [[None; 2]; 2];
     }
@@ -196,7 +196,7 @@ impl LineMotion {
         self.queried_at = Some(now);
     }
 
-    /// Clears the time of the query: its report was received and compared.
+    /// Clears the time of the status query: its report was received and compared.
     pub(super) const fn report_received(&mut self) {
         self.queried_at = None;
     }
@@ -281,7 +281,7 @@ impl LineMotion {
         fastest
     }
 
-    /// Returns the vector from one position to another, mm of the slide.
+    /// Returns the displacement of the slide from one position to another, mm.
     pub(super) fn between(&self, from: PerAxis<Pulses>, to: PerAxis<Pulses>) -> Point {
         let [per_x, per_z] = self.pulses_per_mm;
         Point::new(

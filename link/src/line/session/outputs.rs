@@ -14,12 +14,12 @@ pub(super) struct LineOutputs {
 }
 
 impl LineOutputs {
-    /// Whether the wanted states of the outputs were sent to the board.
+    /// Whether the requested states of the outputs were sent to the board.
     pub(super) fn are_switched(&self) -> bool {
         self.wanted == self.switched
     }
 
-    /// Stores that all outputs are off, because a starting board switches them off.
+    /// Records that all outputs are off, because a starting board switches them off.
     pub(super) fn reset_to_off(&mut self) {
         self.switched = BoardOutputs::default();
     }

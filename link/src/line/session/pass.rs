@@ -26,13 +26,13 @@ use gsk_units::{Axis, Point, alarm};
 const INDEX_WAIT: Duration = Duration::from_secs(5);
 /// Time that is added to the time limits of a pass for other work of the board.
 const MARGIN: Duration = Duration::from_secs(2);
-/// Greatest time between two reports before a pass has begun.
+/// Greatest time between two status reports before a pass has begun.
 const START_TIMEOUT: Duration = INDEX_WAIT.saturating_add(MARGIN);
 /// Greatest ratio of the duration of a pass to its duration at the measured spindle speed.
 const SLOWER: f64 = 1.5;
 /// Least spindle speed, r/min: two turns within [`INDEX_WAIT`] with a margin.
 const LEAST_RPM: f64 = 30.0;
-/// Greatest relative change of a spindle speed that counts as constant.
+/// Greatest relative change of the spindle speed at which it counts as constant.
 const STEADY: f64 = 0.01;
 /// Time for which the reported spindle speed must have been constant before the link accepts a
 /// thread pass.
@@ -42,18 +42,19 @@ const STEADY_FOR: Duration = Duration::from_millis(600);
 const MISREAD: f64 = 0.1;
 /// Time by which the speed in a report is ahead of the position in it, s.
 const PREPARED: f64 = 0.1;
-/// Tolerance for a constant spindle speed, r/min; reports round the speed to 1 r/min.
+/// Greatest change of the reported spindle speed at which it counts as constant, r/min; reports are
+/// rounded to 1 r/min.
 const ROUNDING_RPM: f64 = 1.5;
 
-/// A pass that was sent to the board, with its limits.
+/// A thread pass that was sent to the board, with its time and speed limits.
 #[derive(Clone, Copy, Debug)]
 struct Cutting {
     pass: ThreadPass,
     /// Host time by which the pass must have ended.
     until: HostTime,
-    /// Expected speed along the pass, mm/min.
+    /// Expected speed of the axes along the pass, mm/min.
     speed: f64,
-    /// Distance from either end within which the speed is not constant, mm.
+    /// Distance from either end of the pass within which the speed is not constant, mm.
     ramps: f64,
     /// Whether the board has reported a position beyond the start.
     begun: bool,
@@ -64,17 +65,17 @@ struct Cutting {
 #[derive(Clone, Copy, Debug)]
 struct Turning {
     since: HostTime,
-    /// Speed at the time `since`, r/min.
+    /// Spindle speed at the time `since`, r/min.
     rpm: f64,
-    /// Last reported speed, r/min.
+    /// Last reported spindle speed, r/min.
     latest: f64,
 }
 
-/// The current thread pass, and the spindle speed before it.
+/// The current thread pass, and the reported spindle speed.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PassTracker {
     pass: Option<Cutting>,
-    /// Reported spindle speed; `None` if the board reports no speed.
+    /// Measured speed of the spindle; `None` if the board reports no speed.
     spindle: Option<Turning>,
 }
 
@@ -116,17 +117,17 @@ impl PassTracker {
         Ok(rpm)
     }
 
-    /// Whether a pass is in progress.
+    /// Whether a thread pass is in progress.
     pub(super) const fn is_cutting(&self) -> bool {
         self.pass.is_some()
     }
 
-    /// Forgets the current pass.
+    /// Clears the current pass, if there is one.
     pub(super) const fn forget(&mut self) {
         self.pass = None;
     }
 
-    /// Extends the time limits by `gap`, the time for which the host was suspended.
+    /// Extends the time limits by `gap`, the time during which the host was suspended.
     pub(super) fn skip_absence(&mut self, gap: Duration) {
         if let Some(cutting) = &mut self.pass {
             cutting.until += gap;
@@ -197,7 +198,7 @@ impl LineLink {
         Ok(())
     }
 
-    /// Returns which threads the board can cut, or the missing conditions.
+    /// Returns which threads the board can cut, or the conditions that are missing.
     pub(super) fn thread_rights(&self) -> ThreadCapability {
         let sync = self.board().spindle_sync;
         let is_set = |number| self.opening.setting(number) != 0.0;
@@ -215,7 +216,7 @@ impl LineLink {
         ThreadCapability::None(lacks)
     }
 
-    /// Returns the acceleration of the board in the direction of `path`, mm/s².
+    /// Returns the acceleration that the board permits in the direction of `path`, mm/s².
     fn acceleration(&self, path: Point) -> f64 {
         let length = path.length().max(1e-9);
         [(Axis::X, 120), (Axis::Z, 122)]

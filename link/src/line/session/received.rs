@@ -13,7 +13,7 @@ use crate::line::realtime::STATUS_QUERY;
 use crate::line::response::{BoardState, LineResponse, StatusReport};
 use crate::{HostTime, LinkEvent, LinkState, Uncertainty};
 
-/// Interval of status queries at standstill.
+/// Interval of status queries while the axes are at standstill.
 const STATUS_IDLE: Duration = Duration::from_millis(200);
 /// Interval of status queries during motion. A value that was damaged on the wire moves the
 /// slides until the next report at most.
@@ -173,7 +173,7 @@ impl LineLink {
         self.enter(LinkState::Opening);
     }
 
-    /// Executes an action of the opening dialogue.
+    /// Executes an action that the opening dialogue requests.
     pub(super) fn open_further(&mut self, action: OpeningAction) {
         match action {
             OpeningAction::Waits => {}

@@ -14,11 +14,11 @@ const STEADY: Duration = Duration::from_millis(150);
 /// The position by the board's last count, in the kernel's pulses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum ReportedPosition {
-    /// The counts of board and kernel were never aligned.
+    /// The position is unknown, because the counts of board and kernel were never aligned.
     Unknown,
-    /// The position while the counts of board and kernel are aligned.
+    /// The position by the board's last count, while the counts of board and kernel are aligned.
     Live(PerAxis<Pulses>),
-    /// The last position before the board restarted its count.
+    /// The position before the board restarted its count; it may be out of date.
     Stale(PerAxis<Pulses>),
 }
 
@@ -31,7 +31,7 @@ pub(super) struct Reports {
     /// Host time at which the newest of the answered status queries was sent.
     answered: HostTime,
     pub(super) status: Option<StatusReport>,
-    /// The switches in the last status report; kept when the board restarts.
+    /// The switches that the last status report names; kept when the board restarts.
     pub(super) pins: Pins,
     still_since: Option<HostTime>,
     count: ReportedPosition,
@@ -53,7 +53,7 @@ impl Reports {
         }
     }
 
-    /// Returns the state in the last report; `None` without a report.
+    /// Returns the board's state in the last report; `None` without a report.
     pub(super) fn state(&self) -> Option<BoardState> {
         self.status.map(|status| status.state)
     }
@@ -82,18 +82,18 @@ impl Reports {
         }
     }
 
-    /// Clears the start of the reported standstill.
+    /// Clears the time since which the board reports standstill.
     pub(super) const fn forget_standstill(&mut self) {
         self.still_since = None;
     }
 
-    /// Forgets the last report and the pending query.
+    /// Discards the last report and the pending query.
     pub(super) const fn invalidate(&mut self) {
         self.status = None;
         self.queried_at = None;
     }
 
-    /// Forgets the last report, the pending query and the standstill.
+    /// Discards the last report, the pending query and the time of the standstill.
     pub(super) const fn forget(&mut self) {
         self.invalidate();
         self.still_since = None;
@@ -104,7 +104,7 @@ impl Reports {
         self.queried_at.is_none() && now.saturating_sub(self.last_query) >= interval
     }
 
-    /// Stores that a status query is sent at time `now`.
+    /// Records that a status query is sent at time `now`.
     pub(super) const fn note_query(&mut self, now: HostTime) {
         self.queried_at = Some(now);
         self.last_query = now;
@@ -128,7 +128,7 @@ impl Reports {
         self.answered >= moment
     }
 
-    /// Whether no pending status query has been unanswered for longer than [`ANSWER_TIME`].
+    /// Whether no status query has been pending for longer than [`ANSWER_TIME`].
     fn is_responding(&self, now: HostTime) -> bool {
         self.queried_at
             .is_none_or(|queried_at| now.saturating_sub(queried_at) < ANSWER_TIME)
@@ -143,17 +143,17 @@ impl Reports {
         }
     }
 
-    /// Stores that the counts of board and kernel are aligned at the position `kernel`.
+    /// Records that the counts of board and kernel are aligned at the position `kernel`.
     pub(super) const fn align(&mut self, kernel: PerAxis<Pulses>) {
         self.count = ReportedPosition::Live(kernel);
     }
 
-    /// Whether the counts of board and kernel are aligned.
+    /// Whether the counts of board and kernel are aligned, so that reports give the position.
     pub(super) const fn counts(&self) -> bool {
         matches!(self.count, ReportedPosition::Live(_))
     }
 
-    /// Stores the board's count, converted to the kernel's pulses, if the counts are aligned.
+    /// Records the board's count, converted to the kernel's pulses, if the counts are aligned.
     pub(super) fn count(&mut self, kernel: PerAxis<Pulses>, now: HostTime) {
         if let ReportedPosition::Live(before) = self.count {
             if before != kernel {
@@ -163,14 +163,14 @@ impl Reports {
         }
     }
 
-    /// Keeps the last position as stale: the board restarts its count.
+    /// Keeps the last position as out of date, because the board restarts its count.
     pub(super) const fn freeze_count(&mut self) {
         if let ReportedPosition::Live(position) = self.count {
             self.count = ReportedPosition::Stale(position);
         }
     }
 
-    /// Forgets the position and the alignment of the counts.
+    /// Discards the position and the alignment of the counts.
     pub(super) const fn forget_count(&mut self) {
         self.count = ReportedPosition::Unknown;
     }

@@ -7,10 +7,10 @@ use crate::HostTime;
 /// Time after aborted homing during which a restart of the board is expected.
 const EXCUSED: Duration = Duration::from_secs(1);
 
-/// Whether the board has restarted without a command since the link was opened.
+/// Whether the board has restarted without a command of the link.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Start {
-    /// The board has not restarted.
+    /// The board has not restarted since the link was opened.
     #[default]
     None,
     /// The board has reported its start; its banner follows and is no further restart.
@@ -23,7 +23,7 @@ enum Start {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Startup {
     start: Start,
-    /// Host time until which a banner is expected.
+    /// Host time until which a banner is expected and is no fault.
     excused_until: HostTime,
     /// Whether the link unlocks the board at the next report: after RESET, or after homing of
     /// one axis.
@@ -31,17 +31,17 @@ pub(super) struct Startup {
 }
 
 impl Startup {
-    /// Expects a restart of the board within a second from the host time `now`.
+    /// Sets that a restart of the board is expected within a second from the host time `now`.
     pub(super) fn excuse(&mut self, now: HostTime) {
         self.excused_until = now + EXCUSED;
     }
 
-    /// Stores that the board has reported its start and will send its banner.
+    /// Records that the board has reported its start and will send its banner.
     pub(super) const fn has_begun(&mut self) {
         self.start = Start::Begun;
     }
 
-    /// Stores that the board has restarted without a command.
+    /// Records that the board has restarted without a command.
     pub(super) fn has_restarted(&mut self) {
         if self.start == Start::None {
             self.start = Start::Restarted;

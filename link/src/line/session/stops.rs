@@ -24,7 +24,7 @@ const ABSENCE_ANSWERS: Duration = Duration::from_millis(300);
 /// Interval at which Ctrl-X is repeated until the banner arrives.
 const RESET_AGAIN: Duration = Duration::from_millis(100);
 
-/// The progress of a stop.
+/// The progress of stopping the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Halt {
     None,
@@ -39,11 +39,11 @@ pub(super) enum Halt {
     Waking(Waking),
 }
 
-/// The state of the link after the host was suspended.
+/// How the link resumes after the host was suspended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Waking {
     since: HostTime,
-    /// Whether the next status report answers a query from before the host was suspended.
+    /// Whether the next status report answers a query that was sent before the host was suspended.
     stale: bool,
     /// Whether bytes for the board were dropped: the board may hold the beginning of a line.
     cut_off: bool,
@@ -68,7 +68,7 @@ pub(super) struct Restart {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LineStop {
     pub(super) halt: Halt,
-    /// Whether the motors may have lost steps in the stop.
+    /// Whether the motors may have lost steps, because the stop was too sudden.
     pub(super) too_sudden: bool,
     /// The directions in which X and Z moved before a limit alarm, 1 or -1, 0 if unknown; an axis
     /// whose switch was operated before has `None`. Kept until the next report names the switch;
@@ -91,12 +91,12 @@ impl LineStop {
         self.halt == Halt::None
     }
 
-    /// Whether the board is restarting.
+    /// Whether the link is restarting the board.
     pub(super) const fn restarts(&self) -> bool {
         matches!(self.halt, Halt::Restarting(_))
     }
 
-    /// Extends the time limits by `gap`, the time for which the host was suspended.
+    /// Extends the time limits by `gap`, the time during which the host was suspended.
     pub(super) fn skip_absence(&mut self, gap: Duration) {
         match &mut self.halt {
             Halt::None => {}
@@ -320,7 +320,7 @@ impl LineLink {
         }
     }
 
-    /// Drops all motion and all unanswered lines.
+    /// Drops all motion and all lines that the board has not answered.
     pub(super) fn forget_motion(&mut self) {
         self.wire.forget_unanswered();
         self.drop_motion();
@@ -487,7 +487,7 @@ impl LineLink {
         }
     }
 
-    /// Handles RESET: clears faults, unlocks the board, and stops motion or homing.
+    /// Handles RESET of the control: clears faults, unlocks the board, and stops motion or homing.
     pub(super) fn reset_faults(&mut self) {
         self.limits.confirm_position_checked();
         match self.session.state {

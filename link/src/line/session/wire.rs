@@ -23,7 +23,7 @@ pub(super) struct Unanswered {
 #[derive(Clone, Debug, Default)]
 pub(super) struct LineWire {
     outgoing: Vec<u8>,
-    /// The incomplete line received so far.
+    /// The received bytes of a line that is not complete yet.
     line: Vec<u8>,
     unanswered: VecDeque<Unanswered>,
     pub(super) traffic: Traffic,
@@ -57,14 +57,14 @@ impl LineWire {
         &self.outgoing
     }
 
-    /// Removes the first `count` bytes: the port has taken them.
+    /// Removes the first `count` bytes, which the port has written.
     pub(super) fn consumed(&mut self, count: usize) {
         let count = count.min(self.outgoing.len());
         self.outgoing.drain(..count);
         self.traffic.sent += count as u64;
     }
 
-    /// Drops all bytes that the port has not taken.
+    /// Drops all bytes that the port has not written yet.
     pub(super) fn drop_outgoing(&mut self) {
         self.outgoing.clear();
     }
@@ -95,7 +95,7 @@ impl LineWire {
         }
     }
 
-    /// Drops the incomplete line received so far.
+    /// Drops the received bytes of a line that is not complete yet.
     pub(super) fn drop_partial_line(&mut self) {
         self.line.clear();
     }
@@ -115,7 +115,7 @@ impl LineWire {
         self.unanswered.is_empty()
     }
 
-    /// Whether all unanswered lines are motion segments.
+    /// Whether all unanswered lines are segments of motion.
     pub(super) fn only_segments(&self) -> bool {
         self.unanswered.iter().all(|line| line.is_segment)
     }
@@ -126,12 +126,12 @@ impl LineWire {
         self.unanswered.iter().map(|line| line.bytes).sum()
     }
 
-    /// Stops waiting for the board's answers to the lines sent so far.
+    /// Discards the list of unanswered lines: no answers to them are expected any more.
     pub(super) fn forget_unanswered(&mut self) {
         self.unanswered.clear();
     }
 
-    /// Extends the time limits by `gap`, the time for which the host was suspended.
+    /// Extends the time limits by `gap`, the time during which the host was suspended.
     pub(super) fn skip_absence(&mut self, gap: HostTime) {
         for line in &mut self.unanswered {
             line.sent += gap;

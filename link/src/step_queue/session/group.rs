@@ -25,30 +25,30 @@ pub(super) const REACHED_Z: u32 = 7;
 pub(super) const FLUSH: u32 = 9;
 /// Number of consecutive samples with the same level after which a switch counts as operated.
 const SAMPLES: i64 = 4;
-/// Interval of the samples that confirm an operated switch.
+/// Interval between the samples that confirm an operated switch.
 const SAMPLE: Duration = Duration::from_micros(15);
-/// Interval at which the board polls a switch.
+/// Interval at which the board polls a limit switch.
 const LOOK: Duration = Duration::from_millis(1);
-/// Number of times that the board polls an awaited input between two pulses.
+/// Number of polls of an awaited input between two pulses.
 const LOOKS: f64 = 4.0;
 /// Least interval at which the board polls an awaited input.
 const OFTEN: Duration = Duration::from_micros(50);
-/// Interval at which the stop group sends reports.
+/// Interval at which the board reports the state of the stop group.
 const REPORT: Duration = Duration::from_millis(100);
-/// Time without a report after which the stop group counts as silent.
+/// Time without a report after which the stop group counts as failed.
 pub(super) const SILENT: Duration = Duration::from_millis(450);
 /// Time after arming within which the link must renew the stop group; otherwise it stops the axes.
 const FIRST: Duration = Duration::from_millis(250);
 
-/// The state of the stop group in the board.
+/// The state of the group of steppers that stop together (Klipper's `trsync`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum GroupState {
-    /// The group was never armed.
+    /// The stop group was never armed.
     #[default]
     Unused,
-    /// The group is armed: a trigger will stop the axes.
+    /// The stop group is armed: a trigger will stop the axes.
     Armed,
-    /// The group was triggered and has stopped the axes.
+    /// The stop group was triggered and has stopped the axes.
     Triggered,
 }
 
@@ -58,7 +58,7 @@ enum GroupState {
 pub(super) struct Group {
     which: usize,
     state: GroupState,
-    /// Host time of the last report of the group.
+    /// Host time of the last report of the stop group.
     reported: HostTime,
     /// The awaited inputs of X and of Z; `None` without one.
     waits: [Option<Wait>; 2],
@@ -75,9 +75,9 @@ pub(super) struct Wait {
     pub(super) awaited: AwaitedInput,
     /// Host time at which the pending query for the pin's level was sent; `None` without a query.
     queried_at: Option<HostTime>,
-    /// The level of the pin that stops the axes, 0 or 1.
+    /// The level of the pin at which the board stops the axes, 0 or 1.
     pub(super) level: i64,
-    /// The board clock from which on the board watches the pin, ticks.
+    /// The board clock from which on the board polls the pin, ticks.
     from: u64,
 }
 
@@ -88,7 +88,7 @@ impl Group {
             .find_map(|(axis, wait)| Some((axis, wait.filter(|wait| wait.awaited.input == input)?)))
     }
 
-    /// Whether the group is armed: a trigger will stop the axes.
+    /// Whether the stop group is armed: a trigger will stop the axes.
     pub(super) const fn is_armed(&self) -> bool {
         matches!(self.state, GroupState::Armed)
     }
@@ -105,19 +105,19 @@ impl Group {
                 .is_some_and(|wait| wait.queried_at.is_none() && now >= wait.from)
     }
 
-    /// Returns Klipper's object number of the group.
+    /// Returns Klipper's object number of the stop group.
     pub(super) const fn oid(&self, wiring: &Wiring) -> i64 {
         wiring.groups[self.which]
     }
 
-    /// Returns Klipper's object number of the group while it is armed; otherwise `None`.
+    /// Returns Klipper's object number of the stop group while it is armed; otherwise `None`.
     pub(super) fn armed_oid(&self, wiring: Option<&Wiring>) -> Option<i64> {
         wiring
             .filter(|_| self.is_armed())
             .map(|wiring| self.oid(wiring))
     }
 
-    /// Switches to the other group and marks it as armed.
+    /// Switches to the other of the two stop groups and marks it as armed.
     fn take_turns(&mut self, now: HostTime) {
         *self = Self {
             which: 1 - self.which,
@@ -128,17 +128,17 @@ impl Group {
         };
     }
 
-    /// Stores that the group has sent a report at time `now`.
+    /// Records that the stop group has sent a report at time `now`.
     pub(super) const fn note_report(&mut self, now: HostTime) {
         self.reported = now;
     }
 
-    /// Marks the group as triggered.
+    /// Marks the stop group as triggered.
     pub(super) const fn note_trigger(&mut self) {
         self.state = GroupState::Triggered;
     }
 
-    /// Whether the group is armed but has sent no report for [`SILENT`].
+    /// Whether the stop group is armed but has sent no report for [`SILENT`].
     pub(super) fn is_silent(&self, now: HostTime) -> bool {
         self.is_armed() && now.saturating_sub(self.reported) >= SILENT
     }
@@ -149,7 +149,7 @@ impl Group {
         core::mem::take(&mut self.waits)
     }
 
-    /// Forgets the levels that end the waits of both axes for a change.
+    /// Clears the levels at which waits for a level change end, for both axes.
     pub(super) const fn forget_edges(&mut self) {
         self.edges = [None; 2];
     }
@@ -283,7 +283,7 @@ impl StepLink {
         Ok(())
     }
 
-    /// Disarms the awaited input of an axis.
+    /// Disarms the awaited input of an axis: it no longer stops the axes.
     pub(super) fn disarm_input(&mut self, axis: Axis) {
         let Some(wait) = self.group.waits[axis as usize].take() else {
             return;
@@ -378,7 +378,7 @@ impl StepLink {
     }
 }
 
-/// Whether the trigger reason is an awaited input.
+/// Whether the trigger reason means that an awaited input was reached.
 pub(super) const fn is_reached(reason: u32) -> bool {
     matches!(reason, REACHED | REACHED_Z)
 }

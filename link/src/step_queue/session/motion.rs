@@ -14,7 +14,7 @@ use gsk_units::{PerAxis, Pulses};
 /// Number of entries of the board's motion queue that the link leaves unused.
 const SPARE: usize = 32;
 
-/// Steps on their way to the board's queue.
+/// Steps that are waiting for, or are in, the board's motion queue.
 #[derive(Clone, Debug)]
 pub(super) struct Queue {
     pub(super) steps: [Steps; 2],
@@ -55,7 +55,7 @@ impl Queue {
         }
     }
 
-    /// Drops all steps, sent or not.
+    /// Drops all steps in the link, also those already sent.
     fn clear(&mut self) {
         self.forget_steps();
         self.backlog.clear();
@@ -64,7 +64,7 @@ impl Queue {
         self.slowdown = Slowdown::default();
     }
 
-    /// Whether steps wait in the link: they are not sent yet.
+    /// Whether the link has steps that are not sent yet.
     pub(super) fn is_waiting(&self) -> bool {
         !self.backlog.is_empty() || self.steps.iter().any(|steps| !steps.is_empty())
     }
@@ -116,7 +116,7 @@ impl Queue {
     }
 }
 
-/// The alignment of the board's count with the kernel's.
+/// Whether the board's count is aligned with the kernel's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Alignment {
     /// The counts were never aligned, or the kernel has forgotten its count.
@@ -127,7 +127,7 @@ enum Alignment {
     Exact,
 }
 
-/// The counts of board and kernel, and their alignment.
+/// The pulse counts of board and kernel, and their alignment.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PulseCounts {
     alignment: Alignment,
@@ -182,7 +182,7 @@ impl PulseCounts {
         }
     }
 
-    /// Forgets the alignment of the counts.
+    /// Discards the alignment of the counts.
     pub(super) const fn forget(&mut self) {
         self.alignment = Alignment::None;
     }
@@ -202,18 +202,18 @@ impl PulseCounts {
     }
 }
 
-/// Position and speed at which the axes were stopped.
+/// Position, speed and directions with which the axes were stopped.
 pub(super) struct Stopped {
     pub(super) kernel: PerAxis<Pulses>,
-    /// Whether the position is on the commanded path.
+    /// Whether the position of the stop is on the commanded path.
     pub(super) on_path: bool,
-    /// Speed before the stop, mm/min.
+    /// Speed of the axes before the stop, mm/min.
     pub(super) speed: f64,
     /// Direction of each axis before the stop, 1, -1 or 0.
     pub(super) direction: [i64; 2],
 }
 
-/// Motion handed over to the board, with its path, counts and limits.
+/// The motion passed to the board, with its path, counts and limits.
 #[derive(Clone, Debug)]
 pub(super) struct StepMotion {
     pub(super) rates: Rates,
@@ -240,19 +240,19 @@ impl StepMotion {
         self.queue.steps = self.rates.timing.map(Steps::new);
     }
 
-    /// Drops the motion and the count of a board that was reset or reopened.
+    /// Discards the motion and the count of a board that was reset or reopened.
     pub(super) fn forget_board(&mut self) {
         self.drop_queued();
         self.count.board = None;
         self.queue.last_step = None;
     }
 
-    /// Whether steps are queued or being executed.
+    /// Whether steps are queued or being executed by the board.
     pub(super) fn is_under_way(&self) -> bool {
         self.path.is_under_way() || self.queue.is_waiting()
     }
 
-    /// Drops all queued motion.
+    /// Drops all motion that is queued in the link.
     pub(super) fn drop_queued(&mut self) {
         self.queue.clear();
         self.path.end_motion();

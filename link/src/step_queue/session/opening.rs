@@ -18,19 +18,19 @@ use super::group::Group;
 use super::periodic::Periodic;
 use super::{ASK_AGAIN, QueryPurpose, StepLink};
 
-/// Time limit for an answer of the board during the opening.
+/// Time limit for each answer of the board during the opening.
 const SILENCE: Duration = Duration::from_secs(5);
-/// Number of dictionary bytes per query.
+/// Number of dictionary bytes that one query requests.
 const PIECE: usize = 40;
-/// Time for which the link sends nothing to a board that it resets.
+/// Time during which the link sends nothing to a board that it has reset.
 const RESTARTS: Duration = Duration::from_millis(200);
-/// Greatest number of resets during an opening.
+/// Greatest number of resets of the board during an opening.
 const MOST_RESTARTS: u32 = 2;
 
-/// The phase of the opening.
+/// The phase of the opening dialogue.
 #[derive(Clone, Debug)]
 pub(super) enum Phase {
-    /// The link queries the expected sequence number.
+    /// The link queries the sequence number that the board expects.
     Sync,
     /// The link reads the dictionary. `known` is the index of a cached dictionary whose end
     /// is compared.
@@ -47,11 +47,11 @@ pub(super) enum Phase {
         config_sent: bool,
         reason: Option<String>,
     },
-    /// The board is resetting.
+    /// The board is resetting, by a command of the link.
     Restarting { since: HostTime, restarts: u32 },
-    /// The link syncs the clock.
+    /// The link synchronizes with the board's clock.
     Learn { restarts: u32 },
-    /// The opening is complete.
+    /// The opening is complete: the board accepts commands.
     Running,
     /// The board is shut down and accepts a reset only; `opened` tells whether the opening
     /// was complete.
@@ -92,20 +92,21 @@ impl StepQueueOpening {
         )
     }
 
-    /// Enters the phase of a board that is shut down.
+    /// Enters the phase for a board that is shut down.
     pub(super) fn shut_down(&mut self) {
         let opened = self.is_opened();
         self.phase = Phase::ShutDown { opened };
     }
 
-    /// Whether the board is shut down.
+    /// Whether the board reports that it is shut down.
     pub(super) const fn is_shut_down(&self) -> bool {
         matches!(self.phase, Phase::ShutDown { .. })
     }
 }
 
 impl StepLink {
-    /// Starts the opening: forgets the board and queries the sequence number that it expects.
+    /// Starts the opening: discards the board's data and queries the sequence number that it
+    /// expects.
     pub(super) fn begin(&mut self) {
         self.opening.phase = Phase::Sync;
         self.opening.opened = self.session.now;

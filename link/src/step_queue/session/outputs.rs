@@ -17,9 +17,9 @@ const FULL_MV: i64 = 10_000;
 /// The states of spindle and coolant: those that the kernel wants, and those sent to the board.
 #[derive(Clone, Debug, Default)]
 pub(super) struct StepQueueOutputs {
-    /// The state of the outputs that the kernel wants.
+    /// The states of the outputs that the kernel requests.
     pub(super) wanted: BoardOutputs,
-    /// The state of the outputs that was sent to the board.
+    /// The states of the outputs that were sent to the board.
     pub(super) sent: BoardOutputs,
     /// Kernel time and host time of the last spindle speed that was sent.
     speed_sent: (RunTime, HostTime),

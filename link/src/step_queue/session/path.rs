@@ -10,25 +10,25 @@ use gsk_units::{PerAxis, Pulses};
 const REMEMBERED: usize = 800;
 /// Number of samples before and after the position of a stop from which the speed is computed.
 const AVERAGED: usize = 10;
-/// Distance from a reversal within which the direction before a stop is ambiguous, pulses.
+/// Distance from a reversal within which the direction before a stop is not certain, pulses.
 const TURNING: i64 = 3;
 
-/// A sample, and the board clock at its end, ticks.
+/// A sample of the commanded position, and the board clock at its end, ticks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Piece {
     pub(super) sample: Sample,
     pub(super) clock: Ticks,
 }
 
-/// The commanded path, executed and pending.
+/// The commanded path: samples that are executed and samples that are pending.
 #[derive(Clone, Debug)]
 pub(super) struct Path {
     pub(super) newest: Sample,
     /// Board clock at the end of the motion, ticks; `None` without motion.
     pub(super) end: Option<Ticks>,
-    /// Kernel time at the end of the motion.
+    /// Kernel time at the end of the last motion.
     end_run: RunTime,
-    /// Whether the newest sample has no motion.
+    /// Whether the newest sample contains no motion.
     pub(super) rested: bool,
     /// Whether the kernel has reported a standstill.
     pub(super) finished: bool,
@@ -39,9 +39,9 @@ pub(super) struct Path {
     pub(super) executed: RunTime,
 }
 
-/// Speed and direction of the axes at the position of a stop.
+/// Speed and directions of the axes at the position of a stop.
 pub(super) struct Located {
-    /// Speed before the stop, mm/min.
+    /// Speed of the axes before the stop, mm/min.
     pub(super) speed: f64,
     /// Direction of each axis before the stop, 1, -1 or 0.
     pub(super) direction: [i64; 2],
@@ -78,8 +78,7 @@ impl Path {
         self.made.clear();
     }
 
-    /// Adds a sample that the board executes between the board clocks `from` and `end`, ticks.
-    /// `rests`: the sample has no motion.
+    /// Adds a sample without motion that takes no time in the board.
     pub(super) fn push(&mut self, sample: Sample, from: Ticks, end: Ticks, rests: bool) {
         if self.end != Some(from) {
             // The position where this motion begins.
@@ -131,7 +130,7 @@ impl Path {
         }
     }
 
-    /// Clears the end of the motion if all samples are executed.
+    /// Clears the end of the motion if the board has executed all samples.
     pub(super) fn end_if_made(&mut self) {
         if self.pieces.is_empty() {
             self.end = None;

@@ -9,18 +9,18 @@ use crate::HostTime;
 use crate::step_queue::commands::Command;
 use crate::step_queue::send_queue::Mark;
 
-/// Interval of clock queries.
+/// Interval of queries for the board's clock.
 const CLOCK_EVERY: Duration = Duration::from_millis(500);
-/// Interval of clock queries during the opening.
+/// Interval of queries for the board's clock during the opening.
 const CLOCK_FIRST: Duration = Duration::from_millis(50);
-/// Interval of configuration queries.
+/// Interval of queries for the board's configuration.
 const CONFIG_EVERY: Duration = Duration::from_secs(1);
-/// Interval at which the link renews the stop group.
+/// Interval at which the link renews the time limit of the stop group.
 const HEARTBEAT_EVERY: Duration = Duration::from_millis(50);
 /// Time after a renewal within which the link must renew the stop group again; otherwise it stops
 /// the axes.
 const HEARTBEAT_DURATION: Duration = Duration::from_millis(250);
-/// Interval at which the link renews the enable of the drives.
+/// Interval at which the link renews the output that enables the drives.
 const ENABLE_EVERY: Duration = Duration::from_millis(100);
 /// Greatest time between the board clocks of two renewals of the enable; the board allows 500 ms.
 const ENABLE_APART: Duration = Duration::from_millis(400);
@@ -33,9 +33,9 @@ const INHERITED: Duration = Duration::from_millis(800);
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Enable {
     pub(super) on: bool,
-    /// Whether the last enable message has enabled the drives.
+    /// Whether the last message for the enable output has enabled the drives.
     sent: bool,
-    /// The board clock at which the last enable message takes effect, ticks.
+    /// The board clock at which the last message for the enable output takes effect, ticks.
     sent_for: u64,
     due: HostTime,
 }
@@ -136,8 +136,8 @@ impl StepLink {
             .send_urgent_until(Command::QueueDigitalOut, &arguments, at);
     }
 
-    /// Switches off what an earlier host has left on: disables the drives and releases the
-    /// stop groups.
+    /// Resets outputs that an earlier host has left on: disables the drives and releases the stop
+    /// groups.
     pub(super) fn take_over_outputs(&mut self) {
         self.periodic.enable.sent = true;
         self.periodic.inherited_until = self.session.now + INHERITED;

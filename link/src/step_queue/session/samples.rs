@@ -13,7 +13,7 @@ use super::{QueryPurpose, StepLink};
 use gsk_messages::say;
 use gsk_units::{PerAxis, Pulses, alarm};
 
-/// Interval at which steps are compressed and sent.
+/// Interval at which the link compresses steps and sends them.
 pub(super) const FLUSH_EVERY: Duration = Duration::from_millis(10);
 /// Least time until steps must be sent with which they wait to be compressed together with later
 /// ones.
@@ -139,7 +139,7 @@ impl StepLink {
         !rests && self.end_of_rest().is_some_and(|(_, rest)| rest < late)
     }
 
-    /// Returns the board clock at which motion accepted now begins, ticks.
+    /// Returns the board clock at which motion that is accepted now will begin, ticks.
     pub(super) fn next_begin(&self) -> Ticks {
         let begin = self.farthest();
         match self.end_of_rest() {
@@ -191,7 +191,7 @@ impl StepLink {
         self.hand_over();
     }
 
-    /// Sends runs as far as the board's queue has free slots.
+    /// Sends step runs as far as the board's motion queue has free entries.
     fn hand_over(&mut self) {
         let now = self.clock.at(self.session.now) as Ticks;
         let Some(axes) = self.wiring.as_ref().map(|wiring| wiring.axes) else {

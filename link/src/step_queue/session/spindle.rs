@@ -18,12 +18,12 @@ use core::time::Duration;
 
 /// Duration of a tick of the kernel.
 const TICK: Duration = Duration::from_millis(1);
-/// Number of predictions that are stored for the comparison with index pulses.
+/// Number of predictions of the spindle angle that are stored for the comparison with index pulses.
 const REMEMBERED: usize = 700;
-/// Greatest permitted error of a prediction during a thread, turns.
+/// Greatest permitted error of a predicted spindle angle during a thread, turns.
 const ALLOWED: f64 = 0.005;
 
-/// The estimate of the spindle and its predictions.
+/// The estimate of the spindle's angle, and its predictions.
 #[derive(Clone, Debug)]
 pub(super) struct Spindle {
     estimator: SpindleEstimator,
@@ -56,7 +56,7 @@ impl Spindle {
         self.has_gap
     }
 
-    /// Restarts the estimate after a reversal of the spindle.
+    /// Restarts the estimate of the angle after a reversal of the spindle.
     pub(super) fn reversed(&mut self) {
         self.estimator.begin_anew();
     }

@@ -16,18 +16,18 @@ use crate::{HostTime, Input, InputCondition, LinkEvent, LinkState, Uncertainty};
 use gsk_messages::{Message, say};
 use gsk_units::{PerAxis, Pulses, alarm};
 
-/// Why the axes are being stopped.
+/// The reason for which the axes are being stopped.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum StopReason {
-    /// The kernel has requested a flush.
+    /// The kernel has requested that the axes stop and keep their position.
     Flush,
     /// Motion was late, or could not be sent in time; the alarm gives this message as its cause.
     Late(Message),
-    /// The motion needs more messages per second than the board accepts.
+    /// The motion needs more messages per second than the board can receive.
     TooFine,
-    /// Reports of the stop group are missing.
+    /// The board no longer reports the state of the stop group.
     GroupSilent,
-    /// The board triggered the stop group, with this trigger reason.
+    /// The board has triggered the stop group itself, with this trigger reason.
     Trip(u32),
 }
 
@@ -37,7 +37,7 @@ pub(super) struct StepQueueStop {
     reason: StopReason,
     since: HostTime,
     queried_at: HostTime,
-    /// Whether the board has confirmed the stop.
+    /// Whether the board has confirmed that the axes are stopped.
     stands: bool,
 }
 
@@ -104,7 +104,7 @@ impl StepLink {
         self.session.alarm(number, text);
     }
 
-    /// Stops both axes immediately; the queue is dropped and the position kept.
+    /// Stops both axes immediately; drops the queued motion and keeps the position.
     pub(super) fn flush(&mut self) {
         if self.takes_motion() {
             self.halt(StopReason::Flush);

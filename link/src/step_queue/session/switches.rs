@@ -7,9 +7,9 @@ use crate::step_queue::commands::Command;
 use crate::step_queue::wiring::{Switch, Wiring};
 use crate::{HostTime, Input, LinkState};
 
-/// Interval of switch queries at standstill.
+/// Interval of switch queries while the axes are at standstill.
 const SWITCH_EVERY: Duration = Duration::from_millis(10);
-/// Interval of switch queries during motion.
+/// Interval of switch queries while the axes move.
 const SWITCH_MOVING: Duration = Duration::from_millis(40);
 /// Interval of queries for the contacts of the control that are wired to the board.
 const CONTACT_EVERY: Duration = Duration::from_millis(20);

@@ -6,7 +6,7 @@ use crate::step_queue::commands::Command;
 use crate::step_queue::dictionary::Dictionary;
 use crate::step_queue::send_queue::{Mark, QueuedMessage, SendQueue};
 
-/// The serial traffic with a board with timed steps: dictionary, reader and send queue.
+/// The serial traffic with a Klipper board: dictionary, reader and send queue.
 #[derive(Clone, Debug)]
 pub(super) struct StepQueueWire {
     pub(super) dictionary: Dictionary,
@@ -33,7 +33,7 @@ impl StepQueueWire {
         self.send_queue.begin();
     }
 
-    /// Returns the traffic counters.
+    /// Returns the counters of the serial traffic.
     pub(super) const fn traffic(&self) -> Traffic {
         let mut traffic = self.traffic;
         traffic.lines = self.send_queue.blocks;
@@ -47,7 +47,7 @@ impl StepQueueWire {
         &self.send_queue.outgoing
     }
 
-    /// Removes the first `count` bytes: the port has taken them.
+    /// Removes the first `count` bytes, which the port has written.
     pub(super) fn consumed(&mut self, count: usize) {
         let count = count.min(self.send_queue.outgoing.len());
         self.send_queue.outgoing.drain(..count);

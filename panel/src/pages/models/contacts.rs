@@ -12,7 +12,7 @@ use crate::screen::{CellStyle, Screen};
 /// Number of contacts on one screen, and in one of its two columns.
 const SCREEN: usize = 16;
 const COLUMN: usize = 8;
-/// Screen row of the first contact.
+/// Screen row of the first contact in the list.
 const FIRST_ROW: usize = 2;
 /// Columns of a half of the list, from its left edge: number, pin, meaning, level.
 const NUMBER: usize = 1;
@@ -20,17 +20,17 @@ const PIN: usize = 5;
 const MEANING: usize = 8;
 const LEVEL: usize = 18;
 
-/// What the list shows about one kind of contact.
+/// What the list shows for inputs, or for outputs.
 struct ContactList<'a> {
     page: PageId,
     letter: char,
     rows: &'a [ContactRow],
     is_on: &'a dyn Fn(u8) -> bool,
-    /// The PLC address of a contact.
+    /// Function that returns the PLC address of a contact by its index.
     address: &'a dyn Fn(u8) -> String,
 }
 
-/// Draws the inputs of the model.
+/// Draws the page with the inputs of the model.
 pub fn inputs(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let list = ContactList {
         page: PageId::Inputs,
@@ -45,7 +45,7 @@ pub fn inputs(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     draw(screen, view, &list);
 }
 
-/// Draws the outputs of the model.
+/// Draws the page with the outputs of the model.
 pub fn outputs(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let list = ContactList {
         page: PageId::Outputs,

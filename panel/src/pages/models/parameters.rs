@@ -17,7 +17,7 @@ const NUMBER: usize = 1;
 const VALUE_END: usize = 16;
 const UNIT: usize = 18;
 
-/// Returns the numbers of the model's own parameters, ascending.
+/// Returns the numbers of the parameters that only this model has, ascending.
 pub fn numbers(cnc: &Cnc) -> Vec<u16> {
     let record = cnc.model().record();
     record.parameters.keys().copied().collect()

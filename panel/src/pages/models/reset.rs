@@ -5,7 +5,7 @@ use gsk_messages::say;
 use crate::pages::view::PageView;
 use crate::screen::Screen;
 
-/// Draws what the number keys do, and the result of the last one.
+/// Draws the actions of the number keys, and the result of the last one.
 pub fn draw(screen: &mut Screen, view: &PageView) {
     screen.put_message(3, 2, &say::lcd_reset_programs(1));
     screen.put_message(5, 2, &say::lcd_reset_parameters(2));

@@ -10,10 +10,10 @@ use crate::screen::Screen;
 /// Screen row of the first file, and number of files on the screen.
 const FIRST_ROW: usize = 2;
 const ROWS: usize = 9;
-/// Column before which the number of characters ends.
+/// LCD column before which the number of characters of a file ends.
 const SIZE_END: usize = 37;
 
-/// Draws the list of files, and what the keys do with the one at the cursor.
+/// Draws the list of files, and the actions of the keys for the file at the cursor.
 pub fn draw(screen: &mut Screen, view: &PageView) {
     let Some(disk) = &view.udisk else {
         screen.put_message(6, 2, &say::lcd_udisk_missing());

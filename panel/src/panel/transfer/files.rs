@@ -16,7 +16,7 @@ pub(super) const OFFSETS: &str = "Tofs.ofs";
 pub(super) const PITCH: &str = "Wcomp.wmp";
 pub(super) const PARAMETERS: &str = "ParaW.par";
 
-/// Returns the files that 输出 sends.
+/// Returns the files that the key 输出 sends.
 pub(super) fn files_to_send(wanted: Wanted, cnc: &Cnc) -> Vec<SerialFile> {
     let file = |name: &str, text: String| SerialFile {
         name: name.to_owned(),
@@ -100,9 +100,9 @@ fn parameters(cnc: &Cnc) -> String {
 pub enum DataLineError {
     /// The line, given by its number, does not have the form `NUMBER=VALUE`.
     Form(usize),
-    /// The text before `=` is not a number: line, text.
+    /// The text before `=` is not a number; the values are line and text.
     NoNumber(usize, String),
-    /// The value is not valid for its number: line, value.
+    /// The value is not valid for its number; the values are line and value.
     NoValue(usize, String),
     /// The control refuses the offset in the line.
     Offset {
@@ -111,7 +111,7 @@ pub enum DataLineError {
         /// The alarm with which the control refuses the offset.
         alarm: Box<Alarm>,
     },
-    /// The control refuses the pitch error: line, reason.
+    /// The control refuses the pitch error; the values are line and reason.
     Pitch(usize, PitchError),
 }
 

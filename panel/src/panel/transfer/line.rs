@@ -12,18 +12,18 @@ use crate::pages::Communication;
 /// Names a file of the control that a client can read or write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum FileId {
-    /// A program of the memory, by its number.
+    /// A program in memory, with this number.
     Program(u16),
-    /// The file of all tool offsets.
+    /// The file that contains all tool offsets.
     Offsets,
-    /// The file of the pitch error table.
+    /// The file that contains the pitch error table.
     Pitch,
-    /// The file of all parameters.
+    /// The file that contains all parameters.
     Parameters,
 }
 
 impl FileId {
-    /// All files of data, without the programs.
+    /// The files with data: offsets, pitch errors and parameters.
     pub const DATA: [Self; 3] = [Self::Offsets, Self::Pitch, Self::Parameters];
 
     /// Returns the file with a name, ignoring case; `None` for a name that the control does
@@ -54,9 +54,9 @@ impl FileId {
 pub enum FileRefusal {
     /// A right, a switch or a mode of the control forbids it.
     Refused(WriteRefusal),
-    /// The requested file does not exist.
+    /// The request is refused because the file does not exist.
     Missing,
-    /// The file exists already and must not be replaced.
+    /// The request is refused because the file exists and must not be replaced.
     Exists,
     /// The request renames or deletes a data file, which only programs permit.
     OnlyPrograms,
@@ -136,7 +136,7 @@ impl Panel {
         self.transfer.broken_off
     }
 
-    /// Clears the report of an aborted transfer.
+    /// Clears the record that a transfer was aborted.
     pub(crate) const fn clear_aborted(&mut self) {
         self.transfer.broken_off = false;
     }

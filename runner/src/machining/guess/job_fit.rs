@@ -111,7 +111,7 @@ impl JobGuess<'_> {
     }
 }
 
-/// Collisions of the guessed tools.
+/// The collisions that the guessed tools would make.
 #[derive(Debug, Default, PartialEq)]
 struct ToolHits {
     hits_jaws: bool,

@@ -44,19 +44,19 @@ impl ToolStep {
 /// The kind of work that a tool seems to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ToolWork {
-    /// The tool turns, faces or bores.
+    /// The tool seems to turn, face or bore.
     Turn,
-    /// The tool cuts grooves into the outside or the inside.
+    /// The tool seems to cut grooves into the outside or the inside.
     Groove,
-    /// The tool cuts grooves into a face.
+    /// The tool seems to cut grooves into a face.
     FaceGroove,
-    /// The tool cuts threads.
+    /// The tool seems to cut threads.
     Thread,
-    /// The tool drills or taps on the spindle axis.
+    /// The tool seems to drill or tap on the spindle axis.
     Drill,
 }
 
-/// What a program does with a tool.
+/// What a program does with one tool: its feeds, threads and holes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ToolUse {
     /// Number of the last tool offset that the program used with the tool; 0 for none.
@@ -64,15 +64,15 @@ pub(super) struct ToolUse {
     /// Whether the tool cuts beyond the spindle axis, with negative X.
     pub(super) is_beyond_axis: bool,
     thread_count: u32,
-    /// Greatest thread lead, mm; 0 without threads.
+    /// Greatest lead of the threads that the tool cuts, mm; 0 without threads.
     pub(super) lead_mm: f64,
-    /// Number of feeds with a motion along Z, off the spindle axis.
+    /// Number of the tool's feeds with a motion along Z, off the spindle axis.
     along_count: u32,
-    /// Length of the longest feed along Z, off the spindle axis, mm.
+    /// Length of the tool's longest feed along Z, off the spindle axis, mm.
     longest_mm: f64,
-    /// Number of feeds parallel to X.
+    /// Number of the tool's feeds parallel to X.
     across_count: u32,
-    /// Number of feeds on the spindle axis.
+    /// Number of the tool's feeds on the spindle axis.
     pub(super) drill_count: u32,
     /// Number of feeds parallel to X after which the tool retracts in the opposite direction, as
     /// from a groove (index 0), and of the other ones (index 1).

@@ -9,7 +9,7 @@ use super::tool_uses::{ToolUse, ToolWork};
 
 /// Width of a grooving tool, mm, if the program does not show it.
 const DEFAULT_GROOVE_WIDTH_MM: f64 = 3.0;
-/// Overlap of the plunges that cut a wide groove, mm.
+/// Overlap between neighbouring plunges that cut a wide groove, mm.
 const GROOVE_OVERLAP_MM: f64 = 0.5;
 /// Diameter of a drill, mm, if the program does not show it.
 const DEFAULT_DRILL_DIAMETER_MM: f64 = 10.0;
@@ -25,12 +25,12 @@ const BAR_TO_HOLE_RATIO: f64 = 0.7;
 const SHOULDER_ANGLE_DEG: f64 = 90.0;
 /// Entering angle of the usual insert of a boring bar, degrees.
 const BORING_ANGLE_DEG: f64 = 93.0;
-/// Ratio of the longest insert of a boring bar to the usual one.
+/// Ratio of the longest to the usual insert length of a boring bar.
 const LONG_EDGE_RATIO: f64 = 4.0;
 /// Depth of an internal groove, mm, if the program does not show it.
 const DEFAULT_INSIDE_GROOVE_DEPTH_MM: f64 = 3.0;
 
-/// The orientation of a tool relative to the part.
+/// How a guessed tool is mounted relative to the part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct ToolPose {
     /// Whether the tool cuts the inside of the part.
@@ -40,8 +40,8 @@ pub(super) struct ToolPose {
 }
 
 impl ToolPose {
-    /// Returns the number of the imaginary tip, 1 to 4, of a tool in this pose; `beyond` tells that
-    /// the tool cuts beyond the spindle axis.
+    /// Returns the number of the imaginary tip, 1 to 4, of a tool in this pose; `beyond` is `true`
+    /// if the tool cuts beyond the spindle axis.
     const fn tip_number(self, beyond: bool) -> u8 {
         match (self.internal != beyond, self.left_hand) {
             (false, false) => 3,
@@ -61,7 +61,7 @@ impl ToolPose {
         }
     }
 
-    /// Returns all four poses for a use of a tool, the most probable first.
+    /// Returns all four mounting orientations for a use of a tool, the most probable first.
     fn probable_poses(used: &ToolUse) -> [Self; 4] {
         let (internal, left_hand) = (used.is_internal(), used.is_left_hand());
         let pose = |internal, left_hand| Self {
@@ -77,12 +77,12 @@ impl ToolPose {
     }
 }
 
-/// What the guess of a tool uses besides its own moves: the other tools, the offsets and the
-/// stock.
+/// The data that the guess of a tool uses besides its own moves: the other tools, the offsets and
+/// the stock.
 pub(super) struct ToolKnowledge<'a> {
     pub(super) uses: &'a BTreeMap<u8, ToolUse>,
     pub(super) offsets: &'a Offsets,
-    /// Greatest radius of the stock, mm. `front` is Z of its face, mm.
+    /// Greatest radius of the stock, mm.
     pub(super) radius: f64,
     pub(super) front: f64,
 }
@@ -277,7 +277,7 @@ impl ToolKnowledge<'_> {
 
 /// Slimness level of a turning tool with a square blade, if the contour permits it.
 const SQUARE_BLADE_LEVEL: u8 = 2;
-/// The highest slimness level, with the tool that touches least.
+/// The highest level of slimness: the slimmest tool, which collides least.
 pub(super) const MAX_SLIMNESS: u8 = 6;
 
 /// Returns the width of the blade for a groove, mm. A groove wider than the blade is cut in several

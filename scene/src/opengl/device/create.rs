@@ -7,11 +7,11 @@ use crate::mesh::VERTEX_BYTES;
 use crate::part::outline::{EDGE_FLOATS, MAX_EDGES};
 use crate::tool_path::LINE_VERTEX_BYTES;
 
-/// Bytes of the texture of the longest outline.
+/// Size of the texture for the longest outline of a part, bytes.
 const OUTLINE_BYTES: i64 = (MAX_EDGES * EDGE_FLOATS * 4) as i64;
 
 impl Device<'_> {
-    /// Compiles and links a program.
+    /// Compiles and links a shader program.
     pub fn create_program(
         self,
         definitions: &str,
@@ -129,7 +129,7 @@ impl Device<'_> {
         }
     }
 
-    /// Creates an empty array of vertices, for the triangle that covers the picture.
+    /// Creates an empty vertex array, for the triangle that covers the picture.
     pub fn create_array(self) -> Result<glow::VertexArray, SceneError> {
         // SAFETY: the context is current.
         let array = unsafe { self.gl.create_vertex_array() }.map_err(SceneError::Object)?;
@@ -242,7 +242,7 @@ impl Device<'_> {
         }
     }
 
-    /// Creates the texture of the part's outline.
+    /// Creates the texture that holds the outline of the part.
     pub fn create_outline(self) -> Result<glow::Texture, SceneError> {
         // SAFETY: the context is current; the name is created here.
         unsafe {
@@ -254,7 +254,7 @@ impl Device<'_> {
         }
     }
 
-    /// Writes one row of texels of four floats.
+    /// Writes the first row of the outline texture, texels of four floats.
     pub fn write_outline(self, texture: glow::Texture, texels: &[f32]) {
         let bytes: Vec<u8> = texels.iter().flat_map(|it| it.to_ne_bytes()).collect();
         let width = (texels.len() / 4) as i32;
@@ -302,14 +302,14 @@ impl Device<'_> {
         }
     }
 
-    /// Deletes a program.
+    /// Deletes a shader program.
     pub fn delete_program(self, program: &SceneProgram) {
         // SAFETY: the context is current and has created the program.
         unsafe { self.gl.delete_program(program.program) };
         self.tally.add(-1, 0);
     }
 
-    /// Deletes the buffers of a mesh.
+    /// Deletes the OpenGL buffers of a mesh.
     pub fn delete_mesh(self, mesh: &GpuMesh) {
         // SAFETY: the context is current and has created the buffers.
         unsafe {
@@ -320,7 +320,7 @@ impl Device<'_> {
         self.tally.add(-3, -mesh.bytes);
     }
 
-    /// Deletes a target with its texture.
+    /// Deletes a draw target with its texture.
     pub fn delete_target(self, target: &DrawTarget) {
         // SAFETY: the context is current and has created the target.
         unsafe {
@@ -334,7 +334,7 @@ impl Device<'_> {
         self.tally.add(-objects, -bytes);
     }
 
-    /// Deletes an array of vertices.
+    /// Deletes a vertex array.
     pub fn delete_array(self, array: glow::VertexArray) {
         // SAFETY: the context is current and has created the array.
         unsafe { self.gl.delete_vertex_array(array) };

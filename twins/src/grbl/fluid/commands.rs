@@ -198,7 +198,7 @@ impl GrblTwin {
         self.settings.set(10, fields)
     }
 
-    /// Sends the settings that Grbl hosts look for in `$$`.
+    /// Sends the few numbered settings that Grbl hosts read, the answer to `$$`.
     fn list_grbl_settings(&mut self) {
         let mut text = String::new();
         for number in [13, 10] {

@@ -8,7 +8,7 @@ const ALARM_DELAY_NS: u64 = 500 * MS;
 /// Maximum number of events in the queue.
 const MAX_EVENTS: usize = 50;
 
-/// An event in the queue of the main task.
+/// An event in the queue of FluidNC's main task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FluidEvent {
     Start,
@@ -20,7 +20,7 @@ pub(super) enum FluidEvent {
     Alarm(u8),
     /// The limit switch of an axis (0 for X, 1 for Z) was operated (true) or released.
     Limit(usize, bool),
-    /// The emergency stop was operated (true) or released.
+    /// The emergency stop was operated (`true`) or released (`false`).
     Emergency(bool),
     /// The delay of an alarm that needs a reset has elapsed.
     ResetToContinue,
@@ -56,7 +56,7 @@ impl GrblTwin {
         }
     }
 
-    /// Handles the start event after power-on.
+    /// Handles the start event after power-on: reports active input pins and queues a restart.
     fn handle_start(&mut self) {
         let pins = self.pin_letters();
         if !pins.is_empty() {

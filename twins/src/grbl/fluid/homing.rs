@@ -19,12 +19,12 @@ use super::{FluidEvent, MS};
 const AXES: [(usize, &str, char); 2] = [(0, "axes/x", 'X'), (2, "axes/z", 'Z')];
 /// Delay from the end of a pull-off to the check of the switch, ns.
 const SWITCH_CHECK_DELAY_NS: u64 = 10 * MS;
-/// Highest number of a homing cycle in the configuration.
+/// Greatest number of a homing cycle in the configuration.
 const MAX_CYCLE: i64 = 6;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum HomingPhase {
-    /// A pull-off from a switch that is operated at the start.
+    /// The axis moves off a switch that is operated at the start of homing.
     Clear,
     Seek,
     PullOffAfterSeek,
@@ -41,17 +41,17 @@ impl HomingPhase {
 /// The move of one axis in a homing phase.
 #[derive(Clone, Copy, Debug)]
 struct AxisMove {
-    /// Distance to move, mm, with its sign.
+    /// Distance of the move with its sign, mm.
     distance_mm: f64,
     /// Speed of the move, mm/s.
     rate_mm_per_s: f64,
-    /// Pulses of the axis per mm.
+    /// Number of pulses of the axis per mm.
     pulses_per_mm: f64,
     travelled_mm: f64,
     pulses_made: i64,
 }
 
-/// The homing cycle that the board executes.
+/// The state of the homing cycle that the board executes.
 #[derive(Clone, Debug)]
 pub(super) struct HomingCycle {
     /// Position of X, Y, Z at the start of homing, pulses.
@@ -232,7 +232,7 @@ impl GrblTwin {
         self.fluid.cycle = Some(cycle);
     }
 
-    /// Advances homing by one time step.
+    /// Advances homing by a time step of `seconds`.
     pub(super) fn advance_homing_cycle(&mut self, seconds: f64) {
         let Some(mut cycle) = self.fluid.cycle.take() else {
             return;

@@ -12,14 +12,14 @@ use super::{BAND_HEIGHT, SECOND_TICKS, to_seconds};
 use crate::widgets::key_label::key_label;
 use crate::{focus, theme};
 
-/// Seconds by which a page key moves the handle.
+/// Number of seconds by which a page key moves the handle of the time line.
 const PAGE_SECONDS: u64 = 10;
 /// Distance at which the pointer is on a mark, points.
 const MARK_DISTANCE: f32 = 4.0;
-/// Number of different lengths of marks.
+/// Number of different lengths with which marks are drawn.
 const LEVELS: usize = 5;
 
-/// The band between two frames.
+/// The state of the time line's band between two frames.
 #[derive(Debug, Default)]
 pub(super) struct Band {
     /// The tick to which the pointer has dragged the handle; `None` while it does not drag.
@@ -28,7 +28,7 @@ pub(super) struct Band {
     has_pointer_focus: bool,
 }
 
-/// Converts ticks to positions on the band.
+/// Converts ticks to horizontal positions on the time line.
 #[derive(Clone, Copy)]
 struct Scale {
     bounds: Rect,

@@ -9,7 +9,7 @@ use crate::theme;
 
 /// Height of the graph, points.
 const GRAPH_HEIGHT: f32 = 190.0;
-/// Width of the scale at the left, points.
+/// Width of the scale at the left of the graph, points.
 const SCALE_WIDTH: f32 = 56.0;
 /// Height of the line of positions below the graph, and of the legend above, points.
 const MARGIN_HEIGHT: f32 = 18.0;

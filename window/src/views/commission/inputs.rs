@@ -5,7 +5,7 @@ use gsk_commission::{BacklashReading, DriveKind, SlideTravel, ZeroMethod};
 use gsk_core::units::parse_finite;
 use gsk_messages::{Language, Message, say};
 
-/// Width of a field, points.
+/// Width of an input field, points.
 const FIELD_WIDTH: f32 = 90.0;
 
 /// The texts and choices that the operator has entered in all steps.
@@ -18,21 +18,21 @@ pub struct CommissionInputs {
     pub plate_texts: [String; 4],
     /// Gear step, from a move: commanded distance and measured distance, mm.
     pub move_texts: [String; 2],
-    /// Following error step: the kind of the drives.
+    /// Following error step: the type of the drives.
     pub drive_kind: DriveKind,
-    /// Following error step: measured error and allowed error, mm.
+    /// Following error step: measured and permitted following error, mm, as typed.
     pub following_error_texts: [String; 2],
-    /// Machine zero step: how the machine zero is found.
+    /// Machine zero step: the method by which the machine zero is found.
     pub zero_method: ZeroMethod,
     /// Spindle step: number of the gear, measured speed in r/min, voltage in V.
     pub spindle_texts: [String; 3],
-    /// Backlash step: one pair of readings per line.
+    /// Backlash step: the readings as typed, one pair per line.
     pub backlash_text: String,
-    /// Pitch error step: the interval of the points, mm.
+    /// Pitch error step: the interval between points, mm, as typed.
     pub pitch_interval_text: String,
     /// Pitch error step: whether the table was empty during the measurement.
     pub is_table_empty: bool,
-    /// Pitch error step: whether the X targets are diameters.
+    /// Pitch error step: whether the X target positions are diameters.
     pub are_targets_diameters: bool,
 }
 

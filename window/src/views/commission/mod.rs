@@ -36,7 +36,7 @@ const CHANGES_HEIGHT: f32 = 160.0;
 /// The view for commissioning a machine step by step.
 pub struct CommissionView {
     console: Console,
-    /// Whether the operator has requested to see the scope.
+    /// Whether the operator has requested that the scope opens.
     wants_scope: bool,
     step: CommissioningStep,
     axis: Axis,

@@ -21,7 +21,7 @@ use crate::widgets::files::{self, FileChoice};
 
 /// Number of intervals into which the drawn corrections are divided.
 const DRAWN_INTERVALS: i32 = 600;
-/// Height of the list of points, points.
+/// Height of the list of table points, in window points.
 const LIST_HEIGHT: f32 = 150.0;
 
 /// Extensions of measurement files, in lower case without the dot.

@@ -10,16 +10,16 @@ use gsk_panel::pages::CoordinateFormat;
 pub struct DataValues<'a> {
     pub parameters: &'a ControlParameters,
     pub pitch: &'a PitchTable,
-    /// Why parameters cannot be written now; `None` if they can.
+    /// The reason why parameters cannot be written at the moment; `None` if they can.
     pub parameters_refusal: Option<WriteRefusal>,
     pub offsets: &'a OffsetTable,
     pub variables: &'a VariableTable,
-    /// Texts of the current alarms and PLC messages.
+    /// Texts of the alarms and PLC messages that are active.
     pub alarms: &'a [String],
 }
 
 impl<'a> DataValues<'a> {
-    /// Creates the values of a running control.
+    /// Creates the values that the pages show for a running control.
     pub fn of_control(machine: &'a MachineView) -> Self {
         Self {
             parameters: &machine.parameters,

@@ -12,7 +12,7 @@ use gsk_messages::{Message, say};
 
 use super::data_values::DataValues;
 
-/// Millimetres per inch.
+/// Number of millimetres in an inch.
 const MM_PER_INCH: f64 = 25.4;
 
 /// A column of the tool offset table.
@@ -28,7 +28,7 @@ impl ToolOffsetField {
     /// All columns in the order of the control's page.
     pub const ALL: [Self; 4] = [Self::X, Self::Z, Self::R, Self::T];
 
-    /// The letter in the heading of the column.
+    /// Returns the letter in the heading of the column.
     pub const fn letter(self) -> &'static str {
         match self {
             Self::X => "X",
@@ -57,28 +57,28 @@ impl ToolOffsetField {
     }
 }
 
-/// Identifies the field that shows a value.
+/// Identifies a value of the control that a field of the data pages shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum DataField {
     /// A parameter by its number; a state parameter with all its bits.
     Parameter(u16),
-    /// A tool offset by its row and column.
+    /// A tool offset: its number and the column.
     Offset(u8, ToolOffsetField),
-    /// A point of the pitch error table of X.
+    /// The point with this number of the pitch error table of X.
     PitchX(u8),
-    /// A point of the pitch error table of Z.
+    /// The point with this number of the pitch error table of Z.
     PitchZ(u8),
-    /// A macro variable by its number.
+    /// The macro variable with this number.
     Variable(u16),
 }
 
-/// A new value for a field, not written yet.
+/// A new value for a field, which is not written to the control yet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DataEdit {
     Parameter(ParameterChange),
-    /// A new tool offset.
+    /// A new value of a tool offset.
     Offset {
-        /// Row of the tool offset table.
+        /// Number of the tool offset.
         number: u8,
         /// Column of the tool offset table.
         part: ToolOffsetField,
@@ -88,9 +88,9 @@ pub enum DataEdit {
     /// A new value of a macro variable.
     Variable {
         number: u16,
-        /// New value; `None` sets the variable to null.
+        /// New value of the variable; `None` sets it to null.
         value: Option<f64>,
-        /// Whether the variable accepts fractions and null.
+        /// Whether the variable can be a fraction or null.
         is_real: bool,
     },
 }
@@ -173,7 +173,8 @@ impl DataEdit {
         }
     }
 
-    /// Why the control would refuse the edit now; `None` if it would accept it.
+    /// Returns the reason why the control would refuse the edit at the moment; `None` if it would
+    /// accept it.
     pub const fn refusal(self, machine: &DataValues<'_>) -> Option<WriteRefusal> {
         match self {
             Self::Parameter(_) => machine.parameters_refusal,
@@ -363,18 +364,18 @@ pub struct Drafts {
 }
 
 impl Drafts {
-    /// The text of a field: what was typed, else its current value.
+    /// Returns the text of a field: the typed text, or else its current value.
     pub fn text(&self, field: DataField, machine: &DataValues<'_>) -> String {
         let typed = self.texts.get(&field).cloned();
         typed.unwrap_or_else(|| field.current_text(machine))
     }
 
-    /// Whether something was typed into the field.
+    /// Whether the operator has typed into the field.
     pub fn has_draft(&self, field: DataField) -> bool {
         self.texts.contains_key(&field)
     }
 
-    /// Stores the typed text of a field.
+    /// Stores the text that was typed into a field.
     pub fn set(&mut self, field: DataField, text: String) {
         self.texts.insert(field, text);
     }
@@ -410,12 +411,12 @@ impl Drafts {
             .retain(|field, text| !is_current(*field, text, machine));
     }
 
-    /// Drops all typed texts.
+    /// Discards all typed texts.
     pub fn discard(&mut self) {
         self.texts.clear();
     }
 
-    /// Number of fields with a typed text.
+    /// Returns the number of fields with a typed text.
     pub fn count(&self) -> usize {
         self.texts.len()
     }

@@ -37,7 +37,7 @@ pub enum DataPage {
 /// The kinds of parameters that a page lists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParameterKind {
-    /// State and data parameters.
+    /// State parameters and data parameters.
     All,
     /// State parameters, which consist of eight bits.
     State,
@@ -85,7 +85,7 @@ impl View for DataView {
 }
 
 impl DataView {
-    /// Creates the view at the page of all parameters.
+    /// Creates the data view at the page of all parameters.
     pub fn new(console: Console) -> Self {
         Self {
             console,

@@ -38,7 +38,7 @@ const SIDE_BY_SIDE_WIDTH: f32 = 700.0;
 const DETAILS_WIDTH: f32 = 330.0;
 const DETAILS_HEIGHT_SHARE: f32 = 0.45;
 const UNSELECTED_HEIGHT: f32 = 44.0;
-/// Width of the field of a value, points.
+/// Width of the field for a parameter value, points.
 const VALUE_WIDTH: f32 = 110.0;
 
 /// The page with the list of parameters and the selected parameter.
@@ -54,7 +54,7 @@ pub struct ParameterSheet {
 }
 
 impl ParameterSheet {
-    /// Draws the list and the selected parameter.
+    /// Draws the list of parameters and the selected parameter.
     pub fn show(
         &mut self,
         ui: &mut Ui,

@@ -20,16 +20,17 @@ const PAGE_LIST_WIDTH: f32 = 180.0;
 /// Height of the undo list, points.
 const UNDO_LIST_HEIGHT: f32 = 110.0;
 
-/// Where the pages write values.
+/// The target into which the pages write values: the control or a project.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WriteTarget {
-    /// Into a control, if the operator has the rights. The list of pages is drawn.
+    /// The pages write into a control, if the operator has the rights. They draw the list of pages.
     Control,
-    /// Into a project. The list of pages is not drawn, because the project's tree lists them.
+    /// The pages write into an open project. They draw no list of pages, because the project's tree
+    /// lists them.
     Project,
 }
 
-/// Values that the operator requests to write together.
+/// Values that the operator requests to write in one step.
 pub struct WriteRequest {
     pub edits: Vec<DataEdit>,
     /// Whether the edits undo values that were written earlier.
@@ -40,14 +41,14 @@ pub struct WriteRequest {
 pub struct DataSheets {
     target: WriteTarget,
     page: DataPage,
-    /// The parameter page that the operator had selected last.
+    /// The parameter page that was selected last.
     last_parameter_page: DataPage,
     parameters: ParameterSheet,
     drafts: Drafts,
     /// Whether the operator pressed the write button while a typed text was invalid.
     shows_draft_error: bool,
-    /// Why the last request was refused, and the typed texts at that time; `None` without a
-    /// refusal.
+    /// The reason why the last request was refused, with the typed texts at that time; `None`
+    /// without a refusal.
     refusal: Option<(Message, Drafts)>,
     undo: UndoList<DataEdit, DataEdit>,
     /// Whether values were written, so that typed texts that equal the current values are
@@ -56,7 +57,7 @@ pub struct DataSheets {
 }
 
 impl DataSheets {
-    /// Creates the pages at that of all parameters.
+    /// Creates the data pages, showing that of all parameters.
     pub fn new(target: WriteTarget) -> Self {
         Self {
             target,
@@ -71,7 +72,7 @@ impl DataSheets {
         }
     }
 
-    /// Whether typed values are not written yet.
+    /// Whether any typed value is not written yet.
     pub fn has_drafts(&self) -> bool {
         self.drafts.count() > 0
     }
@@ -88,7 +89,7 @@ impl DataSheets {
         };
     }
 
-    /// Shows why the last request was refused.
+    /// Shows the reason why the last request to write was refused.
     pub fn show_refusal(&mut self, reason: Message, request: &WriteRequest) {
         self.refusal = Some((reason, self.drafts.clone()));
         if !request.is_undo {

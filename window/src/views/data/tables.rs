@@ -9,7 +9,7 @@ use super::edit::{DataField, Drafts, ToolOffsetField};
 use super::value_field;
 use crate::focus;
 
-/// Width of the column of numbers, points.
+/// Width of the column with the numbers, points.
 const NUMBER_WIDTH: f32 = 44.0;
 /// Minimum and maximum width of a column of values, points.
 const COLUMN_WIDTH_RANGE: [f32; 2] = [52.0, 110.0];

@@ -7,7 +7,7 @@ use super::data_values::DataValues;
 use super::edit::{DataField, Drafts};
 use crate::theme;
 
-/// Draws the field for `data_field`, `width` points wide, and stores what is typed in it in
+/// Draws the input field for `data_field`, `width` points wide, and stores the typed text in
 /// `drafts`.
 pub fn show(
     ui: &mut Ui,

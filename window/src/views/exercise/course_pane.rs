@@ -12,11 +12,12 @@ use crate::theme;
 use crate::widgets::card;
 use crate::widgets::icons::Icon;
 
-/// The course of a learning platform.
+/// The pane for the course of a learning platform.
 pub struct CoursePane {
     title: String,
     progress: CourseProgress,
-    /// What happened last: a report that was accepted or not, an exercise that was refused.
+    /// Message about the last event: whether a report was accepted, or that an exercise was
+    /// refused.
     message: Option<Message>,
 }
 
@@ -36,7 +37,8 @@ impl CoursePane {
         task.map(|task| task.best)
     }
 
-    /// Whether an exercise may begin; shows a message if all its attempts are used.
+    /// Whether an exercise may begin; if all its attempts are used, shows a message and returns
+    /// false.
     pub fn permits(&mut self, task: &ExerciseTask) -> bool {
         let progress = self.progress.task(&task.id);
         let is_permitted = progress.is_some_and(TaskProgress::has_attempts_left);
@@ -68,7 +70,7 @@ impl CoursePane {
         self.show_message(ui, language);
     }
 
-    /// Draws what happened last.
+    /// Draws the message about the last event.
     pub fn show_message(&self, ui: &mut Ui, language: Language) {
         if let Some(message) = &self.message {
             let words = RichText::new(message.text(language));

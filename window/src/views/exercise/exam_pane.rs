@@ -21,10 +21,10 @@ use crate::widgets::files::run_in_thread;
 
 /// Width of the fields for name and PIN, points.
 const FIELD_WIDTH: f32 = 140.0;
-/// Time in which a second click hands in, s.
+/// Time within which a second click confirms the hand-in, s.
 const SURE_TIME: f64 = 4.0;
 
-/// What the instructor fills in before an exam.
+/// The form that the instructor fills in before an exam.
 #[derive(Default)]
 struct ExamForm {
     learner: String,
@@ -45,7 +45,7 @@ impl ExamForm {
         say::exam_form_sum(count, points, time_ms.div_ceil(60_000))
     }
 
-    /// Returns what has to be filled in before the exam can begin.
+    /// Returns messages about the fields that must be filled in before the exam can begin.
     fn missing(&self) -> Vec<Message> {
         let fields = [
             (self.learner.trim().is_empty(), say::exam_needs_name()),
@@ -57,7 +57,7 @@ impl ExamForm {
     }
 }
 
-/// The exam in the exercise view.
+/// The exam pane of the exercise view.
 pub struct ExamPane {
     console: Console,
     data: Option<PathBuf>,
@@ -94,7 +94,7 @@ impl ExamPane {
         }
     }
 
-    /// Whether an exam has begun and is not over.
+    /// Whether an exam has begun and has not ended.
     pub fn is_running(&self) -> bool {
         self.current.as_ref().is_some_and(|it| !it.exam.is_over)
     }
@@ -132,7 +132,7 @@ impl ExamPane {
         self.console.send(Command::Exercise(action));
     }
 
-    /// Begins the current exercise, or continues it.
+    /// Begins the current exercise of the exam, or continues it.
     fn begin_current(&mut self, tasks: &[Arc<ExerciseTask>]) {
         let Some(folder) = &self.current else { return };
         let Some(name) = folder.exam.current() else {
@@ -178,7 +178,7 @@ impl ExamPane {
         });
     }
 
-    /// Takes a result that has been sealed.
+    /// Receives a result that a background thread has sealed.
     pub fn receive(&mut self) {
         let Some(sealed) = self.receiver.try_iter().last() else {
             return;
@@ -250,7 +250,7 @@ impl ExamPane {
         self.show_message(ui, language);
     }
 
-    /// Begins the exam of the form.
+    /// Begins an exam with the values of the form.
     fn begin(&mut self, tasks: &[Arc<ExerciseTask>]) {
         let Some(data) = &self.data else { return };
         let chosen = tasks.iter().filter(|it| self.form.tasks.contains(&it.id));
@@ -340,7 +340,7 @@ impl ExamPane {
         }
     }
 
-    /// Ends the exam; an exercise that is under way is handed in before.
+    /// Ends the exam; an exercise in progress is handed in before.
     fn end(&mut self, is_working: bool) {
         if is_working {
             self.is_ending = true;
@@ -353,7 +353,7 @@ impl ExamPane {
         }
     }
 
-    /// Draws the buttons under the task.
+    /// Draws the buttons below the task of the exam.
     pub fn show_buttons(
         &mut self,
         ui: &mut Ui,

@@ -36,11 +36,11 @@ use crate::widgets::card::{self, Card, CardPicture};
 use crate::widgets::icons::Icon;
 use crate::widgets::mark;
 
-/// The exercises in the lesson view.
+/// The pane of the lesson view that lists and runs exercises.
 pub struct ExercisePane {
     console: Console,
     tasks: Vec<Arc<ExerciseTask>>,
-    /// Errors in the exercises of a teacher.
+    /// Errors in the exercise files of a teacher.
     load_errors: Vec<Message>,
     state: Option<ExerciseState>,
     /// The section that was measured last, and the sizes on it.
@@ -132,7 +132,7 @@ impl ExercisePane {
         }
     }
 
-    /// Whether the exercises are those of a course.
+    /// Whether the listed exercises are those of a course.
     pub const fn is_course(&self) -> bool {
         self.course.is_some()
     }
@@ -142,7 +142,7 @@ impl ExercisePane {
         &self.best
     }
 
-    /// The name of the learner.
+    /// Returns the name of the learner.
     pub fn learner(&self) -> &str {
         self.report.learner()
     }
@@ -152,7 +152,7 @@ impl ExercisePane {
         self.wants_timeline.take()
     }
 
-    /// Whether an exercise or an exam is under way.
+    /// Whether an exercise or an exam is in progress.
     pub fn is_open(&self) -> bool {
         self.state.is_some() || self.is_in_exam()
     }
@@ -183,7 +183,7 @@ impl ExercisePane {
         is_begin
     }
 
-    /// Marks a solution in a thread.
+    /// Starts to mark a solution in a background thread.
     pub fn take_solution(&mut self, solution: HandedInSolution, context: &Context) {
         if self.state.as_ref().is_some_and(|state| state.is_exam) {
             return self.exam.take_solution(solution, context);
@@ -192,7 +192,7 @@ impl ExercisePane {
         self.report.mark(solution, hints, context);
     }
 
-    /// Takes the marks that have arrived.
+    /// Receives the marks that background threads have computed.
     pub fn receive_marks(&mut self) {
         self.exam.receive();
         if let Some(found) = self.part_exercise.receive() {
@@ -283,7 +283,7 @@ impl ExercisePane {
         self.console.send(Command::Exercise(action));
     }
 
-    /// Draws the current task with what is marked, or its report.
+    /// Draws the current task with its criteria, or its report.
     pub fn show_task(&mut self, ui: &mut Ui, language: Language, part: Option<&Arc<PartView>>) {
         let is_exam = self.is_exam_shown();
         if is_exam {
@@ -340,12 +340,12 @@ impl ExercisePane {
         }
     }
 
-    /// Whether the view shows an exam, also its end.
+    /// Whether the view shows an exam, including its end.
     fn is_exam_shown(&self) -> bool {
         self.is_in_exam() || self.state.as_ref().is_some_and(|state| state.is_exam)
     }
 
-    /// Measures the part if it has changed.
+    /// Measures the dimensions of the task on the part, if the part has changed.
     fn measure(&mut self, task: &ExerciseTask, part: Option<&Arc<PartView>>) -> Vec<MeasuredSize> {
         let Some(section) = part.map(|part| &part.section) else {
             return Vec::new();
@@ -361,7 +361,7 @@ impl ExercisePane {
         }
     }
 
-    /// Draws the buttons under the task.
+    /// Draws the buttons below the task of an exercise.
     pub fn show_buttons(&mut self, ui: &mut Ui, language: Language) {
         if self.is_exam_shown() {
             let state = self.state.as_ref();
@@ -399,7 +399,7 @@ impl ExercisePane {
     }
 }
 
-/// Draws a criterion: what is demanded, its points and, for a dimension, its size on the part.
+/// Draws a criterion: its text, its points and, for a dimension, its size on the part.
 fn show_demand(
     ui: &mut Ui,
     language: Language,
@@ -435,7 +435,7 @@ fn show_demand(
     });
 }
 
-/// The picture of an exercise's card.
+/// Returns the icon on an exercise's card.
 fn task_icon(task: &ExerciseTask) -> Icon {
     match (task.faults.is_empty(), task.cuts_part()) {
         (false, _) => Icon::WARNING,

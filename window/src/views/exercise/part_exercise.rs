@@ -19,14 +19,14 @@ use crate::widgets::files::run_in_thread;
 
 /// Width of the fields for names and titles, points.
 const FIELD_WIDTH: f32 = 220.0;
-/// Rows of the field for a text.
+/// Number of rows of the field for the task's text.
 const TEXT_ROWS: usize = 3;
-/// Time limit of a new form, minutes.
+/// Default time limit in a new form, minutes.
 const USUAL_MINUTES: u32 = 60;
 /// Greatest size and deviation that can be typed, mm.
 const MAX_SIZE: f64 = 9999.0;
 
-/// What the teacher has typed and picked.
+/// The form in which a teacher turns a part into an exercise.
 #[derive(Clone)]
 struct PartExerciseForm {
     name: String,
@@ -88,7 +88,7 @@ impl PartExercisePane {
         self.data = Some(data);
     }
 
-    /// Sets the surface that is clicked with the caliper.
+    /// Sets the surface that the teacher has clicked with the caliper.
     pub const fn set_picked(&mut self, picked: Option<Feature>) {
         self.picked = picked;
     }
@@ -108,7 +108,7 @@ impl PartExercisePane {
         }
     }
 
-    /// Draws the form.
+    /// Draws the form for an exercise from a part.
     pub fn show(&mut self, ui: &mut Ui, language: Language, part: Option<&Arc<PartView>>) {
         ui.add_space(8.0);
         let heading = say::exercise_part_heading().text(language);
@@ -135,7 +135,7 @@ impl PartExercisePane {
             });
     }
 
-    /// Draws the button that adds the clicked surface.
+    /// Draws the button that adds the clicked surface as a dimension.
     fn show_add(&mut self, ui: &mut Ui, language: Language, part: Option<&Arc<PartView>>) {
         let Some(part) = part else {
             let why = say::exercise_part_no_part().text(language);
@@ -161,7 +161,7 @@ impl PartExercisePane {
         }
     }
 
-    /// Writes the exercise in a thread.
+    /// Starts a thread that writes the files of the exercise.
     fn write(&mut self, ui: &Ui, part: &Arc<PartView>) {
         let Some(data) = self.data.clone() else {
             return;
@@ -215,7 +215,7 @@ fn fill_text(typed: &LessonText, proposed: LessonText) -> LessonText {
     }
 }
 
-/// Draws the picked dimensions with their tolerances.
+/// Draws the selected dimensions with fields for their tolerances.
 fn show_dimensions(ui: &mut Ui, language: Language, dimensions: &mut Vec<PickedDimension>) {
     if dimensions.is_empty() {
         return;

@@ -29,13 +29,13 @@ const TURN_TIME: Duration = Duration::from_millis(25);
 /// Ticks that are replayed between two readings of the clock.
 const TURN_TICKS: u64 = 200;
 
-/// A solution with its marks.
+/// A solution of the learner with its marks.
 #[derive(Clone, Debug)]
 struct MarkedSolution {
     solution: Arc<HandedInSolution>,
     report: ExerciseReport,
     hints: Vec<u32>,
-    /// Points that the hints cost.
+    /// Points that are deducted for hints.
     hint_cost: u32,
 }
 
@@ -45,7 +45,7 @@ impl MarkedSolution {
     }
 }
 
-/// What is shown after the learner has handed in.
+/// What the view shows after the learner has handed a solution in.
 #[derive(Default)]
 enum ReportContent {
     #[default]
@@ -56,7 +56,7 @@ enum ReportContent {
     Failed(Message),
 }
 
-/// The report of a solution.
+/// The report about a handed-in solution, as the view shows it.
 pub struct SolutionReport {
     console: Console,
     learner: String,
@@ -64,7 +64,7 @@ pub struct SolutionReport {
     content: ReportContent,
     sender: Sender<MarkingStep>,
     receiver: Receiver<MarkingStep>,
-    /// Names of exercises whose reference solution was saved.
+    /// Channel for the names of exercises whose reference solution was saved.
     referenced: (Sender<String>, Receiver<String>),
 }
 
@@ -98,7 +98,7 @@ impl SolutionReport {
         }
     }
 
-    /// Discards the report.
+    /// Removes the report from the view.
     pub fn clear(&mut self) {
         self.content = ReportContent::Nothing;
     }
@@ -240,11 +240,11 @@ fn show_save_reference(ui: &mut Ui, language: Language, marked: &MarkedSolution)
         .clicked()
 }
 
-/// How far a solution is marked.
+/// The progress of marking a solution.
 enum MarkingStep {
-    /// This share of it is replayed, 0 to 1.
+    /// This share of the recording has been replayed, 0 to 1.
     Replayed(f32),
-    /// It is marked, or why it cannot be.
+    /// Marking has ended: with the marks, or with the reason why marking is not possible.
     Done(Result<MarkedSolution, Message>),
 }
 
@@ -351,7 +351,8 @@ fn show_marks(ui: &mut Ui, language: Language, marked: &MarkedSolution) -> Optio
     chosen
 }
 
-/// The proposed name of a result: task and learner, without what a file name cannot have.
+/// Returns the proposed file name of a result: task and learner, without characters that a file
+/// name cannot contain.
 fn result_name(task: &str, learner: &str) -> String {
     let is_plain = |c: &char| c.is_alphanumeric() || matches!(c, '-' | '_');
     let learner: String = learner

@@ -14,11 +14,11 @@ use gsk_plot::decode_png;
 
 use crate::theme;
 
-/// Height of the texts, points.
+/// Height of the texts in the drawing, points.
 const TEXT_HEIGHT: f64 = 12.0;
 /// Greatest width of the drawing, points.
 const MAX_WIDTH: f32 = 440.0;
-/// Greatest width of a hand-made drawing, points.
+/// Greatest width of a drawing made by hand, points.
 const MAX_HAND_MADE_WIDTH: f32 = 900.0;
 /// Lengths of the dashes and gaps of the axis, points.
 const DASHES: [f32; 2] = [10.0, 3.0];

@@ -38,7 +38,7 @@ fn rule_message(rule: Rule) -> Message {
     }
 }
 
-/// Describes why the control refuses a ladder, and what the user must do.
+/// Returns the message about the reason why the control refuses a ladder, and about the remedy.
 pub fn refusal_message(refusal: WriteRefusal) -> Message {
     match refusal {
         WriteRefusal::Mode => say::ladder_save_wants_edit_mode(),

@@ -9,11 +9,11 @@ use gsk_messages::{Message, say};
 /// A table of a ladder, which the instruction list writes with a directive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LadderTable {
-    /// Messages: `.MSG`.
+    /// Table of the ladder's messages (`.MSG`).
     Messages,
-    /// Comments of addresses: `.CMT`.
+    /// Table of the names of addresses (`.CMT`).
     Comments,
-    /// Start values of addresses: `.INIT`.
+    /// Table of the start values of addresses (`.INIT`).
     StartValues,
 }
 

@@ -10,7 +10,7 @@ const MAX_UNDO_STEPS: usize = 200;
 #[derive(Clone, Debug)]
 pub struct LadderDraft {
     text: String,
-    /// The ladder of the last text that compiled.
+    /// The ladder compiled from the last text without errors.
     ladder: Arc<Ladder>,
     errors: Vec<CompileError>,
     undo: Vec<String>,
@@ -40,7 +40,7 @@ impl LadderDraft {
         &self.text
     }
 
-    /// The ladder of the last text that compiled.
+    /// Returns the ladder compiled from the last text without errors.
     pub const fn ladder(&self) -> &Arc<Ladder> {
         &self.ladder
     }
@@ -59,7 +59,7 @@ impl LadderDraft {
         }
     }
 
-    /// Whether the text differs from the saved one.
+    /// Whether the text differs from the saved text.
     pub fn is_changed(&self) -> bool {
         self.text != self.saved_text
     }
@@ -106,7 +106,7 @@ impl LadderDraft {
         }
     }
 
-    /// Whether undo is possible, and whether redo is.
+    /// Returns whether undo is possible, and whether redo is possible.
     pub const fn can_undo_redo(&self) -> (bool, bool) {
         (!self.undo.is_empty(), !self.redo.is_empty())
     }

@@ -21,7 +21,7 @@ pub(super) const WIRE_OFFSET: f32 = 30.0;
 /// Distance from the last contact to the outputs, points.
 pub(super) const LEAD_LENGTH: f32 = 22.0;
 
-/// What the drawing of a rung needs besides the rung.
+/// The data that the drawing of a rung needs besides the rung.
 pub struct RungContext<'a> {
     pub ladder: &'a Ladder,
     /// The PLC memory; `None` if the drawn ladder is not the running one.
@@ -49,7 +49,7 @@ pub fn rung_width(columns: usize, comments: bool) -> f32 {
     NUMBER_WIDTH + cells + 2.0 * LEAD_LENGTH
 }
 
-/// The state of the drawing of one rung.
+/// Draws one rung of the ladder diagram.
 pub(super) struct RungPainter<'a> {
     pub(super) ui: &'a Ui,
     pub(super) context: &'a RungContext<'a>,

@@ -21,7 +21,7 @@ use gsk_messages::{Language, say};
 /// Number for [`LadderDraft::set_text`] of changes typed into the whole list, where rungs
 /// count from 1.
 const WHOLE_LIST: u32 = 0;
-/// Instructions of a new rung.
+/// Instructions that a new rung gets.
 const NEW_RUNG: &str = "LD X0.0\nOUT R0.0";
 
 /// The state of the text field with a rung's instructions.
@@ -31,7 +31,7 @@ pub struct RungEditor {
     /// Line of the list, from 1, at which the rung begins.
     first_line: u32,
     text: String,
-    /// The ladder with which the editor started.
+    /// The ladder with which the editor was opened.
     base_ladder: Arc<Ladder>,
     /// The list after the last change in this field. If the draft has another list, the editor
     /// starts again.
@@ -383,7 +383,7 @@ impl LadderView {
         }
     }
 
-    /// Draws the whole instruction list, with line numbers.
+    /// Draws the instruction list of the whole ladder, with line numbers.
     pub(super) fn show_list(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
         let mut clicked_line = None;
         let editing = self.is_editing;

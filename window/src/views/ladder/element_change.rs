@@ -9,13 +9,13 @@ pub enum ElementChange {
     /// Toggle a contact between normally open and normally closed, or cycle a coil through
     /// OUT, SET and RST.
     ToggleKind,
-    /// Replace the address by this one.
+    /// Replace the address of the element by this one.
     SetAddress(BitAddress),
     /// Add a contact of this address in series after the selected one.
     AddSeries(BitAddress),
     /// Add a contact or coil of this address in parallel below the selected one.
     AddParallel(BitAddress),
-    /// Remove the selected contact or coil.
+    /// Remove the selected contact or coil from its rung.
     Delete,
 }
 

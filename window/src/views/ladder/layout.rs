@@ -35,20 +35,20 @@ pub struct PositionedRung {
     pub top: f32,
     /// Height including the title and the distance to the next rung, points.
     pub height: f32,
-    /// Number of columns of contacts.
+    /// Number of columns that the contacts of the rung need.
     pub columns: usize,
 }
 
-/// The positions of all rungs of a ladder.
+/// The positions of all rungs in the drawing of a ladder.
 #[derive(Clone, Debug)]
 pub struct LadderDrawing {
     /// The ladder that is drawn.
     pub ladder: Arc<Ladder>,
     with_comments: bool,
     pub rungs: Vec<PositionedRung>,
-    /// Height of all rungs, points.
+    /// Total height of all rungs, points.
     pub height: f32,
-    /// Number of columns of contacts of the widest rung.
+    /// Number of columns that the contacts of the widest rung need.
     pub columns: usize,
 }
 

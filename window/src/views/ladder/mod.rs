@@ -38,7 +38,7 @@ use search::LadderSearch;
 /// Width of the view, points, from which the side list is always shown beside the rungs.
 const WIDE_VIEW: f32 = 940.0;
 
-/// The tabs of the ladder view.
+/// The tabs of the ladder view: diagram, list and tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Tab {
     Rungs,
@@ -84,17 +84,18 @@ pub struct LadderView {
     is_editing: bool,
     draft: Option<LadderDraft>,
     editor: Option<RungEditor>,
-    /// Texts of the fields of the selected table row.
+    /// Texts in the fields of the selected table row.
     row_fields: Vec<String>,
-    /// Why the row was refused; `None` if it was not.
+    /// The reason why the typed row was refused; `None` if it was not.
     row_error: Option<String>,
-    /// The address that the editing tools use, as typed.
+    /// The address for the editing tools, as typed.
     address_entry: String,
     /// Number of the rung to scroll to once it is drawn; `None` does not scroll.
     pending_rung: Option<u32>,
     /// Line of the list to scroll to, from 1; `None` does not scroll.
     pending_line: Option<u32>,
-    /// Why the control would refuse a ladder now; `None` if it would accept one.
+    /// The reason why the control would refuse a ladder at the moment; `None` if it would accept
+    /// one.
     refusal: Option<WriteRefusal>,
     /// Queue for an instruction list that was read from a file.
     opened_lists: Arc<ArrayQueue<String>>,
@@ -147,7 +148,7 @@ impl LadderView {
         }
     }
 
-    /// Shows a rung as soon as it is drawn.
+    /// Requests to scroll to a rung in the next frame.
     pub const fn show_rung(&mut self, number: u32) {
         self.tab = Tab::Rungs;
         self.pending_rung = Some(number);
@@ -438,7 +439,7 @@ impl LadderView {
     }
 }
 
-/// The addresses that a statement uses.
+/// Returns the addresses that a statement uses.
 fn statement_addresses(statement: &Statement) -> Vec<PlcAddress> {
     use gsk_core::plc::Operand;
     let named = |operand: &Operand| match operand {

@@ -12,7 +12,7 @@ pub fn operand_line_count(output: &Statement) -> usize {
     }
 }
 
-/// What an operand is used for, as text.
+/// Returns a text about the purpose of an operand.
 pub fn operand_role(kind: OperandKind, language: Language) -> String {
     let role = match kind {
         OperandKind::Contact => say::ladder_operand_reset(),
@@ -69,7 +69,7 @@ pub fn format_operand(
     }
 }
 
-/// Number of bytes that an operand covers.
+/// Returns the number of bytes that an operand covers.
 fn operand_bytes(statement: &Statement, kind: OperandKind) -> usize {
     if !kind.has_instruction_length() {
         return 1;

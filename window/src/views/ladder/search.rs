@@ -14,7 +14,7 @@ use gsk_messages::{Language, say};
 pub struct LadderSearch {
     text: String,
     address: Option<PlcAddress>,
-    /// Found statements, as indices in the program.
+    /// The statements that were found, as indices in the program.
     matches: Vec<usize>,
     /// Index in `matches` of the statement that is shown.
     shown_index: usize,
@@ -22,7 +22,7 @@ pub struct LadderSearch {
 }
 
 impl LadderSearch {
-    /// Clears the results and keeps the text.
+    /// Clears the search results but keeps the search text.
     pub fn clear(&mut self) {
         self.matches.clear();
         self.address = None;

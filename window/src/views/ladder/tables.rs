@@ -13,7 +13,7 @@ use crate::focus;
 use crate::theme;
 use gsk_messages::{Language, Message, say};
 
-/// Height of a row, points.
+/// Height of a table row, points.
 const ROW_HEIGHT: f32 = 22.0;
 
 /// Heading and width in points of a column. The last column takes the remaining width.

@@ -12,7 +12,7 @@ use gsk_workpiece::collision::{Obstacle, TouchingPart};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
 
-/// Turn of the tool carrier, stations per second.
+/// Speed at which the tool carrier turns, stations per second.
 const STATIONS_PER_S: f32 = 2.5;
 /// Time in which the jaws open or close, s.
 const JAW_TIME_S: f32 = 0.6;
@@ -24,14 +24,14 @@ const CUT_END_S: f32 = 0.15;
 const BLUR_RPM: f64 = 1200.0;
 /// Bend of a struck bar per depth of the collision, radians per mm.
 const BEND_PER_MM: f64 = 0.02;
-/// Least and greatest bend of a struck bar, radians.
+/// Least and greatest angle by which a collision bends the bar, radians.
 const BEND_RANGE: (f64, f64) = (0.05, 0.13);
-/// Chips leave the cut to the operator, and upwards.
+/// Direction in which chips leave the cut: to the operator, and upwards.
 const CHIP_DIRECTION: [f32; 3] = [-0.15, 0.25, 1.0];
-/// Share of the newest feed in the smoothed one.
+/// Weight of the newest feed in the smoothed feed, 0 to 1.
 const FEED_SHARE: f32 = 0.2;
 
-/// Whether the spindle is too fast for the eye.
+/// Whether the spindle is so fast that its jaws are drawn blurred.
 pub fn is_blurred(part: &PartView) -> bool {
     part.spindle_rpm.abs() > BLUR_RPM
 }
@@ -58,25 +58,25 @@ fn move_to(value: &mut f32, is_on: bool, step: f32) {
     *value += (target - *value).clamp(-step, step);
 }
 
-/// What a cut looked like at the last picture.
+/// State of the cut in the last picture, from which chips are computed.
 #[derive(Default)]
 struct CutTrack {
     section: Arc<Region>,
     tip: [f64; 2],
-    /// Time since the part has changed last, s.
+    /// Time since the part changed last, s.
     age_s: f32,
-    /// Smoothed feed, mm per turn.
+    /// Smoothed feed of the cut, mm per turn.
     feed: f32,
 }
 
-/// Animates from state to state.
+/// Animates tool carrier, jaws, quill and chips between states of the machine.
 #[derive(Default)]
 pub struct EffectsAnimation {
     chips: ChipFlow,
     cut: CutTrack,
     job: Option<Arc<Job>>,
     station: usize,
-    /// Stations that the carrier has yet to turn.
+    /// Number of stations that the tool carrier still has to turn.
     stations_left: f32,
     /// Opening of the jaws, 0 (closed) to 1 (open).
     jaw_opening: f32,
@@ -92,7 +92,7 @@ impl EffectsAnimation {
         self.quill_retraction
     }
 
-    /// Opening of the jaws, 0 (closed) to 1 (open).
+    /// Returns the opening of the jaws, 0 (closed) to 1 (open).
     pub const fn jaw_opening(&self) -> f32 {
         self.jaw_opening
     }
@@ -160,7 +160,7 @@ impl EffectsAnimation {
         self.stations_left = (self.stations_left - STATIONS_PER_S * elapsed_s).max(0.0);
     }
 
-    /// Follows the cut; `None` while no tool cuts.
+    /// Returns the source of chips at the current cut; `None` while no tool cuts.
     fn track_cut(
         &mut self,
         part: &PartView,

@@ -20,7 +20,7 @@ pub fn is_small(size: Vec2) -> bool {
 }
 
 impl LatheSceneView {
-    /// Shows all controls in rows.
+    /// Draws the controls of the lathe view in rows.
     pub(super) fn show_bar(&mut self, ui: &mut Ui, frame: ViewFrame<'_>, part: Option<&PartView>) {
         let language = frame.language;
         ui.horizontal_wrapped(|ui| {
@@ -137,7 +137,7 @@ fn show_full_screen_button(ui: &mut Ui, language: Language) {
     }
 }
 
-/// The name of a preset.
+/// Returns the name of a camera preset.
 pub fn preset_name(preset: CameraPreset) -> Message {
     match preset {
         CameraPreset::Operator => say::lathe_scene_operator(),

@@ -11,17 +11,17 @@ use crate::settings::StoredSceneCamera;
 
 /// Exponent of the zoom factor per point that the wheel scrolls.
 const ZOOM_PER_POINT: f32 = 0.004;
-/// Drag that a cursor key stands for, points.
+/// Drag distance that corresponds to one press of a cursor key, points.
 const KEY_DRAG: f32 = 24.0;
-/// Zoom factor of a key.
+/// Zoom factor of one key press.
 const KEY_ZOOM: f32 = 1.15;
 /// Units of the stored numbers: a thousandth of a millimetre or of a radian.
 const STORED_UNIT: f32 = 0.001;
 
-/// The camera of the view.
+/// The camera of the lathe view, and its preset.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CameraControl {
-    /// The camera; `None`: as the preset has it.
+    /// The camera; `None` while it is that of the preset.
     camera: Option<OrbitCamera>,
     /// The chosen preset; `None` once the operator has moved the camera.
     preset: Option<CameraPreset>,
@@ -32,7 +32,7 @@ pub struct CameraControl {
 }
 
 impl CameraControl {
-    /// Creates the camera that the settings have stored.
+    /// Creates the camera from the stored settings.
     pub fn from_stored(stored: Option<StoredSceneCamera>) -> Self {
         let Some(stored) = stored else {
             return Self {
@@ -91,19 +91,19 @@ impl CameraControl {
         self.preset
     }
 
-    /// Chooses a preset.
+    /// Moves the camera to a preset.
     pub const fn choose(&mut self, preset: CameraPreset) {
         self.preset = Some(preset);
         self.camera = None;
         self.follows_tool = preset.follows_tool();
     }
 
-    /// Whether the camera moves with the tool.
+    /// Whether the camera follows the tool.
     pub const fn follows_tool(&self) -> bool {
         self.follows_tool
     }
 
-    /// Sets whether the camera moves with the tool.
+    /// Sets whether the camera follows the tool.
     pub const fn set_follows_tool(&mut self, follows: bool) {
         self.follows_tool = follows;
     }
@@ -117,8 +117,8 @@ impl CameraControl {
         self.choose(next.unwrap_or_default());
     }
 
-    /// Moves the camera by what the operator does in the picture, and returns it. `has_digits`:
-    /// the digit keys belong to the view, and not to the panel.
+    /// Moves the camera by the operator's input in the picture, and returns it. `has_digits`: the
+    /// digit keys belong to the view, and not to the panel.
     pub fn update(
         &mut self,
         ui: &Ui,

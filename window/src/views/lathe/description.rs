@@ -29,15 +29,17 @@ const BENCH_CHUCK_MM: f64 = 100.0;
 const JAW_TRAVEL_MM: f32 = 5.0;
 /// Distance by which a retracted quill is away from the part, mm.
 const QUILL_TRAVEL_MM: f32 = 45.0;
-/// Time in which the guard opens or closes, s.
+/// Time in which the machine guard opens or closes, s.
 const DOOR_TIME_S: f32 = 0.8;
 /// Cotangent of half the angle of a centre, 30 degrees.
 const CENTER_COTANGENT: f64 = 1.732;
 
-/// What determines the tools: job, tool in use, machine, and whether its insert is broken.
+/// The data that determine the drawn tools: job, tool in use, machine, and whether its insert is
+/// broken.
 type ToolsKey = (Arc<Job>, u8, LatheKind, bool);
 
-/// Builds descriptions; keeps what changes with the job or the part only.
+/// Builds the descriptions from which the lathe is drawn; keeps the data that change only with the
+/// job or the part.
 #[derive(Default)]
 pub struct SceneDescriber {
     section: Arc<Region>,
@@ -45,7 +47,7 @@ pub struct SceneDescriber {
     outline_job: Option<Arc<Job>>,
     threads: Arc<Vec<ThreadZone>>,
     path: ScenePath,
-    /// The sector that is cut out of the part.
+    /// The sector that is cut out of the drawn part.
     pub section_cut: SectionCut,
     tools: Vec<Option<MountedTool>>,
     tools_key: Option<ToolsKey>,

@@ -2,15 +2,15 @@
 
 use gsk_runner::machining::CollisionFinding;
 
-/// Time of a jolt, s.
+/// Duration of the shake of the picture after a crash, s.
 const JOLT_S: f64 = 0.6;
-/// First deflection, mm.
+/// First deflection of the shake, mm.
 const DEFLECTION_MM: f64 = 14.0;
-/// Decay per second, and angular frequency.
+/// Decay of the shake, per second.
 const DECAY: f64 = 7.0;
 const FREQUENCY: f64 = 70.0;
 
-/// The last crash, and when it began.
+/// Shakes the picture after a crash: the last crash and its time.
 #[derive(Default)]
 pub struct PictureJolt {
     crash: Option<CollisionFinding>,

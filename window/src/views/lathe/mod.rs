@@ -30,29 +30,29 @@ use jolt::PictureJolt;
 use picture::ScenePicture;
 pub use recorder::{SceneRecorder, encode_scene};
 
-/// Time between two pictures while something moves, s.
+/// Time between two pictures while anything moves, s.
 const FRAME_INTERVAL_S: f64 = 1.0 / 30.0;
 /// Time without a change after which the picture is drawn at full size, s.
 const STILL_DELAY_S: f64 = 0.25;
 /// Greatest time between two pictures that counts as the time of one, s.
 const LONGEST_PICTURE_S: f64 = 1.0;
 
-/// The view that shows the lathe in space.
+/// The view that shows the lathe in 3D.
 pub struct LatheSceneView {
     picture: ScenePicture,
     describer: SceneDescriber,
     camera: CameraControl,
-    /// The programmed path of the machine view.
+    /// The programmed path, taken from the machine view.
     path: Arc<DrawnPath>,
     /// Whether the programmed path is drawn.
     shows_path: bool,
     jolt: PictureJolt,
-    /// What the last picture showed, and when it changed, s.
+    /// Description and camera of the last picture; `None` before the first.
     shown: Option<(LatheDescription, OrbitCamera)>,
     changed_at_s: f64,
-    /// Time of the last picture, s.
+    /// Time at which the last picture was drawn, s.
     drawn_at_s: f64,
-    /// Whether something moved in the last picture.
+    /// Whether anything moved in the last picture.
     was_moving: bool,
 }
 

@@ -11,7 +11,7 @@ use crate::views::machine::path::{DrawnPath, SegmentKind};
 /// Least time between two conversions of a path that still grows, s.
 const GROWING_INTERVAL_S: f64 = 0.5;
 
-/// The programmed path, converted when it changes.
+/// The programmed path for the 3D view, converted when it changes.
 #[derive(Default)]
 pub struct ScenePath {
     source: Option<Arc<DrawnPath>>,

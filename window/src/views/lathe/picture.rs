@@ -19,14 +19,14 @@ const MAX_PROCESSOR_SIDE: f32 = 1000.0;
 /// Pictures of the processor after which OpenGL is tried again: a lost context may be back.
 const RETRY_PICTURES: u32 = 60;
 
-/// The renderer, and the result of its last picture.
+/// The OpenGL renderer, with the result of its last picture.
 #[derive(Default)]
 struct GlPainter {
     renderer: SceneRenderer,
     last: Option<Result<SceneFigures, SceneError>>,
 }
 
-/// The picture that the processor has drawn last.
+/// The last picture that the processor has drawn.
 struct ProcessorPicture {
     texture: TextureHandle,
     lathe: LatheDescription,
@@ -35,26 +35,26 @@ struct ProcessorPicture {
     is_refining: bool,
 }
 
-/// What was drawn last, for the tooltip and the log.
+/// Statistics of the last picture, for the tooltip and the log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PictureFigures {
     pub level: SceneLevel,
-    /// Bytes of the objects of OpenGL.
+    /// Size of the contents of the OpenGL objects, bytes.
     pub bytes: i64,
-    /// Number of objects of OpenGL.
+    /// Number of existing OpenGL objects.
     pub objects: i64,
 }
 
-/// Draws pictures of the lathe.
+/// Draws pictures of the lathe with OpenGL or the processor.
 #[derive(Default)]
 pub struct ScenePicture {
     gl: Arc<Mutex<GlPainter>>,
     levels: LevelChooser,
     processor: SoftwareRenderer,
     processor_picture: Option<ProcessorPicture>,
-    /// Number of pictures since OpenGL has failed.
+    /// Number of pictures that were drawn since OpenGL has failed.
     failed_pictures: u32,
-    /// The figures in the log.
+    /// The statistics that were logged last; `None` before the first.
     logged: Option<PictureFigures>,
 }
 
@@ -69,7 +69,7 @@ impl ScenePicture {
         lock(&self.gl).renderer.release(gl);
     }
 
-    /// What was drawn last; `None` before the first picture.
+    /// Returns the statistics of the last picture; `None` before the first picture.
     pub fn figures(&mut self) -> Option<PictureFigures> {
         match &lock(&self.gl).last {
             Some(Ok(figures)) => Some(PictureFigures {
@@ -98,12 +98,12 @@ impl ScenePicture {
         }
     }
 
-    /// Adds the time between two pictures while something moves, s.
+    /// Adds the time between two pictures, s, while anything moves.
     pub fn add_time(&mut self, time_s: f64) {
         self.levels.add_time(time_s);
     }
 
-    /// Draws a picture into a rectangle.
+    /// Draws a picture of the lathe into a rectangle.
     pub fn show(
         &mut self,
         ui: &Ui,
@@ -186,7 +186,7 @@ impl ScenePicture {
         });
     }
 
-    /// Draws by the processor: at a third of the size while something moves.
+    /// Draws the picture with the processor: at a third of its size while anything moves.
     fn show_processor_picture(
         &mut self,
         ui: &Ui,

@@ -20,13 +20,13 @@ use super::SceneDescriber;
 /// Time from one picture of an animation to the next, ms.
 const INTERVAL_MS: u16 = 80;
 
-/// Cuts a part move by move and describes the lathe at evenly spaced moments.
+/// Cuts a part move by move and describes the lathe at evenly spaced times.
 pub struct SceneRecorder {
     describer: SceneDescriber,
     job: Arc<Job>,
     rear_tool_post: bool,
     fittings: LatheFittings,
-    /// Version of the part, and its half section.
+    /// Version of the part and its half section at the last recorded picture.
     section: (Option<u64>, Arc<Region>),
     lathes: Vec<LatheDescription>,
     interval_s: f64,
@@ -93,7 +93,8 @@ impl SceneRecorder {
         self.last = self.state_at(machining, executed, executed.to);
     }
 
-    /// Describes the lathe at the end of the program, and returns all moments.
+    /// Describes the lathe at the end of the program, and returns the descriptions of all recorded
+    /// times.
     pub fn into_lathes(mut self, machining: &Machining) -> Vec<LatheDescription> {
         self.describe(machining);
         self.lathes
@@ -151,9 +152,10 @@ impl SceneRecorder {
     }
 }
 
-/// Draws the moments as a picture file: as an animation if there are several.
+/// Draws the descriptions of the lathe as a picture file: as an animation if there are several.
 ///
 /// # Errors
+///
 /// The picture cannot be encoded.
 pub fn encode_scene(
     lathes: &[LatheDescription],

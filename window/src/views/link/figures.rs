@@ -14,7 +14,7 @@ use gsk_messages::{Language, say};
 /// Interval between two readings of the traffic counters, s.
 const INTERVAL: f64 = 1.0;
 
-/// Computes the rates of the traffic from its counters.
+/// Computes the traffic rates (per second) from the counters.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TrafficRates {
     last_time_s: f64,
@@ -45,14 +45,14 @@ impl TrafficRates {
     }
 }
 
-/// A section of the link page with its figures.
+/// A titled section of the link page with rows of values.
 pub struct FigureSection {
     pub title: String,
-    /// The rows of the section: name and value.
+    /// The rows of the section: each has a name and a value.
     pub rows: Vec<(String, String)>,
 }
 
-/// Draws all sections of figures.
+/// Draws all sections of the link page.
 pub fn show(ui: &mut Ui, language: Language, view: &LinkView, rates: &TrafficRates) {
     let counts_agree = view.counted.map(|counted| counted == view.commanded);
     for (index, section) in build_sections(language, view, rates)
@@ -287,7 +287,7 @@ fn contacts_section(language: Language, view: &LinkView) -> FigureSection {
     }
 }
 
-/// Describes what the index signal reports about the spindle.
+/// Describes the state of the spindle's index signal.
 fn spindle_index_text(language: Language, view: &LinkView) -> String {
     if !view.is_connected {
         return "-".to_owned();

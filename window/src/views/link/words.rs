@@ -4,7 +4,7 @@ use gsk_link::{Input, LinkState, Output};
 
 use gsk_messages::{Message, say};
 
-/// Describes what the operator can do in this state of the link; `None` if nothing is needed.
+/// Returns advice for the operator in this state of the link; `None` if no action is needed.
 pub fn advice(state: LinkState) -> Option<Message> {
     Some(match state {
         LinkState::Configure => say::link_page_advice_configure(),
@@ -38,7 +38,7 @@ pub fn input_rows() -> [(&'static [Input], Message); 5] {
     ]
 }
 
-/// The signal name of an output of the board.
+/// Returns the signal name of an output of the board.
 pub const fn output_name(output: Output) -> &'static str {
     match output {
         Output::Enable => "nEN",

@@ -14,7 +14,7 @@ const JAW_ANGLES: [f32; 3] = [0.0, TAU / 3.0, 2.0 * TAU / 3.0];
 /// Maximum speed at which the spindle is drawn, r/min, at which the eye still sees the
 /// direction.
 const MAX_DRAWN_RPM: f32 = 90.0;
-/// Time between two frames of a turning spindle, s.
+/// Time between two frames while the spindle turns, s.
 const FRAME_INTERVAL_S: f32 = 1.0 / 30.0;
 /// Position of the coolant nozzle relative to the tool tip, Z and X, mm.
 const NOZZLE_OFFSET_MM: (f32, f32) = (14.0, 34.0);

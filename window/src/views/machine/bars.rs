@@ -20,7 +20,7 @@ const LIST_HEIGHT: f32 = 72.0;
 /// An instrument with its icon, its name and the hint for its button.
 type InstrumentRow = (Instrument, Icon, fn() -> Message, fn() -> Message);
 
-/// The instruments in the order of their buttons.
+/// The instruments (path, caliper, …) in the order of their buttons.
 const INSTRUMENTS: [InstrumentRow; 4] = [
     (
         Instrument::Path,
@@ -133,8 +133,8 @@ impl LatheView {
         }
     }
 
-    /// Draws the pointer's position, the block, the text of the instrument in use, the clock,
-    /// what is guessed about the job, and the collisions.
+    /// Draws the row below the picture: pointer position, block, text of the instrument, clock,
+    /// guesses about the job, and collisions.
     pub(super) fn show_state(&mut self, ui: &mut Ui, language: Language) {
         ui.horizontal(|ui| {
             let pointer = self.pointer.map_or_else(String::new, |at| {
@@ -277,7 +277,7 @@ impl LatheView {
         format!("{}  {text}", Self::format_block_name(block))
     }
 
-    /// Formats the program and the line of a block.
+    /// Formats program and line of a block, for messages.
     fn format_block_name(block: BlockRef) -> String {
         let line = block.line;
         match block.program {

@@ -82,7 +82,7 @@ impl Caliper {
         };
     }
 
-    /// The feature that was clicked; `None` without one.
+    /// Returns the feature that the user has clicked; `None` without one.
     pub fn kept(&self) -> Option<Feature> {
         self.kept.as_ref().map(|kept| kept.feature)
     }
@@ -148,7 +148,7 @@ impl Caliper {
     }
 }
 
-/// Formats the measurement that is drawn beside the pointer.
+/// Formats the short measurement that is drawn beside the pointer.
 fn describe_briefly(feature: &Feature) -> Message {
     match *feature {
         Feature::Cylinder { diameter, .. } => say::caliper_diameter(diameter.0),
@@ -177,7 +177,7 @@ fn describe_distance(from: &Feature, to: &Feature) -> Option<Message> {
     }
 }
 
-/// The distance from a point to a polyline, mm.
+/// Returns the distance from a point to a polyline, mm.
 fn outline_distance(outline: &[Point], at: Pos2) -> f32 {
     let pairs = outline.windows(2);
     let each = pairs.map(|pair| {

@@ -8,21 +8,21 @@ use gsk_plot::solid::{SolidView, ViewDirection};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
 
-/// Minimum and maximum scale, points per millimetre.
+/// Minimum and maximum scale of the picture, points per millimetre.
 const SCALE_LIMITS: (f32, f32) = (0.02, 20_000.0);
 /// Margin around a fitted picture, as a share of its side, 0–1.
 const MARGIN_SHARE: f32 = 0.06;
 /// Angle by which the solid turns per point of a drag, degrees.
 const TURN_DEGREES_PER_POINT: f32 = 0.4;
 
-/// The settings of the picture in the machine view.
+/// The settings of the machine view's picture: scale, position and instrument.
 #[derive(Default)]
 pub struct PictureState {
     /// The camera that the user has moved; `None` if the picture shows everything.
     pub camera: Option<Camera>,
     /// The job of the part, and the box around its tools with their tips at the origin.
     pub tool_bounds: Option<(Arc<Job>, Rect)>,
-    /// Whether the picture follows the tool.
+    /// Whether the picture follows the tool tip.
     pub follows_tool: bool,
     /// True to show the part as a solid, false for a half section.
     pub is_solid: bool,
@@ -34,9 +34,9 @@ pub struct PictureState {
 /// a radius, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// The position shown in the middle, part coordinates.
+    /// The position in the middle of the picture, part coordinates, mm.
     pub centre: Pos2,
-    /// Scale, points per millimetre.
+    /// Scale of the picture, points per millimetre.
     pub points_per_mm: f32,
     /// The rectangle of the window that the picture fills.
     pub rect: Rect,
@@ -136,7 +136,7 @@ impl Camera {
         *self = Self::new(self.centre, self.points_per_mm, turn, self.rect);
     }
 
-    /// The bounding box of the visible area, part coordinates.
+    /// Returns the bounding box of the visible area, part coordinates, mm.
     pub fn visible_bounds(&self) -> Rect {
         let Rect { min, max } = self.rect;
         let corners = [min, max, pos2(min.x, max.y), pos2(max.x, min.y)];

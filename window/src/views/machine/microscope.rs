@@ -24,9 +24,9 @@ const REACH_POINTS: f32 = 24.0;
 /// The surface that is compared with the intended one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ComparedSurface {
-    /// The part in the lathe, as cut now.
+    /// The microscope compares the part in the lathe as it is now.
     Now,
-    /// The finished part that the program makes.
+    /// The microscope compares the finished part that the program makes.
     Finished,
     /// The finished part that the program makes without tool nose radius compensation.
     Uncompensated,
@@ -52,7 +52,7 @@ pub struct Microscope {
     comparison: Option<Arc<PartComparison>>,
     requested: Option<ComparisonInputs>,
     surface: ComparedSurface,
-    /// Largest deviation that counts as right, mm.
+    /// Largest deviation from the intended surface that counts as correct, mm.
     tolerance_mm: f64,
     /// The deviations along each outline of the surface. `computed_from` holds their inputs.
     deviations: Vec<Vec<SurfaceDeviation>>,
@@ -91,12 +91,12 @@ impl Microscope {
         true
     }
 
-    /// Stores a comparison that the worker has finished.
+    /// Stores a comparison that the background thread has finished.
     pub fn set_comparison(&mut self, compared: Arc<PartComparison>) {
         self.comparison = Some(compared);
     }
 
-    /// Drops the comparison, because another program is shown.
+    /// Discards the comparison, because another program is shown.
     pub fn clear(&mut self) {
         self.comparison = None;
         self.requested = None;

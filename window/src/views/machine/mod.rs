@@ -50,13 +50,13 @@ use solid_drawing::SolidDrawing;
 use time_bar::TimeBar;
 use xray::Trial;
 
-/// The instrument in use, which determines what the pointer does in the picture.
+/// The instrument in use, which determines the effect of the pointer in the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Instrument {
     #[default]
-    /// The pointer selects blocks of the path.
+    /// Instrument with which the pointer selects blocks of the path.
     Path,
-    /// The pointer measures the part with the caliper.
+    /// Instrument with which the pointer measures the part, a caliper.
     Caliper,
     /// The pointer reads the deviations of the surface from the intended one.
     Microscope,
@@ -71,25 +71,25 @@ struct SelectedBlock {
     pass: Option<path::CyclePass>,
 }
 
-/// What the machine view requests from the program view.
+/// A request of the machine view to the program view.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ProgramViewRequest {
     /// Show a block. Its `text` lets the program view recognize it.
     ShowBlock {
         program: ProgramId,
-        /// Line of the text, from 1.
+        /// Line of the block in the program text, from 1.
         line: u32,
-        /// Text of the block.
+        /// Text of the block to show.
         text: String,
         /// Whether to open the program view if it is closed.
         open_view: bool,
     },
-    /// Replace the text of a program.
+    /// Replace the text of a program in the editor.
     ReplaceText {
         program: ProgramId,
-        /// The text of the program in the control.
+        /// The text that the program has in the control.
         control_text: String,
-        /// The text that replaces it.
+        /// The new text of the program.
         new_text: String,
     },
 }
@@ -100,7 +100,7 @@ pub struct LatheView {
     /// The preview worker, from the first frame on, because the part is cut without the view,
     /// too.
     worker: Option<PreviewWorker>,
-    /// Whether the view is open.
+    /// Whether the machine view is open.
     is_open: bool,
     /// Whether a view shows the path: this one or the lathe view.
     is_path_shown: bool,
@@ -122,7 +122,7 @@ pub struct LatheView {
     changed_jobs: preview_worker::ChangedJobs,
 }
 
-/// What the machine view needs to know of the text of the program.
+/// The state of the program text on which the machine view depends.
 #[derive(Default)]
 struct ProgramTextState {
     /// The program that was opened last from a file, and the path of this file.
@@ -199,12 +199,12 @@ impl LatheView {
         self.instruments.caliper.kept().filter(|_| is_measuring)
     }
 
-    /// Number of segments of the drawn path.
+    /// Returns the number of segments of the drawn path.
     pub fn segment_count(&self) -> usize {
         self.preview.path.segment_count()
     }
 
-    /// Whether the part is shown as a solid.
+    /// Whether the part is drawn as a 3D solid.
     pub const fn is_solid(&self) -> bool {
         self.picture.is_solid
     }
@@ -221,7 +221,7 @@ impl LatheView {
         }
     }
 
-    /// The programmed path.
+    /// Returns the programmed path that is drawn.
     pub const fn path(&self) -> &Arc<path::DrawnPath> {
         &self.preview.path
     }
@@ -256,7 +256,7 @@ impl LatheView {
         Some((file, preview.times.spent().total_s()))
     }
 
-    /// Draws the view and handles its input.
+    /// Draws the machine view and handles its input.
     fn draw(&mut self, ui: &mut Ui, language: Language) {
         self.pass_part_on(ui);
         let tools = Panel::top("lathe bar").frame(bar_frame());

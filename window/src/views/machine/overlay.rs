@@ -10,7 +10,7 @@ use super::grid::{X_NAME_HEIGHT, X_SCALE_WIDTH};
 use super::to_pos2;
 use crate::theme;
 
-/// Length of a line of the legend, points.
+/// Length of a sample line in the legend, points.
 const LEGEND_LINE: f32 = 14.0;
 
 /// Writes tool number, spindle speed and each active state of the lathe into the upper right
@@ -57,7 +57,7 @@ pub fn draw_legend(painter: &Painter, rect: Rect, language: Language) {
     }
 }
 
-/// The lines that [`draw_states`] writes.
+/// Returns the messages about the machine's state that [`draw_states`] draws.
 fn state_messages(part: &PartView) -> Vec<Message> {
     let states = [
         (part.coolant, say::lathe_coolant()),

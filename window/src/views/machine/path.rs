@@ -24,7 +24,7 @@ pub enum SegmentKind {
     Jump,
     Rapid,
     Feed,
-    /// Feed that is synchronous with the spindle.
+    /// Feed that is synchronous with the spindle, as of a thread.
     Thread,
 }
 
@@ -43,11 +43,11 @@ pub struct LineSegment {
     pub kind: SegmentKind,
 }
 
-/// Identifies a block by its program and line.
+/// Identifies a block of the path by its program and line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BlockRef {
     pub program: ProgramId,
-    /// Line of the program text, from 1.
+    /// Line of the block in the program text, from 1.
     pub line: u32,
 }
 
@@ -56,7 +56,7 @@ pub struct BlockRef {
 pub struct CyclePass {
     first_segment: usize,
     block: BlockRef,
-    /// Why the pass is at its position; `None` for moves outside of cycles.
+    /// The explanation of the position of the pass; `None` for moves outside cycles.
     pub explanation: Option<Arc<Explanation>>,
 }
 
@@ -65,12 +65,12 @@ pub struct CyclePass {
 pub struct DrawnPath {
     portions: Vec<Arc<Vec<LineSegment>>>,
     passes: Vec<CyclePass>,
-    /// The programs with the texts of the blocks.
+    /// The programs that contain the blocks of the path.
     pub programs: ProgramMemory,
     /// Bounding box of the cuts, or of all moves if nothing is cut, part coordinates; `None`
     /// without moves.
     pub bounds: Option<Rect>,
-    /// Whether the path continues after the last known segment.
+    /// Whether the path is incomplete: the program continues after the last segment.
     pub is_partial: bool,
 }
 
@@ -86,7 +86,7 @@ impl DrawnPath {
         })
     }
 
-    /// The number of segments, jumps included.
+    /// Returns the number of segments, jumps included.
     pub fn segment_count(&self) -> usize {
         self.portions.iter().map(|portion| portion.len()).sum()
     }

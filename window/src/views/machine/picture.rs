@@ -16,7 +16,7 @@ const CLICK_REACH: f32 = 8.0;
 const ZOOM_PER_POINT: f32 = 0.004;
 /// Length of the chuck that the fitted picture shows, mm from the jaws' front.
 const VISIBLE_CHUCK_MM: f32 = 35.0;
-/// Margin around a part that no program cuts, mm.
+/// Margin around the tool in the picture of a program that cuts no part, mm.
 const TOOL_MARGIN_MM: Vec2 = vec2(22.0, 14.0);
 /// Minimum scale at which a single position is shown, points per millimetre.
 const CLOSE_SCALE: f32 = 120.0;

@@ -56,9 +56,9 @@ pub struct PreviewResult {
     pub is_trial: bool,
     /// Whether the job is a practice job, because no program determines the part.
     pub is_practice_job: bool,
-    /// Why the program's job file cannot be used; `None` if it can or does not exist.
+    /// The reason why the program's job file cannot be used; `None` if it can or does not exist.
     pub job_file_error: Option<Message>,
-    /// The path of the program's file; `None` without one.
+    /// The file of the program; `None` without one.
     pub program_file: Option<PathBuf>,
     /// Whether the tool post is on the far side of the spindle.
     pub rear_tool_post: bool,
@@ -66,7 +66,7 @@ pub struct PreviewResult {
     pub program_count: u64,
 }
 
-/// Flags that the window sets for the worker.
+/// Flags by which the window controls the preview thread.
 #[derive(Debug)]
 pub struct WorkerFlags {
     /// Whether the view is open, so that it needs the path of the program as well as its job.
@@ -77,9 +77,9 @@ pub struct WorkerFlags {
     pub cancel_count: AtomicU64,
 }
 
-/// A request of the window to the worker.
+/// A request of the window to the preview thread.
 enum PreviewRequest {
-    /// This program was opened from this file.
+    /// The program with this id was opened from this file.
     Opened(ProgramId, PathBuf),
     /// Compare the part that the program makes with the intended part.
     Compare(Arc<Job>),
@@ -95,7 +95,7 @@ pub struct PreviewWorker {
     requests: Sender<PreviewRequest>,
     results: Arc<ArrayQueue<PreviewResult>>,
     compared: Arc<ArrayQueue<Arc<PartComparison>>>,
-    /// Flags that the window sets for the worker.
+    /// Flags by which the window controls the preview thread.
     pub flags: Arc<WorkerFlags>,
 }
 

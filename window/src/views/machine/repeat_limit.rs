@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use egui::Context;
 
-/// Limits how often something is repeated; holds the time at which it was done last, seconds
-/// of the window's clock.
+/// Limits how often an action is repeated; holds the time of the last one, seconds of the window's
+/// clock.
 #[derive(Default)]
 pub struct RepeatLimit(Option<f64>);
 

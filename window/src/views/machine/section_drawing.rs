@@ -20,7 +20,7 @@ use crate::theme;
 /// Distance of the lines of a hatching along X and Y of the screen, points.
 const HATCHING_DISTANCE: f32 = 12.0;
 
-/// Index of the jaws in the clamping.
+/// Index of the jaws in the list of clamping areas.
 const JAWS_INDEX: usize = 1;
 
 /// Draws half sections; keeps their trapezoids until the sections change.
@@ -202,7 +202,7 @@ pub fn tool_bounds(job: &Job) -> Rect {
     bounds
 }
 
-/// Makes the holder and the insert of a tool.
+/// Creates the drawn areas of a tool's holder and insert.
 fn make_tool_parts(tool: &Tool) -> Vec<ToolPart> {
     let shape = ToolShape::from_tool(tool);
     let body = shape.body.iter();

@@ -39,7 +39,7 @@ struct SolidInputs {
     camera: Camera,
     section: Arc<Region>,
     job: Arc<Job>,
-    /// Whether the chuck is open.
+    /// Whether the jaws of the chuck are open.
     chuck_open: bool,
     tool: u8,
     tip: Point,

@@ -14,7 +14,7 @@ use crate::theme;
 const COLUMN_COUNT: usize = 600;
 /// A tip nearer to a segment than this is on it, mm.
 const ON_PATH_MM: f32 = 0.05;
-/// Height of the bar, points.
+/// Height of the time bar, points.
 const BAR_HEIGHT: f32 = 12.0;
 
 /// The bar with the machine time of the program, and the path it was made for.

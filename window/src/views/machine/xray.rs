@@ -20,11 +20,11 @@ use gsk_language::words::{spans, word_of};
 /// A changed text of a program that is executed instead of the control's.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trial {
-    /// The program whose text is changed.
+    /// The program in which one block is changed on trial.
     pub program_id: ProgramId,
-    /// The text in the control.
+    /// The text that the program has in the control.
     pub control_text: Program,
-    /// The text that is executed.
+    /// The changed text that is executed on trial.
     pub trial_text: Program,
 }
 
@@ -35,9 +35,9 @@ impl Trial {
     }
 }
 
-/// What the user did with the words of the cycle.
+/// The action of the user on the words of a cycle.
 pub enum TrialAction {
-    /// Execute this changed text.
+    /// Execute this changed text on trial.
     Try(Trial),
     /// End the trial and return to the text of the control.
     Discard,
@@ -46,7 +46,7 @@ pub enum TrialAction {
 }
 
 /// Draws the words of the cycle in a block, and the buttons that take over or discard a trial.
-/// Returns what the user did, if anything.
+/// Returns the action of the user; `None` without one.
 pub fn show(
     ui: &mut Ui,
     path: &DrawnPath,

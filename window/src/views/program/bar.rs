@@ -10,7 +10,7 @@ use super::breakpoints::BreakpointList;
 use super::document::{ProgramDocument, TextOrigin};
 use crate::placement::stop_key_clearance;
 
-/// What the user requests in the tool bar or with keys.
+/// A command of the user in the tool bar of the editor, or by keys.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum EditorCommand {
     /// Load this text into the editor.
@@ -19,32 +19,32 @@ pub enum EditorCommand {
     Save,
     /// Save the text to a file that the user chooses.
     SaveAs,
-    /// Store the text in the control.
+    /// Store the text as a program of the control.
     Store,
     Undo,
     Redo,
     /// Go to the next match of the search text.
     Find,
-    /// Go to the target that was typed.
+    /// Go to the target that the user has typed.
     GoTo,
 }
 
 /// The texts that the user has entered in the tool bar.
 #[derive(Default)]
 pub struct ProgramBar {
-    /// The search text as typed.
+    /// The search text that the user has typed.
     pub search_text: String,
     /// The jump target as typed: a block, program or line.
     pub target_text: String,
-    /// The language of the file dialogs.
+    /// The language of file dialogs.
     pub language: Language,
     /// Id of the field that gets the keyboard focus in the next frame; `None`: no field.
     focus_request: Option<&'static str>,
 }
 
-/// Width of a field, points.
+/// Width of an input field, points.
 const FIELD_WIDTH: f32 = 90.0;
-/// Height of the list of programs, points.
+/// Greatest height of the list of programs, points.
 const MENU_HEIGHT: f32 = 400.0;
 
 impl ProgramBar {
@@ -222,13 +222,13 @@ fn document_title(document: &ProgramDocument, language: Language) -> String {
 pub enum UnsavedAnswer {
     /// Save the text before another one is loaded.
     Save,
-    /// Discard the changes of the text.
+    /// Discard the changes before another text is loaded.
     Discard,
     /// Keep the text in the editor; the other text is not loaded.
     Cancel,
 }
 
-/// Size of the question's window, points.
+/// Size of the window with the question, points.
 const QUESTION_SIZE: egui::Vec2 = egui::vec2(520.0, 180.0);
 
 /// Draws the question whether to save the unsaved text `name`. Returns the answer, or `None`

@@ -15,19 +15,19 @@ use super::document::{ProgramDocument, TextOrigin};
 use crate::theme;
 use crate::widgets::alarm_text;
 
-/// Width of the field of a location, points.
+/// Width of the field for a breakpoint location, points.
 const ENTRY_WIDTH: f32 = 260.0;
-/// Greatest height of the list of locations, points.
+/// Greatest height of the list of breakpoints, points.
 const LIST_HEIGHT: f32 = 200.0;
 /// Length of the beginning of a text in which its O number is looked for, bytes.
 const HEAD_BYTES: usize = 2000;
 /// Greatest number of variables that the bar of a halt shows.
 const SHOWN_VARIABLES: usize = 24;
 
-/// What the margin of the text shows beside the line numbers; lines count from 1.
+/// Marks that the margin of the text shows beside the line numbers; lines count from 1.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MarginMarks {
-    /// Lines with a breakpoint.
+    /// Numbers of the lines that have a breakpoint.
     pub breakpoints: BTreeSet<u32>,
     /// The line in execution; `None` if the text is not that of the program that runs.
     pub running_line: Option<u32>,
@@ -38,7 +38,7 @@ pub struct BreakpointList {
     console: Console,
     /// Lines with a breakpoint, by the number of their program; `None`: a text without number.
     lines: BTreeMap<Option<u16>, BTreeSet<u32>>,
-    /// Other locations.
+    /// Locations that are not lines of the text.
     locations: Vec<BreakLocation>,
     entry: String,
     entry_error: Option<Message>,
@@ -78,7 +78,7 @@ impl BreakpointList {
         is_numbered_program(document, program_number(document), program)
     }
 
-    /// The marks beside the lines of a text.
+    /// Returns the marks beside the lines of a text.
     pub fn margin_marks(&self, document: &ProgramDocument) -> MarginMarks {
         let number = program_number(document);
         let lines = self.lines.get(&number);
@@ -108,7 +108,7 @@ impl BreakpointList {
         self.send();
     }
 
-    /// Number of all breakpoints.
+    /// Returns the number of all breakpoints.
     fn count(&self) -> usize {
         let lines: usize = self.lines.values().map(BTreeSet::len).sum();
         lines + self.locations.len()
@@ -205,7 +205,7 @@ impl BreakpointList {
         }
     }
 
-    /// Adds the location that was typed.
+    /// Adds the breakpoint location that was typed.
     fn add_entry(&mut self) {
         match BreakLocation::parse(&self.entry, &ProgramSources::default()) {
             Ok(location) => {
@@ -272,7 +272,7 @@ pub fn show_halt_buttons(ui: &mut Ui, language: Language) -> Option<BreakpointCo
     chosen
 }
 
-/// The sentence about a halt.
+/// Returns the message about a halt at a breakpoint.
 pub fn halt_text(halt: &BreakpointHalt, language: Language) -> Message {
     let block = halt.block.as_ref();
     let place = block.map(|it| alarm_text::source_text(it, language));
@@ -296,7 +296,7 @@ const fn is_numbered_program(
     }
 }
 
-/// The O number of a text; `None` without one.
+/// Returns the program number of a text; `None` without an O word.
 fn program_number(document: &ProgramDocument) -> Option<u16> {
     let mut end = document.text.len().min(HEAD_BYTES);
     while !document.text.is_char_boundary(end) {

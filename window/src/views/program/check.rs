@@ -23,7 +23,7 @@ use gsk_runner::report::AlarmReport;
 /// Limit of the work of one check.
 const WORK_BUDGET: WorkBudget = WorkBudget::interactive(20_000_000);
 
-/// An alarm that the text raises.
+/// An alarm that a check of the text has found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextFinding {
     /// Line of the alarm in the text, from 0; `None` if the alarm is in another program.
@@ -35,7 +35,7 @@ pub struct TextFinding {
 }
 
 impl TextFinding {
-    /// The report of the alarm in a language.
+    /// Returns the report of the alarm in a language.
     pub const fn report(&self, language: Language) -> &AlarmReport {
         match language {
             Language::Zh => &self.reports[0],
@@ -44,16 +44,16 @@ impl TextFinding {
     }
 }
 
-/// The result of a check.
+/// The result of checking a program text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextCheck {
-    /// The revision of the checked text.
+    /// The revision of the text that was checked.
     pub revision: u64,
     /// The alarms in the order of execution.
     pub findings: Vec<TextFinding>,
     /// Texts of likely mistakes that raise no alarm, each with its line.
     pub warnings: Vec<Message>,
-    /// The summary of what the program does.
+    /// The summary of the program: time, tools and bounds.
     pub first_look: ProgramSummary,
     /// The numbers of the programs in the control's memory.
     pub stored_programs: Vec<u16>,
@@ -66,10 +66,10 @@ impl TextCheck {
     }
 }
 
-/// A text that waits for its check.
+/// A text that waits to be checked.
 struct CheckJob {
     revision: u64,
-    /// The name that a program without a number gets.
+    /// The name that is used for a program without a number.
     name: String,
     text: String,
     context: Context,

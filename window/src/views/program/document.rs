@@ -16,19 +16,19 @@ pub enum TextOrigin {
     /// A new text that has no file or program yet.
     #[default]
     New,
-    /// The file at this path with its encoding.
+    /// The text is from the file at this path, with this encoding.
     File(PathBuf, TextEncoding),
-    /// A program in the control's memory, by its number.
+    /// The text is from the program memory, with this program number.
     Memory(u16),
 }
 
-/// How the lines of a text end.
+/// The characters with which the lines of a text end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LineEnd {
     #[default]
     Lf,
     CrLf,
-    /// CR alone, the end of block of EIA.
+    /// Lines end with CR alone, the end of block of EIA.
     Cr,
 }
 
@@ -60,15 +60,15 @@ impl LineEnd {
 #[derive(Clone, Debug, Default)]
 pub struct ProgramDocument {
     pub origin: TextOrigin,
-    /// The text; its lines end with LF.
+    /// The text of the document; its lines end with LF.
     pub text: String,
-    /// Incremented by each change of the text.
+    /// Number that increases with each change of the text.
     pub revision: u64,
     original_line_end: LineEnd,
-    /// The text that was read or saved last.
+    /// The text as it was last read or saved.
     saved_text: String,
     is_changed: bool,
-    /// Byte offset of the start of each line.
+    /// Byte offset at which each line starts.
     line_starts: Vec<usize>,
 }
 
@@ -88,7 +88,7 @@ impl ProgramDocument {
         document
     }
 
-    /// Creates a document from a program file.
+    /// Creates a document from a program file that was read.
     pub fn from_file(file: &ProgramFile) -> Self {
         Self::new(
             TextOrigin::File(file.path.clone(), file.encoding),
@@ -134,7 +134,7 @@ impl ProgramDocument {
         }
     }
 
-    /// Converts the text to a program of the control.
+    /// Returns the text as a program of the control.
     pub fn to_program(&self) -> Program {
         Program::new(self.text.as_str())
     }
@@ -176,7 +176,7 @@ impl ProgramDocument {
         letters.nth(character).map_or(self.text.len(), |(at, _)| at)
     }
 
-    /// The number of characters before a byte offset.
+    /// Returns the number of characters before a byte offset.
     pub fn character_at_byte(&self, byte: usize) -> usize {
         let before = self.text.get(..byte).unwrap_or(&self.text);
         before.chars().count()

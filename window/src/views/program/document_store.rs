@@ -13,21 +13,21 @@ use gsk_messages::{Language, Message, say};
 use super::document::{ProgramDocument, TextOrigin};
 use crate::widgets::files::{FileChoice, choose_file, run_in_thread};
 
-/// A result of a background thread.
+/// A result that a background thread reports to the program view.
 pub enum DocumentEvent {
-    /// A text was loaded into this document.
+    /// The text of this document was loaded.
     Loaded(Box<ProgramDocument>),
-    /// A text was written to a file or stored.
+    /// A text was saved: written to a file or stored in the control.
     Saved {
         text: String,
-        /// Where the text was saved.
+        /// The file or program to which the text was saved.
         origin: TextOrigin,
     },
     /// The control has stored a text as the program of this number.
     Stored { text: String, number: u16 },
     /// The control has refused to store a text for this reason.
     NotStored(NotStored),
-    /// Another operation has failed, as the message reports.
+    /// An operation other than these has failed, as the message reports.
     Failed(Message),
 }
 
@@ -58,7 +58,7 @@ impl DocumentStore {
         self.run_in_background(context, move |_| Some(read_document(&path)));
     }
 
-    /// Lets the user choose a file and reads it.
+    /// Shows a dialog in which the user chooses a file, and reads it.
     pub fn choose_file(&self, language: Language, context: &Context) {
         let to = self.sender.clone();
         let name = say::window_part_programs().text(language);

@@ -27,25 +27,25 @@ const NUMBERS_MARGIN: f32 = 14.0;
 /// Size of a mark beside the line numbers, points.
 const MARK_SIZE: f32 = 9.0;
 
-/// What the text field draws.
+/// The data that the text field draws besides the text.
 pub struct EditorInputs<'a> {
     pub document: &'a mut ProgramDocument,
     /// The revision of the text that was checked, and the findings of that check.
     pub marks: (Option<u64>, &'a [TextFinding]),
-    /// What the margin shows.
+    /// The marks in the margin of the text.
     pub margin: MarginMarks,
-    /// Whether to scroll to the line in execution.
+    /// Whether to scroll to the line that is being executed.
     pub shows_running_line: bool,
-    /// The language of the hover texts.
+    /// The language of hover texts.
     pub language: Language,
 }
 
-/// What the user has done in the text field in a frame.
+/// The actions of the user in the text field during a frame.
 #[derive(Debug, Default)]
 pub struct EditorResponse {
     pub is_changed: bool,
-    /// The target of the word that was clicked with Ctrl, and the line of that word, from 0;
-    /// `None` without such a click.
+    /// The target of the word that was clicked with Ctrl, and the line of that word, from 0; `None`
+    /// without such a click.
     pub clicked_target: Option<(JumpTarget, usize)>,
     /// The line, from 1, at whose block the user requests a restart; `None` without a request.
     pub restart_line: Option<u32>,
@@ -53,7 +53,7 @@ pub struct EditorResponse {
     pub breakpoint_line: Option<u32>,
 }
 
-/// The widget id of the text field.
+/// Returns the widget id of the text field.
 pub fn text_field_id() -> Id {
     Id::unique("program text")
 }
@@ -246,7 +246,7 @@ struct MenuChoice {
     breakpoint_line: Option<u32>,
 }
 
-/// The context menu of the text, for the line of the cursor.
+/// Draws the context menu of the text, for the line of the cursor, and returns the chosen entries.
 fn show_menu(document: &ProgramDocument, response: &Response, language: Language) -> MenuChoice {
     let mut choice = MenuChoice::default();
     response.context_menu(|ui| {

@@ -36,12 +36,12 @@ use paint::TextColorizer;
 use restart::RestartDialog;
 use targets::JumpTarget;
 
-/// Which text to load into the editor.
+/// The text to load into the editor.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum TextToLoad {
-    /// An empty new text.
+    /// Load an empty new text.
     New,
-    /// The file that the user chooses in a dialog.
+    /// Show a file dialog, and load the file that the user chooses.
     Choose,
     File(PathBuf),
     /// This program of the control's memory; `None`: the selected one.
@@ -72,11 +72,11 @@ pub struct ProgramView {
     request: Option<EditorRequest>,
     /// The revision of the document that was passed to other views last.
     reported_revision: u64,
-    /// The last message of the view; `None` without one.
+    /// The last message that the view shows; `None` without one.
     message: Option<EditorMessage>,
 }
 
-/// What another view requests of the program view.
+/// A request of another view to the program view.
 enum EditorRequest {
     /// Show the block that is identified by its line and text.
     ShowBlock { line: u32, text: String },
@@ -102,7 +102,7 @@ impl EditorRequest {
     }
 }
 
-/// A message that the view shows below the text.
+/// A message that the program view shows below the text.
 enum EditorMessage {
     Good(Message),
     Bad(Message),
@@ -527,8 +527,8 @@ impl ProgramView {
         }
     }
 
-    /// Draws the question what to do with an unsaved text before another one is loaded, and
-    /// carries out the answer.
+    /// Draws the question about an unsaved text before another text is loaded, and carries out the
+    /// answer.
     fn show_unsaved_question(&mut self, context: &Context, language: Language) {
         if self.text_to_load.is_none() || !self.document.is_unsaved() {
             return;

@@ -13,33 +13,33 @@ use gsk_runner::restart::{self, LineWatcher, RestartPlan};
 use super::document::with_line_feeds;
 use crate::widgets::files::run_in_thread;
 
-/// Size of the list, points.
+/// Size of the list of steps, points.
 const LIST_SIZE: [f32; 2] = [460.0, 320.0];
 
-/// The result of the background thread.
+/// The result of planning a restart in a background thread.
 type PlanResult = Result<Box<RestartPlan>, Message>;
 
-/// What the dialog shows.
+/// What the restart dialog currently shows.
 enum DialogContent {
-    /// The program runs in a copy of the machine.
+    /// The restart is being planned: the program runs in a copy of the machine.
     Planning,
     Planned(Box<RestartPlan>),
     Failed(Message),
 }
 
-/// The dialog of a restart.
+/// The dialog that plans and requests a restart within a program.
 pub struct RestartDialog {
     console: Console,
     sender: Sender<PlanResult>,
     receiver: Receiver<PlanResult>,
-    /// `None` while the dialog is closed.
+    /// What the dialog shows; `None` while it is closed.
     content: Option<DialogContent>,
     /// Number of plans that were requested and have not arrived.
     pending: u32,
 }
 
 impl RestartDialog {
-    /// Creates a closed dialog.
+    /// Creates the restart dialog, closed.
     pub fn new(console: Console) -> Self {
         let (sender, receiver) = unbounded();
         Self {
@@ -63,7 +63,7 @@ impl RestartDialog {
         });
     }
 
-    /// Draws the dialog, if it is open.
+    /// Draws the restart dialog, if it is open.
     pub fn show(&mut self, context: &Context, language: Language) {
         while let Ok(result) = self.receiver.try_recv() {
             self.pending = self.pending.saturating_sub(1);
@@ -125,7 +125,7 @@ fn program_name(program: ProgramId) -> String {
     }
 }
 
-/// Plans the restart with a copy of the machine.
+/// Plans a restart at a line, with a copy of the machine.
 fn plan(console: &Console, text: &str, line: u32) -> PlanResult {
     let copy = console.machine_copy();
     let copy = copy.ok_or_else(say::window_kernel_stopped)?;

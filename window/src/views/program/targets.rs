@@ -8,11 +8,11 @@ use gsk_language::{ReferenceTarget, reference_target};
 /// The target of a jump in a program text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JumpTarget {
-    /// The block with this N number.
+    /// Jump to the block with this N number.
     Sequence(u16),
-    /// The program with this O number.
+    /// Jump to the program with this O number.
     Program(u16),
-    /// The line with this number, from 1.
+    /// Jump to the line with this number, from 1.
     Line(u32),
 }
 

@@ -19,14 +19,14 @@ use crate::views::interface::View;
 use crate::widgets::files::{self, FileChoice};
 use crate::widgets::questions;
 
-/// A command for the project view.
+/// A command of the project menu.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ProjectViewCommand {
     /// Create a project with the values of a control as delivered.
     New,
     /// Create a project with the current values of the control.
     FromControl,
-    /// Choose a project and open it.
+    /// Show a dialog to choose a project, and open it.
     Open,
     /// Choose a project, open it and list its differences from the control.
     OpenAndCompare,
@@ -49,14 +49,14 @@ pub const COMMANDS: [(ProjectViewCommand, fn() -> Message); 3] = [
     ),
 ];
 
-/// A result of one of the project view's threads.
+/// A result that a background thread reports to the project view.
 pub enum ProjectEvent {
     /// A project was opened or created; `true`: the next step is to compare it with the
     /// control.
     Opened(Box<ProjectDocument>, bool),
-    /// The open project was written.
+    /// The open project was written to its folder.
     Saved(Box<ProjectDocument>),
-    /// The comparison with this number has this result.
+    /// The comparison with this number has ended with this result.
     Compared(u64, Box<Comparison>),
     /// The folder for this new project already contains a project.
     FolderTaken(Box<ProjectDocument>),
@@ -68,20 +68,20 @@ pub enum ProjectEvent {
 pub(super) struct ComparisonCounter(Arc<AtomicU64>);
 
 impl ComparisonCounter {
-    /// Returns the number of a new comparison.
+    /// Returns the number for a new comparison.
     fn next_number(&self) -> u64 {
         self.0.fetch_add(1, Ordering::Relaxed) + 1
     }
 
-    /// Whether no later comparison has been started.
+    /// Whether the comparison with this number is the newest.
     fn is_newest(&self, number: u64) -> bool {
         self.0.load(Ordering::Relaxed) == number
     }
 }
 
-/// A question that the operator must answer.
+/// A question that the operator must answer in the project view.
 pub enum ProjectQuestion {
-    /// Whether to discard the unsaved project for this command.
+    /// Whether to discard the unsaved changes of the project for this command.
     Discard(ProjectViewCommand),
     /// Whether to replace the project in the folder of this document.
     Replace(Box<ProjectDocument>),
@@ -299,7 +299,7 @@ impl ProjectView {
         });
     }
 
-    /// Receives the results of the threads.
+    /// Receives the results of the background threads.
     pub(super) fn receive(&mut self, context: &Context) {
         while let Ok(news) = self.results.1.try_recv() {
             match news {

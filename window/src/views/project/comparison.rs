@@ -22,7 +22,7 @@ use crate::focus;
 /// Values of a project that the control is to take over.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProjectSelection {
-    /// The folder of the project.
+    /// The folder of the project whose differences are selected.
     pub folder: PathBuf,
     /// The selected differences, sorted by key.
     pub differences: Vec<ProjectDifference>,
@@ -38,28 +38,28 @@ impl ProjectSelection {
     }
 }
 
-/// The other side with which the project is compared.
+/// The side with which the open project is compared.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ComparedWith {
-    /// The running control.
+    /// The project is compared with the running control.
     Control,
-    /// Another project; the path is inside its folder.
+    /// The project is compared with the project in this folder.
     Folder(PathBuf),
 }
 
-/// The side that takes values over.
+/// The side into which the selected values are copied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TakeoverTarget {
-    /// The control takes values over from the project: 传送至CNC.
+    /// The values are copied from the project to the control: 传送至CNC.
     Control,
-    /// The open project takes values over: 从CNC读入.
+    /// The values are copied from the other side to the open project: 从CNC读入.
     Project,
 }
 
-/// What the open project was compared with, and the values that it had then.
+/// The side with which the project was compared, and its values at that time.
 pub struct ComparisonBasis {
     pub other: ComparedWith,
-    /// The values of the other side.
+    /// The values of the compared side.
     pub state: ProjectState,
     /// Character encodings of the other side's program files, by program number.
     pub encodings: Encodings,
@@ -109,12 +109,12 @@ struct DifferenceRow {
     is_taken: bool,
 }
 
-/// The comparison of the project with the other side.
+/// The comparison of the open project with another side, as the view shows it.
 pub struct Comparison {
     pub basis: Arc<ComparisonBasis>,
     /// State of the project at the time of the comparison.
     pub project: Arc<ProjectState>,
-    /// The side that takes values over.
+    /// The side into which the selected values are copied.
     pub target: TakeoverTarget,
     rows: Vec<DifferenceRow>,
     parts: LadderParts,
@@ -122,11 +122,11 @@ pub struct Comparison {
     counts: BTreeMap<ProjectNode, usize>,
 }
 
-/// What the user requests in the list of differences.
+/// A request of the user in the list of differences.
 pub enum ComparisonRequest {
-    /// Compare again for this target.
+    /// Repeat the comparison for this target of the copy.
     SetTarget(TakeoverTarget),
-    /// Take over these checked differences.
+    /// Copy these selected differences to the target.
     TakeOver(Vec<ProjectDifference>),
 }
 
@@ -198,7 +198,7 @@ impl Comparison {
         })
     }
 
-    /// Number of differences of a node of the tree.
+    /// Returns the number of differences in a node of the tree.
     pub fn count_of(&self, node: ProjectNode) -> usize {
         self.counts.get(&node).copied().unwrap_or(0)
     }

@@ -7,12 +7,12 @@ use gsk_project::{ProjectKey, ProjectState, ProjectValue, label, unit};
 use super::document::program_numbers;
 use super::tree::{LadderParts, ProjectNode, children};
 
-/// Width of the column of names, points.
+/// Width of the column with the names, points.
 const HEAD_WIDTH: f32 = 84.0;
-/// Width of the column of values, points.
+/// Width of the column with the values, points.
 const VALUE_WIDTH: f32 = 150.0;
 
-/// A line of the content: name, value and meaning.
+/// A line of a node's content: name, value and meaning.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct ContentLine {
     head: String,
@@ -73,7 +73,7 @@ impl NodeContent {
     }
 }
 
-/// Draws a text in a column of `width` points.
+/// Draws a text cut to a column of `width` points.
 fn show_cell(ui: &mut Ui, width: f32, height: f32, text: RichText) {
     let layout = Layout::left_to_right(Align::Center);
     ui.allocate_ui_with_layout(vec2(width, height), layout, |ui| {

@@ -12,7 +12,7 @@ use gsk_project::{ProjectDifference, ProjectKey, ProjectState, apply, export};
 #[derive(Clone)]
 pub struct ProjectDocument {
     pub folder: PathBuf,
-    /// The values of the project.
+    /// The values, programs and ladder of the project.
     pub state: Arc<ProjectState>,
     /// Character encodings of the project's program files, by program number.
     pub encodings: Encodings,

@@ -38,12 +38,12 @@ const TREE_WIDTH: f32 = 200.0;
 const INDENT: f32 = 14.0;
 /// Width of the view, points, below which the tree is a drop-down list.
 const NARROW_WIDTH: f32 = 520.0;
-/// Margin below the open drop-down list, points.
+/// Free height below an open drop-down list, points.
 const LIST_MARGIN: f32 = 50.0;
 /// Maximum number of recent projects (manual PLC-V 3: four).
 const MAX_RECENT: usize = 4;
 
-/// The tab that shows the selected node.
+/// The tab of the project view that shows the selected node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum NodePage {
     /// Fields in which the values are edited. Nodes without fields show their content instead.
@@ -63,10 +63,9 @@ pub struct ProjectView {
     content: NodeContent,
     editing: ProjectSheets,
     question: Option<ProjectQuestion>,
-    /// Why the control cannot be turned off now; `None` if it can.
+    /// The reason why the control cannot be switched off at the moment; `None` if it can.
     why_not: Option<Message>,
-    /// What the control takes over while it is off, until the window takes it; `None`:
-    /// nothing.
+    /// The selected values that the control takes over while it is off; `None` without any.
     selection: Option<ProjectSelection>,
     results: (Sender<ProjectEvent>, Receiver<ProjectEvent>),
     comparison_counter: ComparisonCounter,
@@ -153,7 +152,8 @@ impl ProjectView {
         self.show_question(ui.ctx(), language);
     }
 
-    /// Draws the buttons of the project, and those that compare it with another side.
+    /// Draws the buttons of the project, and those for comparing it with the control or another
+    /// project.
     fn show_bar(&mut self, ui: &mut Ui, language: Language) {
         ui.horizontal_wrapped(|ui| {
             for (command, name) in [
@@ -381,7 +381,7 @@ impl ProjectView {
         }
     }
 
-    /// Writes typed values into the project.
+    /// Writes the values that were typed into the project.
     fn apply_edits(&mut self, request: &super::data::WriteRequest, context: &Context) {
         let Some(document) = &mut self.document else {
             return;

@@ -48,7 +48,7 @@ impl ProjectSheets {
         self.sheets.has_drafts()
     }
 
-    /// Shows why the last request was refused.
+    /// Shows the reason why the last request to write was refused.
     pub fn show_refusal(&mut self, reason: gsk_messages::Message, request: &WriteRequest) {
         self.sheets.show_refusal(reason, request);
     }
@@ -72,7 +72,7 @@ impl ProjectSheets {
     }
 }
 
-/// The differences that edits make to the project `state`.
+/// Returns the differences that edits would make to the project `state`.
 pub fn differences_of_edits(edits: &[DataEdit], state: &ProjectState) -> Vec<ProjectDifference> {
     let entries = state.entries();
     let values = edits.iter().flat_map(|edit| values_of_edit(*edit));

@@ -6,35 +6,35 @@ use gsk_project::{ProjectKey, ProjectSection, ProjectState};
 /// A node of the tree that shows a project.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ProjectNode {
-    /// 工程: the whole project.
+    /// 工程: the node of the whole project.
     Project,
     Plc,
-    /// 显示信息表: the messages of the ladder.
+    /// 显示信息表: the node of the ladder's messages.
     Messages,
-    /// 主程序: the rungs of the ladder.
+    /// 主程序: the node of the ladder's rungs.
     Ladder,
-    /// 初始化数据表: the start values of the ladder.
+    /// 初始化数据表: the node of the ladder's start values.
     Initial,
-    /// PLC data that is retained at power-off.
+    /// The node of the PLC data that is retained at power-off.
     Retained,
-    /// CNC配置: the data of the control.
+    /// CNC配置: the node of the control's data.
     Cnc,
-    /// 参数: the parameters.
+    /// 参数: the node of the parameters.
     Parameters,
-    /// 刀具偏置: the tool offsets.
+    /// 刀具偏置: the node of the tool offsets.
     Offsets,
-    /// 螺距补偿: the pitch error tables.
+    /// 螺距补偿: the node of the pitch error tables.
     Pitch,
     Variables,
     /// Format and control model of the project, and the settings of the control.
     Settings,
-    /// Counters, and panel settings that are retained.
+    /// The node of the counters and of the panel settings that are retained.
     Counters,
-    /// Electronic disks, the stored sets of parameters.
+    /// The node of the electronic disks, which are stored sets of parameters.
     Disks,
-    /// 零件加工程序: the part programs.
+    /// 零件加工程序: the node of the part programs.
     Programs,
-    /// A program, by its number, with its job file.
+    /// The node of a program with this number, and its job file.
     Program(u16),
     Machine,
 }
@@ -69,19 +69,19 @@ const ROWS: [NodeRow; 15] = [
     row(ProjectNode::Programs, 1, say::project_node_programs),
 ];
 
-/// A node of the tree as it is drawn.
+/// A node of the project tree as it is drawn.
 pub struct TreeEntry {
     pub node: ProjectNode,
-    /// Indent level in the tree; 0 is the project.
+    /// Indent level of the node in the tree; 0 for the project.
     pub depth: u8,
     pub name: NodeName,
 }
 
-/// The name of a node as it is drawn.
+/// The name of a node as the tree shows it.
 pub enum NodeName {
-    /// A name that is translated.
+    /// A name that is translated into the language of the window.
     Text(Message),
-    /// The number of a program: `O0001`.
+    /// The number of a program as name: `O0001`.
     Program(String),
 }
 
@@ -121,7 +121,7 @@ pub struct LadderParts {
 }
 
 impl LadderParts {
-    /// Compares the ladders of two projects.
+    /// Compares the ladders of two projects part by part.
     pub fn compare(old: &ProjectState, new: &ProjectState) -> Self {
         let [old, new] = [old.ladder(), new.ladder()];
         Self {

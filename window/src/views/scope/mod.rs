@@ -38,15 +38,15 @@ const LEVEL_PAUSE_MS: u64 = 1500;
 /// Share of the picture after the trigger's event, in tenths.
 const TENTHS_AFTER_EDGE: u64 = 9;
 
-/// A PLC bit that the scope watches.
+/// A PLC bit that the scope records.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BitChannel {
     pub address: BitAddress,
-    /// Index of the bit in `ScopeSample::bits`, from 0.
+    /// Index of the recorded bit in `ScopeSample::bits`, from 0.
     pub bit_index: usize,
 }
 
-/// The two cursors of the picture, by their ticks.
+/// The two time cursors of the scope, by their ticks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Cursors {
     ticks: [u64; 2],
@@ -54,14 +54,14 @@ struct Cursors {
     active: usize,
 }
 
-/// The state of the scope.
+/// The scope: its settings and the recorded samples.
 pub struct Scope {
     console: Console,
     record: Option<SampleRecord>,
     is_running: bool,
     /// Tick at the right edge of a stopped picture; `None` if the picture rolls.
     stop_tick: Option<u64>,
-    /// Tick at the zero of the time axis.
+    /// Tick that corresponds to the zero of the time axis.
     origin_tick: u64,
     span_ms: u64,
     average_ticks: u64,

@@ -16,7 +16,7 @@ use gsk_messages::{Language, say};
 const SCALE_WIDTH: f32 = 74.0;
 /// Height of the row for the numbers of the time axis, points.
 const TIME_HEIGHT: f32 = 24.0;
-/// Height of the lane of a bit, points.
+/// Height of the lane in which a bit is drawn, points.
 const BIT_HEIGHT: f32 = 24.0;
 
 /// Converts ticks to x coordinates in the window and back.
@@ -24,21 +24,21 @@ const BIT_HEIGHT: f32 = 24.0;
 pub struct TimeScale {
     left: f32,
     right: f32,
-    /// First tick of the picture.
+    /// First tick that the picture shows.
     pub first_tick: u64,
-    /// Last tick of the picture.
+    /// Last tick that the picture shows.
     pub last_tick: u64,
 }
 
 impl TimeScale {
-    /// The x coordinate of a tick, points.
+    /// Returns the x coordinate of a tick, points.
     pub fn to_x(self, tick: f64) -> f32 {
         let share =
             (tick - self.first_tick as f64) / (self.last_tick - self.first_tick).max(1) as f64;
         self.left + (share as f32) * (self.right - self.left)
     }
 
-    /// The tick at an x coordinate, points.
+    /// Returns the tick at an x coordinate, points.
     pub fn to_tick(self, x: f32) -> f64 {
         let share = f64::from((x - self.left) / (self.right - self.left).max(1.0));
         self.first_tick as f64 + share * (self.last_tick - self.first_tick) as f64
@@ -391,7 +391,7 @@ impl Scope {
 /// Connected lines, each a list of ticks and values. A line ends where the trace has no value.
 type TraceLines = Vec<Vec<(f64, f64)>>;
 
-/// A lane of the plot.
+/// A lane of the plot: a quantity or a bit.
 #[derive(Clone, Copy, Debug)]
 pub enum Lane {
     /// The lane of the quantity with this index in [`Quantity::ALL`].

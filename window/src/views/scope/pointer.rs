@@ -8,13 +8,13 @@ use super::plot::{Lane, TimeScale};
 /// Maximum distance of the pointer from a cursor to grab it, points.
 const CURSOR_REACH: f32 = 6.0;
 
-/// What a drag of the pointer moves.
+/// The item that a drag of the pointer moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Drag {
     Nothing,
-    /// The picture along the time axis.
+    /// The drag moves the picture along the time axis.
     Time,
-    /// The cursor with this index, 0 or 1.
+    /// The drag moves the cursor with this index, 0 or 1.
     Cursor(usize),
     /// The scale of the quantity with this index in [`Quantity::ALL`].
     Scale(usize),

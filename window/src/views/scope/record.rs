@@ -21,7 +21,7 @@ pub struct SampleRecord {
 }
 
 impl SampleRecord {
-    /// Creates an empty record with its sample queue.
+    /// Creates an empty record and the queue from which it takes samples.
     pub fn new() -> Self {
         Self {
             queue: Arc::new(ArrayQueue::new(MAX_SAMPLES)),
@@ -71,7 +71,7 @@ impl SampleRecord {
         self.samples.get(index)
     }
 
-    /// The last `count` samples, the oldest first.
+    /// Returns the last `count` samples, the oldest first.
     pub fn last_samples(&self, count: usize) -> impl Iterator<Item = &ScopeSample> {
         let from = self.samples.len().saturating_sub(count);
         self.samples.range(from..)

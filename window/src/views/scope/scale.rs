@@ -53,7 +53,7 @@ impl LaneRange {
         self.high = fixed + (self.high - fixed) * factor;
     }
 
-    /// Shifts the range by a share of its span.
+    /// Shifts the range by `share` of its span.
     pub fn shift(&mut self, share: f64) {
         let offset = self.span() * share;
         self.low += offset;

@@ -13,9 +13,9 @@ use gsk_messages::{Language, say};
 /// two cursors.
 const NARROW_WIDTH: f32 = 250.0;
 const WIDE_WIDTH: f32 = 366.0;
-/// Height of a line, points.
+/// Height of a line of text, points.
 const LINE_HEIGHT: f32 = 21.0;
-/// Width of a reading, points.
+/// Width of the column of a measured value, points.
 const READING_WIDTH: f32 = 80.0;
 
 impl Scope {

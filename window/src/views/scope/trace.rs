@@ -7,18 +7,18 @@ use gsk_messages::{Language, say};
 
 use crate::theme;
 
-/// A quantity that traces show. Each has a lane and a scale in its unit.
+/// A quantity that traces of the scope show. Each quantity has its lane and a scale in its unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Quantity {
-    /// Position, mm; X as a radius.
+    /// The position of an axis, mm; X as a radius.
     Position,
-    /// Speed, mm/min.
+    /// The speed of an axis or along the path, mm/min.
     Speed,
-    /// Acceleration, m/s².
+    /// The acceleration of an axis or along the path, m/s².
     Acceleration,
-    /// Following error, mm.
+    /// The following error of an axis, mm.
     FollowingError,
-    /// Spindle speed, r/min.
+    /// The spindle speed, r/min.
     Spindle,
 }
 
@@ -61,7 +61,7 @@ impl Quantity {
         }
     }
 
-    /// Number of decimals of a reading of this quantity.
+    /// Returns the number of decimals with which values of this quantity are shown.
     pub const fn decimals(self) -> usize {
         match self {
             Self::Position | Self::Acceleration => 3,
@@ -82,18 +82,18 @@ impl Quantity {
     }
 }
 
-/// What a trace is about.
+/// The axis, path or spindle whose values a trace shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TraceSubject {
     Axis(Axis),
-    /// The path of both axes together, or the spindle.
+    /// The trace shows the path of both axes together, or the spindle.
     Path,
 }
 
-/// A line that the scope can draw.
+/// A curve that the scope can draw.
 #[derive(Debug)]
 pub struct Trace {
-    /// Heading of the trace's column in the exported table.
+    /// Heading of the trace's column in an exported table.
     pub id: &'static str,
     pub quantity: Quantity,
     pub subject: TraceSubject,

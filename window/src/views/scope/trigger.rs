@@ -9,27 +9,27 @@ const STANDSTILL_TICKS: u32 = 20;
 /// Speed below which the spindle counts as stopped, r/min.
 const SPINDLE_STOPPED_RPM: f64 = 1.0;
 
-/// The event that the trigger waits for.
+/// The event for which the trigger of the scope waits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TriggerSource {
-    /// An axis begins to move.
+    /// The trigger waits until an axis begins to move.
     Motion,
-    /// The spindle begins to turn.
+    /// The trigger waits until the spindle begins to turn.
     Spindle,
-    /// The watched bit with this index becomes 1.
+    /// The trigger waits until the watched bit with this index becomes 1.
     BitRises(usize),
-    /// The watched bit with this index becomes 0.
+    /// The trigger waits until the watched bit with this index becomes 0.
     BitFalls(usize),
 }
 
 /// How often the trigger stops the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TriggerMode {
-    /// Never: the picture rolls.
+    /// The trigger never stops the picture.
     Off,
-    /// At each event, until the next event.
+    /// The trigger stops the picture at each event, until the next event.
     Each,
-    /// At the first event; then the scope stops.
+    /// The trigger stops the picture at the first event; then the scope stops.
     Once,
 }
 
@@ -45,7 +45,7 @@ pub struct Trigger {
 }
 
 impl Trigger {
-    /// Creates a trigger that is off.
+    /// Creates a trigger that is switched off.
     pub const fn new() -> Self {
         Self {
             mode: TriggerMode::Off,

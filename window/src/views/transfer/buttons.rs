@@ -10,7 +10,7 @@ use super::{ChosenPath, ConnectionStage, TransferDialog, TransferDirection, Tran
 use crate::views::text_files;
 use crate::widgets::files::{self, FileChoice};
 
-/// Extension of a saved list of files.
+/// File extension of a saved list of files.
 const LIST_EXTENSION: &str = "lst";
 
 /// Draws a button as wide as the column. Returns true if it was clicked.

@@ -19,20 +19,20 @@ const EXTENSIONS: [&str; 7] = ["cnc", "nc", "txt", "tap", "par", "ofs", "wmp"];
 
 /// The dialog of the transfer view that is open.
 pub enum TransferDialog {
-    /// Settings of a file to send.
+    /// The dialog for the settings of a file to send.
     File {
         /// Row of the list that the dialog changes; `None` adds a new row.
         row: Option<usize>,
-        /// Name and partition as they are typed.
+        /// Name and partition that the operator has typed.
         item: SendListItem,
-        /// Path as it is typed.
+        /// Path that the operator has typed.
         path: String,
     },
-    /// Rename a file of the control.
+    /// The dialog that renames a file of the control.
     Rename {
         /// Index of the file's partition in [`Partition::ALL`].
         partition: usize,
-        /// Old and new name as they are typed.
+        /// Old and new name that the operator has typed.
         naming: RenameFields,
     },
     /// Confirm that these files of the control are to be deleted.
@@ -76,7 +76,7 @@ impl TransferDialog {
         }
     }
 
-    /// Whether the dialog needs a connection with the control.
+    /// Whether the dialog requires a connection with the control.
     pub const fn needs_connection(&self) -> bool {
         matches!(
             self,
@@ -231,7 +231,7 @@ impl TransferView {
         }
     }
 
-    /// Lets the operator choose a file for the list.
+    /// Shows a dialog in which the operator chooses a file for the list.
     pub(super) fn choose_file(&self, context: &Context, language: Language) {
         let sender = self.chosen_paths.0.clone();
         let name = say::window_part_programs().text(language);

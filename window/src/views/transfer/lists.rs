@@ -10,7 +10,7 @@ use crate::theme;
 /// width of the further columns together.
 const PATH_WIDTH_RANGE: [f32; 2] = [120.0, 420.0];
 const OTHER_COLUMNS_WIDTH: f32 = 300.0;
-/// Approximate width of a letter of a path, points.
+/// Approximate width of a letter in a path, points.
 const LETTER_WIDTH: f32 = 7.0;
 
 /// Converts a file size from bytes to kilobytes, rounded up.

@@ -41,23 +41,23 @@ enum TransferDirection {
     Receive,
 }
 
-/// What the user has chosen in a file dialog, by the purpose of the choice.
+/// The path that the user has chosen in a file dialog, by its purpose.
 enum ChosenPath {
     /// A file for the list, and its proposed name in the control.
     File(PathBuf, Option<FileName>),
-    /// The rows of a list file.
+    /// The rows of a list file that was loaded.
     List(Vec<SendListItem>),
     /// The files to receive, and their folder on the PC.
     ReceiveInto(Vec<RemotePath>, PathBuf),
-    /// The folder for a new backup.
+    /// The folder in which a new backup is written.
     BackUp(PathBuf),
-    /// The folder of a backup to restore.
+    /// The folder of the backup that is restored.
     Restore(PathBuf),
     /// The path for a file that the control has sent without a request.
     Save(PathBuf, TransferFile),
 }
 
-/// The directory of the control that was received last.
+/// The directory of the control's files as last received.
 #[derive(Default)]
 struct ControlDirectory {
     partitions: Vec<(Partition, Vec<DirectoryEntry>)>,
@@ -325,7 +325,7 @@ impl TransferView {
         }
     }
 
-    /// Draws the last message, or what to do next.
+    /// Draws the last message, or a hint about the next action.
     fn show_message(&self, ui: &mut Ui, language: Language) {
         let (message, ink) = match &self.message {
             Some((message, true)) => (message.clone(), theme::ALARM_TEXT),

@@ -18,9 +18,9 @@ const DIALOG_WIDTH: f32 = 460.0;
 
 /// CNC文件重命名 (manual V-3.5): the fields for the old and the new name, and the list of files.
 pub struct RenameFields {
-    /// The current name as it is typed.
+    /// The current name that the operator has typed.
     pub old_name: String,
-    /// The new name as it is typed.
+    /// The new name that the operator has typed.
     pub new_name: String,
 }
 
@@ -63,7 +63,7 @@ impl RenameFields {
         result
     }
 
-    /// Whether both texts are valid file names.
+    /// Whether both typed names are valid file names.
     pub fn is_valid(&self) -> bool {
         FileName::new(&self.old_name).is_ok() && FileName::new(&self.new_name).is_ok()
     }

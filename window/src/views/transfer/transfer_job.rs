@@ -17,10 +17,10 @@ use crate::theme;
 
 /// Height of the list of files, points.
 const LIST_HEIGHT: f32 = 160.0;
-/// Side of the status sign before a file, points.
+/// Width and height of the status sign before a file, points.
 const SIGN_SIZE: f32 = 12.0;
 
-/// A transfer job and its progress.
+/// A transfer job with the progress of its files.
 pub struct TransferJob {
     kind: FileJobKind,
     rows: Vec<(String, Option<FileResult>)>,
@@ -46,9 +46,9 @@ struct OpenQuestion {
     naming: Option<RenameFields>,
 }
 
-/// What the operator requests of the job.
+/// A request of the operator in the dialog of a job.
 pub enum JobRequest {
-    /// Cancel the job.
+    /// Cancel the job that is running.
     Cancel,
     /// Answer the question about a file name.
     Answer(NameConflictAnswer),
@@ -335,7 +335,7 @@ fn show_status_sign(ui: &mut Ui, fate: Option<&FileResult>, is_current: bool) {
     }
 }
 
-/// Transferred share of a file, 0–1.
+/// Returns the share of a file that has been transferred, 0 to 1.
 fn transferred_share(progress: TransferProgress) -> f32 {
     match progress.total {
         0 => 0.0,

@@ -16,11 +16,11 @@ use crate::layout::floating::WindowScreen;
 use crate::placement::stop_key_clearance;
 use gsk_messages::{Language, Message, say};
 
-/// Size of the dialog, points.
+/// Size of the file dialog, points.
 const DIALOG_SIZE: [f32; 2] = [640.0, 460.0];
 const MIN_SIZE: [f32; 2] = [420.0, 260.0];
 
-/// An entry of a folder.
+/// A file or folder that the dialog lists.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct FolderEntry {
     /// Whether the entry is a file. This field comes first so that folders sort before files.
@@ -37,9 +37,9 @@ struct OpenDialog {
     folder: PathBuf,
     reading: Option<Receiver<FolderListing>>,
     listing: FolderListing,
-    /// The text in the name field.
+    /// The text that was typed into the name field.
     typed_name: String,
-    /// Whether files with other extensions are shown, too.
+    /// Whether files with other extensions are also shown.
     shows_all: bool,
     /// The existing file that the operator must confirm to overwrite; `None` without a
     /// question.
@@ -52,9 +52,9 @@ struct OpenDialog {
 /// Keyboard input of the dialog's window that is meant for the panel.
 #[derive(Debug, Default)]
 pub struct BrowserInput {
-    /// Whether the dialog's window has the focus.
+    /// Whether the window of the file dialog has the focus.
     pub has_focus: bool,
-    /// Feed hold, emergency stop and key releases.
+    /// Events for feed hold, emergency stop and released keys, which reach the panel in any case.
     pub stop_events: Vec<Event>,
 }
 
@@ -66,7 +66,7 @@ pub struct FileBrowser {
     last_folder: Option<PathBuf>,
 }
 
-/// What the operator did in the dialog in one frame.
+/// The result of one frame of the file dialog.
 enum DialogResult {
     Open,
     Cancelled,

@@ -32,7 +32,7 @@ fn press(kernel: &mut Kernel, console: &Console, key: Key, ticks: u64) {
     kernel.run(ticks);
 }
 
-/// The line at which machine time stands still.
+/// Returns the line of the block at which machine time is halted; `None` while it runs.
 fn halted_line(kernel: &Kernel) -> Option<u32> {
     kernel.snapshot().halt.map(|halt| halt.block.unwrap().line)
 }

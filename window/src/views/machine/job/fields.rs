@@ -12,7 +12,7 @@ use gsk_workpiece::tool::{Holder, Insert, InsertLetter, Tool};
 /// Limit of the values in all fields, mm. The rules of the job have narrower limits.
 const LIMIT_MM: f64 = 5000.0;
 
-/// Draws a number field with its name.
+/// Draws a number field with a name before it.
 fn show_value(ui: &mut Ui, name: &Message, value: &mut f64, language: Language) {
     let drag = DragValue::new(value)
         .range(-LIMIT_MM..=LIMIT_MM)

@@ -23,10 +23,10 @@ use crate::focus;
 use crate::theme;
 use program_saver::ProgramSaver;
 
-/// The highest T number of a tool.
+/// The highest tool number of a job.
 const MAX_TOOL_NUMBER: u8 = 99;
 
-/// The item of the job whose fields are drawn.
+/// The item of the job (stock or a tool) whose fields are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum JobItem {
     #[default]
@@ -45,20 +45,20 @@ const TOOL_TEMPLATES: [ToolTemplate; 5] = [
     (say::tool_kind_drill, || Tool::drill(10.0)),
 ];
 
-/// What the job panel needs to know of the lathe.
+/// The state of the lathe on which the job panel depends.
 pub struct JobContext<'a> {
     /// The job of the part that is being cut.
     pub job: &'a Arc<Job>,
-    /// Whether the job was guessed from the program.
+    /// Whether the job was guessed from the program and not read.
     pub is_guessed: bool,
     /// The selected program; `None` without one.
     pub program: Option<(ProgramId, &'a Program)>,
     /// The file of the program; `None` if the program has none.
     pub program_file: Option<&'a Path>,
-    /// The T numbers that the program uses.
+    /// The tool numbers that the program uses.
     pub used_tools: Vec<u8>,
     pub is_running: bool,
-    /// Why the job file on the disk cannot be used; `None` if it can.
+    /// The reason why the job file on the disk cannot be used; `None` if it can.
     pub file_error: Option<&'a Message>,
     pub console: &'a Console,
 }

@@ -10,7 +10,7 @@ use crate::theme;
 use crate::views::machine::camera::Camera;
 use crate::views::machine::{grid, section_drawing, to_pos2};
 
-/// Height of the drawing, points.
+/// Height of the tool drawing, points.
 const HEIGHT: f32 = 170.0;
 /// Margin around the insert that shows the holder, as a share of the insert's size.
 const MARGIN_SHARE: f32 = 0.35;

@@ -10,7 +10,7 @@ const START_DISTANCE: DiameterPoint = DiameterPoint {
     x: Diameter(41.3),
     z: 36.7,
 };
-/// Machine coordinates of the usual start of the slides.
+/// Default start position of the slides, machine coordinates.
 const START: DiameterPoint = DiameterPoint {
     x: Diameter(-100.0),
     z: -150.0,
