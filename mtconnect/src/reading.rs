@@ -63,7 +63,7 @@ impl MachineReading {
     }
 
     /// The value of the item with this identifier; unavailable for an unknown one.
-    pub(crate) fn value(&self, id: &str) -> &AgentValue {
+    pub fn value(&self, id: &str) -> &AgentValue {
         let value = item_index(id).and_then(|index| self.values.get(index));
         value.unwrap_or(&AgentValue::Unavailable)
     }

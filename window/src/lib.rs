@@ -44,6 +44,7 @@ use gsk_panel::keys::Key;
 use crate::chrome::exam_limits::ClosedForExam;
 use crate::chrome::first_start::FirstStart;
 use crate::chrome::message_history::MessageHistory;
+use crate::chrome::network_pane::NetworkPane;
 use crate::chrome::program_opener::ProgramOpener;
 use crate::chrome::timeline::TimelineStrip;
 use crate::chrome::way_back::WayBack;
@@ -114,6 +115,7 @@ pub struct Window {
     /// What was closed for the exam that is under way; `None` outside exams.
     closed_for_exam: Option<ClosedForExam>,
     why: WhyPane,
+    network: NetworkPane,
 }
 
 /// The control model in use and the operator's request for another one.
@@ -136,6 +138,7 @@ impl Window {
         });
         Self {
             console,
+            network: NetworkPane::new(&settings.network),
             snapshot: None,
             settings,
             opened_program: None,
@@ -364,6 +367,7 @@ impl Window {
             };
         }
         self.show_why_pane(ui.ctx());
+        self.show_network_pane(ui.ctx());
         self.show_help(ui.ctx());
         let picture = self.snapshot.as_ref();
         let unsaved = self.views.first_unsaved();
@@ -392,6 +396,17 @@ impl Window {
             self.release_keys();
         }
         self.renew_held_keys(ui.ctx());
+    }
+
+    /// Shows the pane of the network, and stores its settings.
+    fn show_network_pane(&mut self, context: &egui::Context) {
+        let (language, console) = (self.settings.language, &self.console);
+        self.network
+            .apply_stored(&self.settings.network, console, language);
+        let placed = &self.placed_areas;
+        if let Some(settings) = self.network.show(context, language, console, placed) {
+            self.settings.network = settings;
+        }
     }
 
     /// Shows the help window, and follows its links to lessons and blocks.

@@ -10,6 +10,7 @@ use std::ffi::OsString;
 
 use clap::builder::{PossibleValue, Str, StyledStr};
 use clap::{Arg, Command, CommandFactory, Error};
+use gsk_host::mqtt::MqttOptionError;
 use gsk_host::mtconnect::AgentOptionError;
 use gsk_host::setup_args::OptionValueError;
 use gsk_messages::{Language, Message};
@@ -188,7 +189,9 @@ fn find_reason(error: &Error) -> Option<(String, Message)> {
     let name = || source.downcast_ref().map(FileNameError::message);
     let size = || source.downcast_ref().map(InvalidPictureSize::message);
     let agent = || source.downcast_ref().map(AgentOptionError::message);
-    let message = word().or_else(name).or_else(size).or_else(agent)?;
+    let broker = || source.downcast_ref().map(MqttOptionError::message);
+    let message = word().or_else(name).or_else(size);
+    let message = message.or_else(agent).or_else(broker)?;
     Some((source.to_string(), message))
 }
 

@@ -13,6 +13,7 @@ mod lesson;
 mod link;
 mod lsp;
 mod mill;
+mod mqtt;
 mod mtconnect;
 mod packages;
 mod picture;
@@ -50,6 +51,7 @@ pub use link::{
 };
 pub use lsp::LspArgs;
 pub use mill::{GearArgs, HomingArgs, MILL_AXES, MillCommand, MillKeysArgs, PitchArgs};
+pub use mqtt::MqttArgs;
 pub use mtconnect::MtconnectArgs;
 pub use packages::{CompletionsArgs, ManArgs};
 pub use picture::PictureArgs;
@@ -157,6 +159,8 @@ pub struct WindowArgs {
     pub record: Option<PathBuf>,
     #[command(flatten)]
     pub mtconnect: MtconnectArgs,
+    #[command(flatten)]
+    pub mqtt: MqttArgs,
 }
 
 /// The commands; only the options of the one that is called are built.
@@ -321,6 +325,8 @@ pub struct OperateArgs {
     pub record: Option<PathBuf>,
     #[command(flatten)]
     pub mtconnect: MtconnectArgs,
+    #[command(flatten)]
+    pub mqtt: MqttArgs,
     #[command(flatten)]
     pub setup: SetupArgs,
 }

@@ -1,6 +1,5 @@
 //! The commands, one file each. Each returns its exit code.
 
-mod agent;
 mod check;
 mod dap;
 mod dialect;
@@ -14,6 +13,7 @@ mod lsp;
 mod manual;
 mod mill;
 mod mill_setup;
+mod network;
 mod operate;
 mod pitch;
 mod plot;

@@ -12,6 +12,7 @@ use gsk_host::flight::{self, FlightRecorder, RecordingTarget};
 use gsk_host::kernel::{BoardConnection, Kernel, Notice};
 use gsk_host::loading::LoadError;
 use gsk_host::message_format::describe_io_error;
+use gsk_host::mqtt::BrokerLine;
 use gsk_host::mtconnect::AgentServer;
 use gsk_host::ports::dnc::{self, DncSource};
 use gsk_host::serial::{SerialEnd, SerialLine};
@@ -27,7 +28,7 @@ use gsk_window::startup_error;
 use tracing::level_filters::LevelFilter;
 use web_time::Instant;
 
-use super::agent::start_agent;
+use super::network::{start_agent, start_broker_line};
 use super::{CommandError, EXIT_OK, EXIT_USAGE};
 use crate::cli::{SerialArgs, TextEnd, WindowArgs, first_window_language, system_language};
 
@@ -97,6 +98,7 @@ pub fn open(
         language,
         path,
         agent: RefCell::default(),
+        broker: RefCell::default(),
     };
     let start = WindowStart {
         program: starter.args.program.clone(),
@@ -132,6 +134,8 @@ struct WindowStarter {
     path: PathBuf,
     /// The MTConnect agent of the current control; `None` while it is off.
     agent: RefCell<Option<AgentServer>>,
+    /// The connection of the current control to an MQTT broker; `None` while it is off.
+    broker: RefCell<Option<BrokerLine>>,
 }
 
 impl WindowStarter {
@@ -217,7 +221,7 @@ impl WindowStarter {
             let recorder = FlightRecorder::start(target).map_err(CommandError::gone)?;
             kernel.add_flight_recorder(recorder);
         }
-        self.start_agent(&mut kernel)?;
+        self.start_network(&mut kernel)?;
         Ok(WindowStart {
             kernel,
             console,
@@ -247,14 +251,21 @@ impl WindowStarter {
         }
     }
 
-    /// Starts the MTConnect agent of a control if an option requests it; the agent of the control
-    /// before it ends. Returns an error if the agent cannot listen.
-    fn start_agent(&self, kernel: &mut Kernel) -> Result<(), CommandError> {
+    /// Starts what options request in the network for a control; what the control before it used
+    /// ends. Returns an error if the agent cannot listen or a password cannot be read.
+    fn start_network(&self, kernel: &mut Kernel) -> Result<(), CommandError> {
         self.agent.take();
         let simulation = kernel.emulator().simulation();
         if let Some((server, feed)) = start_agent(&self.args.mtconnect, simulation)? {
-            kernel.connect_agent(feed);
+            kernel.network().connect_agent(feed, server.url());
             self.agent.replace(Some(server));
+        }
+        self.broker.take();
+        let state = kernel.network().states().broker.clone();
+        let simulation = kernel.emulator().simulation();
+        if let Some((line, feed)) = start_broker_line(&self.args.mqtt, simulation, state)? {
+            kernel.network().connect_broker(feed);
+            self.broker.replace(Some(line));
         }
         Ok(())
     }
@@ -362,6 +373,7 @@ mod tests {
             language: None,
             path: folder.to_owned(),
             agent: RefCell::default(),
+            broker: RefCell::default(),
         };
         let data = DataDir::open(folder).expect("a data directory");
         let model = ModelId::Gsk980td;

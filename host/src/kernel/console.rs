@@ -20,7 +20,7 @@ use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
 use gsk_link::LinkState;
-use gsk_messages::Message;
+use gsk_messages::{Language, Message};
 use gsk_panel::alarm_log::AlarmRecord;
 use gsk_panel::keys::Key;
 use gsk_panel::pages::{PageId, UdiskFile};
@@ -46,6 +46,7 @@ use super::timeline::{PastMoment, TimelineCommand, TimelineView};
 use crate::input_watch::InputWatch;
 use crate::job::SelectedJob;
 use crate::kernel::pace::RunSpeed;
+use crate::network::{NetworkSettings, NetworkStates};
 use crate::platform;
 
 /// The setup of the current control for a preview.
@@ -152,6 +153,8 @@ pub enum Command {
     Timeline(TimelineCommand),
     /// Set the breakpoints, or end the halt at one of them.
     Breakpoints(BreakpointCommand),
+    /// Switch services of the network on and off; names in discovery topics have this language.
+    Network(Box<NetworkSettings>, Language),
     /// Publish the part with the snapshots (true), or stop publishing it. The part is cut in either
     /// case.
     ShowPart(bool),
@@ -395,6 +398,8 @@ pub struct Console {
     pub notice_sender: Sender<Notice>,
     /// Holds the proof that held keys are still held.
     pub input_watch: InputWatch,
+    /// The states of the services of the network.
+    pub network: NetworkStates,
 }
 
 impl Console {

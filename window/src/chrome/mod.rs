@@ -6,6 +6,7 @@ pub mod incoming;
 mod key_dispatch;
 pub mod message_history;
 pub mod message_line;
+pub mod network_pane;
 pub mod pane_area;
 pub mod program_opener;
 pub mod startup_error;

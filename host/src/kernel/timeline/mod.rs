@@ -497,6 +497,7 @@ pub(super) const fn changes_machine(command: &Command) -> bool {
         // The window finds the job of the present program some time after it was opened.
         Command::Job(_)
         | Command::TransferFailed
+        | Command::Network(..)
         | Command::Explain(_)
         | Command::Link(_)
         | Command::Probe(_)

@@ -1,0 +1,10 @@
+//! What the program does on the network while a control is on: MTConnect agent, MQTT.
+//! Everything is off unless it is switched on.
+
+mod page_address;
+mod services;
+mod settings;
+
+pub use page_address::page_url;
+pub use services::{NetworkServices, NetworkStates};
+pub use settings::{AgentSettings, BrokerSettings, NetworkSettings};

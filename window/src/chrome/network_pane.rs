@@ -1,0 +1,233 @@
+//! The pane *Network*: switches for the MTConnect agent and MQTT with address and state, and the
+//! address of the page for a phone as a QR code.
+
+use egui::{Context, Key as PcKey, RichText, ScrollArea, TextEdit, Ui, Vec2};
+use gsk_host::kernel::{Command, Console};
+use gsk_host::network::{NetworkSettings, page_url};
+use gsk_host::service_state::{ServiceState, SharedServiceState};
+use gsk_messages::{Language, Message, say};
+
+use crate::placement::panel_placement::PlacedArea;
+use crate::placement::stop_key_clearance;
+use crate::theme;
+use crate::widgets::qr_code::QrPicture;
+
+const WINDOW_SIZE: [f32; 2] = [460.0, 420.0];
+/// Width of a field for an address, points.
+const FIELD_WIDTH: f32 = 280.0;
+
+/// The state of the pane.
+pub struct NetworkPane {
+    is_open: bool,
+    /// What the operator has entered.
+    draft: NetworkSettings,
+    /// What the kernel has received last.
+    applied: NetworkSettings,
+    code: QrPicture,
+}
+
+impl NetworkPane {
+    /// The pane with the stored settings, which the kernel has not received yet.
+    pub fn new(settings: &NetworkSettings) -> Self {
+        Self {
+            is_open: false,
+            draft: settings.clone(),
+            applied: NetworkSettings::default(),
+            code: QrPicture::default(),
+        }
+    }
+
+    pub const fn toggle(&mut self) {
+        self.is_open = !self.is_open;
+    }
+
+    pub const fn close(&mut self) {
+        self.is_open = false;
+    }
+
+    /// Hands stored settings to the kernel in the first frame: until then the control before this
+    /// one may still listen.
+    pub fn apply_stored(
+        &mut self,
+        settings: &NetworkSettings,
+        console: &Console,
+        language: Language,
+    ) {
+        if *settings != self.applied && self.applied == NetworkSettings::default() {
+            self.draft.clone_from(settings);
+            self.apply(console, language);
+        }
+    }
+
+    fn apply(&mut self, console: &Console, language: Language) {
+        let draft = Box::new(self.draft.clone());
+        console.send(Command::Network(draft, language));
+        self.applied.clone_from(&self.draft);
+    }
+
+    /// Draws the pane; returns the settings to store if the operator has changed them.
+    pub fn show(
+        &mut self,
+        context: &Context,
+        language: Language,
+        console: &Console,
+        placed: &[PlacedArea],
+    ) -> Option<NetworkSettings> {
+        if !self.is_open {
+            return None;
+        }
+        // The pane never covers the stop keys of the panel.
+        let size = Vec2::from(WINDOW_SIZE);
+        let area = stop_key_clearance::best_rect(
+            context.content_rect(),
+            &stop_key_clearance::stop_key_rects(placed),
+            |room| stop_key_clearance::rate_beside_panel(room, size, placed),
+        );
+        let (mut is_open, mut is_changed) = (true, false);
+        egui::Window::new(say::network_title().text(language))
+            .id(egui::Id::unique("network pane"))
+            .collapsible(false)
+            .open(&mut is_open)
+            .default_size(WINDOW_SIZE)
+            .default_pos(area.right_top() - egui::vec2(WINDOW_SIZE[0].min(area.width()), 0.0))
+            .constrain_to(area)
+            .show(context, |ui| {
+                ScrollArea::vertical().show(ui, |ui| {
+                    is_changed |= self.show_agent(ui, language, &console.network.agent);
+                    ui.separator();
+                    is_changed |= self.show_broker(ui, language, &console.network.broker);
+                });
+            });
+        let escape =
+            context.input_mut(|input| input.consume_key(egui::Modifiers::NONE, PcKey::Escape));
+        self.is_open = is_open && !escape;
+        if !is_changed {
+            return None;
+        }
+        self.apply(console, language);
+        Some(self.draft.clone())
+    }
+
+    /// Draws the agent; returns whether its settings are to be applied.
+    fn show_agent(&mut self, ui: &mut Ui, language: Language, state: &SharedServiceState) -> bool {
+        let mut section = SectionForm::begin(ui, language, state);
+        let (draft, applied) = (&mut self.draft.agent, &self.applied.agent);
+        section.show_switch(
+            ui,
+            &mut draft.is_on,
+            say::network_agent(),
+            say::network_agent_hint(),
+        );
+        section.show_field(
+            ui,
+            &mut draft.address,
+            say::network_address(),
+            "127.0.0.1:5000",
+        );
+        let is_changed = section.end(ui, draft != applied);
+        if let ServiceState::Listening(url) = state.get() {
+            match page_url(&url) {
+                Some(url) => {
+                    let name = say::network_page_code(&url).text(language);
+                    ui.label(&name);
+                    self.code.show(ui, &url, &name);
+                }
+                None => {
+                    let hint = say::network_page_local().text(language);
+                    ui.label(RichText::new(hint).color(theme::HINT_TEXT));
+                }
+            }
+        }
+        is_changed
+    }
+
+    /// Draws the broker; returns whether its settings are to be applied.
+    fn show_broker(&mut self, ui: &mut Ui, language: Language, state: &SharedServiceState) -> bool {
+        let mut section = SectionForm::begin(ui, language, state);
+        let (draft, applied) = (&mut self.draft.broker, &self.applied.broker);
+        section.show_switch(
+            ui,
+            &mut draft.is_on,
+            say::network_broker(),
+            say::network_broker_hint(),
+        );
+        let example = "mqtt://192.168.1.5/gsk980td/lathe";
+        section.show_field(ui, &mut draft.url, say::network_address(), example);
+        section.show_password(ui, &mut draft.password);
+        ui.checkbox(
+            &mut draft.has_discovery,
+            say::network_discovery().text(language),
+        );
+        section.end(ui, draft != applied)
+    }
+}
+
+/// A service in the pane: its switch, its fields, its state.
+struct SectionForm<'a> {
+    language: Language,
+    state: &'a SharedServiceState,
+    /// Whether the switch was clicked or a field was confirmed.
+    is_confirmed: bool,
+}
+
+impl<'a> SectionForm<'a> {
+    fn begin(ui: &mut Ui, language: Language, state: &'a SharedServiceState) -> Self {
+        ui.add_space(4.0);
+        Self {
+            language,
+            state,
+            is_confirmed: false,
+        }
+    }
+
+    fn show_switch(&mut self, ui: &mut Ui, is_on: &mut bool, name: Message, hint: Message) {
+        let by_option = self.state.is_by_option();
+        let mut shown = *is_on || by_option;
+        let name = RichText::new(name.text(self.language)).strong();
+        let switch = ui.add_enabled(!by_option, egui::Checkbox::new(&mut shown, name));
+        let fixed = say::network_by_option().text(self.language);
+        let switch = switch.on_disabled_hover_text(fixed);
+        if switch.on_hover_text(hint.text(self.language)).changed() {
+            *is_on = shown;
+            self.is_confirmed = true;
+        }
+    }
+
+    fn show_field(&mut self, ui: &mut Ui, text: &mut String, name: Message, example: &str) {
+        ui.horizontal(|ui| {
+            let name = ui.label(name.text(self.language));
+            let field = TextEdit::singleline(text)
+                .desired_width(FIELD_WIDTH)
+                .hint_text(example);
+            let field = ui.add(field).labelled_by(name.id);
+            let enter = ui.input(|input| input.key_pressed(PcKey::Enter));
+            self.is_confirmed |= field.lost_focus() && enter;
+        });
+    }
+
+    fn show_password(&mut self, ui: &mut Ui, text: &mut String) {
+        ui.horizontal(|ui| {
+            let name = ui.label(say::network_password().text(self.language));
+            let field = TextEdit::singleline(text)
+                .password(true)
+                .desired_width(FIELD_WIDTH / 2.0);
+            let field = ui.add(field).labelled_by(name.id);
+            field.on_hover_text(say::network_password_hint().text(self.language));
+        });
+    }
+
+    /// Draws the state and the button; returns whether the settings are to be applied.
+    fn end(self, ui: &mut Ui, is_changed: bool) -> bool {
+        let apply = egui::Button::new(say::network_apply().text(self.language));
+        let apply = ui.add_enabled(is_changed, apply).clicked();
+        let state = self.state.get();
+        let colour = match state {
+            ServiceState::Off => theme::STATE_TEXT,
+            ServiceState::Connecting(_) => theme::BUSY,
+            ServiceState::Listening(_) | ServiceState::Connected(_) => theme::SUCCESS,
+            ServiceState::Failed(_) => theme::ERROR_TEXT,
+        };
+        ui.label(RichText::new(state.message().text(self.language)).color(colour));
+        is_changed && (apply || self.is_confirmed)
+    }
+}
