@@ -11,6 +11,7 @@
 pub mod output;
 
 pub mod board;
+pub mod class;
 pub mod files;
 pub mod flight;
 pub mod guard;

@@ -217,6 +217,7 @@ message_rows! {
     class_privacy ClassPrivacy();
     class_refused_board ClassRefusedBoard();
     class_refused_exam ClassRefusedExam();
+    class_refused_exercise ClassRefusedExercise();
     class_refused_faults ClassRefusedFaults();
     class_refused_learner ClassRefusedLearner();
     class_refused_malformed ClassRefusedMalformed();

@@ -69,6 +69,17 @@ impl fmt::Display for BrokerUrl {
 }
 
 impl BrokerUrl {
+    /// The address with its user and without its password, as settings store it.
+    pub fn without_password(&self) -> String {
+        let address = self.to_string();
+        match (&self.user, address.split_once("://")) {
+            (Some(user), Some((scheme, rest))) => {
+                format!("{scheme}://{}@{rest}", encode_percent(user))
+            }
+            _ => address,
+        }
+    }
+
     /// Parses `mqtt://USER:PASSWORD@HOST:PORT/PREFIX`; everything but the host may be missing.
     ///
     /// # Errors
@@ -148,6 +159,17 @@ fn split_port(address: &str) -> Option<(&str, u16)> {
         None => PLAIN_PORT,
     };
     Some((host, port))
+}
+
+/// Encodes a user name for an address.
+fn encode_percent(text: &str) -> String {
+    let encode = |byte: u8| match byte {
+        b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'_' | b'.' => {
+            char::from(byte).to_string()
+        }
+        _ => format!("%{byte:02X}"),
+    };
+    text.bytes().map(encode).collect()
 }
 
 /// Decodes `%41`; `None` for a malformed text.
@@ -236,7 +258,11 @@ mod tests {
         );
         let error = BrokerUrl::parse("ann:secret@host:0").expect_err("a port");
         assert_eq!(error, BrokerUrlError::Malformed("ann:…@host:0".to_owned()));
-        let url = BrokerUrl::parse("ann:secret@host").expect("an address");
+        let url = BrokerUrl::parse("a%40nn:secret@host").expect("an address");
+        let stored = url.without_password();
+        assert_eq!(stored, "mqtt://a%40nn@host:1883");
+        let again = BrokerUrl::parse(&stored).expect("an address");
+        assert_eq!(again.user.as_deref(), Some("a@nn"));
         assert!(!format!("{url:?}").contains("secret"));
     }
 }

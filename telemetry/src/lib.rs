@@ -8,12 +8,14 @@
 //! | `message` | a topic and its payload |
 //! | `lathe_documents` | the state of the lathe as JSON, a document for each component |
 //! | `lathe_publisher` | publishes the documents that have changed, at a limited rate |
+//! | `class` | the seats of a class and its view |
 //! | `discovery` | describes the documents to Home Assistant |
 //!
 //! The caller supplies the time and moves the bytes.
 
 mod broker_session;
 mod broker_url;
+pub mod class;
 mod discovery;
 mod lathe_documents;
 mod lathe_publisher;

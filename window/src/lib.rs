@@ -6,6 +6,7 @@
 
 pub mod app;
 mod chrome;
+pub mod class_window;
 mod focus;
 pub mod fonts;
 mod frame_figures;
@@ -41,6 +42,7 @@ use gsk_panel::alarm_log::AlarmRecord;
 use gsk_panel::faceplate::PartKind;
 use gsk_panel::keys::Key;
 
+use crate::chrome::class_offer::ClassOffer;
 use crate::chrome::exam_limits::ClosedForExam;
 use crate::chrome::first_start::FirstStart;
 use crate::chrome::message_history::MessageHistory;
@@ -116,6 +118,8 @@ pub struct Window {
     closed_for_exam: Option<ClosedForExam>,
     why: WhyPane,
     network: NetworkPane,
+    /// The task that the instructor of the class offers; `None` without one.
+    class_offer: Option<ClassOffer>,
 }
 
 /// The control model in use and the operator's request for another one.
@@ -139,6 +143,7 @@ impl Window {
         Self {
             console,
             network: NetworkPane::new(&settings.network),
+            class_offer: None,
             snapshot: None,
             settings,
             opened_program: None,
@@ -368,6 +373,7 @@ impl Window {
         }
         self.show_why_pane(ui.ctx());
         self.show_network_pane(ui.ctx());
+        self.show_class_offer(ui.ctx());
         self.show_help(ui.ctx());
         let picture = self.snapshot.as_ref();
         let unsaved = self.views.first_unsaved();
@@ -396,17 +402,6 @@ impl Window {
             self.release_keys();
         }
         self.renew_held_keys(ui.ctx());
-    }
-
-    /// Shows the pane of the network, and stores its settings.
-    fn show_network_pane(&mut self, context: &egui::Context) {
-        let (language, console) = (self.settings.language, &self.console);
-        self.network
-            .apply_stored(&self.settings.network, console, language);
-        let placed = &self.placed_areas;
-        if let Some(settings) = self.network.show(context, language, console, placed) {
-            self.settings.network = settings;
-        }
     }
 
     /// Shows the help window, and follows its links to lessons and blocks.

@@ -10,6 +10,7 @@ use std::ffi::OsString;
 
 use clap::builder::{PossibleValue, Str, StyledStr};
 use clap::{Arg, Command, CommandFactory, Error};
+use gsk_host::class::class_address::ClassAddressError;
 use gsk_host::mqtt::MqttOptionError;
 use gsk_host::mtconnect::AgentOptionError;
 use gsk_host::setup_args::OptionValueError;
@@ -191,7 +192,8 @@ fn find_reason(error: &Error) -> Option<(String, Message)> {
     let agent = || source.downcast_ref().map(AgentOptionError::message);
     let broker = || source.downcast_ref().map(MqttOptionError::message);
     let message = word().or_else(name).or_else(size);
-    let message = message.or_else(agent).or_else(broker)?;
+    let class = || source.downcast_ref().map(ClassAddressError::message);
+    let message = message.or_else(agent).or_else(broker).or_else(class)?;
     Some((source.to_string(), message))
 }
 

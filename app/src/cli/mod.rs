@@ -2,6 +2,7 @@
 //! short commands are in this file; each longer command has a file.
 
 pub mod chinese;
+mod class;
 mod dap;
 mod deferred;
 mod dialect;
@@ -35,6 +36,7 @@ use gsk_panel::script::FORMS;
 pub use gsk_runner::Language;
 use tracing::level_filters::LevelFilter;
 
+pub use class::{ClassArgs, SeatArgs};
 pub use dap::DapArgs;
 pub use dialect::{DialectArgs, ProgramOrigin};
 pub use exercise::{
@@ -161,6 +163,8 @@ pub struct WindowArgs {
     pub mtconnect: MtconnectArgs,
     #[command(flatten)]
     pub mqtt: MqttArgs,
+    #[command(flatten)]
+    pub seat: SeatArgs,
 }
 
 /// The commands; only the options of the one that is called are built.
@@ -216,6 +220,12 @@ pub enum CliCommand {
     /// write one.
     #[command(subcommand)]
     Exercise(ExerciseCommand),
+    /// Show the seats of a class to the instructor: the one that needs help first
+    ///
+    /// A seat joins in the window (Views, Network) or with --class CODE@BROKER. The instructor
+    /// opens an LCD live, offers exercises, sets faults where the seat allows it, and collects
+    /// results. No key can be pressed from here. docs/network.md describes it.
+    Class(DeferredArgs<ClassArgs>),
     /// Replay a recording of the window and compare the states in it
     ///
     /// The window records every session into `recordings` of the data folder, the last 50 MB.

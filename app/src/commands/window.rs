@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use gsk_core::model::ModelId;
 use gsk_core::setup::Setup;
+use gsk_host::class::class_address::ClassAddress;
 use gsk_host::files::data_dir::{self, DataDir, DataDirError};
 use gsk_host::files::exams::ExamFolder;
 use gsk_host::files::models;
@@ -14,6 +15,7 @@ use gsk_host::loading::LoadError;
 use gsk_host::message_format::describe_io_error;
 use gsk_host::mqtt::BrokerLine;
 use gsk_host::mtconnect::AgentServer;
+use gsk_host::network::ClassSettings;
 use gsk_host::ports::dnc::{self, DncSource};
 use gsk_host::serial::{SerialEnd, SerialLine};
 use gsk_host::setup_args::SetupArgs;
@@ -105,9 +107,12 @@ pub fn open(
         figures_since: starter.args.figures.then_some(start_time),
         ..starter.start_control(data, model, None, is_new)?
     };
+    let class = starter.args.seat.class.clone();
+    let class_seat = class.map(|class| seat_settings(class, &starter.args));
     let asks = needs_first_start(&starter.args, start.settings.first_start);
     let start = WindowStart {
         shows_first_start: asks,
+        class_seat,
         start_model: Some(Box::new(move |model, settings| {
             starter.start_model(model, settings)
         })),
@@ -235,6 +240,7 @@ impl WindowStarter {
             start_model: None,
             shows_first_start: false,
             unfinished_exam,
+            class_seat: None,
         })
     }
 
@@ -353,6 +359,18 @@ pub fn board_connection(
         dictionary_folder: data.map(|data| data.join("boards")),
         holder_program: platform::own_executable(),
     }))
+}
+
+/// The settings of the seat that options of the command line request.
+fn seat_settings(class: ClassAddress, args: &WindowArgs) -> ClassSettings {
+    ClassSettings {
+        is_on: true,
+        code: class.code.to_string(),
+        broker: class.broker.without_password(),
+        name: args.seat.class_name.clone().unwrap_or_default(),
+        allows_faults: false,
+        password: class.broker.password.unwrap_or_default(),
+    }
 }
 
 fn no_display_message(program: Option<&Path>) -> Message {

@@ -31,6 +31,7 @@ use gsk_project::ProjectState;
 use gsk_runner::machining::live_part::LivePart;
 use gsk_runner::program_summary::ProgramSummary;
 
+use super::class_seat::SeatAction;
 use super::exercise::ExerciseAction;
 use super::exercise_run::{ExerciseState, HandedInSolution};
 use super::lesson::LessonAction;
@@ -43,6 +44,7 @@ use super::program::breakpoints::{BreakpointCommand, BreakpointHalt};
 use super::program::start::StartDistance;
 use super::program::wait::ProgramWait;
 use super::timeline::{PastMoment, TimelineCommand, TimelineView};
+use crate::class::seat_request::SeatRequest;
 use crate::input_watch::InputWatch;
 use crate::job::SelectedJob;
 use crate::kernel::pace::RunSpeed;
@@ -155,6 +157,8 @@ pub enum Command {
     Breakpoints(BreakpointCommand),
     /// Switch services of the network on and off; names in discovery topics have this language.
     Network(Box<NetworkSettings>, Language),
+    /// Answer the instructor of the class, ask for help or hand a result in.
+    Seat(SeatAction),
     /// Publish the part with the snapshots (true), or stop publishing it. The part is cut in either
     /// case.
     ShowPart(bool),
@@ -256,6 +260,8 @@ pub enum Notice {
     Refused(Alarm),
     /// The preview of an opened program is finished: its file name and the findings.
     Previewed(String, Box<ProgramSummary>),
+    /// The instructor of the class offers an exercise: the window asks the learner.
+    TaskOffered(Box<SeatRequest>),
     /// The learner has handed in, or the time of his exercise is over.
     HandedIn(Box<HandedInSolution>),
     /// Why a key does nothing; `None` once a key acts again.
@@ -326,6 +332,8 @@ pub struct PanelSnapshot {
     pub lesson: Option<LessonState>,
     /// The current exercise, whose machine the snapshot shows; `None` outside exercises.
     pub exercise: Option<ExerciseState>,
+    /// Whether the learner asks the instructor of his class for help; `None` outside a class.
+    pub asks_help: Option<bool>,
     /// The alarms raised since the control was opened, the newest first.
     pub alarm_records: Arc<Vec<AlarmRecord>>,
     /// The past moment that the snapshot shows; `None` for the present.

@@ -2,6 +2,7 @@
 //! code runs in its thread and, step by step, in a test.
 
 mod alarm_history;
+mod class_seat;
 mod commands;
 mod console;
 mod drive;
@@ -48,6 +49,8 @@ use crate::network::{NetworkServices, NetworkSettings};
 use crate::ports::dnc::{DncPartner, DncSource};
 use crate::serial::SerialLine;
 use alarm_history::AlarmHistory;
+use class_seat::ClassSeatState;
+pub use class_seat::SeatAction;
 pub use console::{
     Command, Console, ForcedState, KeysReversed, LinkAction, MachineMotion, NotStored, Notice,
     OpenedProgram, PanelSnapshot, PreviewSetup, ProgramPlacement, SpeedRatio, StorePolicy,
@@ -148,6 +151,8 @@ pub struct Kernel {
     recorders: Vec<FlightRecorder>,
     /// What passes the state of the machine to the network; off unless it is switched on.
     network: NetworkServices,
+    /// What the class knows of this seat.
+    class_seat: ClassSeatState,
     /// Number of commands received so far; an increase proves that the window is alive.
     command_count: u64,
     /// Holds the proof that held keys are still held.
@@ -204,6 +209,7 @@ impl Kernel {
             timeline: Timeline::new(Arc::clone(&timeline)),
             recorders: Vec::new(),
             network: NetworkServices::default(),
+            class_seat: ClassSeatState::default(),
             command_count: 0,
             input_watch: InputWatch::default(),
             wheel_rests_until: Duration::ZERO,
@@ -247,7 +253,9 @@ impl Kernel {
     /// Switches services of the network on and off, as the settings of the window say.
     pub fn set_network(&mut self, settings: &NetworkSettings, language: Language) {
         let simulation = self.emulator.simulation();
-        self.network.apply(settings, simulation, language);
+        if self.network.apply(settings, simulation, language) {
+            self.begin_class();
+        }
     }
 
     pub const fn emulator(&self) -> &Emulator {

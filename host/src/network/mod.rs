@@ -1,4 +1,4 @@
-//! What the program does on the network while a control is on: MTConnect agent, MQTT.
+//! What the program does on the network while a control is on: MTConnect agent, MQTT, class.
 //! Everything is off unless it is switched on.
 
 mod page_address;
@@ -7,4 +7,4 @@ mod settings;
 
 pub use page_address::page_url;
 pub use services::{NetworkServices, NetworkStates};
-pub use settings::{AgentSettings, BrokerSettings, NetworkSettings};
+pub use settings::{AgentSettings, BrokerSettings, ClassSettings, NetworkSettings};

@@ -4,7 +4,9 @@ use gsk_core::simulation::Simulation;
 use gsk_messages::{Language, Message, say};
 use gsk_workpiece::job::Job;
 
-use super::settings::{AgentSettings, BrokerSettings, NetworkSettings};
+use super::settings::{AgentSettings, BrokerSettings, ClassSettings, NetworkSettings};
+use crate::class::class_address::{ClassAddress, ClassCode};
+use crate::class::{SeatFeed, SeatOptions, start_seat};
 use crate::message_format::describe_io_error;
 use crate::mqtt::{
     self, BrokerLine, DEFAULT_DISCOVERY_PREFIX, DEFAULT_RATE_HZ, LatheOptions, parse_broker,
@@ -19,6 +21,8 @@ pub struct NetworkStates {
     pub agent: SharedServiceState,
     /// The connection to the MQTT broker.
     pub broker: SharedServiceState,
+    /// The connection to the broker of the class.
+    pub class: SharedServiceState,
 }
 
 /// The services that follow the ticks of a machine.
@@ -32,6 +36,8 @@ pub struct NetworkServices {
     broker_feed: Option<AgentFeed>,
     /// The connection that the settings have switched on.
     broker_line: Option<BrokerLine>,
+    /// The seat of a class, with its connection.
+    seat: Option<(SeatFeed, BrokerLine)>,
 }
 
 impl NetworkServices {
@@ -53,13 +59,14 @@ impl NetworkServices {
         self.states.broker.mark_by_option();
     }
 
-    /// Switches services on and off whose settings have changed.
+    /// Switches services on and off whose settings have changed. Returns whether the seat of a
+    /// class has begun.
     pub fn apply(
         &mut self,
         settings: &NetworkSettings,
         simulation: &Simulation,
         language: Language,
-    ) {
+    ) -> bool {
         if self.settings.agent != settings.agent && !self.states.agent.is_by_option() {
             (self.agent_feed, self.agent_server) = (None, None);
             self.states.agent.set(ServiceState::Off);
@@ -81,7 +88,57 @@ impl NetworkServices {
                 self.states.broker.set(ServiceState::Failed(reason));
             }
         }
+        let begins_class = self.settings.class != settings.class;
+        if begins_class {
+            if let Some((_, line)) = self.seat.take() {
+                line.end_in_background();
+            }
+            self.states.class.set(ServiceState::Off);
+            if settings.class.is_on
+                && let Err(reason) = self.start_seat(&settings.class)
+            {
+                self.states.class.set(ServiceState::Failed(reason));
+            }
+        }
         self.settings.clone_from(settings);
+        begins_class
+    }
+
+    fn start_seat(&mut self, settings: &ClassSettings) -> Result<(), Message> {
+        let name = settings.name.trim();
+        if name.is_empty() {
+            return Err(say::class_name_missing());
+        }
+        let code = ClassCode::parse(settings.code.trim()).map_err(|error| error.message())?;
+        let mut broker = parse_broker(settings.broker.trim()).map_err(|error| error.message())?;
+        if !settings.password.is_empty() {
+            broker.password = Some(settings.password.clone());
+        }
+        mqtt::read_password(&mut broker, None)?;
+        let options = SeatOptions {
+            class: ClassAddress { code, broker },
+            name: name.to_owned(),
+        };
+        let started = start_seat(&options, self.states.class.clone());
+        let (line, feed) = started.map_err(|error| describe_io_error(&error))?;
+        self.seat = Some((feed, line));
+        Ok(())
+    }
+
+    /// Whether this is a seat of a class.
+    pub const fn has_seat(&self) -> bool {
+        self.seat.is_some()
+    }
+
+    /// The seat of a class; `None` outside a class.
+    pub fn seat_feed(&mut self) -> Option<&mut SeatFeed> {
+        self.seat.as_mut().map(|(feed, _)| feed)
+    }
+
+    /// The learner's name in the class, and whether he allows faults.
+    pub fn seat_name(&self) -> (&str, bool) {
+        let class = &self.settings.class;
+        (class.name.trim(), class.allows_faults)
     }
 
     fn start_agent(

@@ -38,6 +38,25 @@ pub struct BrokerSettings {
     pub password: String,
 }
 
+/// The settings of the seat of a class.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ClassSettings {
+    /// Whether the seat is shown to the instructor.
+    pub is_on: bool,
+    /// Code of the class.
+    pub code: String,
+    /// Address of the broker, without a password.
+    pub broker: String,
+    /// Name of the learner on his tile.
+    pub name: String,
+    /// Whether the instructor may set faults of the simulated lathe.
+    pub allows_faults: bool,
+    /// Password; never stored.
+    #[serde(skip)]
+    pub password: String,
+}
+
 /// The settings of the network; everything is off as delivered.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
@@ -46,4 +65,6 @@ pub struct NetworkSettings {
     pub agent: AgentSettings,
     /// The MQTT broker.
     pub broker: BrokerSettings,
+    /// The class.
+    pub class: ClassSettings,
 }

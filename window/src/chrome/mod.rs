@@ -1,5 +1,6 @@
 //! What surrounds panel and views: the bar at the top, the line of messages, the first start.
 
+pub mod class_offer;
 pub mod exam_limits;
 pub mod first_start;
 pub mod incoming;

@@ -2,17 +2,20 @@
 //! address of the page for a phone as a QR code.
 
 use egui::{Context, Key as PcKey, RichText, ScrollArea, TextEdit, Ui, Vec2};
+use gsk_host::kernel::SeatAction;
 use gsk_host::kernel::{Command, Console};
-use gsk_host::network::{NetworkSettings, page_url};
+use gsk_host::mqtt::parse_broker;
+use gsk_host::network::{ClassSettings, NetworkSettings, page_url};
 use gsk_host::service_state::{ServiceState, SharedServiceState};
 use gsk_messages::{Language, Message, say};
 
+use crate::Window;
 use crate::placement::panel_placement::PlacedArea;
 use crate::placement::stop_key_clearance;
 use crate::theme;
 use crate::widgets::qr_code::QrPicture;
 
-const WINDOW_SIZE: [f32; 2] = [460.0, 420.0];
+const WINDOW_SIZE: [f32; 2] = [460.0, 520.0];
 /// Width of a field for an address, points.
 const FIELD_WIDTH: f32 = 280.0;
 
@@ -24,6 +27,8 @@ pub struct NetworkPane {
     /// What the kernel has received last.
     applied: NetworkSettings,
     code: QrPicture,
+    /// The class that an option of the command line names; `None` without that option.
+    class_option: Option<ClassSettings>,
 }
 
 impl NetworkPane {
@@ -34,7 +39,13 @@ impl NetworkPane {
             draft: settings.clone(),
             applied: NetworkSettings::default(),
             code: QrPicture::default(),
+            class_option: None,
         }
+    }
+
+    /// Joins a class at the start, whatever the stored settings say.
+    pub fn join_class(&mut self, class: ClassSettings) {
+        self.class_option = Some(class);
     }
 
     pub const fn toggle(&mut self) {
@@ -53,13 +64,22 @@ impl NetworkPane {
         console: &Console,
         language: Language,
     ) {
-        if *settings != self.applied && self.applied == NetworkSettings::default() {
-            self.draft.clone_from(settings);
+        let mut wanted = settings.clone();
+        let has_option = self.class_option.is_some();
+        if let Some(class) = self.class_option.take() {
+            wanted.class = class;
+        }
+        let is_first = self.applied == NetworkSettings::default() && wanted != self.applied;
+        if has_option || is_first {
+            self.draft = wanted;
             self.apply(console, language);
         }
     }
 
     fn apply(&mut self, console: &Console, language: Language) {
+        let NetworkSettings { broker, class, .. } = &mut self.draft;
+        separate_password(&mut broker.url, &mut broker.password);
+        separate_password(&mut class.broker, &mut class.password);
         let draft = Box::new(self.draft.clone());
         console.send(Command::Network(draft, language));
         self.applied.clone_from(&self.draft);
@@ -71,7 +91,7 @@ impl NetworkPane {
         context: &Context,
         language: Language,
         console: &Console,
-        placed: &[PlacedArea],
+        (placed, asks_help): (&[PlacedArea], Option<bool>),
     ) -> Option<NetworkSettings> {
         if !self.is_open {
             return None;
@@ -96,6 +116,8 @@ impl NetworkPane {
                     is_changed |= self.show_agent(ui, language, &console.network.agent);
                     ui.separator();
                     is_changed |= self.show_broker(ui, language, &console.network.broker);
+                    ui.separator();
+                    is_changed |= self.show_class(ui, language, console, asks_help);
                 });
             });
         let escape =
@@ -159,6 +181,89 @@ impl NetworkPane {
             say::network_discovery().text(language),
         );
         section.end(ui, draft != applied)
+    }
+
+    /// Draws the class; returns whether its settings are to be applied.
+    fn show_class(
+        &mut self,
+        ui: &mut Ui,
+        language: Language,
+        console: &Console,
+        asks_help: Option<bool>,
+    ) -> bool {
+        let mut section = SectionForm::begin(ui, language, &console.network.class);
+        let (draft, applied) = (&mut self.draft.class, &self.applied.class);
+        section.show_switch(
+            ui,
+            &mut draft.is_on,
+            say::network_class(),
+            say::network_class_hint(),
+        );
+        section.show_field(ui, &mut draft.name, say::class_name(), "");
+        section.show_field(ui, &mut draft.code, say::class_code(), "K7M2");
+        section.show_field(
+            ui,
+            &mut draft.broker,
+            say::network_broker(),
+            "mqtt://192.168.1.5",
+        );
+        section.show_password(ui, &mut draft.password);
+        ui.checkbox(
+            &mut draft.allows_faults,
+            say::network_faults_allowed().text(language),
+        );
+        let note = RichText::new(say::class_privacy().text(language));
+        ui.label(note.color(theme::HINT_TEXT));
+        let is_changed = section.end(ui, draft != applied);
+        if let Some(asks) = asks_help {
+            show_help_request(ui, language, console, asks);
+        }
+        is_changed
+    }
+}
+
+/// Draws the button with which a learner asks for help.
+pub fn show_help_request(ui: &mut Ui, language: Language, console: &Console, asks: bool) {
+    let (name, colour) = match asks {
+        true => (say::class_help_asked(), theme::WARNING),
+        false => (say::class_help_request(), theme::TEXT),
+    };
+    let name = RichText::new(name.text(language)).color(colour);
+    if ui.add(egui::Button::selectable(asks, name)).clicked() {
+        console.send(Command::Seat(SeatAction::AskHelp(!asks)));
+    }
+}
+
+impl Window {
+    /// Shows the pane of the network, and stores its settings.
+    pub(crate) fn show_network_pane(&mut self, context: &Context) {
+        let (language, console) = (self.settings.language, &self.console);
+        self.network
+            .apply_stored(&self.settings.network, console, language);
+        let asks_help = self.snapshot.as_ref().and_then(|it| it.asks_help);
+        let shown = (self.placed_areas.as_slice(), asks_help);
+        if let Some(settings) = self.network.show(context, language, console, shown) {
+            self.settings.network = settings;
+        }
+    }
+
+    /// Joins a class at the start; an empty name is that of the learner on his results.
+    pub fn join_class(&mut self, class: ClassSettings) {
+        let name = match class.name.as_str() {
+            "" => self.settings.learner.clone(),
+            name => name.to_owned(),
+        };
+        self.network.join_class(ClassSettings { name, ..class });
+    }
+}
+
+/// Moves a password out of an address: addresses are stored and shown.
+fn separate_password(address: &mut String, password: &mut String) {
+    if let Ok(url) = parse_broker(address.trim())
+        && let Some(given) = &url.password
+    {
+        password.clone_from(given);
+        *address = url.without_password();
     }
 }
 

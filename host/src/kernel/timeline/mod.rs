@@ -498,6 +498,7 @@ pub(super) const fn changes_machine(command: &Command) -> bool {
         Command::Job(_)
         | Command::TransferFailed
         | Command::Network(..)
+        | Command::Seat(_)
         | Command::Explain(_)
         | Command::Link(_)
         | Command::Probe(_)

@@ -22,6 +22,7 @@ use gsk_host::files::exercises::AvailableExercises;
 use gsk_host::kernel::part::PartView;
 use gsk_host::kernel::{
     Command, Console, ExerciseAction, ExerciseState, HandedInSolution, LessonAction, PanelSnapshot,
+    SeatAction,
 };
 use gsk_host::platform::{self, CoursePage};
 use gsk_messages::{Language, Message, say};
@@ -62,6 +63,8 @@ pub struct ExercisePane {
     has_opened_timeline: bool,
     /// The learner's best points by the name of the exercise.
     best: BTreeMap<String, u32>,
+    /// Sum of the best points as the class knows it; `None` outside a class.
+    class_points: Option<u32>,
 }
 
 impl ExercisePane {
@@ -84,6 +87,7 @@ impl ExercisePane {
             wants_timeline: None,
             has_opened_timeline: false,
             best,
+            class_points: None,
         }
     }
 
@@ -180,7 +184,31 @@ impl ExercisePane {
             self.wants_timeline = Some(false);
         }
         self.state.clone_from(&snapshot.exercise);
+        self.report_points(snapshot.asks_help.is_some());
         is_begin
+    }
+
+    /// Reports the sum of the best points to the class when it has changed.
+    fn report_points(&mut self, is_in_class: bool) {
+        let points = is_in_class.then(|| self.best.values().sum());
+        if let Some(points) = points.filter(|points| self.class_points != Some(*points)) {
+            self.console.send(Command::Seat(SeatAction::Points(points)));
+        }
+        self.class_points = points;
+    }
+
+    /// The exercise with this name; `None` if the seat does not have it.
+    pub fn task(&self, id: &str) -> Option<Arc<ExerciseTask>> {
+        self.tasks.iter().find(|task| task.id == id).cloned()
+    }
+
+    /// Begins an exercise that the instructor of the class has offered.
+    pub fn begin_offered(&mut self, task: Arc<ExerciseTask>) {
+        if !self.tasks.iter().any(|known| known.hash == task.hash) {
+            self.tasks.retain(|known| known.id != task.id);
+            self.tasks.push(Arc::clone(&task));
+        }
+        self.begin(task);
     }
 
     /// Marks a solution in a thread.
@@ -204,6 +232,9 @@ impl ExercisePane {
         if let Some((report, points)) = self.report.receive() {
             if let Some(course) = &mut self.course {
                 course.record(&report, points);
+            }
+            if self.class_points.is_some() {
+                self.report.hand_in_to_class();
             }
             let best = self.best.entry(report.task).or_default();
             *best = points.max(*best);
