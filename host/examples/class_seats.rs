@@ -11,13 +11,13 @@ use std::time::{Duration, Instant};
 use gsk_core::machine::LatheFault;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
-use gsk_host::class::class_address::ClassAddress;
-use gsk_host::class::seat_report::SeatReport;
-use gsk_host::class::{ClassLink, SeatFeed, SeatOptions, start_seat};
-use gsk_host::kernel::{Command, Console, Kernel, SNAPSHOT_TICKS};
-use gsk_host::mqtt::BrokerLine;
+use gsk_host::kernel::{Command, Console, Kernel, OpenedProgram, SNAPSHOT_TICKS, StorePolicy};
+use gsk_host::network::class::class_address::ClassAddress;
+use gsk_host::network::class::seat_report::SeatReport;
+use gsk_host::network::class::{ClassLink, SeatFeed, SeatOptions, start_seat};
+use gsk_host::network::mqtt::BrokerLine;
+use gsk_host::network::service_state::SharedServiceState;
 use gsk_host::network::{ClassSettings, NetworkSettings};
-use gsk_host::service_state::SharedServiceState;
 use gsk_messages::Language;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
@@ -103,7 +103,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     for seat in &seats {
         seat.console.send(Command::OpenSample {
-            program: Box::new(Program::new(PROGRAM)),
+            program: Box::new(OpenedProgram {
+                name: "01-stepped-shaft.CNC".to_owned(),
+                path: None,
+                store_policy: StorePolicy::Replace,
+                program: Program::new(PROGRAM),
+                subprograms: Vec::new(),
+            }),
             starts: true,
         });
     }

@@ -11,7 +11,6 @@
 pub mod output;
 
 pub mod board;
-pub mod class;
 pub mod files;
 pub mod flight;
 pub mod guard;
@@ -21,8 +20,6 @@ pub mod kernel;
 pub mod loading;
 pub mod log;
 pub mod message_format;
-pub mod mqtt;
-pub mod mtconnect;
 pub mod network;
 pub mod pc;
 pub mod platform;
@@ -31,7 +28,6 @@ pub mod preview;
 pub mod project;
 pub mod retained;
 pub mod serial;
-pub mod service_state;
 pub mod setup_args;
 pub mod sound;
 pub mod termination;

@@ -203,8 +203,8 @@ message_rows! {
     class_empty ClassEmpty(code, broker);
     class_fault_set ClassFaultSet();
     class_faults_cleared ClassFaultsCleared();
-    class_help_asked ClassHelpAsked();
     class_help_request ClassHelpRequest();
+    class_help_requested ClassHelpRequested();
     class_helped ClassHelped();
     class_join ClassJoin();
     class_lcd_waiting ClassLcdWaiting(seat);

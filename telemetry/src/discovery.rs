@@ -3,7 +3,7 @@
 use gsk_messages::{Message, say};
 use serde_json::{Map, Value, json};
 
-use crate::lathe_publisher::LatheIdentity;
+use crate::lathe_identity::LatheIdentity;
 use crate::message::TelemetryMessage;
 
 /// Start of the topics in which Home Assistant looks for devices, unless it was configured

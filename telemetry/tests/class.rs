@@ -6,7 +6,7 @@ use gsk_telemetry::class::class_address::ClassAddress;
 use gsk_telemetry::class::class_roster::{ClassRoster, RosterEvent, SeatUrgency};
 use gsk_telemetry::class::class_table::write_table;
 use gsk_telemetry::class::lcd_picture::{LCD_DOTS, LcdPicture};
-use gsk_telemetry::class::part_outline::PartOutline;
+use gsk_telemetry::class::part_outline::CoarseOutline;
 use gsk_telemetry::class::seat_publisher::{MAX_RESULT_BYTES, SeatPublisher};
 use gsk_telemetry::class::seat_report::{SeatReport, SeatText, SeatTrouble, SeatTroubleKind};
 use gsk_telemetry::class::seat_request::{SeatAnswer, SeatRefusal};
@@ -235,7 +235,7 @@ fn answers_and_results_arrive_once() {
 fn malformed_messages_change_nothing() {
     let mut roster = ClassRoster::new(class().topics());
     let mut publisher = seat("a1", "Ann");
-    publisher.set_part(PartOutline {
+    publisher.set_part(CoarseOutline {
         lines: vec![vec![[0.0, 1.0], [2.0, 3.0], [4.0, 0.0]]],
     });
     let messages = publisher.take_due(0);

@@ -10,9 +10,9 @@ use std::ffi::OsString;
 
 use clap::builder::{PossibleValue, Str, StyledStr};
 use clap::{Arg, Command, CommandFactory, Error};
-use gsk_host::class::class_address::ClassAddressError;
-use gsk_host::mqtt::MqttOptionError;
-use gsk_host::mtconnect::AgentOptionError;
+use gsk_host::network::class::class_address::ClassAddressError;
+use gsk_host::network::mqtt::MqttOptionError;
+use gsk_host::network::mtconnect::AgentOptionError;
 use gsk_host::setup_args::OptionValueError;
 use gsk_messages::{Language, Message};
 use gsk_plot::InvalidPictureSize;

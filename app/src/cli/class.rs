@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use gsk_host::class::class_address::{ClassAddress, ClassAddressError, ClassCode};
-use gsk_host::mqtt::{BrokerUrl, parse_broker};
+use gsk_host::network::class::class_address::{ClassAddress, ClassAddressError, ClassCode};
+use gsk_host::network::mqtt::{BrokerUrl, parse_broker};
 
 /// `class`.
 #[derive(Args, Debug)]

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use gsk_host::mqtt::{BrokerUrl, DEFAULT_DISCOVERY_PREFIX, parse_broker, parse_rate};
+use gsk_host::network::mqtt::{BrokerUrl, DEFAULT_DISCOVERY_PREFIX, parse_broker, parse_rate};
 
 /// Whether and where the state of the machine is published.
 #[derive(Args, Clone, Debug, Default)]

@@ -3,14 +3,15 @@
 use std::path::PathBuf;
 use std::thread;
 
-use gsk_host::class::class_address::ClassAddress;
-use gsk_host::class::class_table::write_table;
-use gsk_host::class::{ClassEvent, ClassLink};
 use gsk_host::files::exercises;
 use gsk_host::message_format::describe_io_error;
-use gsk_host::service_state::ServiceState;
+use gsk_host::network::class::class_address::ClassAddress;
+use gsk_host::network::class::class_table::write_table;
+use gsk_host::network::class::{ClassEvent, ClassLink};
+use gsk_host::network::mqtt;
+use gsk_host::network::service_state::ServiceState;
+use gsk_host::platform;
 use gsk_host::termination::{TERMINATED_EXIT_CODE, TerminationFlag};
-use gsk_host::{mqtt, platform};
 use gsk_messages::say;
 use gsk_window::class_window::{self, ClassStart};
 use web_time::{Duration, Instant};

@@ -2,9 +2,9 @@
 
 use gsk_core::simulation::Simulation;
 use gsk_host::message_format::describe_io_error;
-use gsk_host::mqtt::{self, BrokerLine, DEFAULT_RATE_HZ, LatheOptions};
-use gsk_host::mtconnect::{AgentFeed, AgentServer, MachinePacer};
-use gsk_host::service_state::{ServiceState, SharedServiceState};
+use gsk_host::network::mqtt::{self, BrokerLine, DEFAULT_RATE_HZ, LatheOptions};
+use gsk_host::network::mtconnect::{AgentFeed, AgentServer, MachinePacer};
+use gsk_host::network::service_state::{ServiceState, SharedServiceState};
 use gsk_messages::say;
 use gsk_runner::script::TickObserver;
 use gsk_workpiece::job::Job;

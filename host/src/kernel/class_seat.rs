@@ -2,6 +2,8 @@
 //! instructor. There is none that presses a key.
 
 use gsk_core::alarm::AlarmClass;
+use gsk_core::operation::RunState;
+use gsk_link::LinkState;
 use gsk_messages::say;
 use gsk_mtconnect::program_name;
 use gsk_panel::pages::mode_message;
@@ -11,11 +13,12 @@ use gsk_workpiece::region::Region;
 use web_time::{Duration, Instant};
 
 use super::{Command, Kernel, Notice, PanelSnapshot};
-use crate::class::lcd_picture::{LCD_DOTS, LCD_WIDTH, LcdPicture};
-use crate::class::part_outline::PartOutline;
-use crate::class::seat_report::{SeatReport, SeatTask, SeatText, SeatTrouble, SeatTroubleKind};
-use crate::class::seat_request::{SeatAnswer, SeatRefusal, SeatRequest, SeatRights};
-use gsk_core::operation::RunState;
+use crate::network::class::lcd_picture::{LCD_DOTS, LCD_WIDTH, LcdPicture};
+use crate::network::class::part_outline::CoarseOutline;
+use crate::network::class::seat_report::{
+    SeatReport, SeatTask, SeatText, SeatTrouble, SeatTroubleKind,
+};
+use crate::network::class::seat_request::{SeatAnswer, SeatRefusal, SeatRequest, SeatRights};
 use gsk_panel::keys::Key;
 use gsk_panel::screen::Screen;
 
@@ -105,13 +108,16 @@ impl Kernel {
         };
     }
 
-    /// Reports the state to the class, and carries out its requests.
-    pub(super) fn follow_class(&mut self, snapshot: &PanelSnapshot) {
+    /// Reports the state to the class, and carries out its requests. Returns whether there was
+    /// one: the window must read its notice.
+    pub(super) fn follow_class(&mut self, snapshot: &PanelSnapshot) -> bool {
         if !self.network.has_seat() {
-            return;
+            return false;
         }
+        let mut has_request = false;
         while let Some(request) = self.network.seat_feed().and_then(|it| it.take_request()) {
             self.execute_class_request(request);
+            has_request = true;
         }
         let now = Instant::now();
         if now >= self.class_seat.next_report {
@@ -121,7 +127,9 @@ impl Kernel {
                 feed.report(report);
             }
         }
-        if now >= self.class_seat.next_part {
+        // A section takes longer than the other reports: the port of a board does not wait for it.
+        let is_board_moving = matches!(snapshot.board, Some(LinkState::Moving | LinkState::Homing));
+        if now >= self.class_seat.next_part && !is_board_moving {
             self.class_seat.next_part = now + PART_INTERVAL;
             self.show_part_to_class();
         }
@@ -135,6 +143,7 @@ impl Kernel {
             self.class_seat.next_lcd = now + LCD_INTERVAL;
             self.show_lcd_to_class(snapshot);
         }
+        has_request
     }
 
     fn seat_report(&mut self, snapshot: &PanelSnapshot, now: Instant) -> SeatReport {
@@ -288,7 +297,7 @@ fn seat_task(snapshot: &PanelSnapshot) -> Option<SeatTask> {
 }
 
 /// The lines of a half section, coarse.
-fn coarse_outline(section: &Region) -> PartOutline {
+fn coarse_outline(section: &Region) -> CoarseOutline {
     let lines: Vec<Vec<[f32; 2]>> = section
         .contours()
         .iter()
@@ -299,7 +308,7 @@ fn coarse_outline(section: &Region) -> PartOutline {
                 .collect()
         })
         .collect();
-    PartOutline::from_lines(&lines)
+    CoarseOutline::from_lines(&lines)
 }
 
 /// The dots and colours of the LCD.

@@ -44,10 +44,10 @@ use super::program::breakpoints::{BreakpointCommand, BreakpointHalt};
 use super::program::start::StartDistance;
 use super::program::wait::ProgramWait;
 use super::timeline::{PastMoment, TimelineCommand, TimelineView};
-use crate::class::seat_request::SeatRequest;
 use crate::input_watch::InputWatch;
 use crate::job::SelectedJob;
 use crate::kernel::pace::RunSpeed;
+use crate::network::class::seat_request::SeatRequest;
 use crate::network::{NetworkSettings, NetworkStates};
 use crate::platform;
 

@@ -20,9 +20,9 @@ impl Kernel {
         self.wait_watch
             .update(self.tick, self.emulator.simulation());
         let snapshot = self.snapshot();
-        self.follow_class(&snapshot);
+        let has_request = self.follow_class(&snapshot);
         if self.last_snapshot.as_ref() == Some(&snapshot) {
-            return views_shown;
+            return views_shown || has_request;
         }
         self.snapshots.force_push(snapshot.clone());
         self.last_snapshot = Some(snapshot);

@@ -1,7 +1,11 @@
 //! What the program does on the network while a control is on: MTConnect agent, MQTT, class.
 //! Everything is off unless it is switched on.
 
+pub mod class;
+pub mod mqtt;
+pub mod mtconnect;
 mod page_address;
+pub mod service_state;
 mod services;
 mod settings;
 

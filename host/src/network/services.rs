@@ -5,14 +5,14 @@ use gsk_messages::{Language, Message, say};
 use gsk_workpiece::job::Job;
 
 use super::settings::{AgentSettings, BrokerSettings, ClassSettings, NetworkSettings};
-use crate::class::class_address::{ClassAddress, ClassCode};
-use crate::class::{SeatFeed, SeatOptions, start_seat};
 use crate::message_format::describe_io_error;
-use crate::mqtt::{
+use crate::network::class::class_address::{ClassAddress, ClassCode};
+use crate::network::class::{SeatFeed, SeatOptions, start_seat};
+use crate::network::mqtt::{
     self, BrokerLine, DEFAULT_DISCOVERY_PREFIX, DEFAULT_RATE_HZ, LatheOptions, parse_broker,
 };
-use crate::mtconnect::{AgentFeed, AgentServer, SchemaVersion, parse_address};
-use crate::service_state::{ServiceState, SharedServiceState};
+use crate::network::mtconnect::{AgentFeed, AgentServer, SchemaVersion, parse_address};
+use crate::network::service_state::{ServiceState, SharedServiceState};
 
 /// The states of all services, for the window.
 #[derive(Clone, Debug, Default)]

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::mtconnect::DEFAULT_ADDRESS;
+use crate::network::mtconnect::DEFAULT_ADDRESS;
 
 /// The settings of the MTConnect agent.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

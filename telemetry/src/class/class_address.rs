@@ -69,7 +69,7 @@ pub struct ClassAddress {
 }
 
 impl ClassAddress {
-    /// Parses `CODE@BROKER`; the broker may have a user of its own: `CODE@mqtt://ann@host`.
+    /// Parses `CODE@BROKER`; the broker may name a user: `CODE@mqtt://ann@host`.
     ///
     /// # Errors
     /// There is no code, or the broker is malformed.

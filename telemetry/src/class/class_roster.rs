@@ -6,7 +6,7 @@ use gsk_messages::{Message, say};
 
 use super::class_address::{ClassTopics, SeatTopicKind};
 use super::lcd_picture::LcdPicture;
-use super::part_outline::PartOutline;
+use super::part_outline::CoarseOutline;
 use super::seat_report::{SeatReport, SeatTroubleKind};
 use super::seat_request::SeatAnswer;
 
@@ -68,7 +68,7 @@ pub struct ClassSeat {
     /// Its state.
     pub report: SeatReport,
     /// Its part; empty without one.
-    pub part: PartOutline,
+    pub part: CoarseOutline,
     /// How urgently it needs the instructor.
     pub urgency: SeatUrgency,
     /// Since when, on the caller's clock, ms.
@@ -160,8 +160,8 @@ impl ClassRoster {
             }
             SeatTopicKind::Part => {
                 let part = match payload.is_empty() {
-                    true => PartOutline::default(),
-                    false => PartOutline::parse(payload)?,
+                    true => CoarseOutline::default(),
+                    false => CoarseOutline::parse(payload)?,
                 };
                 self.seats.get_mut(seat)?.part = part;
                 None
@@ -206,7 +206,7 @@ impl ClassRoster {
                 let seat = ClassSeat {
                     id: id.to_owned(),
                     report,
-                    part: PartOutline::default(),
+                    part: CoarseOutline::default(),
                     urgency,
                     since_ms: now_ms,
                 };
@@ -220,7 +220,7 @@ impl ClassRoster {
     pub fn by_urgency(&self) -> Vec<&ClassSeat> {
         let mut seats: Vec<&ClassSeat> = self.seats.values().collect();
         seats.sort_by_key(|seat| {
-            // Seats that need nobody keep their order by name.
+            // The other seats keep their order by name.
             let waits = match seat.urgency.needs_help() {
                 true => seat.since_ms,
                 false => 0,

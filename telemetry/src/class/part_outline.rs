@@ -10,12 +10,12 @@ const MAX_MM: f32 = 10_000.0;
 /// The half section of the part: closed lines of points Z, X (a radius), mm.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct PartOutline {
+pub struct CoarseOutline {
     /// The lines.
     pub lines: Vec<Vec<[f32; 2]>>,
 }
 
-impl PartOutline {
+impl CoarseOutline {
     /// Makes an outline coarse: points that lie within a tolerance of a straight line are left
     /// out, until few enough remain.
     pub fn from_lines(lines: &[Vec<[f32; 2]>]) -> Self {
@@ -92,7 +92,7 @@ mod tests {
         let mut line: Vec<[f32; 2]> = (0..1000).map(|z| [z as f32 * 0.1, 0.0]).collect();
         line.push([100.0, 20.0]);
         line.push([0.0, 20.0]);
-        let outline = PartOutline::from_lines(&[line]);
+        let outline = CoarseOutline::from_lines(&[line]);
         assert_eq!(outline.lines.len(), 1);
         let corners = &outline.lines[0];
         assert!(
@@ -100,14 +100,14 @@ mod tests {
             "{corners:?}"
         );
         assert_eq!(
-            PartOutline::parse(outline.to_json().as_bytes()),
+            CoarseOutline::parse(outline.to_json().as_bytes()),
             Some(outline)
         );
         // A thread has more corners than a tile shows.
         let zigzag: Vec<[f32; 2]> = (0..5000)
             .map(|at| [at as f32 * 0.5, 10.0 + (at % 2) as f32])
             .collect();
-        let points: usize = PartOutline::from_lines(&[zigzag])
+        let points: usize = CoarseOutline::from_lines(&[zigzag])
             .lines
             .iter()
             .map(Vec::len)
@@ -124,11 +124,11 @@ mod tests {
             r#"{"lines":[[[1,-5]]]}"#,
             r#"{"lines":[[[1e30,5]]]}"#,
         ] {
-            assert_eq!(PartOutline::parse(text.as_bytes()), None, "{text}");
+            assert_eq!(CoarseOutline::parse(text.as_bytes()), None, "{text}");
         }
-        let many = PartOutline {
+        let many = CoarseOutline {
             lines: vec![vec![[0.0, 0.0]; 2 * MAX_POINTS + 1]],
         };
-        assert_eq!(PartOutline::parse(many.to_json().as_bytes()), None);
+        assert_eq!(CoarseOutline::parse(many.to_json().as_bytes()), None);
     }
 }

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use super::class_address::{ClassTopics, SeatTopicKind};
 use super::lcd_picture::LcdPicture;
-use super::part_outline::PartOutline;
+use super::part_outline::CoarseOutline;
 use super::seat_report::SeatReport;
 use super::seat_request::SeatAnswer;
 use crate::message::TelemetryMessage;
@@ -26,7 +26,7 @@ pub struct SeatPublisher {
     topics: ClassTopics,
     seat: String,
     report: SeatReport,
-    part: PartOutline,
+    part: CoarseOutline,
     lcd: Option<LcdPicture>,
     /// Answers and results, each sent once.
     waiting: VecDeque<TelemetryMessage>,
@@ -46,7 +46,7 @@ impl SeatPublisher {
             topics,
             seat,
             report,
-            part: PartOutline { lines: Vec::new() },
+            part: CoarseOutline { lines: Vec::new() },
             lcd: None,
             waiting: VecDeque::new(),
             has_new_report: true,
@@ -92,7 +92,7 @@ impl SeatPublisher {
     }
 
     /// Sets the outline of the part.
-    pub fn set_part(&mut self, part: PartOutline) {
+    pub fn set_part(&mut self, part: CoarseOutline) {
         self.has_new_part |= self.part != part;
         self.part = part;
     }

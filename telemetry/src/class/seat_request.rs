@@ -167,7 +167,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_board_refuses_tasks_and_faults_and_nobody_presses_keys() {
+    fn a_board_refuses_tasks_and_faults_and_no_request_presses_a_key() {
         let requests = [
             SeatRequest::Task {
                 exercise: "shaft".to_owned(),

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use egui::Context;
 use gsk_exercise::course::CourseTaskFile;
 use gsk_exercise::task::ExerciseTask;
-use gsk_host::class::seat_request::{SeatAnswer, SeatRefusal, SeatRequest};
 use gsk_host::kernel::{Command, SeatAction};
+use gsk_host::network::class::seat_request::{SeatAnswer, SeatRefusal, SeatRequest};
 use gsk_messages::say;
 
 use crate::Window;

@@ -4,10 +4,11 @@
 use egui::{Context, Key as PcKey, RichText, ScrollArea, TextEdit, Ui, Vec2};
 use gsk_host::kernel::SeatAction;
 use gsk_host::kernel::{Command, Console};
-use gsk_host::mqtt::parse_broker;
+use gsk_host::network::mqtt::parse_broker;
+use gsk_host::network::service_state::{ServiceState, SharedServiceState};
 use gsk_host::network::{ClassSettings, NetworkSettings, page_url};
-use gsk_host::service_state::{ServiceState, SharedServiceState};
 use gsk_messages::{Language, Message, say};
+use web_time::Duration;
 
 use crate::Window;
 use crate::placement::panel_placement::PlacedArea;
@@ -16,6 +17,8 @@ use crate::theme;
 use crate::widgets::qr_code::QrPicture;
 
 const WINDOW_SIZE: [f32; 2] = [460.0, 520.0];
+/// Time between two checks of the states of the connections.
+const STATE_INTERVAL: Duration = Duration::from_millis(500);
 /// Width of a field for an address, points.
 const FIELD_WIDTH: f32 = 280.0;
 
@@ -96,6 +99,8 @@ impl NetworkPane {
         if !self.is_open {
             return None;
         }
+        // A connection changes its state without the window.
+        context.request_repaint_after(STATE_INTERVAL);
         // The pane never covers the stop keys of the panel.
         let size = Vec2::from(WINDOW_SIZE);
         let area = stop_key_clearance::best_rect(
@@ -225,7 +230,7 @@ impl NetworkPane {
 /// Draws the button with which a learner asks for help.
 pub fn show_help_request(ui: &mut Ui, language: Language, console: &Console, asks: bool) {
     let (name, colour) = match asks {
-        true => (say::class_help_asked(), theme::WARNING),
+        true => (say::class_help_requested(), theme::WARNING),
         false => (say::class_help_request(), theme::TEXT),
     };
     let name = RichText::new(name.text(language)).color(colour);
@@ -243,6 +248,7 @@ impl Window {
         let asks_help = self.snapshot.as_ref().and_then(|it| it.asks_help);
         let shown = (self.placed_areas.as_slice(), asks_help);
         if let Some(settings) = self.network.show(context, language, console, shown) {
+            self.name_learner(&settings.class);
             self.settings.network = settings;
         }
     }
@@ -253,7 +259,17 @@ impl Window {
             "" => self.settings.learner.clone(),
             name => name.to_owned(),
         };
-        self.network.join_class(ClassSettings { name, ..class });
+        let class = ClassSettings { name, ..class };
+        self.name_learner(&class);
+        self.network.join_class(class);
+    }
+
+    /// Puts the name in a class on results, unless they have another one.
+    fn name_learner(&mut self, class: &ClassSettings) {
+        let exercises = self.views.lessons().exercises();
+        if class.is_on && exercises.learner().trim().is_empty() {
+            exercises.set_learner(class.name.trim());
+        }
     }
 }
 

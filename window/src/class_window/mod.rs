@@ -8,12 +8,12 @@ mod tiles;
 use std::path::PathBuf;
 
 use eframe::egui::{self, Frame, Margin, Panel, RichText, Ui};
-use gsk_host::class::class_address::ClassAddress;
-use gsk_host::class::{ClassEvent, ClassLink};
 use gsk_host::files::exercises::AvailableExercises;
 use gsk_host::message_format::describe_io_error;
+use gsk_host::network::class::class_address::ClassAddress;
+use gsk_host::network::class::{ClassEvent, ClassLink};
+use gsk_host::network::service_state::ServiceState;
 use gsk_host::platform;
-use gsk_host::service_state::ServiceState;
 use gsk_messages::{Language, Message, say};
 use web_time::Duration;
 

@@ -1,12 +1,12 @@
 //! Draws the coarse half section of a part, mirrored at the spindle axis.
 
 use egui::{Painter, Pos2, Rect, Shape, Stroke, pos2};
-use gsk_host::class::part_outline::PartOutline;
+use gsk_host::network::class::part_outline::CoarseOutline;
 
 use crate::theme;
 
 /// Draws the part as large as the room permits; nothing without a part.
-pub fn draw(painter: &Painter, room: Rect, part: &PartOutline) {
+pub fn draw(painter: &Painter, room: Rect, part: &CoarseOutline) {
     let points = || part.lines.iter().flatten();
     let least = points().map(|[z, _]| *z).fold(f32::INFINITY, f32::min);
     let greatest = points().map(|[z, _]| *z).fold(f32::NEG_INFINITY, f32::max);

@@ -5,10 +5,10 @@ use std::borrow::Cow;
 use egui::{ColorImage, Image, RichText, TextureHandle, TextureOptions, Ui, Vec2};
 use gsk_core::machine::LatheFault;
 use gsk_exercise::task::ExerciseTask;
-use gsk_host::class::class_roster::{ClassSeat, SeatUrgency};
-use gsk_host::class::class_table::{program_text, task_text};
-use gsk_host::class::lcd_picture::{LCD_WIDTH, LcdPicture};
-use gsk_host::class::seat_request::{SeatRefusal, SeatRequest, SeatRights};
+use gsk_host::network::class::class_roster::{ClassSeat, SeatUrgency};
+use gsk_host::network::class::class_table::{program_text, task_text};
+use gsk_host::network::class::lcd_picture::{LCD_WIDTH, LcdPicture};
+use gsk_host::network::class::seat_request::{SeatRefusal, SeatRequest, SeatRights};
 use gsk_messages::{Language, say};
 
 use super::tiles::urgency_color;
@@ -130,8 +130,8 @@ fn lcd_image(picture: &LcdPicture) -> ColorImage {
 /// Draws the button that ends a request for help.
 fn show_help(ui: &mut Ui, language: Language, seat: &ClassSeat) -> Option<SeatRequest> {
     let coming = say::class_helped().text(language);
-    let is_asked = seat.report.asks_help;
-    (is_asked && ui.button(coming).clicked()).then_some(SeatRequest::Coming)
+    let is_requested = seat.report.asks_help;
+    (is_requested && ui.button(coming).clicked()).then_some(SeatRequest::Coming)
 }
 
 /// Draws the menu of the exercises.

@@ -3,8 +3,8 @@
 use egui::{
     Color32, CornerRadius, Rect, ScrollArea, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo,
 };
-use gsk_host::class::class_roster::{ClassRoster, ClassSeat, SeatUrgency};
-use gsk_host::class::class_table::{program_text, task_text};
+use gsk_host::network::class::class_roster::{ClassRoster, ClassSeat, SeatUrgency};
+use gsk_host::network::class::class_table::{program_text, task_text};
 use gsk_messages::{Language, say};
 
 use super::part_drawing;

@@ -151,6 +151,11 @@ impl ExercisePane {
         self.report.learner()
     }
 
+    /// Sets the name of the learner.
+    pub fn set_learner(&mut self, name: &str) {
+        self.report.set_learner(name);
+    }
+
     /// Whether the time line is to open (true) or to close again, since the last call.
     pub const fn take_timeline_request(&mut self) -> Option<bool> {
         self.wants_timeline.take()

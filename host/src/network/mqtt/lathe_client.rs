@@ -10,8 +10,8 @@ use gsk_telemetry::{
 };
 
 use super::broker_line::{BrokerClient, BrokerLine};
-use crate::mtconnect::feed::{AgentFeed, FeedQueue};
-use crate::service_state::SharedServiceState;
+use crate::network::mtconnect::feed::{AgentFeed, FeedQueue};
+use crate::network::service_state::SharedServiceState;
 
 /// What is published.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crossbeam::channel::{Receiver, Sender, bounded};
 use crossbeam::queue::ArrayQueue;
 use gsk_telemetry::class::lcd_picture::LcdPicture;
-use gsk_telemetry::class::part_outline::PartOutline;
+use gsk_telemetry::class::part_outline::CoarseOutline;
 use gsk_telemetry::class::seat_report::SeatReport;
 use gsk_telemetry::class::seat_request::{SeatAnswer, SeatRequest};
 
@@ -26,7 +26,7 @@ pub(super) enum SeatParcel {
 #[derive(Clone, Debug)]
 pub(super) struct SeatQueues {
     pub(super) reports: Arc<ArrayQueue<SeatReport>>,
-    pub(super) parts: Arc<ArrayQueue<PartOutline>>,
+    pub(super) parts: Arc<ArrayQueue<CoarseOutline>>,
     pub(super) pictures: Arc<ArrayQueue<LcdPicture>>,
     pub(super) is_lcd_watched: Arc<AtomicBool>,
 }
@@ -82,7 +82,7 @@ impl SeatFeed {
     }
 
     /// Passes the outline of the part on.
-    pub fn show_part(&self, part: PartOutline) {
+    pub fn show_part(&self, part: CoarseOutline) {
         self.queues.parts.force_push(part);
     }
 

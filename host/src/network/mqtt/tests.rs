@@ -9,8 +9,8 @@ use gsk_messages::Language;
 use web_time::{Duration, Instant};
 
 use super::{BrokerLine, BrokerUrl, LatheOptions, parse_rate, start_publishing};
-use crate::mtconnect::AgentFeed;
-use crate::service_state::{ServiceState, SharedServiceState};
+use crate::network::mtconnect::AgentFeed;
+use crate::network::service_state::{ServiceState, SharedServiceState};
 
 const WAIT: Duration = Duration::from_secs(10);
 const ACCEPTED: [u8; 4] = [0x20, 2, 0, 0];

@@ -11,8 +11,8 @@ use gsk_telemetry::{SessionOptions, TelemetryMessage};
 use tracing::info;
 
 use super::seat_feed::{SeatFeed, SeatParcel, SeatQueueEnds};
-use crate::mqtt::{BrokerClient, BrokerLine};
-use crate::service_state::SharedServiceState;
+use crate::network::mqtt::{BrokerClient, BrokerLine};
+use crate::network::service_state::SharedServiceState;
 
 /// What identifies a seat.
 #[derive(Clone, Debug, PartialEq, Eq)]

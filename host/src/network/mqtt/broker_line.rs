@@ -15,8 +15,8 @@ use tracing::{info, warn};
 use web_time::{Duration, Instant};
 
 use crate::message_format::describe_io_error;
+use crate::network::service_state::{ServiceState, SharedServiceState};
 use crate::platform;
-use crate::service_state::{ServiceState, SharedServiceState};
 
 /// Longest time for which the thread waits for bytes of the broker: the delay of a message.
 const POLL_INTERVAL: Duration = Duration::from_millis(20);

@@ -14,8 +14,8 @@ use gsk_telemetry::{SessionOptions, TelemetryMessage};
 use web_time::Instant;
 
 use super::result_store::store_result;
-use crate::mqtt::{BrokerClient, BrokerLine};
-use crate::service_state::SharedServiceState;
+use crate::network::mqtt::{BrokerClient, BrokerLine};
+use crate::network::service_state::SharedServiceState;
 
 /// Capacity of the queues between both threads.
 const QUEUE_CAPACITY: usize = 256;
