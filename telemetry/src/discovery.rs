@@ -138,8 +138,7 @@ fn base_config(
     let id = format!("{node}_{member}");
     let members = [
         ("name", Value::from(name.text(identity.language))),
-        ("unique_id", id.clone().into()),
-        ("object_id", id.into()),
+        ("unique_id", id.into()),
         ("state_topic", identity.topic(document).into()),
         ("availability_topic", identity.online_topic().into()),
         ("device", device),

@@ -30,6 +30,8 @@ pub struct NetworkPane {
     /// What the kernel has received last.
     applied: NetworkSettings,
     code: QrPicture,
+    /// Where the agent listens, and the address of its page for a phone.
+    page: (String, Option<String>),
     /// The class that an option of the command line names; `None` without that option.
     class_option: Option<ClassSettings>,
 }
@@ -42,6 +44,7 @@ impl NetworkPane {
             draft: settings.clone(),
             applied: NetworkSettings::default(),
             code: QrPicture::default(),
+            page: (String::new(), None),
             class_option: None,
         }
     }
@@ -153,11 +156,14 @@ impl NetworkPane {
         );
         let is_changed = section.end(ui, draft != applied);
         if let ServiceState::Listening(url) = state.get() {
-            match page_url(&url) {
+            if self.page.0 != url {
+                self.page = (url.clone(), page_url(&url));
+            }
+            match &self.page.1 {
                 Some(url) => {
-                    let name = say::network_page_code(&url).text(language);
+                    let name = say::network_page_code(url).text(language);
                     ui.label(&name);
-                    self.code.show(ui, &url, &name);
+                    self.code.show(ui, url, &name);
                 }
                 None => {
                     let hint = say::network_page_local().text(language);

@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use gsk_exercise::result_file::{RESULT_EXTENSION, read_result};
-use gsk_messages::{Message, say};
+use gsk_messages::Message;
 
 use crate::files::atomic;
 use crate::output::WriteError;
 use crate::platform;
 
-/// Greatest number of results with one name.
+/// Greatest number of results with one name; the last one is overwritten.
 const MAX_COPIES: u32 = 1000;
 
 /// Stores a result as a file of a folder, beside earlier ones of the same learner. Returns its path.
@@ -22,12 +22,13 @@ pub(super) fn store_result(folder: &Path, learner: &str, bytes: &[u8]) -> Result
     let words = [result.head.report.task.as_str(), learner];
     let words = words.map(|word| word.chars().filter(is_plain).take(60).collect::<String>());
     let name = words.join("-");
-    let paths = (1..=MAX_COPIES).map(|copy| match copy {
+    let path_of = |copy| match copy {
         1 => folder.join(format!("{name}.{RESULT_EXTENSION}")),
         _ => folder.join(format!("{name}-{copy}.{RESULT_EXTENSION}")),
-    });
-    let mut free = paths.filter(|path| !platform::is_taken(path));
-    let path = free.next().ok_or_else(|| say::file_not_there())?;
+    };
+    let mut copies = 1..MAX_COPIES;
+    let free = copies.find(|copy| !platform::is_taken(&path_of(*copy)));
+    let path = path_of(free.unwrap_or(MAX_COPIES));
     std::fs::create_dir_all(folder)
         .and_then(|()| atomic::write(&path, bytes))
         .map_err(|error| WriteError::new(&path, error).message())?;
