@@ -166,7 +166,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     delays.sort();
     let at = |share: usize| delays.get((delays.len().max(1) - 1) * share / 100);
-    let ms = |delay: Option<&Duration>| delay.map_or(0, |delay| delay.as_millis());
+    let ms = |delay: Option<&Duration>| delay.map_or(0, Duration::as_millis);
     println!(
         "{{\"machine_s\":{:.2},\"wall_s\":{:.2},\"busy\":{:.3},\"alarms\":{},\"lost\":{lost},\
          \"median_ms\":{},\"worst_ms\":{},\"seats\":{:?}}}",

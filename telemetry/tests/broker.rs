@@ -1,5 +1,7 @@
 //! Sessions with a broker in memory, and random bytes from a broker.
 
+#![allow(clippy::expect_used, reason = "tests fail by panicking")]
+
 use gsk_telemetry::{
     BrokerSession, BrokerUrl, SessionEvent, SessionFailure, SessionOptions, TelemetryMessage,
 };

@@ -1,5 +1,7 @@
 //! A class with seats: what they publish arrives in the view of the class.
 
+#![allow(clippy::expect_used, reason = "tests fail by panicking")]
+
 use gsk_messages::Language;
 use gsk_telemetry::TelemetryMessage;
 use gsk_telemetry::class::class_address::ClassAddress;

@@ -1,5 +1,7 @@
 //! The documents of a lathe, and when they are published.
 
+#![allow(clippy::expect_used, reason = "tests fail by panicking")]
+
 use std::collections::BTreeMap;
 
 use gsk_core::program::Program;
@@ -186,7 +188,7 @@ fn discovery_describes_existing_members() {
         assert_eq!(config["availability_topic"], "hall/lathe 7/online");
         ids.push(&config["unique_id"]);
     }
-    ids.sort_by_key(|id| id.to_string());
+    ids.sort_by_key(ToString::to_string);
     ids.dedup();
     assert_eq!(ids.len(), 14);
 }

@@ -75,10 +75,11 @@ impl SharedServiceState {
         if *current == state {
             return;
         }
-        current.clone_from(&state);
+        let reported = state.clone();
+        *current = state;
         drop(current);
         if let Some(report) = self.report {
-            report(&state);
+            report(&reported);
         }
     }
 }

@@ -145,13 +145,13 @@ impl NetworkPane {
         section.show_switch(
             ui,
             &mut draft.is_on,
-            say::network_agent(),
-            say::network_agent_hint(),
+            &say::network_agent(),
+            &say::network_agent_hint(),
         );
         section.show_field(
             ui,
             &mut draft.address,
-            say::network_address(),
+            &say::network_address(),
             "127.0.0.1:5000",
         );
         let is_changed = section.end(ui, draft != applied);
@@ -181,11 +181,11 @@ impl NetworkPane {
         section.show_switch(
             ui,
             &mut draft.is_on,
-            say::network_broker(),
-            say::network_broker_hint(),
+            &say::network_broker(),
+            &say::network_broker_hint(),
         );
         let example = "mqtt://192.168.1.5/gsk980td/lathe";
-        section.show_field(ui, &mut draft.url, say::network_address(), example);
+        section.show_field(ui, &mut draft.url, &say::network_address(), example);
         section.show_password(ui, &mut draft.password);
         ui.checkbox(
             &mut draft.has_discovery,
@@ -207,15 +207,15 @@ impl NetworkPane {
         section.show_switch(
             ui,
             &mut draft.is_on,
-            say::network_class(),
-            say::network_class_hint(),
+            &say::network_class(),
+            &say::network_class_hint(),
         );
-        section.show_field(ui, &mut draft.name, say::class_name(), "");
-        section.show_field(ui, &mut draft.code, say::class_code(), "K7M2");
+        section.show_field(ui, &mut draft.name, &say::class_name(), "");
+        section.show_field(ui, &mut draft.code, &say::class_code(), "K7M2");
         section.show_field(
             ui,
             &mut draft.broker,
-            say::network_broker(),
+            &say::network_broker(),
             "mqtt://192.168.1.5",
         );
         section.show_password(ui, &mut draft.password);
@@ -307,7 +307,7 @@ impl<'a> SectionForm<'a> {
         }
     }
 
-    fn show_switch(&mut self, ui: &mut Ui, is_on: &mut bool, name: Message, hint: Message) {
+    fn show_switch(&mut self, ui: &mut Ui, is_on: &mut bool, name: &Message, hint: &Message) {
         let by_option = self.state.is_by_option();
         let mut shown = *is_on || by_option;
         let name = RichText::new(name.text(self.language)).strong();
@@ -320,7 +320,7 @@ impl<'a> SectionForm<'a> {
         }
     }
 
-    fn show_field(&mut self, ui: &mut Ui, text: &mut String, name: Message, example: &str) {
+    fn show_field(&mut self, ui: &mut Ui, text: &mut String, name: &Message, example: &str) {
         ui.horizontal(|ui| {
             let name = ui.label(name.text(self.language));
             let field = TextEdit::singleline(text)
