@@ -159,6 +159,8 @@ fn a_seat_returns_and_leaves() {
     let mut second = seat("b2", "Ann");
     deliver(&mut roster, &second.take_due(0), 20);
     assert_eq!(roster.count(), (1, 1));
+    assert_eq!(roster.take_replaced(), ["a1"]);
+    assert!(roster.take_replaced().is_empty());
     deliver(&mut roster, &second.farewell(), 30);
     assert_eq!(roster.count(), (0, 0));
 }

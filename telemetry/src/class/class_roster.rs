@@ -124,6 +124,8 @@ pub enum RosterEvent {
 pub struct ClassRoster {
     topics: ClassTopics,
     seats: BTreeMap<String, ClassSeat>,
+    /// Seats that gave way to a connected one with their name.
+    replaced: Vec<String>,
 }
 
 impl ClassRoster {
@@ -132,6 +134,7 @@ impl ClassRoster {
         Self {
             topics,
             seats: BTreeMap::new(),
+            replaced: Vec::new(),
         }
     }
 
@@ -191,7 +194,12 @@ impl ClassRoster {
             let is_same = |seat: &ClassSeat| {
                 seat.id != id && !seat.report.is_online && seat.report.name == report.name
             };
-            self.seats.retain(|_, seat| !is_same(seat));
+            let same = self.seats.values().filter(|seat| is_same(seat));
+            let same: Vec<String> = same.map(|seat| seat.id.clone()).collect();
+            for old in same {
+                self.seats.remove(&old);
+                self.replaced.push(old);
+            }
         }
         let has_room = self.seats.len() < MAX_SEATS;
         match self.seats.get_mut(id) {
@@ -214,6 +222,11 @@ impl ClassRoster {
             }
             None => {}
         }
+    }
+
+    /// Seats that gave way since the last call: the broker need not retain them.
+    pub fn take_replaced(&mut self) -> Vec<String> {
+        core::mem::take(&mut self.replaced)
     }
 
     /// The seats, the most urgent first; among equals the one that has waited longest.

@@ -63,7 +63,7 @@ impl ClassLink {
             requests: from_view,
             results,
             start,
-            stored: Vec::new(),
+            forgotten: Vec::new(),
             wake: Box::new(wake),
         };
         let line = BrokerLine::start(class.broker.clone(), client, state.clone())?;
@@ -114,8 +114,9 @@ struct ClassClient {
     results: PathBuf,
     /// The clock of the roster.
     start: Instant,
-    /// Topics of results that were stored: the broker forgets them.
-    stored: Vec<String>,
+    /// Topics that the broker need not retain: results that were stored, seats that have
+    /// returned under another number.
+    forgotten: Vec<String>,
     wake: Box<dyn Fn() + Send>,
 }
 
@@ -131,7 +132,7 @@ impl ClassClient {
                 match store_result(&self.results, &name, &bytes) {
                     Ok(path) => {
                         let topic = self.topics.seat(&seat, SeatTopicKind::Result);
-                        self.stored.push(topic);
+                        self.forgotten.push(topic);
                         ClassEvent::Message(say::class_result_saved(name, path.display()))
                     }
                     Err(reason) => ClassEvent::Message(reason),
@@ -156,7 +157,7 @@ impl BrokerClient for ClassClient {
     }
 
     fn take_due(&mut self, _now_ms: u64) -> Vec<TelemetryMessage> {
-        let forgotten = self.stored.drain(..);
+        let forgotten = self.forgotten.drain(..);
         let mut due: Vec<TelemetryMessage> = forgotten
             .map(|topic| TelemetryMessage::retained(topic, Vec::new()))
             .collect();
@@ -171,7 +172,13 @@ impl BrokerClient for ClassClient {
         let now_ms = self.start.elapsed().as_millis() as u64;
         let event = {
             let mut roster = self.roster.lock().unwrap_or_else(PoisonError::into_inner);
-            roster.take(topic, payload, now_ms)
+            let event = roster.take(topic, payload, now_ms);
+            for seat in roster.take_replaced() {
+                for kind in [SeatTopicKind::State, SeatTopicKind::Part] {
+                    self.forgotten.push(self.topics.seat(&seat, kind));
+                }
+            }
+            event
         };
         if let Some(event) = event {
             self.take_event(event);
