@@ -22,6 +22,7 @@ mod lease;
 mod lessons;
 mod lsp;
 mod machine_view;
+mod network;
 mod notices;
 mod overwriting;
 mod part;

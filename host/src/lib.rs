@@ -20,7 +20,7 @@ pub mod kernel;
 pub mod loading;
 pub mod log;
 pub mod message_format;
-pub mod mtconnect;
+pub mod network;
 pub mod pc;
 pub mod platform;
 pub mod ports;

@@ -37,5 +37,6 @@ pub use assets::AgentAssets;
 pub use device_description::DeviceDescription;
 pub use query::{AgentError, AgentRequest};
 pub use readers::program_name;
-pub use reading::MachineReading;
+pub use reading::{ActiveFault, FaultLevel, MachineReading};
+pub use time_stamp::TimeStamp;
 pub use value::{AgentValue, MachineSource};

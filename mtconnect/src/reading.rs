@@ -62,8 +62,8 @@ impl MachineReading {
         }
     }
 
-    /// Returns the value of the data item with this identifier; unavailable for an unknown one.
-    pub(crate) fn value(&self, id: &str) -> &AgentValue {
+    /// The value of the item with this identifier; unavailable for an unknown one.
+    pub fn value(&self, id: &str) -> &AgentValue {
         let value = item_index(id).and_then(|index| self.values.get(index));
         value.unwrap_or(&AgentValue::Unavailable)
     }

@@ -7,7 +7,7 @@ const DAY_MS: u64 = 86_400_000;
 
 /// A time in UTC, ms since 1970.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct TimeStamp(pub(crate) u64);
+pub struct TimeStamp(pub u64);
 
 impl fmt::Display for TimeStamp {
     /// Formats the time as `2026-03-01T07:05:09.250Z`.

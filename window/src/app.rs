@@ -11,6 +11,7 @@ use gsk_host::files::exams::UnfinishedExam;
 use gsk_host::files::models;
 use gsk_host::files::{exercises, lessons};
 use gsk_host::kernel::{self, Console, Kernel, KernelEnvironment, KernelThread};
+use gsk_host::network::ClassSettings;
 use gsk_host::platform::DisplayServer;
 use gsk_host::project::{self, ImportRequest, ImportRights};
 use gsk_host::retained::{Keeper, Restored};
@@ -66,6 +67,8 @@ pub struct WindowStart {
     pub shows_first_start: bool,
     /// An exam that was interrupted and continues.
     pub unfinished_exam: UnfinishedExam,
+    /// The class that an option of the command line names; `None` without that option.
+    pub class_seat: Option<ClassSettings>,
 }
 
 /// Prepares the start of another control model with these settings, in the same window.
@@ -165,6 +168,7 @@ impl App {
             start_model: another,
             shows_first_start: asks,
             unfinished_exam,
+            class_seat,
         } = start;
         let data = Arc::new(data);
         let keeper = Keeper::start(Arc::clone(&data), &restored, kernel.emulator())?;
@@ -197,6 +201,9 @@ impl App {
                 let found = exercises::load_exercises(Some(data.path()));
                 window.set_exercises(found, data.path().to_owned(), unfinished_exam);
             }
+        }
+        if let Some(class) = class_seat {
+            window.join_class(class);
         }
         theme::set_light(context, settings.light);
         let complaints = restored.complaints;

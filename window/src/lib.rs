@@ -6,6 +6,7 @@
 
 pub mod app;
 mod chrome;
+pub mod class_window;
 mod focus;
 pub mod fonts;
 mod frame_figures;
@@ -41,9 +42,11 @@ use gsk_panel::alarm_log::AlarmRecord;
 use gsk_panel::faceplate::PartKind;
 use gsk_panel::keys::Key;
 
+use crate::chrome::class_offer::ClassOffer;
 use crate::chrome::exam_limits::ClosedForExam;
 use crate::chrome::first_start::FirstStart;
 use crate::chrome::message_history::MessageHistory;
+use crate::chrome::network_pane::NetworkPane;
 use crate::chrome::program_opener::ProgramOpener;
 use crate::chrome::timeline::TimelineStrip;
 use crate::chrome::way_back::WayBack;
@@ -115,6 +118,9 @@ pub struct Window {
     /// The views and bars that were closed for the current exam; `None` outside exams.
     closed_for_exam: Option<ClosedForExam>,
     why: WhyPane,
+    network: NetworkPane,
+    /// The task that the instructor of the class offers; `None` without one.
+    class_offer: Option<ClassOffer>,
 }
 
 /// The control model in use and the operator's request for another one.
@@ -137,6 +143,8 @@ impl Window {
         });
         Self {
             console,
+            network: NetworkPane::new(&settings.network),
+            class_offer: None,
             snapshot: None,
             settings,
             opened_program: None,
@@ -365,6 +373,8 @@ impl Window {
             };
         }
         self.show_why_pane(ui.ctx());
+        self.show_network_pane(ui.ctx());
+        self.show_class_offer(ui.ctx());
         self.show_help(ui.ctx());
         let picture = self.snapshot.as_ref();
         let unsaved = self.views.first_unsaved();

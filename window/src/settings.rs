@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
+use gsk_host::network::NetworkSettings;
 use gsk_host::pc::TransferSettings;
 use serde::{Deserialize, Serialize};
 
@@ -61,6 +62,8 @@ pub struct WindowSettings {
     pub transfer: TransferSettings,
     /// The open project and the recent ones.
     pub projects: ProjectSettings,
+    /// What is switched on in the network.
+    pub network: NetworkSettings,
     /// Whether the questions of the first start are still unanswered.
     pub first_start: bool,
     /// The machine file that was chosen at the first start; `None`: the simulated lathe as
@@ -90,6 +93,7 @@ impl Default for WindowSettings {
             learner: String::new(),
             transfer: TransferSettings::default(),
             projects: ProjectSettings::default(),
+            network: NetworkSettings::default(),
             first_start: false,
             machine: None,
             zoom: None,

@@ -10,7 +10,9 @@ use std::ffi::OsString;
 
 use clap::builder::{PossibleValue, Str, StyledStr};
 use clap::{Arg, Command, CommandFactory, Error};
-use gsk_host::mtconnect::AgentOptionError;
+use gsk_host::network::class::class_address::ClassAddressError;
+use gsk_host::network::mqtt::MqttOptionError;
+use gsk_host::network::mtconnect::AgentOptionError;
 use gsk_host::setup_args::OptionValueError;
 use gsk_messages::{Language, Message};
 use gsk_plot::InvalidPictureSize;
@@ -188,7 +190,10 @@ fn find_reason(error: &Error) -> Option<(String, Message)> {
     let name = || source.downcast_ref().map(FileNameError::message);
     let size = || source.downcast_ref().map(InvalidPictureSize::message);
     let agent = || source.downcast_ref().map(AgentOptionError::message);
-    let message = word().or_else(name).or_else(size).or_else(agent)?;
+    let broker = || source.downcast_ref().map(MqttOptionError::message);
+    let message = word().or_else(name).or_else(size);
+    let class = || source.downcast_ref().map(ClassAddressError::message);
+    let message = message.or_else(agent).or_else(broker).or_else(class)?;
     Some((source.to_string(), message))
 }
 

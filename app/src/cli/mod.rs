@@ -2,6 +2,7 @@
 //! short commands are in this file; each longer command has a file.
 
 pub mod chinese;
+mod class;
 mod dap;
 mod deferred;
 mod dialect;
@@ -13,6 +14,7 @@ mod lesson;
 mod link;
 mod lsp;
 mod mill;
+mod mqtt;
 mod mtconnect;
 mod packages;
 mod picture;
@@ -34,6 +36,7 @@ use gsk_panel::script::FORMS;
 pub use gsk_runner::Language;
 use tracing::level_filters::LevelFilter;
 
+pub use class::{ClassArgs, SeatArgs};
 pub use dap::DapArgs;
 pub use dialect::{DialectArgs, ProgramOrigin};
 pub use exercise::{
@@ -50,6 +53,7 @@ pub use link::{
 };
 pub use lsp::LspArgs;
 pub use mill::{GearArgs, HomingArgs, MILL_AXES, MillCommand, MillKeysArgs, PitchArgs};
+pub use mqtt::MqttArgs;
 pub use mtconnect::MtconnectArgs;
 pub use packages::{CompletionsArgs, ManArgs};
 pub use picture::PictureArgs;
@@ -157,6 +161,10 @@ pub struct WindowArgs {
     pub record: Option<PathBuf>,
     #[command(flatten)]
     pub mtconnect: MtconnectArgs,
+    #[command(flatten)]
+    pub mqtt: MqttArgs,
+    #[command(flatten)]
+    pub seat: SeatArgs,
 }
 
 /// The commands; only the options of the one that is called are built.
@@ -212,6 +220,12 @@ pub enum CliCommand {
     /// write one.
     #[command(subcommand)]
     Exercise(ExerciseCommand),
+    /// Show the seats of a class to the instructor: the one that needs help first
+    ///
+    /// A seat joins in the window (Views, Network) or with --class CODE@BROKER. The instructor
+    /// opens an LCD live, offers exercises, sets faults where the seat allows it, and collects
+    /// results. No key can be pressed from here. docs/network.md describes it.
+    Class(DeferredArgs<ClassArgs>),
     /// Replay a recording of the window and compare the states in it
     ///
     /// The window records every session into `recordings` of the data folder, the last 50 MB.
@@ -321,6 +335,8 @@ pub struct OperateArgs {
     pub record: Option<PathBuf>,
     #[command(flatten)]
     pub mtconnect: MtconnectArgs,
+    #[command(flatten)]
+    pub mqtt: MqttArgs,
     #[command(flatten)]
     pub setup: SetupArgs,
 }

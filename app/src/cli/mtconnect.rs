@@ -1,7 +1,7 @@
 //! Options of the MTConnect agent.
 
 use clap::Args;
-use gsk_host::mtconnect::{DEFAULT_ADDRESS, SchemaVersion, parse_address, parse_schema};
+use gsk_host::network::mtconnect::{DEFAULT_ADDRESS, SchemaVersion, parse_address, parse_schema};
 
 /// Whether and where the MTConnect agent listens.
 #[derive(Args, Clone, Debug, Default)]

@@ -6,7 +6,7 @@ use clap::Args;
 use gsk_host::job::PartArgs;
 use gsk_host::setup_args::{self, SetupArgs};
 
-use super::{MtconnectArgs, PictureArgs, RunDebugArgs, RunRestartArgs};
+use super::{MqttArgs, MtconnectArgs, PictureArgs, RunDebugArgs, RunRestartArgs};
 
 /// `run`.
 #[derive(Args, Debug)]
@@ -53,6 +53,8 @@ pub struct RunArgs {
     pub restart: RunRestartArgs,
     #[command(flatten)]
     pub mtconnect: MtconnectArgs,
+    #[command(flatten)]
+    pub mqtt: MqttArgs,
     /// Draw the executed toolpath (name ends in .png or .svg)
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,

@@ -1,7 +1,7 @@
 //! The commands, one file each. Each returns its exit code.
 
-mod agent;
 mod check;
+mod class;
 mod dap;
 mod dialect;
 mod error;
@@ -14,6 +14,7 @@ mod lsp;
 mod manual;
 mod mill;
 mod mill_setup;
+mod network;
 mod operate;
 mod pitch;
 mod plot;
@@ -93,6 +94,7 @@ pub fn run_command_line(cli: CommandLine) -> ExitCode {
         Some(CliCommand::Operate(args)) => operate::operate(&args, language),
         Some(CliCommand::Lesson(command)) => lesson::lesson(&command, language),
         Some(CliCommand::Exercise(command)) => exercise::exercise(&command, language),
+        Some(CliCommand::Class(args)) => class::show_class(&args),
         Some(CliCommand::Replay(args)) => replay::replay(&args, language),
         Some(CliCommand::Screen(args)) => screen::screen(&args),
         Some(CliCommand::Keys(args)) => tables::keys(&args, language),

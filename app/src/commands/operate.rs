@@ -29,7 +29,7 @@ use gsk_runner::script::{
 };
 use gsk_runner::text_format::format_time;
 
-use super::agent::CommandAgent;
+use super::network::CommandNetwork;
 use super::{CommandError, EXIT_ALARM, EXIT_OK, output};
 use crate::cli::OperateArgs;
 use crate::picture::check_png;
@@ -74,13 +74,14 @@ pub fn operate(args: &OperateArgs, language: Option<Language>) -> Result<u8, Com
         }
         None => None,
     };
-    let job = match &args.mtconnect.mtconnect {
-        Some(_) => job::choose(&JobArgs::default(), args.program.as_deref(), &setup).ok(),
-        None => None,
+    let is_published = args.mtconnect.mtconnect.is_some() || args.mqtt.mqtt.is_some();
+    let job = match is_published {
+        true => job::choose(&JobArgs::default(), args.program.as_deref(), &setup).ok(),
+        false => None,
     };
     let mut emulator = Emulator::new(setup);
-    let mut agent = CommandAgent::start(
-        &args.mtconnect,
+    let mut network = CommandNetwork::start(
+        (&args.mtconnect, &args.mqtt),
         emulator.simulation(),
         job.map(|chosen| chosen.job),
         link.is_some(),
@@ -103,7 +104,7 @@ pub fn operate(args: &OperateArgs, language: Option<Language>) -> Result<u8, Com
         path,
         &mut emulator,
         live,
-        (record.as_mut(), agent.as_mut()),
+        (record.as_mut(), network.as_mut()),
     );
     // Each result is written independently: one failure does not affect the others.
     let mut errors = Vec::new();
@@ -189,7 +190,7 @@ fn play_script(
     path: &Path,
     emulator: &mut Emulator,
     mut live: Option<HeadlessBoard>,
-    (record, agent): (Option<&mut ScriptRecord>, Option<&mut CommandAgent>),
+    (record, network): (Option<&mut ScriptRecord>, Option<&mut CommandNetwork>),
 ) -> u8 {
     if let Some(live) = &mut live {
         let known = live.wait_until_ready(emulator, simulation, Emulator::tick);
@@ -210,7 +211,7 @@ fn play_script(
     let end = ScriptSession::new(emulator, &mut files)
         .with_board(board)
         .with_record(record)
-        .with_observer(agent.map(|agent| agent as &mut dyn TickObserver))
+        .with_observer(network.map(|network| network as &mut dyn TickObserver))
         .run(script);
     let code = match end {
         ScriptEnd::Finished => {

@@ -39,7 +39,7 @@ use indicatif::ProgressBar;
 
 use debugging::{RunDebugger, uses_standard_output};
 
-use super::agent::CommandAgent;
+use super::network::CommandNetwork;
 use super::results::report_exit_code;
 use super::{CommandError, EXIT_ALARM, output};
 use crate::cli::RunArgs;
@@ -112,8 +112,9 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
     if !wants_part(args, needs_part) {
         outputs.live_part = None;
     }
-    let agent_job = job_choice.as_ref().map(|chosen| chosen.job.clone());
-    outputs.agent = CommandAgent::start(&args.mtconnect, &simulation, agent_job, board.is_some())?;
+    let job = job_choice.as_ref().map(|chosen| chosen.job.clone());
+    let services = (&args.mtconnect, &args.mqtt);
+    outputs.network = CommandNetwork::start(services, &simulation, job, board.is_some())?;
     let partner = partner.as_mut().map(|it| it as &mut dyn ProgramPartner);
     let (mut report, simulation) = execution::execute(
         &name,
@@ -124,7 +125,7 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
         &mut outputs,
         spoken,
     )?;
-    outputs.agent = None;
+    outputs.network = None;
     let live_part = outputs.live_part.as_ref();
     report.part = job_choice.zip(live_part).map(|(chosen, live)| {
         let (machining, job) = (live.machining(), chosen.file_name());
@@ -220,7 +221,9 @@ fn choose_job(
     }
     // Without a part the way of a restart is not checked for collisions, and the MTConnect agent
     // has no tools.
-    let uses_job = args.restart.restart.is_some() || args.mtconnect.mtconnect.is_some();
+    let uses_job = args.restart.restart.is_some()
+        || args.mtconnect.mtconnect.is_some()
+        || args.mqtt.mqtt.is_some();
     let job = uses_job.then(|| job::choose(&args.part.job, main, setup).ok());
     Ok(job.flatten())
 }
@@ -369,8 +372,8 @@ struct RunOutputs {
     language: Language,
     progress_bar: ProgressBar,
     block: BlockProgress,
-    /// The MTConnect agent; `None` while it is off.
-    agent: Option<CommandAgent>,
+    /// What options switch on in the network; `None` if nothing is on.
+    network: Option<CommandNetwork>,
     /// The part that the program cuts; `None` if no result needs it.
     live_part: Option<LivePart>,
     stops_at_collision: bool,
@@ -409,7 +412,7 @@ impl RunOutputs {
             language,
             progress_bar: output::create_progress_bar(u64::from(lines)),
             block: BlockProgress::default(),
-            agent: None,
+            network: None,
             live_part: None,
             stops_at_collision: args.debug.stop_on_collision,
             debugger,
@@ -478,8 +481,8 @@ impl ExecutionWatcher for RunOutputs {
             .as_mut()
             .map(|live| live.follow_tick(simulation));
         let has_collided = found.is_some_and(|found| !found.is_empty());
-        if let Some(agent) = &mut self.agent {
-            agent.follow_tick(simulation);
+        if let Some(network) = &mut self.network {
+            network.follow_tick(simulation);
         }
         let reached = self.debugger.follow_tick(time_ms, simulation, has_collided);
         let reached = reached.unwrap_or_else(|error| {

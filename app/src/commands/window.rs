@@ -12,7 +12,10 @@ use gsk_host::flight::{self, FlightRecorder, RecordingTarget};
 use gsk_host::kernel::{BoardConnection, Kernel, Notice};
 use gsk_host::loading::LoadError;
 use gsk_host::message_format::describe_io_error;
-use gsk_host::mtconnect::AgentServer;
+use gsk_host::network::ClassSettings;
+use gsk_host::network::class::class_address::ClassAddress;
+use gsk_host::network::mqtt::BrokerLine;
+use gsk_host::network::mtconnect::AgentServer;
 use gsk_host::ports::dnc::{self, DncSource};
 use gsk_host::serial::{SerialEnd, SerialLine};
 use gsk_host::setup_args::SetupArgs;
@@ -27,7 +30,7 @@ use gsk_window::startup_error;
 use tracing::level_filters::LevelFilter;
 use web_time::Instant;
 
-use super::agent::start_agent;
+use super::network::{start_agent, start_broker_line};
 use super::{CommandError, EXIT_OK, EXIT_USAGE};
 use crate::cli::{SerialArgs, TextEnd, WindowArgs, first_window_language, system_language};
 
@@ -97,15 +100,19 @@ pub fn open(
         language,
         path,
         agent: RefCell::default(),
+        broker: RefCell::default(),
     };
     let start = WindowStart {
         program: starter.args.program.clone(),
         figures_since: starter.args.figures.then_some(start_time),
         ..starter.start_control(data, model, None, is_new)?
     };
+    let class = starter.args.seat.class.clone();
+    let class_seat = class.map(|class| seat_settings(class, &starter.args));
     let asks = needs_first_start(&starter.args, start.settings.first_start);
     let start = WindowStart {
         shows_first_start: asks,
+        class_seat,
         start_model: Some(Box::new(move |model, settings| {
             starter.start_model(model, settings)
         })),
@@ -132,6 +139,8 @@ struct WindowStarter {
     path: PathBuf,
     /// The MTConnect agent of the current control; `None` while it is off.
     agent: RefCell<Option<AgentServer>>,
+    /// The connection of the current control to an MQTT broker; `None` while it is off.
+    broker: RefCell<Option<BrokerLine>>,
 }
 
 impl WindowStarter {
@@ -217,7 +226,7 @@ impl WindowStarter {
             let recorder = FlightRecorder::start(target).map_err(CommandError::gone)?;
             kernel.add_flight_recorder(recorder);
         }
-        self.start_agent(&mut kernel)?;
+        self.start_network(&mut kernel)?;
         Ok(WindowStart {
             kernel,
             console,
@@ -231,6 +240,7 @@ impl WindowStarter {
             start_model: None,
             shows_first_start: false,
             unfinished_exam,
+            class_seat: None,
         })
     }
 
@@ -247,14 +257,21 @@ impl WindowStarter {
         }
     }
 
-    /// Starts the MTConnect agent of a control if an option requests it; the agent of the control
-    /// before it ends. Returns an error if the agent cannot listen.
-    fn start_agent(&self, kernel: &mut Kernel) -> Result<(), CommandError> {
+    /// Starts what options request in the network for a control; what the control before it used
+    /// ends. Returns an error if the agent cannot listen or a password cannot be read.
+    fn start_network(&self, kernel: &mut Kernel) -> Result<(), CommandError> {
         self.agent.take();
         let simulation = kernel.emulator().simulation();
         if let Some((server, feed)) = start_agent(&self.args.mtconnect, simulation)? {
-            kernel.connect_agent(feed);
+            kernel.network().connect_agent(feed, server.url());
             self.agent.replace(Some(server));
+        }
+        self.broker.take();
+        let state = kernel.network().states().broker.clone();
+        let simulation = kernel.emulator().simulation();
+        if let Some((line, feed)) = start_broker_line(&self.args.mqtt, simulation, state)? {
+            kernel.network().connect_broker(feed);
+            self.broker.replace(Some(line));
         }
         Ok(())
     }
@@ -344,6 +361,18 @@ pub fn board_connection(
     }))
 }
 
+/// The settings of the seat that options of the command line request.
+fn seat_settings(class: ClassAddress, args: &WindowArgs) -> ClassSettings {
+    ClassSettings {
+        is_on: true,
+        code: class.code.to_string(),
+        broker: class.broker.without_password(),
+        name: args.seat.class_name.clone().unwrap_or_default(),
+        allows_faults: false,
+        password: class.broker.password.unwrap_or_default(),
+    }
+}
+
 fn no_display_message(program: Option<&Path>) -> Message {
     match program {
         Some(path) => say::window_no_display(path.display()),
@@ -362,6 +391,7 @@ mod tests {
             language: None,
             path: folder.to_owned(),
             agent: RefCell::default(),
+            broker: RefCell::default(),
         };
         let data = DataDir::open(folder).expect("a data directory");
         let model = ModelId::Gsk980td;

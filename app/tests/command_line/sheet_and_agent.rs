@@ -70,3 +70,37 @@ fn an_agent_reports_its_address_and_wrong_ones_are_refused() {
     assert_eq!(code, 2);
     assert!(err.contains("cannot listen at 192.0.2.1:5000"), "{err}");
 }
+
+#[test]
+fn a_broker_that_is_not_there_does_not_stop_a_run_and_wrong_addresses_are_refused() {
+    let program = TempFile::new("quick.CNC", b"O0047;\nG04 X0.5;\nM30;\n");
+    let run = ["run", program.path(), "--lang", "en"];
+    let with = |options: &[&str]| run_gsk(&[&run[..], options].concat());
+    // Nothing listens at port 9 of this computer.
+    let (code, _, err) = with(&["--mqtt", "mqtt://ann:secret@127.0.0.1:9/hall"]);
+    assert_eq!(code, 0, "{err}");
+    assert!(err.contains("MQTT: mqtt://127.0.0.1:9/hall: "), "{err}");
+    assert!(!err.contains("secret"), "{err}");
+    let (_, _, quiet) = with(&[]);
+    assert!(!quiet.contains("MQTT"), "{quiet}");
+    for (options, reason) in [
+        (
+            &["--mqtt", "http://host"][..],
+            "not the address of an MQTT broker",
+        ),
+        (&["--mqtt", "mqtts://host"], "does not encrypt"),
+        (
+            &["--mqtt", "host/a/#"],
+            "cannot be the start of MQTT topics",
+        ),
+        (&["--mqtt", "host", "--mqtt-rate", "0"], "1 to 50"),
+        (
+            &["--mqtt", "host", "--mqtt-password-file", "no-such-file"],
+            "no-such-file",
+        ),
+    ] {
+        let (code, _, err) = with(options);
+        assert_eq!(code, 2, "{options:?}: {err}");
+        assert!(err.contains(reason), "{options:?}: {err}");
+    }
+}

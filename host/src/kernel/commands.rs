@@ -92,6 +92,8 @@ impl Kernel {
             Command::Explain(subject) => self.explain(subject),
             Command::PublishMotion(on) => self.publish_motion = on,
             Command::WatchLink(on) => self.watch_link(on),
+            Command::Seat(action) => self.execute_seat_action(action),
+            Command::Network(settings, language) => self.set_network(&settings, language),
             Command::Store(text, to) => {
                 let _ = to.try_send(self.store(&Program::new(text)));
             }

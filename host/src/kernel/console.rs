@@ -20,7 +20,7 @@ use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
 use gsk_link::LinkState;
-use gsk_messages::Message;
+use gsk_messages::{Language, Message};
 use gsk_panel::alarm_log::AlarmRecord;
 use gsk_panel::keys::Key;
 use gsk_panel::pages::{PageId, UdiskFile};
@@ -31,6 +31,7 @@ use gsk_project::ProjectState;
 use gsk_runner::machining::live_part::LivePart;
 use gsk_runner::program_summary::ProgramSummary;
 
+use super::class_seat::SeatAction;
 use super::exercise::ExerciseAction;
 use super::exercise_run::{ExerciseState, HandedInSolution};
 use super::lesson::LessonAction;
@@ -46,6 +47,8 @@ use super::timeline::{PastMoment, TimelineCommand, TimelineView};
 use crate::input_watch::InputWatch;
 use crate::job::SelectedJob;
 use crate::kernel::pace::RunSpeed;
+use crate::network::class::seat_request::SeatRequest;
+use crate::network::{NetworkSettings, NetworkStates};
 use crate::platform;
 
 /// The setup of the current control, with which a program is previewed.
@@ -152,6 +155,10 @@ pub enum Command {
     Timeline(TimelineCommand),
     /// Set the breakpoints, or end the halt at one of them.
     Breakpoints(BreakpointCommand),
+    /// Switch services of the network on and off; names in discovery topics have this language.
+    Network(Box<NetworkSettings>, Language),
+    /// Answer the instructor of the class, ask for help or hand a result in.
+    Seat(SeatAction),
     /// Publish the part with the snapshots (true), or stop publishing it. The part is cut in either
     /// case.
     ShowPart(bool),
@@ -253,7 +260,9 @@ pub enum Notice {
     Refused(Alarm),
     /// The preview of an opened program is finished; the values are its file name and the summary.
     Previewed(String, Box<ProgramSummary>),
-    /// The learner has handed in, or the time limit of the exercise is reached.
+    /// The instructor of the class offers an exercise: the window asks the learner.
+    TaskOffered(Box<SeatRequest>),
+    /// The learner has handed in, or the time of his exercise is over.
     HandedIn(Box<HandedInSolution>),
     /// The reason why a key has no effect; `None` once a key acts again. The key is `None` for a
     /// typed character.
@@ -324,6 +333,8 @@ pub struct PanelSnapshot {
     pub lesson: Option<LessonState>,
     /// The current exercise, whose machine the snapshot shows; `None` outside exercises.
     pub exercise: Option<ExerciseState>,
+    /// Whether the learner asks the instructor of his class for help; `None` outside a class.
+    pub asks_help: Option<bool>,
     /// The alarms raised since the control was opened, the newest first.
     pub alarm_records: Arc<Vec<AlarmRecord>>,
     /// The past moment that the snapshot shows; `None` for the present.
@@ -396,6 +407,8 @@ pub struct Console {
     pub notice_sender: Sender<Notice>,
     /// Shows the kernel whether keys that are down are still held.
     pub input_watch: InputWatch,
+    /// The states of the services of the network.
+    pub network: NetworkStates,
 }
 
 impl Console {

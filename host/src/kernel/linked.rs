@@ -105,6 +105,9 @@ impl Kernel {
         }
         let reopen = drive.needs_reopen();
         self.drive = Some(drive);
+        let last = self.last_snapshot.take();
+        shown |= last.as_ref().is_some_and(|it| self.follow_class(it));
+        self.last_snapshot = last;
         if reopen {
             self.execute_link_command(LinkAction::Reconnect);
         }

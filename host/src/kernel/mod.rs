@@ -2,6 +2,7 @@
 //! code runs in its thread and, step by step, in a test.
 
 mod alarm_history;
+mod class_seat;
 mod commands;
 mod console;
 mod drive;
@@ -32,7 +33,7 @@ use crossbeam::queue::ArrayQueue;
 use gsk_core::alarm::Alarm;
 use gsk_core::cnc::{Cnc, ControlRequest, Event};
 use gsk_core::operation::{OperatingMode, RunState};
-use gsk_messages::say;
+use gsk_messages::{Language, say};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::{KeyEvent, SerialCable};
 use gsk_panel::refusal::KeyPress;
@@ -44,10 +45,12 @@ use web_time::Duration;
 use crate::flight::FlightRecorder;
 use crate::input_watch::InputWatch;
 use crate::kernel::pace::RunSpeed;
-use crate::mtconnect::AgentFeed;
+use crate::network::{NetworkServices, NetworkSettings};
 use crate::ports::dnc::{DncPartner, DncSource};
 use crate::serial::SerialLine;
 use alarm_history::AlarmHistory;
+use class_seat::ClassSeatState;
+pub use class_seat::SeatAction;
 pub use console::{
     Command, Console, ForcedState, KeysReversed, LinkAction, MachineMotion, NotStored, Notice,
     OpenedProgram, PanelSnapshot, PreviewSetup, ProgramPlacement, SpeedRatio, StorePolicy,
@@ -146,8 +149,10 @@ pub struct Kernel {
     timeline: Timeline,
     /// The recorders of the learner's own machine, outside exercises and lessons.
     recorders: Vec<FlightRecorder>,
-    /// Passes the state of the machine to the MTConnect agent; `None` while it is off.
-    agent_feed: Option<AgentFeed>,
+    /// What passes the state of the machine to the network; off unless it is switched on.
+    network: NetworkServices,
+    /// What the class knows of this seat.
+    class_seat: ClassSeatState,
     /// Number of commands received so far; an increase proves that the window is alive.
     command_count: u64,
     /// Shows whether keys that are down are still held.
@@ -203,13 +208,15 @@ impl Kernel {
             part: KernelPart::new(Arc::clone(&part)),
             timeline: Timeline::new(Arc::clone(&timeline)),
             recorders: Vec::new(),
-            agent_feed: None,
+            network: NetworkServices::default(),
+            class_seat: ClassSeatState::default(),
             command_count: 0,
             input_watch: InputWatch::default(),
             wheel_rests_until: Duration::ZERO,
             quit_requested: false,
         };
         let watch = kernel.input_watch.clone();
+        let network = kernel.network.states().clone();
         (
             kernel,
             Console {
@@ -222,6 +229,7 @@ impl Kernel {
                 notices: from_kernel,
                 notice_sender: notices,
                 input_watch: watch,
+                network,
             },
         )
     }
@@ -237,9 +245,17 @@ impl Kernel {
         self.serial = Some(line);
     }
 
-    /// Passes the state of the machine to an MTConnect agent from now on.
-    pub fn connect_agent(&mut self, feed: AgentFeed) {
-        self.agent_feed = Some(feed);
+    /// What passes the state of the machine to the network.
+    pub const fn network(&mut self) -> &mut NetworkServices {
+        &mut self.network
+    }
+
+    /// Switches services of the network on and off, as the settings of the window say.
+    pub fn set_network(&mut self, settings: &NetworkSettings, language: Language) {
+        let simulation = self.emulator.simulation();
+        if self.network.apply(settings, simulation, language) {
+            self.begin_class();
+        }
     }
 
     pub const fn emulator(&self) -> &Emulator {
@@ -321,9 +337,9 @@ impl Kernel {
         if now.is_multiple_of(BIT_LOG_TICKS) {
             self.bit_log.follow_tick(self.emulator.cnc(), now);
         }
-        if let Some(feed) = &mut self.agent_feed {
+        if self.network.follows_ticks() {
             let job = self.part.state().machining().map(Machining::job);
-            feed.follow_tick(self.emulator.simulation(), job);
+            self.network.follow_tick(self.emulator.simulation(), job);
         }
         if let Some(probing) = &mut self.active_probe {
             probing.take_sample(self.tick, &self.emulator);

@@ -20,8 +20,9 @@ impl Kernel {
         self.wait_watch
             .update(self.tick, self.emulator.simulation());
         let snapshot = self.snapshot();
+        let has_request = self.follow_class(&snapshot);
         if self.last_snapshot.as_ref() == Some(&snapshot) {
-            return views_shown;
+            return views_shown || has_request;
         }
         self.snapshots.force_push(snapshot.clone());
         self.last_snapshot = Some(snapshot);
@@ -106,6 +107,7 @@ impl Kernel {
             exercise: (self.lesson.as_ref())
                 .and_then(PracticeSession::exercise)
                 .map(|run| run.state(&self.emulator)),
+            asks_help: self.asks_help(),
             alarm_records: self.alarm_history.records(),
             motion: (self.publish_motion && is_present).then(|| self.motion()),
             past: self.timeline.past_moment(),

@@ -58,12 +58,12 @@ pub fn draw(screen: &mut Screen, page: PageId, view: &PageView, cnc: &Cnc) {
     let face = face_of(cnc.model().id());
     if face.soft_keys.is_empty() {
         draw_state(screen, view, cnc);
-        screen.put_message(STATUS_ROW, MODE_COLUMN, &mode_text(cnc.mode()));
+        screen.put_message(STATUS_ROW, MODE_COLUMN, &mode_message(cnc.mode()));
         draw_communication(screen, view);
         return;
     }
     // The soft keys take the status row. Mode and state are in the title row.
-    screen.put_message(0, SOFT_MODE_COLUMN, &mode_text(cnc.mode()));
+    screen.put_message(0, SOFT_MODE_COLUMN, &mode_message(cnc.mode()));
     draw_soft_state(screen, view, cnc);
     if let Some(row) = face.page(page) {
         for key in face.soft_bar(row.key, view.soft_bar) {
@@ -121,7 +121,7 @@ fn draw_state(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
 }
 
 /// Returns the text of an operating mode for the status row.
-fn mode_text(mode: OperatingMode) -> Message {
+pub fn mode_message(mode: OperatingMode) -> Message {
     match mode {
         OperatingMode::Edit => say::lcd_mode_edit(),
         OperatingMode::Auto => say::lcd_mode_auto(),
@@ -258,7 +258,7 @@ mod tests {
     #[test]
     fn a_mode_is_called_as_the_control_calls_it() {
         for mode in OperatingMode::ALL {
-            assert_eq!(mode_text(mode).text(Language::Zh), mode.text());
+            assert_eq!(mode_message(mode).text(Language::Zh), mode.text());
         }
     }
 

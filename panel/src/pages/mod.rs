@@ -27,6 +27,7 @@ use gsk_core::cnc::Cnc;
 use gsk_messages::Language;
 
 pub use format::CoordinateFormat;
+pub use frame::mode_message;
 pub use graphic_settings::GraphicSettings;
 pub(crate) use models::{model_parameter_numbers, teaches};
 pub(crate) use parameters::PITCH_POINTS;

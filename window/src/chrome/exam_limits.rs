@@ -32,6 +32,7 @@ impl Window {
         }
         let closed = self.closed_for_exam.get_or_insert_default();
         self.why.close();
+        self.network.close();
         let layouts = &mut self.settings.layouts;
         for view in VIEWS.iter().map(|row| row.view) {
             if layouts.is_open(view) && !EXAM_VIEWS.contains(&view) {

@@ -113,6 +113,7 @@ impl Window {
             Notice::Previewed(file, look) => {
                 self.message = Some(StatusMessage::for_preview(self.message.take(), file, look));
             }
+            Notice::TaskOffered(request) => self.take_class_offer(&request),
             Notice::HandedIn(solution) => {
                 let exercises = self.views.lessons().exercises();
                 exercises.take_solution(*solution, context);

@@ -8,6 +8,7 @@ use gsk_messages::{Language, Message, say};
 use gsk_panel::keys::Key;
 
 use super::message_history::{HistoryRequest, LineMessage, LineText};
+use super::network_pane::show_help_request;
 use super::top_bar;
 use super::way_back::WayBack;
 use crate::Window;
@@ -32,6 +33,9 @@ impl Window {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             self.show_history_button(ui);
             self.show_why_button(ui);
+            if let Some(asks) = self.snapshot.as_ref().and_then(|it| it.asks_help) {
+                show_help_request(ui, self.settings.language, &self.console, asks);
+            }
             let speed = self.snapshot.as_ref().map(|it| it.speed_percent);
             if let Some(speed) = speed.filter(|speed| *speed < 100) {
                 top_bar::show_slow_computer(ui, speed, self.settings.language);

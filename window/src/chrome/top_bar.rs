@@ -58,6 +58,8 @@ pub enum TopBarRequest {
     ToggleView(ViewId),
     /// Show or hide the time line.
     ToggleTimeline,
+    /// Open or close the pane of the network.
+    ToggleNetwork,
     /// Open or close the lessons.
     ToggleLessons,
     /// End the lesson and return to the learner's own machine.

@@ -63,6 +63,7 @@ impl Window {
             top_bar::TopBarRequest::ToggleTimeline => {
                 self.settings.timeline = !self.settings.timeline;
             }
+            top_bar::TopBarRequest::ToggleNetwork => self.network.toggle(),
             // Someone who does not see the lessons wants to see them.
             top_bar::TopBarRequest::ToggleLessons
                 if self.settings.layouts.is_covered(ViewId::Lesson) =>

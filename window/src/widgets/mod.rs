@@ -6,6 +6,7 @@ pub mod files;
 pub mod icons;
 pub mod key_label;
 pub mod mark;
+pub mod qr_code;
 pub mod questions;
 pub mod real_machine_bar;
 pub mod right_aligned;

@@ -497,6 +497,8 @@ pub(super) const fn changes_machine(command: &Command) -> bool {
         // The window finds the job of the present program some time after it was opened.
         Command::Job(_)
         | Command::TransferFailed
+        | Command::Network(..)
+        | Command::Seat(_)
         | Command::Explain(_)
         | Command::Link(_)
         | Command::Probe(_)

@@ -152,6 +152,11 @@ pub fn show_views(ui: &mut Ui, settings: &WindowSettings) -> Option<TopBarReques
         request = Some(TopBarRequest::ToggleTimeline);
         ui.close();
     }
+    // A page in a browser cannot open connections.
+    if platform::has_folders() && ui.button(say::network_menu().text(language)).clicked() {
+        request = Some(TopBarRequest::ToggleNetwork);
+        ui.close();
+    }
     request
 }
 

@@ -22,6 +22,7 @@ use gsk_host::files::exercises::AvailableExercises;
 use gsk_host::kernel::part::PartView;
 use gsk_host::kernel::{
     Command, Console, ExerciseAction, ExerciseState, HandedInSolution, LessonAction, PanelSnapshot,
+    SeatAction,
 };
 use gsk_host::platform::{self, CoursePage};
 use gsk_messages::{Language, Message, say};
@@ -62,6 +63,8 @@ pub struct ExercisePane {
     has_opened_timeline: bool,
     /// The learner's best points by the name of the exercise.
     best: BTreeMap<String, u32>,
+    /// Sum of the best points as the class knows it; `None` outside a class.
+    class_points: Option<u32>,
 }
 
 impl ExercisePane {
@@ -84,6 +87,7 @@ impl ExercisePane {
             wants_timeline: None,
             has_opened_timeline: false,
             best,
+            class_points: None,
         }
     }
 
@@ -147,6 +151,11 @@ impl ExercisePane {
         self.report.learner()
     }
 
+    /// Sets the name of the learner.
+    pub fn set_learner(&mut self, name: &str) {
+        self.report.set_learner(name);
+    }
+
     /// Whether the time line is to open (true) or to close again, since the last call.
     pub const fn take_timeline_request(&mut self) -> Option<bool> {
         self.wants_timeline.take()
@@ -180,10 +189,34 @@ impl ExercisePane {
             self.wants_timeline = Some(false);
         }
         self.state.clone_from(&snapshot.exercise);
+        self.report_points(snapshot.asks_help.is_some());
         is_begin
     }
 
-    /// Starts to mark a solution in a background thread.
+    /// Reports the sum of the best points to the class when it has changed.
+    fn report_points(&mut self, is_in_class: bool) {
+        let points = is_in_class.then(|| self.best.values().sum());
+        if let Some(points) = points.filter(|points| self.class_points != Some(*points)) {
+            self.console.send(Command::Seat(SeatAction::Points(points)));
+        }
+        self.class_points = points;
+    }
+
+    /// The exercise with this name; `None` if the seat does not have it.
+    pub fn task(&self, id: &str) -> Option<Arc<ExerciseTask>> {
+        self.tasks.iter().find(|task| task.id == id).cloned()
+    }
+
+    /// Begins an exercise that the instructor of the class has offered.
+    pub fn begin_offered(&mut self, task: Arc<ExerciseTask>) {
+        if !self.tasks.iter().any(|known| known.hash == task.hash) {
+            self.tasks.retain(|known| known.id != task.id);
+            self.tasks.push(Arc::clone(&task));
+        }
+        self.begin(task);
+    }
+
+    /// Marks a solution in a thread.
     pub fn take_solution(&mut self, solution: HandedInSolution, context: &Context) {
         if self.state.as_ref().is_some_and(|state| state.is_exam) {
             return self.exam.take_solution(solution, context);
@@ -204,6 +237,9 @@ impl ExercisePane {
         if let Some((report, points)) = self.report.receive() {
             if let Some(course) = &mut self.course {
                 course.record(&report, points);
+            }
+            if self.class_points.is_some() {
+                self.report.hand_in_to_class();
             }
             let best = self.best.entry(report.task).or_default();
             *best = points.max(*best);

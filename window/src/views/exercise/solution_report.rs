@@ -11,7 +11,7 @@ use gsk_exercise::report::ExerciseReport;
 use gsk_exercise::result_file::{RESULT_EXTENSION, ResultAuthor, write_result};
 use gsk_exercise::task::ExerciseTask;
 use gsk_host::files::{atomic, exercise_key, exercises};
-use gsk_host::kernel::{Command, Console, ExerciseAction, HandedInSolution};
+use gsk_host::kernel::{Command, Console, ExerciseAction, HandedInSolution, Notice, SeatAction};
 use gsk_host::output::WriteError;
 use gsk_host::platform;
 use gsk_messages::{Language, Message, say};
@@ -200,6 +200,24 @@ impl SolutionReport {
         self.referenced.1.try_iter().last()
     }
 
+    /// Seals the result and hands it in to the class.
+    pub fn hand_in_to_class(&self) {
+        let ReportContent::Marked(marked) = &self.content else {
+            return;
+        };
+        let learner = self.learner.trim().to_owned();
+        match seal(marked, learner, self.data.as_deref()) {
+            Ok(result) => {
+                let action = SeatAction::HandIn(result);
+                self.console.send(Command::Seat(action));
+            }
+            Err(why) => {
+                // A window that is gone needs no message.
+                let _ = self.console.notice_sender.try_send(Notice::Message(why));
+            }
+        }
+    }
+
     /// Seals the result and writes it where the learner chooses.
     fn save(&self, marked: &MarkedSolution, language: Language, context: &Context) {
         let learner = self.learner.trim().to_owned();
@@ -213,6 +231,22 @@ impl SolutionReport {
             move |path| Some(write_sealed(&marked, learner, data.as_deref(), &path)),
         );
     }
+}
+
+/// Seals a result with the key of the data folder.
+fn seal(marked: &MarkedSolution, learner: String, data: Option<&Path>) -> Result<Vec<u8>, Message> {
+    let key = match data {
+        Some(data) => exercise_key::load_or_make(data)?.0,
+        None => exercise_key::make()?,
+    };
+    let author = ResultAuthor {
+        program: env!("CARGO_PKG_VERSION").to_owned(),
+        learner,
+        hints: marked.hints.clone(),
+        exam: None,
+    };
+    let report = marked.report.clone();
+    write_result(author, report, &marked.solution.recording, &key)
 }
 
 /// Draws the name of the learner and the button that saves; returns whether it was clicked.
@@ -372,18 +406,7 @@ fn write_sealed(
     path: &Path,
 ) -> Message {
     let write = || {
-        let key = match data {
-            Some(data) => exercise_key::load_or_make(data)?.0,
-            None => exercise_key::make()?,
-        };
-        let author = ResultAuthor {
-            program: env!("CARGO_PKG_VERSION").to_owned(),
-            learner,
-            hints: marked.hints.clone(),
-            exam: None,
-        };
-        let report = marked.report.clone();
-        let bytes = write_result(author, report, &marked.solution.recording, &key)?;
+        let bytes = seal(marked, learner, data)?;
         let not_written = |error| WriteError::new(path, error).message();
         atomic::write(path, &bytes).map_err(not_written)?;
         Ok(say::exercise_saved(path.display()))

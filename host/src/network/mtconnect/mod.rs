@@ -6,7 +6,7 @@
 
 mod address;
 mod connection;
-mod feed;
+pub(crate) mod feed;
 mod http;
 mod pacing;
 mod page;

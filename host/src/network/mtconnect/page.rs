@@ -2,8 +2,8 @@
 
 use gsk_messages::{Language, Message, say};
 
-/// The HTML of the agent's page, in which `{{name}}` is replaced by a text.
-const TEMPLATE: &str = include_str!("../../../assets/mtconnect/page.html");
+/// The page; `{{name}}` is replaced by a text.
+const TEMPLATE: &str = include_str!("../../../../assets/mtconnect/page.html");
 
 /// Returns the HTML of the agent's page in a language.
 pub(super) fn render_page(language: Language) -> String {

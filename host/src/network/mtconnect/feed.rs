@@ -23,24 +23,24 @@ const QUEUE_CAPACITY: usize = 256;
 
 /// The state of the machine at one moment.
 #[derive(Debug)]
-pub(super) struct FeedItem {
-    /// Time of the state, ms since 1970.
-    pub(super) time_ms: u64,
-    pub(super) reading: MachineReading,
-    /// New job and program, if one of them has changed; otherwise `None`.
-    pub(super) change: Option<Box<FeedChange>>,
+pub(crate) struct FeedItem {
+    /// Moment of the state, ms since 1970.
+    pub(crate) time_ms: u64,
+    pub(crate) reading: MachineReading,
+    /// Job and program, if one of them has changed.
+    pub(crate) change: Option<Box<FeedChange>>,
 }
 
 /// The new job and program after a change.
 #[derive(Debug)]
-pub(super) struct FeedChange {
-    pub(super) assets: AgentAssets,
-    /// The setup for a preview of the program.
+pub(crate) struct FeedChange {
+    pub(crate) assets: AgentAssets,
+    /// For a preview of the program.
     pub(super) setup: Setup,
 }
 
-/// The queue of machine states from the kernel thread to the agent.
-pub(super) type FeedQueue = Arc<ArrayQueue<FeedItem>>;
+/// The queue between the two threads.
+pub(crate) type FeedQueue = Arc<ArrayQueue<FeedItem>>;
 
 /// Measures the machine time of the current run.
 #[derive(Clone, Copy, Debug, Default)]
@@ -77,8 +77,8 @@ pub struct AgentFeed {
 }
 
 impl AgentFeed {
-    /// Creates a feed, and the queue that it fills with machine states.
-    pub(super) fn new() -> (Self, FeedQueue) {
+    /// Creates a feed and the queue that it fills.
+    pub(crate) fn new() -> (Self, FeedQueue) {
         let queue = Arc::new(ArrayQueue::new(QUEUE_CAPACITY));
         let feed = Self {
             queue: Arc::clone(&queue),
@@ -110,11 +110,15 @@ impl AgentFeed {
         let change = checks_assets
             .then(|| self.find_change(simulation, job))
             .flatten();
-        self.queue.force_push(FeedItem {
+        let dropped = self.queue.force_push(FeedItem {
             time_ms: wall_clock_ms(),
             reading: MachineReading::new(&source),
             change,
         });
+        if dropped.is_some_and(|item| item.change.is_some()) {
+            // A full queue has lost job and program: the next check passes them on again.
+            self.last_job = None;
+        }
     }
 
     /// The job and the program, if one of them differs from the last ones.

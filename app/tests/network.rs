@@ -1,0 +1,211 @@
+//! The pane *Network*, a task that the instructor of a class offers, and the window of a class.
+
+use std::io::{Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::time::{Duration, Instant};
+
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
+use gsk_core::setup::Setup;
+use gsk_host::files::exercises;
+use gsk_host::kernel::Notice;
+use gsk_host::network::class::class_address::ClassAddress;
+use gsk_host::network::class::seat_request::SeatRequest;
+use gsk_host::network::{AgentSettings, BrokerSettings, NetworkSettings};
+use gsk_messages::Language;
+use gsk_tests::test_folder;
+use gsk_window::class_window::{ClassStart, ClassWindow};
+use gsk_window::layout::{Layouts, WindowLayout};
+use gsk_window::{WindowSettings, fonts};
+
+use crate::common::WindowBench;
+
+const WAIT: Duration = Duration::from_secs(10);
+
+fn open_bench(network: NetworkSettings) -> WindowBench {
+    let settings = WindowSettings {
+        language: Language::En,
+        layouts: Layouts::with_layout(WindowLayout::Learner),
+        network,
+        ..WindowSettings::default()
+    };
+    WindowBench::with_settings(Setup::default(), settings, egui::vec2(1366.0, 768.0))
+}
+
+fn open_pane(bench: &mut WindowBench) {
+    bench.click("Views");
+    bench.click("Network…");
+}
+
+/// Runs until a text is shown.
+#[track_caller]
+fn wait_for(bench: &mut WindowBench, text: &str) {
+    let end = Instant::now() + WAIT;
+    while bench.harness.query_all_by_label_contains(text).count() == 0 {
+        assert!(Instant::now() < end, "no `{text}`");
+        bench.run(20);
+    }
+}
+
+#[test]
+fn everything_is_off_as_delivered() {
+    let mut bench = open_bench(NetworkSettings::default());
+    open_pane(&mut bench);
+    let off = "Off: nothing is sent, and nothing listens";
+    assert_eq!(bench.harness.query_all_by_label(off).count(), 3);
+    assert!(bench.harness.query_by_label("Ask for help").is_none());
+}
+
+#[test]
+fn the_switch_of_the_agent_listens_and_stops() {
+    let mut bench = open_bench(NetworkSettings {
+        agent: AgentSettings {
+            is_on: false,
+            address: "127.0.0.1:0".to_owned(),
+        },
+        ..NetworkSettings::default()
+    });
+    open_pane(&mut bench);
+    let switch = "MTConnect agent and page for a phone";
+    bench.click(switch);
+    wait_for(&mut bench, "Listening at http://127.0.0.1:");
+    assert!(bench.harness.state().settings().network.agent.is_on);
+    let state = bench.console.network.agent.get();
+    let address = state.message().text(Language::En);
+    let address = address.trim_start_matches("Listening at http://");
+    let address = address.trim_end_matches('/').to_owned();
+    assert!(TcpStream::connect(&address).is_ok(), "{address}");
+    bench.click(switch);
+    bench.run(100);
+    assert!(TcpStream::connect(&address).is_err(), "{address}");
+    assert!(!bench.harness.state().settings().network.agent.is_on);
+}
+
+#[test]
+fn a_broker_that_is_not_there_is_named_in_one_sentence() {
+    // A stored switch acts at the start; nothing listens at port 9.
+    let mut bench = open_bench(NetworkSettings {
+        broker: BrokerSettings {
+            is_on: true,
+            url: "mqtt://ann@127.0.0.1:9/hall".to_owned(),
+            ..BrokerSettings::default()
+        },
+        ..NetworkSettings::default()
+    });
+    open_pane(&mut bench);
+    wait_for(&mut bench, "Not connected: MQTT: mqtt://127.0.0.1:9/hall: ");
+}
+
+fn offer(bench: &mut WindowBench, exercise: &str) {
+    let request = SeatRequest::Task {
+        exercise: exercise.to_owned(),
+    };
+    let notice = Notice::TaskOffered(Box::new(request));
+    bench.console.notice_sender.send(notice).unwrap();
+    bench.run(50);
+}
+
+#[test]
+fn the_learner_decides_about_an_offered_task() {
+    let mut bench = open_bench(NetworkSettings::default());
+    let folder = test_folder("offered-task");
+    let found = exercises::load_exercises(None);
+    bench
+        .harness
+        .state_mut()
+        .set_exercises(found, folder.to_owned(), Ok(None));
+    offer(&mut bench, "no-such-exercise");
+    let question = "The instructor offers the exercise";
+    assert!(bench.harness.query_by_label_contains(question).is_none());
+    offer(&mut bench, "02-jog");
+    bench.click("Not now");
+    assert!(bench.harness.query_by_label_contains(question).is_none());
+    assert!(bench.kernel.snapshot().exercise.is_none());
+    offer(&mut bench, "02-jog");
+    bench.click("Begin");
+    bench.run(100);
+    let exercise = bench.kernel.snapshot().exercise;
+    assert_eq!(
+        exercise.map(|exercise| exercise.id).as_deref(),
+        Some("02-jog")
+    );
+}
+
+/// A packet with a message.
+fn publish(topic: &str, payload: &str) -> Vec<u8> {
+    let mut body = (topic.len() as u16).to_be_bytes().to_vec();
+    body.extend(topic.as_bytes());
+    body.extend(payload.as_bytes());
+    let length = [(body.len() & 0x7f) as u8 | 0x80, (body.len() >> 7) as u8];
+    [&[0x31], &length[..], &body].concat()
+}
+
+#[test]
+fn the_window_of_a_class_shows_seats_and_requests_an_lcd() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let class = format!("K7M2@{}", listener.local_addr().unwrap());
+    let start = ClassStart {
+        class: ClassAddress::parse(&class).unwrap(),
+        results: test_folder("class-results").to_owned(),
+        language: Language::En,
+        exercises: exercises::load_exercises(None),
+    };
+    let window = ClassWindow::start(start).map_err(|it| it.text(Language::En));
+    let mut harness = Harness::builder()
+        .with_size(egui::vec2(1100.0, 720.0))
+        .with_context_setup(fonts::set_up)
+        .build_ui_state(
+            |ui, window: &mut ClassWindow| window.ui(ui),
+            window.unwrap(),
+        );
+    harness.step();
+    assert!(
+        harness
+            .query_by_label_contains("No seat has joined")
+            .is_some()
+    );
+    let (mut broker, _) = listener.accept().unwrap();
+    broker
+        .set_read_timeout(Some(Duration::from_millis(20)))
+        .unwrap();
+    broker.write_all(&[0x20, 2, 0, 0]).unwrap();
+    let seats = "gsk980td/class/K7M2/seats";
+    for (seat, state) in [
+        ("a1", r#"{"name":"Ann","is_online":true,"is_running":true}"#),
+        (
+            "b2",
+            r#"{"name":"Bo","is_online":true,"asks_help":true,"has_board":true}"#,
+        ),
+    ] {
+        let packet = publish(&format!("{seats}/{seat}/state"), state);
+        broker.write_all(&packet).unwrap();
+    }
+    let end = Instant::now() + WAIT;
+    while harness.query_by_label("Bo: asks for help").is_none() {
+        assert!(Instant::now() < end);
+        std::thread::sleep(Duration::from_millis(10));
+        harness.step();
+    }
+    // The seat that asks for help is before the one that runs.
+    let left = |name| harness.get_by_label(name).rect().left();
+    assert!(left("Bo: asks for help") < left("Ann: running"));
+    harness.get_by_label("Bo: asks for help").click();
+    harness.run_steps(3);
+    assert!(
+        harness
+            .query_all_by_label("a board moves real slides")
+            .count()
+            == 2
+    );
+    harness.get_by_label("Show the LCD").click();
+    harness.run_steps(3);
+    let mut received = Vec::new();
+    let request = format!("{seats}/b2/request{{\"request\":\"lcd\"");
+    while !String::from_utf8_lossy(&received).contains(&request) {
+        assert!(Instant::now() < end);
+        let mut bytes = [0; 4096];
+        if let Ok(count) = broker.read(&mut bytes) {
+            received.extend(&bytes[..count]);
+        }
+    }
+}

@@ -1,0 +1,268 @@
+//! Parses the address of a broker: `mqtt://user:pass@host:1883/prefix`.
+
+use core::fmt;
+
+use gsk_messages::{Message, say};
+
+/// Port of a broker without encryption.
+const PLAIN_PORT: u16 = 1883;
+/// Longest prefix of topics, bytes.
+const MAX_PREFIX: usize = 200;
+
+/// Why a text is not the address of a broker.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", self.message())]
+pub enum BrokerUrlError {
+    /// Not of the form `mqtt://HOST:PORT/PREFIX`.
+    Malformed(String),
+    /// `mqtts`: the program does not encrypt.
+    Encrypted(String),
+    /// The prefix has a wildcard, or an empty level.
+    Prefix(String),
+}
+
+impl BrokerUrlError {
+    /// The message that names the text and the expected form.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Malformed(word) => say::mqtt_url_wrong(word),
+            Self::Encrypted(word) => say::mqtt_url_encrypted(word),
+            Self::Prefix(word) => say::mqtt_prefix_wrong(word),
+        }
+    }
+}
+
+/// The address of a broker, with user and prefix of the topics.
+#[derive(Clone, PartialEq, Eq)]
+pub struct BrokerUrl {
+    /// Name or IP address of the computer.
+    pub host: String,
+    /// Port of the broker.
+    pub port: u16,
+    /// User name; `None` without one.
+    pub user: Option<String>,
+    /// Password; `None` without one.
+    pub password: Option<String>,
+    /// Start of all topics, without a slash at its ends; empty if the address has none.
+    pub prefix: String,
+}
+
+impl fmt::Debug for BrokerUrl {
+    /// A log must not contain the password.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+impl fmt::Display for BrokerUrl {
+    /// Writes the address without user and password.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.host.contains(':') {
+            true => write!(f, "mqtt://[{}]:{}", self.host, self.port)?,
+            false => write!(f, "mqtt://{}:{}", self.host, self.port)?,
+        }
+        if !self.prefix.is_empty() {
+            write!(f, "/{}", self.prefix)?;
+        }
+        Ok(())
+    }
+}
+
+impl BrokerUrl {
+    /// The address with its user and without its password, as settings store it.
+    pub fn without_password(&self) -> String {
+        let address = self.to_string();
+        match (&self.user, address.split_once("://")) {
+            (Some(user), Some((scheme, rest))) => {
+                format!("{scheme}://{}@{rest}", encode_percent(user))
+            }
+            _ => address,
+        }
+    }
+
+    /// Parses `mqtt://USER:PASSWORD@HOST:PORT/PREFIX`; everything but the host may be missing.
+    ///
+    /// # Errors
+    /// The text is not an address, requests encryption, or has a wildcard in its prefix.
+    pub fn parse(text: &str) -> Result<Self, BrokerUrlError> {
+        let malformed = || BrokerUrlError::Malformed(hide_password(text));
+        let rest = match text.split_once("://") {
+            Some(("mqtt" | "tcp", rest)) => rest,
+            Some(("mqtts" | "ssl", _)) => {
+                return Err(BrokerUrlError::Encrypted(hide_password(text)));
+            }
+            Some(_) => return Err(malformed()),
+            None => text,
+        };
+        let (authority, prefix) = rest.split_once('/').unwrap_or((rest, ""));
+        let (user_info, address) = match authority.rsplit_once('@') {
+            Some((user_info, address)) => (Some(user_info), address),
+            None => (None, authority),
+        };
+        let (user, password) = match user_info.map(|it| it.split_once(':').unwrap_or((it, ""))) {
+            Some((user, password)) => {
+                let decode = |text| decode_percent(text).ok_or_else(malformed);
+                let (user, password) = (decode(user)?, decode(password)?);
+                let given = |text: String| (!text.is_empty()).then_some(text);
+                (given(user), given(password))
+            }
+            None => (None, None),
+        };
+        let (host, port) = split_port(address).ok_or_else(malformed)?;
+        let prefix = decode_percent(prefix.trim_end_matches('/')).ok_or_else(malformed)?;
+        if !is_topic_prefix(&prefix) {
+            return Err(BrokerUrlError::Prefix(prefix));
+        }
+        Ok(Self {
+            host: host.to_owned(),
+            port,
+            user,
+            password,
+            prefix,
+        })
+    }
+}
+
+/// Replaces the password in an address by dots.
+fn hide_password(text: &str) -> String {
+    let Some((before, host)) = text.rsplit_once('@') else {
+        return text.to_owned();
+    };
+    let start = before.find("://").map_or(0, |at| at + 3);
+    let user = before[start..].split(':').next().unwrap_or_default();
+    format!("{}{user}:…@{host}", &before[..start])
+}
+
+/// Host and port of `HOST`, `HOST:PORT`, `[IPV6]` or `[IPV6]:PORT`; `None` for another text.
+fn split_port(address: &str) -> Option<(&str, u16)> {
+    let (host, port) = match address.strip_prefix('[') {
+        Some(rest) => {
+            let (host, port) = rest.split_once(']')?;
+            let is_ip = host.parse::<core::net::Ipv6Addr>().is_ok();
+            let port = match port {
+                "" => None,
+                _ => Some(port.strip_prefix(':')?),
+            };
+            (is_ip.then_some(host)?, port)
+        }
+        None => match address.split_once(':') {
+            Some((host, port)) => (host, Some(port)),
+            None => (address, None),
+        },
+    };
+    let is_name = |byte: u8| byte.is_ascii_alphanumeric() || b".-_:".contains(&byte);
+    if host.is_empty() || !host.bytes().all(is_name) {
+        return None;
+    }
+    let port = match port {
+        Some(port) => port.parse().ok().filter(|port| *port != 0)?,
+        None => PLAIN_PORT,
+    };
+    Some((host, port))
+}
+
+/// Encodes a user name for an address.
+fn encode_percent(text: &str) -> String {
+    let encode = |byte: u8| match byte {
+        b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'_' | b'.' => {
+            char::from(byte).to_string()
+        }
+        _ => format!("%{byte:02X}"),
+    };
+    text.bytes().map(encode).collect()
+}
+
+/// Decodes `%41`; `None` for a malformed text.
+fn decode_percent(text: &str) -> Option<String> {
+    let mut decoded = Vec::new();
+    let mut bytes = text.bytes();
+    while let Some(byte) = bytes.next() {
+        if byte != b'%' {
+            decoded.push(byte);
+            continue;
+        }
+        let digit = |byte: u8| char::from(byte).to_digit(16);
+        let (high, low) = (digit(bytes.next()?)?, digit(bytes.next()?)?);
+        decoded.push((high * 16 + low) as u8);
+    }
+    String::from_utf8(decoded).ok()
+}
+
+/// Whether topics may begin with a text: no wildcard, no empty level, not reserved by brokers.
+fn is_topic_prefix(prefix: &str) -> bool {
+    let is_level = |level: &str| {
+        let is_forbidden = |character: char| character.is_control() || "+#".contains(character);
+        !level.is_empty() && !level.contains(is_forbidden)
+    };
+    prefix.is_empty()
+        || (prefix.len() <= MAX_PREFIX
+            && !prefix.starts_with('$')
+            && prefix.split('/').all(is_level))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str) -> (String, Option<String>, Option<String>) {
+        let url = BrokerUrl::parse(text).expect(text);
+        (url.to_string(), url.user, url.password)
+    }
+
+    #[test]
+    fn every_part_but_the_host_may_be_missing() {
+        let some = |text: &str| Some(text.to_owned());
+        let whole = parse("mqtt://ann:s%3Acret@shop.local:1884/hall/lathe-3/");
+        let address = "mqtt://shop.local:1884/hall/lathe-3".to_owned();
+        assert_eq!(whole, (address, some("ann"), some("s:cret")));
+        let plain = |text: &str| (text.to_owned(), None, None);
+        assert_eq!(parse("broker"), plain("mqtt://broker:1883"));
+        assert_eq!(parse("tcp://10.0.0.7:2000"), plain("mqtt://10.0.0.7:2000"));
+        assert_eq!(parse("[::1]"), plain("mqtt://[::1]:1883"));
+        assert_eq!(parse("mqtt://[::1]:7/a"), plain("mqtt://[::1]:7/a"));
+        assert_eq!(
+            parse("ann@broker"),
+            ("mqtt://broker:1883".to_owned(), some("ann"), None)
+        );
+    }
+
+    #[test]
+    fn malformed_addresses_are_refused_without_their_password() {
+        for text in [
+            "",
+            "mqtt://",
+            "http://host",
+            "host:0",
+            "host:70000",
+            "host:",
+            "ho st",
+            "a:b@",
+            "%zz@host",
+            "[::1",
+            "[host]:1",
+            "host/%f",
+        ] {
+            assert!(
+                matches!(BrokerUrl::parse(text), Err(BrokerUrlError::Malformed(_))),
+                "{text}"
+            );
+        }
+        for prefix in ["a/+/b", "#", "a//b", "$SYS"] {
+            let parsed = BrokerUrl::parse(&format!("host/{prefix}"));
+            assert_eq!(parsed, Err(BrokerUrlError::Prefix(prefix.to_owned())));
+        }
+        let error = BrokerUrl::parse("mqtts://ann:secret@host").expect_err("TLS");
+        assert_eq!(
+            error,
+            BrokerUrlError::Encrypted("mqtts://ann:…@host".to_owned())
+        );
+        let error = BrokerUrl::parse("ann:secret@host:0").expect_err("a port");
+        assert_eq!(error, BrokerUrlError::Malformed("ann:…@host:0".to_owned()));
+        let url = BrokerUrl::parse("a%40nn:secret@host").expect("an address");
+        let stored = url.without_password();
+        assert_eq!(stored, "mqtt://a%40nn@host:1883");
+        let again = BrokerUrl::parse(&stored).expect("an address");
+        assert_eq!(again.user.as_deref(), Some("a@nn"));
+        assert!(!format!("{url:?}").contains("secret"));
+    }
+}
