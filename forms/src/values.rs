@@ -157,6 +157,21 @@ impl FormValues {
         }
     }
 
+    /// The same values, with those that equal their defaults unset: they follow the fields on
+    /// which they depend.
+    #[must_use]
+    pub fn without_defaults(&self) -> Self {
+        let mut values = self.clone();
+        for (id, value) in &self.set {
+            values.set.remove(id);
+            let is_default = (values.field(id)).is_ok_and(|field| values.get(field) == *value);
+            if !is_default {
+                values.set.insert(id, value.clone());
+            }
+        }
+        values
+    }
+
     /// The number of a field; 0 if the form has no such field.
     pub(crate) fn number(&self, id: &str) -> Thousandths {
         match self.field(id).map(|field| self.get(field)) {

@@ -73,6 +73,25 @@ fn sequence_numbers_of_a_program_are_avoided() {
 }
 
 #[test]
+fn defaults_of_a_form_that_was_read_follow_other_fields_again() {
+    let mut values = FormValues::new(FormKind::Turn);
+    values.set_text("D", "36").unwrap();
+    let text = write_form(&values).unwrap();
+    let mut read = find_sections(&text)[0].values.clone().unwrap();
+    assert_eq!(read.without_defaults(), values);
+    assert_eq!(write_form(&read.without_defaults()).unwrap(), text);
+    read.set_text("D", "30").unwrap();
+    assert!(write_form(&read).is_err(), "the front keeps its 36 mm");
+    read = find_sections(&text)[0]
+        .values
+        .clone()
+        .unwrap()
+        .without_defaults();
+    read.set_text("D", "30").unwrap();
+    assert!(write_form(&read).unwrap().contains("DF=30"));
+}
+
+#[test]
 fn errors_name_the_field_and_the_rule() {
     type Case = (
         FormKind,

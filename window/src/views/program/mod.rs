@@ -7,6 +7,8 @@ mod check;
 mod document;
 mod document_store;
 mod editor;
+mod form;
+mod form_sections;
 mod paint;
 mod restart;
 mod targets;
@@ -32,6 +34,7 @@ use document::file_name;
 pub use document::{ProgramDocument, TextOrigin, with_line_feeds};
 use document_store::{DocumentEvent, DocumentStore};
 use editor::EditorInputs;
+use form::{FormPane, SectionFinder};
 use paint::TextColorizer;
 use restart::RestartDialog;
 use targets::JumpTarget;
@@ -41,6 +44,8 @@ use targets::JumpTarget;
 enum TextToLoad {
     /// An empty new text.
     New,
+    /// A new text with this content.
+    NewProgram(String),
     /// The file that the user chooses in a dialog.
     Choose,
     File(PathBuf),
@@ -55,6 +60,8 @@ pub struct ProgramView {
     last_check: Option<TextCheck>,
     painter: TextColorizer,
     restart: RestartDialog,
+    form: FormPane,
+    sections: SectionFinder,
     breakpoints: BreakpointList,
     /// Whether the line of a new halt is shown in the next frame.
     shows_running_line: bool,
@@ -130,6 +137,8 @@ impl ProgramView {
             document: ProgramDocument::new(TextOrigin::New, ""),
             checker: TextChecker::new(&console),
             restart: RestartDialog::new(console.clone()),
+            form: FormPane::new(&console),
+            sections: SectionFinder::default(),
             breakpoints: BreakpointList::new(console.clone()),
             shows_running_line: false,
             document_store: DocumentStore::new(console),
@@ -234,7 +243,11 @@ impl ProgramView {
     /// Draws the view. `native`: the view is in a separate window and receives all keys.
     fn draw(&mut self, ui: &mut Ui, language: Language, native: bool) {
         self.receive_events(ui.ctx());
+        if self.form.is_open() {
+            return self.show_form(ui, language);
+        }
         self.handle_keys(ui, language, native);
+        let is_in_form = self.cursor_section(ui.ctx()).is_some();
         let document = &self.document;
         let memory = self
             .last_check
@@ -244,7 +257,7 @@ impl ProgramView {
         let (bar, breakpoints) = (&mut self.bar, &mut self.breakpoints);
         let command = tools
             .show(ui, |ui| {
-                bar.show(ui, document, memory, breakpoints, language)
+                bar.show(ui, document, memory, (breakpoints, is_in_form), language)
             })
             .inner;
         if let Some(command) = command {
@@ -307,6 +320,9 @@ impl ProgramView {
         if let Some((target, line)) = done.clicked_target {
             self.go_to(target, line, ui.ctx());
         }
+        if done.opens_form {
+            self.open_form(ui.ctx());
+        }
     }
 
     /// Receives texts from files and memory, and the result of the check.
@@ -368,6 +384,11 @@ impl ProgramView {
             TextToLoad::New => {
                 self.set_document(ProgramDocument::new(TextOrigin::New, ""), context);
             }
+            TextToLoad::NewProgram(text) => {
+                self.set_document(ProgramDocument::new(TextOrigin::New, ""), context);
+                self.document.text = text;
+                self.document.update_after_change();
+            }
             TextToLoad::Choose => self.document_store.choose_file(self.bar.language, context),
             TextToLoad::File(path) => self.document_store.load_file(path, context),
             TextToLoad::Memory(number) => self.document_store.load_program(number, context),
@@ -385,6 +406,7 @@ impl ProgramView {
             EditorCommand::Undo => self.undo_or_redo(context, false),
             EditorCommand::Redo => self.undo_or_redo(context, true),
             EditorCommand::Find => self.find_next(context),
+            EditorCommand::OpenForm => self.open_form(context),
             EditorCommand::GoTo => {
                 let typed = self.bar.target_text.clone();
                 match JumpTarget::parse(&typed) {
