@@ -143,7 +143,10 @@ fn a_wrong_value_is_named_and_cannot_be_inserted() {
     let mut bench = open_view();
     click(&mut bench, "Form");
     set_field(&mut bench, "Diameter", "60");
-    assert!(is_shown(&bench, "STOCK: the stock must be at least 60 mm"));
+    assert!(is_shown(
+        &bench,
+        "Stock diameter: the stock must be at least 60 mm"
+    ));
     let insert = bench.harness.get_by_label("Insert at the cursor");
     assert!(insert.accesskit_node().is_disabled());
     click(&mut bench, "Close the form");

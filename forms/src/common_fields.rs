@@ -2,10 +2,10 @@
 
 use gsk_messages::say;
 
-use crate::fields::{FieldOption, FieldUnit, FormField};
+use crate::fields::{FieldOption, FieldUnit};
 use crate::kind::FormKind;
 use crate::thousandths::Thousandths;
-use crate::values::FormValues;
+use crate::values::{FormField, FormValues};
 
 /// Distance of the safe position beyond the surface that the form cuts, mm.
 const SAFE_BEYOND_MM: f64 = 40.0;

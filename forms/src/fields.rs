@@ -1,9 +1,8 @@
-//! What a field is: name, unit, range, default, and on which other field it depends.
+//! What a field is: name, unit, range, default, and on which values it depends.
 
 use gsk_messages::Message;
 
 use crate::thousandths::Thousandths;
-use crate::values::FormValues;
 
 /// The unit of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,22 +32,6 @@ impl FieldUnit {
     pub const fn is_count(self) -> bool {
         matches!(self, Self::Count | Self::Speed | Self::Revolutions)
     }
-
-    /// The sign of the unit beside a value.
-    pub fn sign(self, values: &FormValues) -> &'static str {
-        match self {
-            Self::Length => "mm",
-            Self::Diameter => "Ø mm",
-            Self::Angle => "°",
-            Self::Count => "",
-            Self::Seconds => "s",
-            Self::Speed if values.has("SPIN", "CSS") => "m/min",
-            Self::Speed | Self::Revolutions => "r/min",
-            Self::Feed if values.has("FEED", "MIN") => "mm/min",
-            Self::Feed => "mm/r",
-            Self::Leads => "× P",
-        }
-    }
 }
 
 /// An option of a field.
@@ -60,8 +43,8 @@ pub struct FieldOption {
     pub name: fn() -> Message,
 }
 
-/// What a field accepts.
-pub enum FieldInput {
+/// What a field accepts. `V` has the values on which the field depends.
+pub enum FieldInput<V> {
     /// A number within a range.
     Number {
         /// The unit of the number.
@@ -69,7 +52,7 @@ pub enum FieldInput {
         /// Least and greatest number.
         range: (Thousandths, Thousandths),
         /// The number if none was set.
-        default: fn(&FormValues) -> Thousandths,
+        default: fn(&V) -> Thousandths,
     },
     /// One of some options.
     Choice {
@@ -90,8 +73,8 @@ pub enum FieldInput {
     },
 }
 
-/// A field of a form.
-pub struct FormField {
+/// A field of a form. `V` has the values on which it depends.
+pub struct FieldRow<V> {
     /// The id: a word in capitals, unique within its form.
     pub id: &'static str,
     /// The name of the field.
@@ -99,22 +82,22 @@ pub struct FormField {
     /// What the field means, in a sentence.
     pub tip: fn() -> Message,
     /// What the field accepts.
-    pub input: FieldInput,
+    pub input: FieldInput<V>,
     /// Whether the field matters with these values.
-    pub is_shown: fn(&FormValues) -> bool,
+    pub is_shown: fn(&V) -> bool,
 }
 
 /// The name and the tip of a field.
 pub(crate) type FieldTexts = (fn() -> Message, fn() -> Message);
 
-impl FormField {
+impl<V> FieldRow<V> {
     /// A field for a number; `range` and the default are thousandths.
     pub(crate) const fn number(
         id: &'static str,
         texts: FieldTexts,
         unit: FieldUnit,
         range: (i64, i64),
-        default: fn(&FormValues) -> Thousandths,
+        default: fn(&V) -> Thousandths,
     ) -> Self {
         Self {
             id,
@@ -148,7 +131,7 @@ impl FormField {
     }
 
     /// The same field, shown only with some values.
-    pub(crate) const fn shown_if(self, is_shown: fn(&FormValues) -> bool) -> Self {
+    pub(crate) const fn shown_if(self, is_shown: fn(&V) -> bool) -> Self {
         Self { is_shown, ..self }
     }
 }

@@ -4,7 +4,6 @@ use crate::common_fields::{
     COOL, DEPTH, DIR, EDGE, EDGE_SIZE, F, FEED, FF, FILLET, FINX, FINZ, NOSE, SAFEX, SAFEZ,
     SEQUENCE, SIDE, SMAX, SPEED, SPIN, TOOL,
 };
-use crate::fields::FormField;
 use crate::kind::FormKind;
 use crate::shape_fields::{
     ALLOWANCE, BLADE, CORE, COUNT, DIAMETER, DWELL, FINISH_FACE, FINISH_PASSES, FIRST_PASS, FRONT,
@@ -12,8 +11,7 @@ use crate::shape_fields::{
     PITCH_OF_GROOVES, POINT_ANGLE, POINTS, POSITION, RUN_IN, RUN_OUT, STARTS, STOCK, THREAD,
     THREAD_DIAMETER, THREAD_PITCH, WIDTH,
 };
-
-type FieldList = &'static [&'static FormField];
+use crate::values::{FieldList, FormField, FormValues};
 
 static FACE_FIELDS: FieldList = &[
     &STOCK,
@@ -132,5 +130,12 @@ pub fn form_fields(form: FormKind) -> &'static [&'static FormField] {
         FormKind::Thread => THREAD_FIELDS,
         FormKind::Drill => DRILL_FIELDS,
         FormKind::Center => CENTER_FIELDS,
+    }
+}
+
+impl FormValues {
+    /// A form with defaults only.
+    pub fn new(form: FormKind) -> Self {
+        Self::with_fields(form, form_fields(form))
     }
 }

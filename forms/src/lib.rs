@@ -29,7 +29,7 @@ mod thread_table;
 mod values;
 
 pub use error::FormError;
-pub use fields::{FieldInput, FieldOption, FieldUnit, FormField};
+pub use fields::{FieldInput, FieldOption, FieldRow, FieldUnit};
 pub use form_table::form_fields;
 pub use job::form_job;
 pub use kind::FormKind;
@@ -40,4 +40,4 @@ pub use thread_table::{
     ThreadPitch, ThreadProfile, ThreadRow, ThreadStandard, find_thread, thread_rows,
     thread_table_text,
 };
-pub use values::{FormValue, FormValues};
+pub use values::{FormField, FormValue, FormValues};

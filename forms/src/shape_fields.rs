@@ -2,9 +2,10 @@
 
 use gsk_messages::say;
 
-use crate::fields::{FieldInput, FieldOption, FieldUnit, FormField};
+use crate::fields::{FieldInput, FieldOption, FieldUnit};
 use crate::kind::FormKind;
 use crate::thousandths::Thousandths;
+use crate::values::FormField;
 
 const fn mm(value: i64) -> Thousandths {
     Thousandths::whole(value)

@@ -1,12 +1,12 @@
 //! The values of a form: plain data, with the default of each field that was not set.
 
+use core::fmt;
 use std::collections::BTreeMap;
 
 use gsk_messages::{Message, say};
 
 use crate::error::FormError;
-use crate::fields::{FieldInput, FormField};
-use crate::form_table::form_fields;
+use crate::fields::{FieldInput, FieldRow, FieldUnit};
 use crate::kind::FormKind;
 use crate::outline::TurnedOutline;
 use crate::thousandths::Thousandths;
@@ -19,25 +19,32 @@ pub enum FormValue {
     Number(Thousandths),
     /// The index of an option.
     Choice(usize),
-    /// The index of a row of the thread table; `None`: a thread with diameter and pitch of its
-    /// own fields.
+    /// The index of a row of the thread table; `None`: the fields have diameter and pitch.
     Thread(Option<usize>),
     /// The points of an outline.
     Outline(TurnedOutline),
 }
 
+/// A field of a form.
+pub type FormField = FieldRow<FormValues>;
+
+/// The fields of a form, in the order of the dialog.
+pub(crate) type FieldList = &'static [&'static FormField];
+
 /// A form with the values that were set.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone)]
 pub struct FormValues {
     form: FormKind,
+    fields: FieldList,
     set: BTreeMap<&'static str, FormValue>,
 }
 
 impl FormValues {
-    /// A form with defaults only.
-    pub const fn new(form: FormKind) -> Self {
+    /// A form with these fields, and defaults only.
+    pub(crate) const fn with_fields(form: FormKind, fields: FieldList) -> Self {
         Self {
             form,
+            fields,
             set: BTreeMap::new(),
         }
     }
@@ -52,18 +59,34 @@ impl FormValues {
     /// # Errors
     /// The form has no such field.
     pub fn field(&self, id: &str) -> Result<&'static FormField, FormError> {
-        let mut fields = form_fields(self.form).iter();
+        let mut fields = self.fields.iter();
         let found = fields.find(|field| field.id.eq_ignore_ascii_case(id));
         found.copied().ok_or_else(|| {
-            let ids: Vec<&str> = form_fields(self.form).iter().map(|it| it.id).collect();
+            let ids: Vec<&str> = self.fields.iter().map(|it| it.id).collect();
             FormError::new("", say::form_field_unknown(id, ids.join(" ")))
         })
     }
 
     /// The fields that matter with the current values.
     pub fn shown_fields(&self) -> impl Iterator<Item = &'static FormField> {
-        let fields = form_fields(self.form).iter().copied();
+        let fields = self.fields.iter().copied();
         fields.filter(|field| (field.is_shown)(self))
+    }
+
+    /// The sign of a unit beside a value; that of speeds and feeds depends on other fields.
+    pub fn unit_sign(&self, unit: FieldUnit) -> &'static str {
+        match unit {
+            FieldUnit::Length => "mm",
+            FieldUnit::Diameter => "Ø mm",
+            FieldUnit::Angle => "°",
+            FieldUnit::Count => "",
+            FieldUnit::Seconds => "s",
+            FieldUnit::Speed if self.has("SPIN", "CSS") => "m/min",
+            FieldUnit::Speed | FieldUnit::Revolutions => "r/min",
+            FieldUnit::Feed if self.has("FEED", "MIN") => "mm/min",
+            FieldUnit::Feed => "mm/r",
+            FieldUnit::Leads => "× P",
+        }
     }
 
     /// Whether a value of the field was set; otherwise it has its default.
@@ -153,6 +176,7 @@ impl FormValues {
         let shown = self.shown_fields();
         Self {
             form: self.form,
+            fields: self.fields,
             set: shown.map(|field| (field.id, self.get(field))).collect(),
         }
     }
@@ -188,5 +212,19 @@ impl FormValues {
     /// Whether the option `word` of a field is chosen.
     pub(crate) fn has(&self, id: &str, word: &str) -> bool {
         self.field(id).is_ok_and(|field| self.text(field) == word)
+    }
+}
+
+impl PartialEq for FormValues {
+    fn eq(&self, other: &Self) -> bool {
+        self.form == other.form && self.set == other.set
+    }
+}
+
+impl Eq for FormValues {}
+
+impl fmt::Debug for FormValues {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{} {:?}", self.form.word(), self.set)
     }
 }

@@ -984,6 +984,7 @@ message_rows! {
     form_taper_one_start FormTaperOneStart();
     form_thread FormThread();
     form_thread_free FormThreadFree();
+    form_thread_list FormThreadList();
     form_thread_purpose FormThreadPurpose();
     form_thread_too_fast FormThreadTooFast(most: "{:.0}");
     form_thread_too_small FormThreadTooSmall();

@@ -82,7 +82,7 @@ fn fields(values: &FormValues, language: Option<Language>) -> String {
     let lines = values.shown_fields().map(|field| {
         let (unit, range) = match &field.input {
             FieldInput::Number { unit, range, .. } => {
-                (unit.sign(values), format!("{}..{}", range.0, range.1))
+                (values.unit_sign(*unit), format!("{}..{}", range.0, range.1))
             }
             FieldInput::Choice { options, .. } => {
                 let words: Vec<&str> = options.iter().map(|it| it.word).collect();

@@ -39,7 +39,6 @@ impl Random {
     }
 }
 
-#[expect(clippy::needless_pass_by_value, reason = "numbers and words")]
 fn set(values: &mut FormValues, id: &str, value: impl Display) {
     values.set_text(id, &value.to_string()).unwrap();
 }

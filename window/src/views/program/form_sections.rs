@@ -5,7 +5,8 @@ use gsk_forms::{FormSection, find_sections, whole_program};
 use gsk_messages::{Language, say};
 
 use super::document::ProgramDocument;
-use super::form::FormRequest;
+use crate::views::form::FormRequest;
+
 use super::{EditorMessage, ProgramView, TextToLoad, editor};
 
 /// Words of the block that ends a program.

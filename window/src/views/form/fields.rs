@@ -15,6 +15,8 @@ const FIELD_WIDTH: f32 = 92.0;
 const NAME_WIDTH: f32 = 150.0;
 /// The first of the fields for tool, spindle and feed.
 const FIRST_MACHINE_FIELD: &str = "TOOL";
+/// Width of the button that opens the list of threads, points.
+const LIST_BUTTON_WIDTH: f32 = 28.0;
 /// Height of the list of threads, points.
 const LIST_HEIGHT: f32 = 320.0;
 /// The word for a thread with its own diameter and pitch.
@@ -96,10 +98,10 @@ impl FieldDrafts {
             let label = label.inner.on_hover_text(&tip);
             match &field.input {
                 FieldInput::Number { unit, range, .. } => {
-                    let sign = unit.sign(values);
+                    let sign = values.unit_sign(*unit);
                     let range = say::form_range(range.0, range.1, sign).text(language);
                     let tip = format!("{tip}\n{} · {range}", field.id);
-                    let is_changed = self.show_number(ui, field, values, label.id, &tip);
+                    let is_changed = self.show_typed(ui, field, values, label.id, &tip);
                     ui.weak(sign);
                     is_changed
                 }
@@ -123,8 +125,9 @@ impl FieldDrafts {
                     picked.is_some_and(|word| self.set(field, values, word))
                 }
                 FieldInput::Thread { .. } => {
-                    let picked = show_threads(ui, &values.text(field), label.id, &tip, language);
-                    picked.is_some_and(|word| self.set(field, values, &word))
+                    let is_typed = self.show_typed(ui, field, values, label.id, &tip);
+                    let picked = show_threads(ui, &values.text(field), language);
+                    is_typed || picked.is_some_and(|word| self.set(field, values, &word))
                 }
                 FieldInput::Outline { .. } => false,
             }
@@ -132,7 +135,8 @@ impl FieldDrafts {
         .inner
     }
 
-    fn show_number(
+    /// Draws a field in which the value is typed.
+    fn show_typed(
         &mut self,
         ui: &mut Ui,
         field: &'static FormField,
@@ -187,24 +191,17 @@ impl FieldDrafts {
     }
 }
 
-/// Draws the choice of a thread; returns the designation that was chosen.
-fn show_threads(
-    ui: &mut Ui,
-    chosen: &str,
-    label: egui::Id,
-    tip: &str,
-    language: Language,
-) -> Option<String> {
-    let own = say::form_thread_free().text(language);
-    let shown = thread_rows().find(|row| row.designation.eq_ignore_ascii_case(chosen));
-    let shown = shown.map_or(own.as_str(), |row| row.designation);
+/// Draws the list of threads beside the field; returns the designation that was chosen.
+fn show_threads(ui: &mut Ui, chosen: &str, language: Language) -> Option<String> {
     let mut picked = None;
     let combo = ComboBox::from_id_salt("thread")
-        .width(FIELD_WIDTH + 40.0)
+        .width(LIST_BUTTON_WIDTH)
         .height(LIST_HEIGHT)
-        .selected_text(shown)
+        .selected_text("")
         .show_ui(ui, |ui| {
-            if ui.selectable_label(chosen == FREE_THREAD, &own).clicked() {
+            ui.set_min_width(FIELD_WIDTH);
+            let own = say::form_thread_free().text(language);
+            if ui.selectable_label(chosen == FREE_THREAD, own).clicked() {
                 picked = Some(FREE_THREAD.to_owned());
             }
             let mut source = "";
@@ -219,6 +216,10 @@ fn show_threads(
                 }
             }
         });
-    combo.response.labelled_by(label).on_hover_text(tip);
+    let name = say::form_thread_list().text(language);
+    combo
+        .response
+        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &name));
+    combo.response.on_hover_text(name);
     picked
 }

@@ -1,4 +1,4 @@
-//! The form pane of the program view: cards, fields, the part that the form cuts, its text.
+//! The form pane in the program view: cards, fields, the part that the form cuts, its text.
 
 mod cards;
 mod fields;
@@ -269,8 +269,14 @@ impl FormPane {
     /// Draws the error of the fields, or what the check has found.
     fn show_state(&self, ui: &mut Ui, language: Language) {
         if let Err(error) = &self.written {
-            let text = error.message().text(language);
-            ui.label(RichText::new(text).color(theme::ERROR_TEXT));
+            let text = match self.values.field(error.field) {
+                Ok(field) => {
+                    let name = (field.name)().text(language);
+                    say::subject_reason(name, error.rule.clone())
+                }
+                Err(_) => error.rule.clone(),
+            };
+            ui.label(RichText::new(text.text(language)).color(theme::ERROR_TEXT));
             return;
         }
         let preview = self.preview.as_ref();
