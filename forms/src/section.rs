@@ -46,12 +46,15 @@ pub fn write_form(values: &FormValues) -> Result<String, FormError> {
     let mut text = String::new();
     let mut line = format!("{BEGIN}{}", values.form().word());
     for field in values.shown_fields() {
-        let word = format!(" {}={}", field.id, values.text(field));
-        if line.len() + word.len() >= LONGEST_LINE {
-            text.push_str(&format!("{line})\n"));
-            line = MORE.trim_end().to_owned();
+        let word = format!("{}={}", field.id, values.text(field));
+        for piece in split_word(&word) {
+            if line.len() + 1 + piece.len() >= LONGEST_LINE {
+                text.push_str(&format!("{line})\n"));
+                line = MORE.trim_end().to_owned();
+            }
+            line.push(' ');
+            line.push_str(piece);
         }
-        line.push_str(&word);
     }
     text.push_str(&format!("{line})\n"));
     for block in &blocks {
@@ -60,6 +63,24 @@ pub fn write_form(values: &FormValues) -> Result<String, FormError> {
     }
     text.push_str(&format!("{END} {:08X})\n", check_sum(&blocks)));
     Ok(text)
+}
+
+/// A word in pieces that fit into a line; all but the first begin with the `/` of a point.
+fn split_word(word: &str) -> Vec<&str> {
+    let longest = LONGEST_LINE - MORE.len() - 1;
+    let mut pieces = Vec::new();
+    let mut rest = word;
+    while rest.len() > longest {
+        let fitting = rest.get(1..longest).and_then(|it| it.rfind('/'));
+        let Some(at) = fitting else {
+            break;
+        };
+        let (piece, more) = rest.split_at(at + 1);
+        pieces.push(piece);
+        rest = more;
+    }
+    pieces.push(rest);
+    pieces
 }
 
 /// A whole program with one section: name, section, end.
@@ -81,8 +102,11 @@ pub fn find_sections(text: &str) -> Vec<FormSection> {
         }
         let mut head = comment_words(line, BEGIN).to_owned();
         while let Some(more) = lines.get(at).filter(|it| it.starts_with(MORE)) {
-            head.push(' ');
-            head.push_str(comment_words(more, MORE));
+            let more = comment_words(more, MORE);
+            if !more.starts_with('/') {
+                head.push(' ');
+            }
+            head.push_str(more);
             at += 1;
         }
         let rest = &lines[at..];

@@ -48,6 +48,22 @@ fn a_change_by_hand_is_noticed() {
 }
 
 #[test]
+fn a_long_outline_is_split_into_comment_lines() {
+    let points: Vec<String> = (0..40)
+        .map(|index| format!("X{}.125Z-{}.375C0.125", 20 + index, index))
+        .collect();
+    let mut values = FormValues::new(FormKind::Contour);
+    values.set_text("POINTS", &points.join(";")).unwrap();
+    values.set_text("STOCK", "70").unwrap();
+    values.set_text("NOSE", "0").unwrap();
+    let text = write_form(&values).unwrap();
+    assert!(text.lines().all(|line| line.len() <= 72), "{text}");
+    let found = find_sections(&text);
+    assert_eq!(*found[0].values.as_ref().unwrap(), values.complete());
+    assert!(!found[0].is_edited);
+}
+
+#[test]
 fn sections_are_found_among_other_blocks() {
     let (one, two) = (section(FormKind::Face), section(FormKind::Thread));
     let text = format!("O0001\nG00 X100 (FORM)\n{one}M01\n(FORM odd X=1)\n{two}M30\n%\n");

@@ -12,7 +12,7 @@ use gsk_forms::{
     FormError, FormKind, FormSection, FormValues, find_sections, free_sequence_number, write_form,
 };
 use gsk_host::kernel::Console;
-use gsk_messages::{Language, say};
+use gsk_messages::{Language, Message, say};
 
 use crate::focus;
 use crate::theme;
@@ -65,6 +65,8 @@ pub struct FormPane {
     opened: Option<OpenedSection>,
     /// Whether the question is shown before blocks that were changed by hand are replaced.
     asks_to_replace: bool,
+    /// Why the last request could not be carried out; `None` if it could.
+    notice: Option<Message>,
     /// The first sequence number that is free in the program.
     free_number: u16,
 }
@@ -85,6 +87,7 @@ impl FormPane {
             preview: None,
             opened: None,
             asks_to_replace: false,
+            notice: None,
             free_number: 100,
         }
     }
@@ -133,7 +136,13 @@ impl FormPane {
         self.rewrite();
     }
 
+    /// Shows why a request could not be carried out.
+    pub fn report(&mut self, notice: Message) {
+        self.notice = Some(notice);
+    }
+
     fn rewrite(&mut self) {
+        self.notice = None;
         self.revision += 1;
         self.written = match self.drafts.first_error() {
             Some(error) => Err(error.clone()),
@@ -304,6 +313,9 @@ impl FormPane {
 
     fn show_buttons(&mut self, ui: &mut Ui, language: Language) -> Option<FormRequest> {
         let mut request = None;
+        if let Some(notice) = &self.notice {
+            ui.label(RichText::new(notice.text(language)).color(theme::ERROR_TEXT));
+        }
         if self.asks_to_replace {
             ui.label(say::form_replace_question().text(language));
         }
@@ -311,7 +323,7 @@ impl FormPane {
             let section = self.written.clone().ok();
             let can_write = section.is_some();
             let section = section.unwrap_or_default();
-            let button = |ui: &mut Ui, name: gsk_messages::Message| {
+            let button = |ui: &mut Ui, name: Message| {
                 let button = Button::new(name.text(language));
                 ui.add_enabled(can_write, button).clicked()
             };

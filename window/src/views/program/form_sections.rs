@@ -55,7 +55,7 @@ impl ProgramView {
                     self.insert_section(at, &new);
                     self.message = Some(EditorMessage::Good(say::form_replaced()));
                 }
-                None => self.message = Some(EditorMessage::Bad(say::form_section_gone())),
+                None => self.form.report(say::form_section_gone()),
             },
             Some(FormRequest::NewProgram(section)) => {
                 let stored = self.last_check.as_ref();
