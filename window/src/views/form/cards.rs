@@ -11,7 +11,7 @@ use crate::focus::{FocusList, ROW_SENSE};
 use crate::theme;
 
 /// Width and height of a card, points.
-const CARD_SIZE: egui::Vec2 = vec2(78.0, 62.0);
+const CARD_SIZE: egui::Vec2 = vec2(70.0, 60.0);
 /// Height of the name at the lower edge of a card, points.
 const NAME_HEIGHT: f32 = 18.0;
 const CORNER_RADIUS: f32 = 5.0;

@@ -28,6 +28,8 @@ pub struct FieldDrafts {
     texts: BTreeMap<&'static str, String>,
     errors: BTreeMap<&'static str, FormError>,
     outline: OutlineTable,
+    /// Whether the first field in which a value is typed gets the keyboard.
+    pub focuses_first: bool,
 }
 
 impl FieldDrafts {
@@ -154,6 +156,9 @@ impl FieldDrafts {
             .id(id)
             .desired_width(FIELD_WIDTH);
         let response = ui.add(edit).labelled_by(label).on_hover_text(tip);
+        if std::mem::take(&mut self.focuses_first) {
+            response.request_focus();
+        }
         if !response.changed() {
             return false;
         }

@@ -102,6 +102,7 @@ impl FormPane {
         self.opened = None;
         self.free_number = free_sequence_number(text);
         self.show_values(self.values.clone());
+        self.drafts.focuses_first = true;
     }
 
     /// Opens the form of a section in the program `text`.
@@ -120,6 +121,7 @@ impl FormPane {
             is_edited: section.is_edited,
         });
         self.show_values(values);
+        self.drafts.focuses_first = true;
         Ok(())
     }
 
