@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use egui::text::{CCursor, CCursorRange};
 use egui::{Align, ComboBox, Layout, RichText, TextEdit, Ui, vec2};
 use gsk_forms::{FieldInput, FormError, FormField, FormValue, FormValues, thread_rows};
 use gsk_messages::{Language, say};
@@ -152,10 +153,19 @@ impl FieldDrafts {
         if !is_typed && !self.errors.contains_key(field.id) {
             *draft = values.text(field);
         }
+        let length = draft.chars().count();
         let edit = TextEdit::singleline(draft)
             .id(id)
             .desired_width(FIELD_WIDTH);
-        let response = ui.add(edit).labelled_by(label).on_hover_text(tip);
+        let mut output = edit.show(ui);
+        let response = output.response.response.clone();
+        let response = response.labelled_by(label).on_hover_text(tip);
+        if response.gained_focus() {
+            // What is typed next replaces the value.
+            let all = CCursorRange::two(CCursor::new(0), CCursor::new(length));
+            output.state.cursor.set_char_range(Some(all));
+            output.state.store(ui.ctx(), id);
+        }
         if std::mem::take(&mut self.focuses_first) {
             response.request_focus();
         }
