@@ -3,6 +3,7 @@
 // Helpers panic when a file cannot be written or the program cannot be started: the test
 // fails.
 mod check_and_plot;
+mod form;
 mod lessons;
 mod mill;
 mod sheet_and_agent;

@@ -29,6 +29,7 @@ mod part;
 mod pitch;
 #[path = "common/process.rs"]
 mod process;
+mod program_forms;
 mod program_start;
 mod program_view;
 mod project;

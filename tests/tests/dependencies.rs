@@ -31,6 +31,7 @@ const PACKAGES: [&str; 29] = [
     "panel",
     "project",
     "port",
+    "forms",
     "runner",
     "lesson",
     "plot",

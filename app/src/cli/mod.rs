@@ -7,6 +7,7 @@ mod dap;
 mod deferred;
 mod dialect;
 mod exercise;
+mod form;
 mod help;
 mod ladder;
 mod language;
@@ -43,6 +44,7 @@ pub use exercise::{
     ExerciseCheckArgs, ExerciseCommand, ExerciseDrawingArgs, ExerciseListArgs, ExerciseMarkArgs,
     ExerciseNewArgs, ExercisePackArgs, ExerciseSolveArgs, MarkTableFormat,
 };
+pub use form::FormArgs;
 pub use help::HelpArgs;
 pub use ladder::{LadderArgs, LadderCommand, LadderRunArgs};
 use language::language_parser;
@@ -207,6 +209,12 @@ pub enum CliCommand {
     /// `linuxcnc`) the program is ported: printed or, with -o, written, and checked. Lines
     /// without an equivalent are listed, and stop the ported program with alarm 500.
     Dialect(DeferredArgs<DialectArgs>),
+    /// Write blocks from the dimensions of a drawing
+    ///
+    /// Forms for faces, turned and bored cylinders, outlines, grooves, parting off, threads,
+    /// holes and centre holes. The values stay in comments in front of the blocks, so that
+    /// `--read` and the window open the form again. docs/forms.md shows each form.
+    Form(DeferredArgs<FormArgs>),
     /// Operate the panel by a script of key presses and expectations
     #[command(after_help = script_help())]
     Operate(DeferredArgs<OperateArgs>),

@@ -6,6 +6,7 @@ mod dap;
 mod dialect;
 mod error;
 mod exercise;
+mod form;
 mod help;
 mod ladder;
 mod lesson;
@@ -91,6 +92,7 @@ pub fn run_command_line(cli: CommandLine) -> ExitCode {
         Some(CliCommand::Plot(args)) => plot::plot(&args, language),
         Some(CliCommand::Sheet(args)) => sheet::sheet(&args, language),
         Some(CliCommand::Dialect(args)) => dialect::dialect(&args, language),
+        Some(CliCommand::Form(args)) => form::form(&args, language),
         Some(CliCommand::Operate(args)) => operate::operate(&args, language),
         Some(CliCommand::Lesson(command)) => lesson::lesson(&command, language),
         Some(CliCommand::Exercise(command)) => exercise::exercise(&command, language),

@@ -7,6 +7,7 @@ mod bench;
 mod commission;
 mod data;
 mod exercise;
+mod form;
 pub mod header;
 pub mod interface;
 mod ladder;

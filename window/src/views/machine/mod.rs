@@ -18,6 +18,7 @@ mod preview_worker;
 mod repeat_limit;
 mod section_drawing;
 mod solid_drawing;
+pub mod still_picture;
 mod time_bar;
 mod xray;
 

@@ -217,7 +217,7 @@ fn make_tool_parts(tool: &Tool) -> Vec<ToolPart> {
 }
 
 /// Fills trapezoids of a section or, if `mirrored`, their mirror image below the axis.
-fn fill_trapezoids(
+pub(super) fn fill_trapezoids(
     painter: &Painter,
     camera: &Camera,
     filled: &[Trapezoid],
@@ -247,7 +247,7 @@ fn fill_trapezoids(
 }
 
 /// Draws the hatching of a cut face: lines at 45 degrees, as in a drawing.
-fn hatch_trapezoids(painter: &Painter, camera: &Camera, filled: &[Trapezoid]) {
+pub(super) fn hatch_trapezoids(painter: &Painter, camera: &Camera, filled: &[Trapezoid]) {
     let stroke = Stroke::new(1.0, theme::HATCHING);
     // The line that each number of a line has in the last trapezoids.
     let mut lines: BTreeMap<i32, [Pos2; 2]> = BTreeMap::new();
@@ -300,7 +300,8 @@ fn clip_hatching(corners: [Pos2; 4], sum: f32) -> Option<[Pos2; 2]> {
     (begin < end).then(|| [at(begin), at(end)])
 }
 
-fn draw_outline(
+/// Draws the contours of a section or, if `mirrored`, their mirror image below the axis.
+pub(super) fn draw_outline(
     painter: &Painter,
     camera: &Camera,
     contours: &[GridContour],
@@ -315,7 +316,7 @@ fn draw_outline(
 }
 
 /// Draws the outline of the part on the half that is not cut open.
-fn draw_silhouette(painter: &Painter, camera: &Camera, outside: &[Trapezoid]) {
+pub(super) fn draw_silhouette(painter: &Painter, camera: &Camera, outside: &[Trapezoid]) {
     let corner = |(z, _, high): (f32, f32, f32)| pos2(z, -high);
     let mut line: Vec<Pos2> = Vec::with_capacity(outside.len() * 2 + 2);
     for trapezoid in outside {

@@ -27,6 +27,8 @@ pub enum EditorCommand {
     Find,
     /// Go to the target that the user has typed.
     GoTo,
+    /// Open the form of the section at the cursor, or a form for a new section.
+    OpenForm,
 }
 
 /// The texts that the user has entered in the tool bar.
@@ -49,17 +51,17 @@ const MENU_HEIGHT: f32 = 400.0;
 
 impl ProgramBar {
     /// Draws the tools and returns the user's command; `None` without one. `memory`: numbers of the
-    /// programs in the control's memory.
+    /// programs in the control's memory. `is_in_form`: the cursor is in the section of a form.
     pub fn show(
         &mut self,
         ui: &mut Ui,
         document: &ProgramDocument,
         memory: &[u16],
-        breakpoints: &mut BreakpointList,
+        (breakpoints, is_in_form): (&mut BreakpointList, bool),
         language: Language,
     ) -> Option<EditorCommand> {
         let mut command = None;
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             show_file_menu(ui, language, &mut command);
             show_program_menu(ui, memory, language, &mut command);
             ui.separator();
@@ -94,6 +96,17 @@ impl ProgramBar {
             }
             ui.separator();
             breakpoints.show_menu(ui, language);
+            ui.separator();
+            let name = match is_in_form {
+                true => say::program_form_open(),
+                false => say::program_form(),
+            };
+            let button = Button::new(name.text(language));
+            let hint = say::program_form_hint().text(language);
+            let button = ui.add_enabled(is_editable, button).on_hover_text(hint);
+            if button.clicked() {
+                command = Some(EditorCommand::OpenForm);
+            }
         });
         ui.horizontal(|ui| {
             if self.show_field(ui, "find", &say::program_find(), "Ctrl+F", language) {
@@ -173,6 +186,7 @@ fn show_file_menu(ui: &mut Ui, language: Language, command: &mut Option<EditorCo
             ),
             (say::program_save(), EditorCommand::Save),
             (say::program_save_as(), EditorCommand::SaveAs),
+            (say::program_form(), EditorCommand::OpenForm),
         ];
         for (words, what) in entries {
             if ui.button(words.text(language)).clicked() {

@@ -51,6 +51,8 @@ pub struct EditorResponse {
     pub restart_line: Option<u32>,
     /// The line, from 1, whose breakpoint the user sets or removes; `None` without a request.
     pub breakpoint_line: Option<u32>,
+    /// Whether the user opens a form at the cursor.
+    pub opens_form: bool,
 }
 
 /// Returns the widget id of the text field.
@@ -151,6 +153,7 @@ pub fn show_editable(
                 output.galley_pos,
             ),
             restart_line: menu.restart_line,
+            opens_form: menu.opens_form,
             breakpoint_line: draw_margin(
                 ui,
                 &output.galley,
@@ -244,6 +247,7 @@ pub fn show_read_only(ui: &mut Ui, sheet: &EditorInputs<'_>, jump: Option<usize>
 struct MenuChoice {
     restart_line: Option<u32>,
     breakpoint_line: Option<u32>,
+    opens_form: bool,
 }
 
 /// Draws the context menu of the text, for the line of the cursor, and returns the chosen entries.
@@ -261,6 +265,10 @@ fn show_menu(document: &ProgramDocument, response: &Response, language: Language
                 *chosen = Some(line);
                 ui.close();
             }
+        }
+        if ui.button(say::program_form().text(language)).clicked() {
+            choice.opens_form = true;
+            ui.close();
         }
     });
     choice

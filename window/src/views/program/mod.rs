@@ -7,28 +7,28 @@ mod check;
 mod document;
 mod document_store;
 mod editor;
+mod findings;
+mod form_sections;
 mod paint;
 mod restart;
 mod targets;
 pub use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use egui::{Context, Panel, RichText, ScrollArea, Ui};
+use egui::{Context, Panel, Ui};
 use gsk_core::command::ProgramId;
 use gsk_host::kernel::{Console, PanelSnapshot, ProgramPlacement};
 use gsk_messages::{Language, Message, say};
 
+use super::form::{FormPane, SectionFinder};
 use super::interface::{View, ViewFrame, ViewStart};
 use super::{bar_frame, plain_frame, side_frame};
 use crate::focus;
-use crate::theme;
 use crate::widgets::questions::Unsaved;
-use crate::widgets::status_message::not_stored_reason;
 use bar::{EditorCommand, ProgramBar};
 use breakpoints::BreakpointList;
 pub use breakpoints::{halt_text, show_halt_buttons};
 use check::{TextCheck, TextChecker};
-use document::file_name;
 pub use document::{ProgramDocument, TextOrigin, with_line_feeds};
 use document_store::{DocumentEvent, DocumentStore};
 use editor::EditorInputs;
@@ -41,7 +41,9 @@ use targets::JumpTarget;
 enum TextToLoad {
     /// Load an empty new text.
     New,
-    /// Show a file dialog, and load the file that the user chooses.
+    /// A new text with this content.
+    NewProgram(String),
+    /// The file that the user chooses in a dialog.
     Choose,
     File(PathBuf),
     /// This program of the control's memory; `None`: the selected one.
@@ -55,6 +57,8 @@ pub struct ProgramView {
     last_check: Option<TextCheck>,
     painter: TextColorizer,
     restart: RestartDialog,
+    form: FormPane,
+    sections: SectionFinder,
     breakpoints: BreakpointList,
     /// Whether the line of a new halt is shown in the next frame.
     shows_running_line: bool,
@@ -130,6 +134,8 @@ impl ProgramView {
             document: ProgramDocument::new(TextOrigin::New, ""),
             checker: TextChecker::new(&console),
             restart: RestartDialog::new(console.clone()),
+            form: FormPane::new(&console),
+            sections: SectionFinder::default(),
             breakpoints: BreakpointList::new(console.clone()),
             shows_running_line: false,
             document_store: DocumentStore::new(console),
@@ -234,7 +240,11 @@ impl ProgramView {
     /// Draws the view. `native`: the view is in a separate window and receives all keys.
     fn draw(&mut self, ui: &mut Ui, language: Language, native: bool) {
         self.receive_events(ui.ctx());
+        if self.form.is_open() {
+            return self.show_form(ui, language);
+        }
         self.handle_keys(ui, language, native);
+        let is_in_form = self.cursor_section(ui.ctx()).is_some();
         let document = &self.document;
         let memory = self
             .last_check
@@ -244,7 +254,7 @@ impl ProgramView {
         let (bar, breakpoints) = (&mut self.bar, &mut self.breakpoints);
         let command = tools
             .show(ui, |ui| {
-                bar.show(ui, document, memory, breakpoints, language)
+                bar.show(ui, document, memory, (breakpoints, is_in_form), language)
             })
             .inner;
         if let Some(command) = command {
@@ -307,6 +317,9 @@ impl ProgramView {
         if let Some((target, line)) = done.clicked_target {
             self.go_to(target, line, ui.ctx());
         }
+        if done.opens_form {
+            self.open_form(ui.ctx());
+        }
     }
 
     /// Receives texts from files and memory, and the result of the check.
@@ -368,6 +381,11 @@ impl ProgramView {
             TextToLoad::New => {
                 self.set_document(ProgramDocument::new(TextOrigin::New, ""), context);
             }
+            TextToLoad::NewProgram(text) => {
+                self.set_document(ProgramDocument::new(TextOrigin::New, ""), context);
+                self.document.text = text;
+                self.document.update_after_change();
+            }
             TextToLoad::Choose => self.document_store.choose_file(self.bar.language, context),
             TextToLoad::File(path) => self.document_store.load_file(path, context),
             TextToLoad::Memory(number) => self.document_store.load_program(number, context),
@@ -385,6 +403,7 @@ impl ProgramView {
             EditorCommand::Undo => self.undo_or_redo(context, false),
             EditorCommand::Redo => self.undo_or_redo(context, true),
             EditorCommand::Find => self.find_next(context),
+            EditorCommand::OpenForm => self.open_form(context),
             EditorCommand::GoTo => {
                 let typed = self.bar.target_text.clone();
                 match JumpTarget::parse(&typed) {
@@ -459,102 +478,6 @@ impl ProgramView {
         let typing = ui.ctx().text_edit_focused();
         if let Some(command) = self.bar.handle_keys(ui, typing || native) {
             self.execute(command, &ui.ctx().clone(), language);
-        }
-    }
-
-    /// Draws a halt, the last message and the findings of the check.
-    fn show_findings(&mut self, ui: &mut Ui, language: Language) {
-        self.breakpoints.show_halt(ui, language);
-        let shown_message = self.message.as_ref().map(|message| match message {
-            EditorMessage::Good(message) => (message.text(language), None),
-            EditorMessage::Bad(message) => (message.text(language), Some(theme::CODE_ALARM_TEXT)),
-            EditorMessage::NotStored(why) => (
-                not_stored_reason(why, language).text(language),
-                Some(theme::CODE_ALARM_TEXT),
-            ),
-        });
-        if let Some((text, color)) = shown_message {
-            let text = RichText::new(text);
-            ui.label(color.map_or(text.clone(), |color| text.color(color)));
-        }
-        if !self.document.is_editable() {
-            let limit = document::MAX_EDITABLE_BYTES / 1000;
-            ui.label(say::program_large(limit).text(language));
-        }
-        let newest = self.last_check.as_ref();
-        let Some(checked) = newest.filter(|it| it.revision == self.document.revision) else {
-            ui.weak(say::program_checking().text(language));
-            return;
-        };
-        let mut clicked_finding = None;
-        ScrollArea::vertical()
-            .auto_shrink([false, false])
-            .show(ui, |ui| {
-                if checked.is_incomplete() {
-                    let words = say::program_given_up().text(language);
-                    ui.label(RichText::new(words).color(theme::CODE_ALARM_TEXT));
-                } else if checked.findings.is_empty() {
-                    ui.label(checked.first_look.summary_line(language));
-                }
-                let name = say::program_findings_name().text(language);
-                let count = checked.findings.len();
-                let list = focus::FocusList::begin(ui, "findings", &name, count, None);
-                for (at, finding) in checked.findings.iter().enumerate() {
-                    let report = finding.report(language);
-                    let sentence = RichText::new(report.sentence(Some(language)))
-                        .color(theme::CODE_ALARM_TEXT);
-                    let link = focus::link_row(ui, sentence);
-                    if list.show_cursor(ui, at, &link) || list.entered_row() == Some(at) {
-                        clicked_finding = finding.line.map(|line| (line, finding.columns.clone()));
-                    }
-                    let helps = [
-                        report.cause.map(say::window_alarm_cause),
-                        report.way_out.map(say::window_alarm_way_out),
-                    ];
-                    for help in helps.into_iter().flatten() {
-                        ui.label(help.text(language));
-                    }
-                }
-                for warning in &checked.warnings {
-                    ui.label(warning.text(language));
-                }
-            });
-        if let Some((line, columns)) = clicked_finding {
-            let start = self
-                .document
-                .character_at_byte(self.document.line_start(line));
-            self.selection_to_show = Some(start + columns.start..start + columns.end);
-        }
-    }
-
-    /// Draws the question about an unsaved text before another text is loaded, and carries out the
-    /// answer.
-    fn show_unsaved_question(&mut self, context: &Context, language: Language) {
-        if self.text_to_load.is_none() || !self.document.is_unsaved() {
-            return;
-        }
-        let name = match &self.document.origin {
-            TextOrigin::File(path, _) => file_name(path),
-            TextOrigin::New => say::program_new_name().text(language),
-            TextOrigin::Memory(_) => self.document.name(),
-        };
-        match bar::ask_to_save(context, &name, language) {
-            Some(bar::UnsavedAnswer::Save) => {
-                let document = &self.document;
-                match document.origin {
-                    TextOrigin::Memory(_) => self.document_store.store(document, context),
-                    TextOrigin::File(..) | TextOrigin::New => {
-                        self.document_store.save(document, language, context);
-                    }
-                }
-            }
-            Some(bar::UnsavedAnswer::Discard) => {
-                if let Some(next) = self.text_to_load.take() {
-                    self.load_text(next, context);
-                }
-            }
-            Some(bar::UnsavedAnswer::Cancel) => self.text_to_load = None,
-            None => {}
         }
     }
 }
