@@ -4,6 +4,7 @@ use super::{Engine, Objects, Request, StepPort};
 use crate::encoders::{AxisEncoder, EdgeCounter, MAX_COUNTS, SpindleEncoder};
 use crate::messages::{Command, PINS, Reason};
 use crate::outputs::OutputChannel;
+use crate::storage::Vec;
 use crate::stepper::Stepper;
 use crate::stops::{Guard, StopGroup, StopInput};
 
@@ -20,7 +21,7 @@ fn check_pin(pin: u32, reason: Reason) -> Result<u32, Reason> {
     is_free.then_some(pin).ok_or(reason)
 }
 
-fn add<T, const N: usize>(objects: &mut heapless::Vec<T, N>, object: T) -> Result<(), Reason> {
+fn add<T, const N: usize>(objects: &mut Vec<T, N>, object: T) -> Result<(), Reason> {
     objects.push(object).map_err(|_| Reason::AssignOid)
 }
 
