@@ -105,6 +105,33 @@ pub struct LinkAxis {
     /// Machine coordinate at the end of homing with a limit switch, mm (X as a diameter),
     /// ±9999.999.
     pub home_at: f64,
+    /// Encoder of the motor or of the slide, for a board that compares it with the steps.
+    pub encoder: AxisEncoderConfig,
+}
+
+/// The encoder of an axis.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct AxisEncoderConfig {
+    /// Pin of the signal A; B is at the next pin. Empty if not wired.
+    pub pin: String,
+    /// Number of counts, four for each line, 1–1 000 000 ...
+    pub counts: u32,
+    /// ... in this number of steps, 1–1 000 000.
+    pub steps: u32,
+    /// Greatest following error, steps, 1–100 000: above it the board stops.
+    pub limit: u32,
+}
+
+impl Default for AxisEncoderConfig {
+    fn default() -> Self {
+        Self {
+            pin: String::new(),
+            counts: 1,
+            steps: 1,
+            limit: 200,
+        }
+    }
 }
 
 impl Default for LinkAxis {
@@ -121,6 +148,7 @@ impl Default for LinkAxis {
             zero: String::new(),
             home_negative: false,
             home_at: 0.0,
+            encoder: AxisEncoderConfig::default(),
         }
     }
 }
@@ -156,7 +184,7 @@ impl Default for HomeConfig {
 }
 
 /// The other pins of a board with timed steps, named like those of the axes.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LinkIo {
     /// Pin of the output that enables the drives.
@@ -176,6 +204,28 @@ pub struct LinkIo {
     pub coolant: String,
     /// Pin of the input for the one-turn signal of the spindle; empty if not wired.
     pub index: String,
+    /// Pin of the signal A of the spindle encoder, B is at the next pin: steps then follow the
+    /// angle of the spindle. Empty if not wired.
+    pub encoder: String,
+    /// Counts of the spindle encoder per turn of the spindle: four for each line, 100–1 000 000.
+    pub encoder_counts: u32,
+}
+
+impl Default for LinkIo {
+    fn default() -> Self {
+        Self {
+            enable: String::new(),
+            estop: String::new(),
+            drive_alarm: String::new(),
+            spindle_cw: String::new(),
+            spindle_ccw: String::new(),
+            spindle_pwm: String::new(),
+            coolant: String::new(),
+            index: String::new(),
+            encoder: String::new(),
+            encoder_counts: 4096,
+        }
+    }
 }
 
 /// Settings for line boards only.
@@ -340,6 +390,28 @@ impl LinkConfig {
             ("z.dir_setup_us", Some(self.z.dir_setup_us), 1, 1000),
             ("x.max_rate", self.x.max_rate, 1000, 1_000_000),
             ("z.max_rate", self.z.max_rate, 1000, 1_000_000),
+            (
+                "io.encoder_counts",
+                Some(self.io.encoder_counts),
+                100,
+                1_000_000,
+            ),
+            (
+                "x.encoder.counts",
+                Some(self.x.encoder.counts),
+                1,
+                1_000_000,
+            ),
+            (
+                "z.encoder.counts",
+                Some(self.z.encoder.counts),
+                1,
+                1_000_000,
+            ),
+            ("x.encoder.steps", Some(self.x.encoder.steps), 1, 1_000_000),
+            ("z.encoder.steps", Some(self.z.encoder.steps), 1, 1_000_000),
+            ("x.encoder.limit", Some(self.x.encoder.limit), 1, 100_000),
+            ("z.encoder.limit", Some(self.z.encoder.limit), 1, 100_000),
             ("line.period_ms", Some(line.period_ms), 5, 40),
             ("line.max_rate", Some(line.max_rate), 1000, 1_000_000),
             ("line.step_pulse_us", Some(line.step_pulse_us), 3, 255),
@@ -410,6 +482,9 @@ impl LinkConfig {
             ("io.estop", &io.estop),
             ("io.drive_alarm", &io.drive_alarm),
             ("io.index", &io.index),
+            ("io.encoder", &io.encoder),
+            ("x.encoder.pin", &x.encoder.pin),
+            ("z.encoder.pin", &z.encoder.pin),
         ];
         let contacts = self.inputs.values().map(|pin| ("inputs", pin));
         let named =

@@ -34,8 +34,8 @@ pub use board::{
     ThreadCapability, Traffic,
 };
 pub use config::{
-    FaultyLinkConfig, HomeConfig, LineConfig, LinkAxis, LinkConfig, LinkConfigError, LinkIo,
-    Protocol,
+    AxisEncoderConfig, FaultyLinkConfig, HomeConfig, LineConfig, LinkAxis, LinkConfig,
+    LinkConfigError, LinkIo, Protocol,
 };
 pub use drives::{AxisRates, Drives};
 pub use position::Uncertainty;
@@ -277,6 +277,15 @@ pub struct ThreadPass {
     pub lead: f64,
 }
 
+/// How the motion of the kernel's next tick depends on the angle of the spindle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThreadPlan {
+    /// Spindle speed for which the kernel plans the thread, r/min; 0 if it does not know one.
+    pub rpm: f64,
+    /// Whether the thread waits for its start angle.
+    pub waits: bool,
+}
+
 /// Why the link refuses a thread pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PassError {
@@ -357,6 +366,8 @@ pub enum MotionRefused {
     OnLimit(Axis),
     /// The board has no such input or output.
     NotWired,
+    /// The spindle encoder counts against the direction in which the spindle was switched on.
+    EncoderReversed,
 }
 
 impl MotionRefused {
@@ -365,6 +376,7 @@ impl MotionRefused {
         match self {
             Self::TooFast => (alarm::BOARD_CANNOT, say::board_pulses_too_many()),
             Self::TowardLimit(axis) => (limit_alarm(axis), say::limit_switch_ahead()),
+            Self::EncoderReversed => (alarm::SPINDLE_ENCODER, say::encoder_counts_backwards()),
             Self::OnLimit(axis) => (limit_alarm(axis), say::limit_switch_of_unknown_end()),
             Self::NotReady | Self::NotWired => (alarm::LINK_PROTOCOL, say::board_takes_no_motion()),
         }

@@ -86,11 +86,13 @@ message_rows! {
     board_gone_in_reset BoardGoneInReset();
     board_grbl_too_old BoardGrblTooOld(version);
     board_group_silent BoardGroupSilent();
+    board_guard_at_opening BoardGuardAtOpening();
     board_hangs BoardHangs(line);
     board_hangs_as_grblhal BoardHangsAsGrblhal(line);
     board_hears_no_computer BoardHearsNoComputer();
     board_held BoardHeld();
     board_is_another BoardIsAnother();
+    board_lease_expired BoardLeaseExpired();
     board_limit_input BoardLimitInput(axis);
     board_locked BoardLocked();
     board_makes_no_sense BoardMakesNoSense(question: message);
@@ -509,6 +511,7 @@ message_rows! {
     dnc_source_unreadable DncSourceUnreadable(path, error: message);
     dwell_negative DwellNegative(time);
     dwell_out_of_range DwellOutOfRange(letter, value, least, most);
+    encoder_counts_backwards EncoderCountsBackwards();
     encoder_lines_out_of_range EncoderLinesOutOfRange(lines);
     exam_begin ExamBegin();
     exam_begin_hint ExamBeginHint();
@@ -2873,6 +2876,9 @@ message_rows! {
     shown_not_with_board ShownNotWithBoard();
     shutdown_board_failed ShutdownBoardFailed();
     shutdown_computer_silent ShutdownComputerSilent();
+    shutdown_following_error ShutdownFollowingError();
+    shutdown_guard ShutdownGuard();
+    shutdown_spindle_encoder ShutdownSpindleEncoder();
     shutdown_steps_late ShutdownStepsLate();
     shutdown_wire_failed ShutdownWireFailed();
     signals_unheard SignalsUnheard(error);
@@ -2881,8 +2887,10 @@ message_rows! {
     sound_no_device SoundNoDevice();
     sound_no_player SoundNoPlayer(names);
     spindle_at_speed SpindleAtSpeed(rpm: "{:.0}");
+    spindle_index_never SpindleIndexNever();
     spindle_not_steady SpindleNotSteady(rpm: "{:.0}");
     spindle_stands_at_feed SpindleStandsAtFeed();
+    spindle_stands_in_thread SpindleStandsInThread();
     spindle_step_unknown SpindleStepUnknown(speed);
     spindle_varies SpindleVaries(percent: "{:.2}", rpm: "{:.0}", allowed);
     start_beyond_ends StartBeyondEnds(axis, minus, plus, section);

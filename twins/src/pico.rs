@@ -185,7 +185,12 @@ impl PicoTwin {
 
     /// Lets the motor of an axis lose steps.
     pub fn lose_steps(&mut self, axis: usize, steps: i64) {
-        if let Some(encoder) = self.port.axis_encoders.get_mut(axis).and_then(Option::as_mut) {
+        if let Some(encoder) = self
+            .port
+            .axis_encoders
+            .get_mut(axis)
+            .and_then(Option::as_mut)
+        {
             encoder.lost_steps += steps;
         }
     }

@@ -4,9 +4,9 @@ use super::{Engine, Objects, Request, StepPort};
 use crate::encoders::{AxisEncoder, EdgeCounter, MAX_COUNTS, SpindleEncoder};
 use crate::messages::{Command, PINS, Reason};
 use crate::outputs::OutputChannel;
-use crate::storage::Vec;
 use crate::stepper::Stepper;
 use crate::stops::{Guard, StopGroup, StopInput};
+use crate::storage::Vec;
 
 /// Number of the first pin that is free: those before it are the serial port.
 const FIRST_PIN: u32 = 2;

@@ -12,6 +12,7 @@ use crate::Backend;
 use crate::position::Positioned;
 use crate::step_queue::commands::Command;
 use crate::step_queue::send_queue::Mark;
+use crate::step_queue::step_compress::Ticks;
 use crate::{HostTime, Input, InputCondition, LinkEvent, LinkState, Uncertainty};
 use gsk_messages::{Message, say};
 use gsk_units::{PerAxis, Pulses, alarm};
@@ -180,6 +181,7 @@ impl StepLink {
 
     /// Drops all motion and the pending position query.
     pub(super) fn give_up_motion(&mut self) {
+        self.angle.drop_motion();
         self.motion.drop_queued();
         self.wire.send_queue.drop_motion();
         self.query.pending = None;
@@ -203,7 +205,12 @@ impl StepLink {
             return;
         };
         let keep = self.config.flush_keep_speed.into();
-        let now = self.clock.at(self.session.now);
+        // The angle of a thread is not known to the count: the position may be anywhere on its path.
+        let now = if core::mem::take(&mut self.angle.was_dropped) {
+            Ticks::MAX.unsigned_abs()
+        } else {
+            self.clock.at(self.session.now)
+        };
         let stop = self.motion.stopped_at(board, now, self.pulses_per_mm);
         let reached = matches!(stopping.reason, StopReason::Trip(reason) if is_reached(reason));
         let powerless = matches!(stopping.reason, StopReason::Trip(EMERGENCY | DRIVES));
