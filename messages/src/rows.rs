@@ -1780,6 +1780,7 @@ message_rows! {
     link_twin_runs LinkTwinRuns();
     link_twin_shut_down LinkTwinShutDown(reason);
     link_twin_state LinkTwinState(time, state: message, x, z);
+    link_twin_stops LinkTwinStops();
     link_value_wrong LinkValueWrong(value, least, most);
     log_not_written LogNotWritten(folder, error: message);
     loop_end_alone LoopEndAlone(number);

@@ -83,13 +83,13 @@ pub struct LinkTwinArgs {
     /// Speed of the simulated spindle at full output, r/min
     #[arg(long, default_value_t = 9999.0, value_name = "RPM", value_parser = setup_args::parse_number)]
     pub spindle_top: f64,
-    /// Klipper: ripple of the spindle speed, percent
+    /// Klipper, Pico: ripple of the spindle speed, percent
     #[arg(long, default_value_t = 0.0, value_name = "PERCENT", value_parser = setup_args::parse_number)]
     pub ripple: f64,
     /// Klipper: frequency of the ripple, Hz
     #[arg(long, default_value_t = 0.5, value_name = "HZ", value_parser = setup_args::parse_number)]
     pub ripple_hz: f64,
-    /// Klipper: the spindle index fails after this number of seconds
+    /// Klipper, Pico: the spindle index fails after this number of seconds
     #[arg(long, value_name = "S")]
     pub lose_index: Option<u64>,
     /// Stop after this number of seconds
@@ -108,4 +108,6 @@ pub enum TwinBoard {
     Fluidnc,
     /// Klipper, 250000 bits a second
     Klipper,
+    /// This project's firmware on a Raspberry Pi Pico, with a spindle encoder
+    Pico,
 }
