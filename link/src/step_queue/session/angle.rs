@@ -625,7 +625,7 @@ impl StepLink {
             Some(_) => return,
         };
         self.session.alarm(alarm::SPINDLE_ENCODER, text);
-        self.halt(StopReason::Flush);
+        self.halt(StopReason::SpindleStands);
     }
 
     /// Continues on the clock after the end of a thread in the board.

@@ -4,7 +4,7 @@ use core::time::Duration;
 
 use super::opening::Phase;
 use super::samples::{FLUSH_EVERY, MOST_WAITING};
-use super::{QueryPurpose, StepLink};
+use super::{PositionQuery, QueryPurpose, StepLink};
 use crate::position::Positioned;
 use crate::session::LinkSession;
 use crate::step_queue::commands::Command;
@@ -237,7 +237,8 @@ impl Backend for StepLink {
     }
 
     fn is_stopping(&self) -> bool {
-        self.stopping.is_some()
+        let reads_count = |query: &PositionQuery| query.purpose == QueryPurpose::ShutDown;
+        self.stopping.is_some() || self.query.pending.as_ref().is_some_and(reads_count)
     }
 
     fn takes_motion(&self) -> bool {

@@ -299,6 +299,8 @@ impl StepLink {
                 let kernel = self.motion.count.to_kernel(board);
                 self.motion.count.board = Some(board);
                 self.motion.stand_at(kernel);
+                // The position is counted; the shutdown has switched the drives off.
+                self.session.replace_uncertainty(Uncertainty::Powerless);
             }
             QueryPurpose::Opening => {
                 self.motion.count.board = Some(board);

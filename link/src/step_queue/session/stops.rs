@@ -22,6 +22,8 @@ use gsk_units::{PerAxis, Pulses, alarm};
 pub(super) enum StopReason {
     /// The kernel has requested a flush.
     Flush,
+    /// The spindle stands still in a thread, and the axes with it.
+    SpindleStands,
     /// Motion was late, or could not be sent in time; the alarm gives this message as its cause.
     Late(Message),
     /// The motion needs more messages per second than the board accepts.
@@ -215,7 +217,8 @@ impl StepLink {
         let reached = matches!(stopping.reason, StopReason::Trip(reason) if is_reached(reason));
         let powerless = matches!(stopping.reason, StopReason::Trip(EMERGENCY | DRIVES));
         // A fast stepper motor may lose steps in a dead stop.
-        let exact = stop.on_path && (stop.speed <= keep || reached) && !powerless;
+        let stands = stopping.reason == StopReason::SpindleStands;
+        let exact = stop.on_path && (stop.speed <= keep || reached || stands) && !powerless;
         self.session.released = false;
         if !exact {
             self.lose_position(match (powerless, stop.on_path) {
@@ -242,7 +245,7 @@ impl StepLink {
         self.session.events.push(LinkEvent::Position(stop.kernel));
         self.resend_outputs();
         match stopping.reason {
-            StopReason::Flush => self.resume(),
+            StopReason::Flush | StopReason::SpindleStands => self.resume(),
             StopReason::Trip(reason @ (REACHED | REACHED_Z)) => {
                 let axis = (reason - REACHED) as usize;
                 self.group.forget_edge(axis);
