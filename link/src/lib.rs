@@ -22,6 +22,7 @@ mod pin;
 mod position;
 mod session;
 pub mod step_queue;
+pub mod uf2;
 
 use core::time::Duration;
 

@@ -800,6 +800,13 @@ message_rows! {
     first_what_for FirstWhatFor();
     first_which_control FirstWhichControl();
     first_which_lathe FirstWhichLathe();
+    flash_copied FlashCopied(blocks, folder);
+    flash_failed FlashFailed(folder, error: message);
+    flash_file_wrong FlashFileWrong(file, fault: message);
+    flash_no_volume FlashNoVolume();
+    flash_not_a_volume FlashNotAVolume(folder);
+    flash_several_volumes FlashSeveralVolumes(volumes);
+    flash_wrong_board FlashWrongBoard(folder, board);
     flight_not_ended FlightNotEnded(path);
     flight_not_recorded FlightNotRecorded(reason);
     formula_address_missing FormulaAddressMissing();
@@ -3197,6 +3204,11 @@ message_rows! {
     transfer_view_total TransferViewTotal(percent);
     transfer_view_yes TransferViewYes();
     transfer_waits TransferWaits();
+    uf2_address Uf2Address(number);
+    uf2_block Uf2Block(number);
+    uf2_family Uf2Family(family);
+    uf2_length Uf2Length();
+    uf2_order Uf2Order(number);
     variable_is_common VariableIsCommon(number);
     variable_is_input VariableIsInput(number);
     variable_is_kept VariableIsKept(number);

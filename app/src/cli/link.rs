@@ -1,5 +1,7 @@
 //! Options of `link`.
 
+use std::path::PathBuf;
+
 use clap::{Args, Subcommand, ValueEnum};
 use gsk_host::setup_args::{self, SetupArgs};
 
@@ -22,6 +24,11 @@ pub enum LinkCommand {
     Test(LinkTestArgs),
     /// Open a board and print everything said, with the time in seconds
     Monitor(LinkMonitorArgs),
+    /// Copy firmware to a Raspberry Pi Pico in boot mode
+    ///
+    /// Hold the button BOOTSEL of the board and plug it in: it is a drive then. File and
+    /// board are checked before anything is copied.
+    Flash(LinkFlashArgs),
     /// Simulate a board on a pseudo terminal or a network address; its name is printed first
     Twin(LinkTwinArgs),
 }
@@ -60,6 +67,16 @@ pub struct LinkMonitorArgs {
     pub seconds: Option<u64>,
     #[command(flatten)]
     pub board: LinkBoardArgs,
+}
+
+/// `link flash`.
+#[derive(Args, Debug)]
+pub struct LinkFlashArgs {
+    /// Firmware, a UF2 file
+    pub file: PathBuf,
+    /// Drive of the board [default: the only Pico in boot mode]
+    #[arg(long, value_name = "FOLDER")]
+    pub to: Option<PathBuf>,
 }
 
 /// `link twin`.
