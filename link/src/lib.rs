@@ -23,6 +23,7 @@ mod position;
 mod session;
 pub mod step_queue;
 pub mod uf2;
+mod wires;
 
 use core::time::Duration;
 
@@ -34,12 +35,10 @@ pub use board::{
     BoardInfo, BoardOutputs, MissingForThreads, Pins, PulseRates, SpindleDirection, SpindleView,
     ThreadCapability, Traffic,
 };
-pub use config::{
-    AxisEncoderConfig, FaultyLinkConfig, HomeConfig, LineConfig, LinkAxis, LinkConfig,
-    LinkConfigError, LinkIo, Protocol,
-};
+pub use config::{FaultyLinkConfig, HomeConfig, LineConfig, LinkConfig, LinkConfigError, Protocol};
 pub use drives::{AxisRates, Drives};
 pub use position::Uncertainty;
+pub use wires::{AxisEncoderConfig, LinkAxis, LinkIo};
 
 /// Monotonic time of the host.
 pub type HostTime = Duration;

@@ -192,6 +192,7 @@ impl StepLink {
                 self.send();
                 self.opening.shut_down();
                 self.session.enter(LinkState::Fault);
+                self.query_count_in_shutdown();
             }
         }
     }
@@ -333,7 +334,11 @@ impl StepLink {
                 .alarm(number, say::board_shut_down(say::as_written(text), help));
         }
         self.session.enter(LinkState::Fault);
-        // Our own firmware counts on, and answers.
+        self.query_count_in_shutdown();
+    }
+
+    /// Reads the count of a board that has shut down: our own firmware counts on, and answers.
+    fn query_count_in_shutdown(&mut self) {
         if self.wire.dictionary.has(Command::RenewLease) {
             self.query_position(QueryPurpose::ShutDown);
         }

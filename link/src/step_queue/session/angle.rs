@@ -10,104 +10,43 @@
 //! In a thread the time of the kernel is an angle: a tick is the same part of a turn, however
 //! fast the spindle turns. The *path clock* is the board clock at the planned speed.
 
+mod planned_spindle;
+mod stretch;
+
 use std::collections::VecDeque;
 
 use core::time::Duration;
 
 use super::StepLink;
 use super::stops::StopReason;
-use crate::step_queue::angle_segments::{AngleSegment, AngleSegments, DENOMINATOR, PER_FINE};
+use crate::step_queue::angle_segments::{DENOMINATOR, PER_FINE};
 use crate::step_queue::clock_sync::near;
 use crate::step_queue::commands::Command;
 use crate::step_queue::spindle_angle::{EncoderTrack, SpindleCounts};
 use crate::step_queue::step_compress::Ticks;
-use crate::{
-    FINE, HostTime, LinkState, MotionRefused, Sample, SpindleDirection, SpindleView, ThreadPlan,
-};
+use crate::{FINE, LinkState, MotionRefused, Sample, SpindleDirection, SpindleView, ThreadPlan};
 use gsk_messages::say;
 use gsk_units::alarm;
+use planned_spindle::{PlannedSpindle, TICKS_PER_S};
+use stretch::{AngleStretch, fine_positions};
 
-/// Ticks of the kernel per second.
-const TICKS_PER_S: f64 = 1000.0;
-/// Least number of ticks of a turn.
-const LEAST_TURN: f64 = 4.0;
-/// A planned speed is kept for later threads while the wanted one is between these shares of it:
-/// all passes of a thread then have the same lead-in, and cut the same groove.
-const KEPT_SPEEDS: core::ops::RangeInclusive<f64> = 0.5..=1.15;
 /// Time without progress after which a thread is given up.
 const STALLED: Duration = Duration::from_secs(1);
 /// Number of turns, and time, after which a thread that has not begun is given up.
 const UNBEGUN_TURNS: f64 = 2.0;
 const UNBEGUN: Duration = Duration::from_secs(2);
-/// Time after the last count of a thread after which it has ended, even if the report is lost.
-const END_LOST: Duration = Duration::from_millis(60);
 /// Interval of the reports of the spindle encoder.
 const REPORT_EVERY: Duration = Duration::from_millis(10);
 /// Share by which the spindle may be faster than measured when the link computes how early a
 /// segment is due.
 const FASTER: f64 = 1.25;
 
-/// A message of a thread that waits to be sent.
-#[derive(Clone, Copy, Debug)]
-struct AngleMessage {
-    command: Command,
-    axis: usize,
-    /// The arguments after the object number.
-    arguments: [i64; 5],
-    count: usize,
-    /// The angles from the start at which the entry begins and ends.
-    begins: SpindleCounts,
-    ends: SpindleCounts,
-}
-
-/// A motion on the angle, from its start to its end.
-#[derive(Clone, Debug)]
-struct AngleStretch {
-    /// Board clock from which on the axes wait for the start, ticks: the origin of the path clock.
-    begun: Ticks,
-    /// The angle of the start, as the kernel counts it.
-    start: SpindleCounts,
-    /// Counts per tick of the board clock at the planned speed.
-    counts_per_tick: f64,
-    is_reverse: bool,
-    axes: [AngleSegments; 2],
-    /// Fine positions at the start.
-    base: [i64; 2],
-    /// Whether its end is queued.
-    is_closed: bool,
-    /// Count of the encoder at which the board has started; `None` before.
-    started: Option<SpindleCounts>,
-    has_ended: [bool; 2],
-    /// Counts since the start at the last report, the clock of that report, and the host time of
-    /// the last change.
-    progress: SpindleCounts,
-    reported: Ticks,
-    progressed: HostTime,
-    outgoing: VecDeque<AngleMessage>,
-    /// The ends of the entries in the board's queue.
-    in_board: VecDeque<SpindleCounts>,
-}
-
-/// The planned spindle of the kernel: a whole number of ticks for each turn.
-#[derive(Clone, Copy, Debug, Default)]
-struct PlannedTurns {
-    ticks_per_turn: f64,
-    turn: f64,
-    tick: f64,
-    /// Number of ticks since the plan began.
-    age: u32,
-}
-
 /// The motion on the angle of the spindle.
 #[derive(Clone, Debug, Default)]
 pub(super) struct AngleDrive {
     track: Option<EncoderTrack>,
-    /// The plan of the thread under way; `None` while the motion does not depend on the angle.
-    plan: Option<PlannedTurns>,
-    is_waiting_for_index: bool,
-    kept_ticks_per_turn: Option<f64>,
-    /// The kernel's angle at the start and at the end of its tick, turns.
-    turns: [f64; 2],
+    /// The spindle that the kernel sees.
+    spindle: PlannedSpindle,
     stretch: Option<AngleStretch>,
     /// Samples after a thread that has not ended in the board.
     waiting: VecDeque<Sample>,
@@ -126,7 +65,7 @@ impl AngleDrive {
 
     /// Whether the motion of the kernel depends on the angle.
     pub(super) const fn is_planned(&self) -> bool {
-        self.plan.is_some()
+        self.spindle.ticks_per_turn().is_some()
     }
 
     /// Whether a thread is in the board or on its way there.
@@ -153,147 +92,6 @@ impl AngleDrive {
             Some(thread) => thread.clock_at(thread.progress.0 as f64),
         }
     }
-
-    fn plan_turns(&mut self, plan: ThreadPlan, measured: f64) {
-        self.is_waiting_for_index = plan.waits;
-        if let Some(planned) = &mut self.plan {
-            planned.age = planned.age.saturating_add(1);
-            return;
-        }
-        let wanted = if plan.rpm > 0.0 {
-            plan.rpm / 60.0
-        } else {
-            measured
-        };
-        let wanted = libm::round(TICKS_PER_S / wanted.max(0.01)).max(LEAST_TURN);
-        let is_near = |kept: &f64| KEPT_SPEEDS.contains(&(*kept / wanted));
-        let ticks_per_turn = self.kept_ticks_per_turn.filter(is_near).unwrap_or(wanted);
-        self.kept_ticks_per_turn = Some(ticks_per_turn);
-        self.plan = Some(PlannedTurns {
-            ticks_per_turn,
-            turn: self.turns[1].ceil(),
-            ..PlannedTurns::default()
-        });
-    }
-
-    /// Returns the angle of the kernel's spindle after the next tick, and before it, turns.
-    fn next_turns(&mut self, measured: f64) -> [f64; 2] {
-        let Some(planned) = &mut self.plan else {
-            let before = self.turns[1];
-            return [before, before + measured / TICKS_PER_S];
-        };
-        // The kernel need not wait for an index of its own spindle: the board waits for the true
-        // one.
-        if planned.age == 1 && self.is_waiting_for_index {
-            planned.turn += 1.0;
-            planned.tick = 0.0;
-        }
-        let at = |tick: f64| planned.turn + tick / planned.ticks_per_turn;
-        let turns = [at(planned.tick), at(planned.tick + 1.0)];
-        planned.tick += 1.0;
-        if planned.tick >= planned.ticks_per_turn {
-            planned.tick = 0.0;
-            planned.turn += 1.0;
-        }
-        turns
-    }
-}
-
-impl AngleStretch {
-    /// Returns the path clock at an angle from the start, ticks.
-    fn clock_at(&self, counts: f64) -> Ticks {
-        self.begun + (counts / self.counts_per_tick) as Ticks
-    }
-
-    /// Adds the position of a sample; `turns` are the angles before and after it, counts.
-    fn add(&mut self, [before, after]: [f64; 2], from: [i64; 2], to: [i64; 2], signs: [i64; 2]) {
-        let end = libm::floor(after);
-        let share = ((end - before) / (after - before).max(1e-9)).clamp(0.0, 1.0);
-        let at = SpindleCounts(end as i64) - self.start;
-        if at <= SpindleCounts(0) {
-            return;
-        }
-        for axis in 0..2 {
-            let moved = (to[axis] - from[axis]) as f64 * share;
-            let fine = from[axis] + libm::round(moved) as i64;
-            let position = signs[axis] * (fine - self.base[axis]) * PER_FINE;
-            self.axes[axis].add(at, position);
-        }
-    }
-
-    fn push(
-        &mut self,
-        command: Command,
-        axis: usize,
-        arguments: &[i64],
-        angles: [SpindleCounts; 2],
-    ) {
-        let mut message = AngleMessage {
-            command,
-            axis,
-            arguments: [0; 5],
-            count: arguments.len(),
-            begins: angles[0],
-            ends: angles[1],
-        };
-        for (slot, argument) in message.arguments.iter_mut().zip(arguments) {
-            *slot = *argument;
-        }
-        self.outgoing.push_back(message);
-    }
-
-    /// Queues the segments of all positions so far; with `end`, the fine positions of the end,
-    /// also those after them and the end.
-    fn queue_segments(&mut self, end: Option<([i64; 2], [i64; 2])>) {
-        for axis in 0..2 {
-            let mut segments: Vec<AngleSegment> = Vec::new();
-            let path = &mut self.axes[axis];
-            let mut at = path.reached();
-            match end {
-                None => path.compress(&mut segments),
-                Some((fine, signs)) => {
-                    let position = signs[axis] * (fine[axis] - self.base[axis]) * PER_FINE;
-                    path.finish(position, &mut segments);
-                }
-            }
-            for AngleSegment { length, numerator } in segments {
-                let ends = at + length;
-                self.push(
-                    Command::QueueAngle,
-                    axis,
-                    &[length.0, numerator, 0],
-                    [at, ends],
-                );
-                at = ends;
-            }
-            if end.is_some() {
-                self.push(Command::EndAngle, axis, &[], [at, at]);
-            }
-        }
-        // Both axes in turn, in the order of the angle.
-        self.outgoing
-            .make_contiguous()
-            .sort_by_key(|message| message.begins);
-    }
-
-    /// Whether the board has made all of it at the host time `now`.
-    fn is_over(&self, now: HostTime) -> bool {
-        let past = self.axes.iter().all(|axis| self.progress >= axis.reached());
-        let lost = past && now.saturating_sub(self.progressed) >= END_LOST;
-        self.is_closed && self.outgoing.is_empty() && (self.has_ended == [true; 2] || lost)
-    }
-}
-
-/// The fine positions of a sample, rounded to whole pulses as the kernel rounds them.
-fn fine_positions(sample: &Sample) -> [i64; 2] {
-    let limited = |fine: i64, pulses: i64| {
-        let whole = pulses * FINE;
-        fine.clamp(whole - FINE / 2 + 1, whole + FINE / 2 - 1)
-    };
-    [
-        limited(sample.fine.x, sample.pulses.x.0),
-        limited(sample.fine.z, sample.pulses.z.0),
-    ]
 }
 
 impl StepLink {
@@ -328,19 +126,16 @@ impl StepLink {
     /// angle of the spindle.
     pub(super) fn plan_thread_angle(&mut self, plan: Option<ThreadPlan>) {
         let measured = self.measured_speed().abs();
-        match plan.filter(|_| self.has_spindle_encoder()) {
-            Some(plan) => self.angle.plan_turns(plan, measured),
-            None => self.angle.plan = None,
-        }
+        let plan = plan.filter(|_| self.has_spindle_encoder());
+        self.angle.spindle.follow(plan, measured);
     }
 
     /// Returns the spindle for the kernel's next tick: the planned one in a thread, else the
     /// measured speed.
     pub(super) fn next_angle_view(&mut self) -> SpindleView {
         let measured = self.measured_speed().abs();
-        let shown = self.angle.turns[1];
-        let [before, now] = self.angle.next_turns(measured);
-        self.angle.turns = [before, now];
+        let shown = self.angle.spindle.turns[1];
+        let [before, now] = self.angle.spindle.turn(measured);
         SpindleView {
             rpm: (now - before) * TICKS_PER_S * 60.0,
             before,
@@ -376,7 +171,11 @@ impl StepLink {
         }
         let signs = self.direction_signs();
         let counts_per_turn = f64::from(self.config.io.encoder_counts);
-        let turns = self.angle.turns.map(|turns| turns * counts_per_turn);
+        let turns = self
+            .angle
+            .spindle
+            .turns
+            .map(|turns| turns * counts_per_turn);
         let Some(thread) = &mut self.angle.stretch else {
             return Err(MotionRefused::NotReady);
         };
@@ -424,12 +223,13 @@ impl StepLink {
         }
         self.compress();
         let begun = self.next_begin();
-        let Some(planned) = self.angle.plan else {
+        let Some(ticks_per_turn) = self.angle.spindle.ticks_per_turn() else {
             return Err(MotionRefused::NotReady);
         };
         let counts_per_turn = i64::from(self.config.io.encoder_counts);
-        let start = SpindleCounts(libm::floor(self.angle.turns[0] * counts_per_turn as f64) as i64);
-        let per_second = counts_per_turn as f64 * TICKS_PER_S / planned.ticks_per_turn;
+        let start =
+            SpindleCounts(libm::floor(self.angle.spindle.turns[0] * counts_per_turn as f64) as i64);
+        let per_second = counts_per_turn as f64 * TICKS_PER_S / ticks_per_turn;
         let base = fine_positions(at);
         let is_reverse = speed < 0.0;
         let mut thread = AngleStretch {
