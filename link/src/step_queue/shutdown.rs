@@ -10,10 +10,8 @@ enum ShutdownCause {
     StepsLate,
     /// A command was damaged on the wire.
     DamagedCommand,
-    /// The host did not renew an output in time.
+    /// The host did not renew an output or the lease in time.
     HostSilent,
-    /// The host did not renew the lease in time.
-    LeaseExpired,
     /// A guard input, that is the emergency stop or the drive alarm, is operated.
     Guard,
     /// An axis does not follow its steps.
@@ -31,7 +29,6 @@ impl ShutdownCause {
             Self::StepsLate => (alarm::STEPS_TOO_LATE, say::shutdown_steps_late()),
             Self::DamagedCommand => (alarm::LINK_PROTOCOL, say::shutdown_wire_failed()),
             Self::HostSilent => (alarm::LINK_LOST, say::shutdown_computer_silent()),
-            Self::LeaseExpired => (alarm::LINK_LOST, say::shutdown_computer_silent()),
             Self::Guard => (alarm::EMERGENCY_STOP, say::shutdown_guard()),
             Self::FollowingError => (alarm::FOLLOWING_ERROR, say::shutdown_following_error()),
             Self::SpindleEncoder => (alarm::SPINDLE_ENCODER, say::shutdown_spindle_encoder()),
@@ -57,7 +54,7 @@ const TEXTS: [(&str, ShutdownCause); 20] = [
     ("Missed scheduling of next", ShutdownCause::HostSilent),
     // Those of our own firmware.
     ("Angle queue empty", ShutdownCause::StepsLate),
-    ("Lease expired", ShutdownCause::LeaseExpired),
+    ("Lease expired", ShutdownCause::HostSilent),
     (GUARD, ShutdownCause::Guard),
     ("Following error too large", ShutdownCause::FollowingError),
     ("Spindle encoder overrun", ShutdownCause::SpindleEncoder),

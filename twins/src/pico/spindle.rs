@@ -1,4 +1,4 @@
-//! A spindle with an encoder: driven by the outputs of the board or at a speed of its own, with
+//! A spindle with an encoder: driven by the outputs of the board or at a given speed, with
 //! a ripple in each turn and a load that slows it down.
 
 use core::f64::consts::TAU;

@@ -78,7 +78,7 @@ impl PlannedSpindle {
             self.turns = [before, before + measured / TICKS_PER_S];
             return self.turns;
         };
-        // The kernel need not wait for an index of its own spindle: the board waits for the true
+        // The kernel need not wait for an index of its planned spindle: the board waits for the true
         // one.
         if planned.age == 1 && planned.is_waiting {
             planned.turn += 1.0;
@@ -129,7 +129,7 @@ mod tests {
             let is_equal = |(one, other): (&f64, &f64)| (one - other).abs() < 1e-9;
             assert!(first.iter().zip(&next).all(is_equal), "{measured}");
         }
-        // A faster spindle has a plan of its own: the axes could not follow the old one.
+        // A faster spindle has another plan: the axes could not follow the old one.
         thread(&mut spindle, 900.0, 15.0);
         assert_eq!(spindle.kept_ticks_per_turn, Some(67.0));
     }
