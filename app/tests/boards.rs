@@ -80,6 +80,7 @@ fn trials() -> Vec<Trial> {
             a_monitor_shows_the_stop_command_at_its_end,
             an_operated_switch_is_named_before_motion,
             a_link_that_breaks_while_the_board_is_idle_is_reported,
+            firmware_is_copied_to_the_drive_of_a_pico_only,
         }
         partner_gone {
             a_line_board_is_stopped_when_the_program_is_suspended,

@@ -333,3 +333,52 @@ pub fn a_link_that_breaks_while_the_board_is_idle_is_reported() {
     assert!(complaint.contains("605"), "{complaint}");
     assert_eq!(running.0.wait().unwrap().code(), Some(1));
 }
+
+/// The firmware is checked, then the board, then it is copied.
+pub fn firmware_is_copied_to_the_drive_of_a_pico_only() {
+    let folder = std::env::temp_dir().join(format!("gsk980td-flash-{}", std::process::id()));
+    let drive = folder.join("RPI-RP2");
+    std::fs::create_dir_all(&drive).unwrap();
+    let file = folder.join("firmware.uf2");
+    let block = |family: u32| {
+        let words = [
+            0x0A32_4655,
+            0x9E5D_5157,
+            0x2000,
+            0x1000_0000,
+            256,
+            0,
+            1,
+            family,
+        ];
+        let mut block: Vec<u8> = words
+            .iter()
+            .flat_map(|word: &u32| word.to_le_bytes())
+            .collect();
+        block.resize(508, 1);
+        block.extend(0x0AB1_6F30_u32.to_le_bytes());
+        block
+    };
+    let flash = || {
+        let (file, drive) = (file.to_str().unwrap(), drive.to_str().unwrap());
+        run_link(&["flash", file, "--to", drive, "--lang", "en"])
+    };
+    std::fs::write(&file, block(0xE48B_FF59)).unwrap();
+    let (code, _, error) = flash();
+    assert!(code != 0 && error.contains("family E48BFF59"), "{error}");
+    let firmware = block(0xE48B_FF56);
+    std::fs::write(&file, &firmware).unwrap();
+    let (code, _, error) = flash();
+    assert!(code != 0 && error.contains("INFO_UF2.TXT"), "{error}");
+    let info = |id: &str| format!("UF2 Bootloader v1.0\r\nBoard-ID: {id}\r\n");
+    std::fs::write(drive.join("INFO_UF2.TXT"), info("Other-Board")).unwrap();
+    let (code, _, error) = flash();
+    assert!(code != 0 && error.contains("Other-Board"), "{error}");
+    assert!(!drive.join("firmware.uf2").exists(), "nothing is copied");
+    std::fs::write(drive.join("INFO_UF2.TXT"), info("RPI-RP2")).unwrap();
+    let (code, out, error) = flash();
+    assert_eq!((code, error.as_str()), (0, ""), "{out}");
+    assert!(out.contains("1 blocks copied"), "{out}");
+    assert_eq!(std::fs::read(drive.join("firmware.uf2")).unwrap(), firmware);
+    std::fs::remove_dir_all(&folder).unwrap();
+}

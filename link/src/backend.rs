@@ -13,7 +13,7 @@ use crate::step_queue::StepLink;
 use crate::{
     AwaitedInput, BoardInfo, BoardOutputs, HostTime, Input, LinkConfig, LinkEvent, LinkState,
     MotionRefused, Output, PassError, Pins, Protocol, PulseRates, RunTime, Sample, SpindleView,
-    Stop, ThreadCapability, ThreadPass, Traffic, Uncertainty,
+    Stop, ThreadCapability, ThreadPass, ThreadPlan, Traffic, Uncertainty,
 };
 use gsk_units::{Axis, PerAxis, Pulses};
 
@@ -362,6 +362,19 @@ pub trait Backend: Positioned + Debug {
 
     /// Whether an input is operated; `None` if the input is not wired or not reported yet.
     fn input(&self, input: Input) -> Option<bool>;
+
+    /// Tells the link before the kernel's next tick whether its motion depends on the angle of the
+    /// spindle. A board with a spindle encoder then makes the motion at the true angle, and
+    /// [`spindle`](Self::spindle) returns a spindle of the planned speed.
+    fn plan_thread(&mut self, plan: Option<ThreadPlan>) {
+        let _ = plan;
+    }
+
+    /// Whether the pace of the motion is that of the spindle: it takes the time that the spindle
+    /// takes.
+    fn waits_for_spindle(&self) -> bool {
+        false
+    }
 
     /// Predicts angle and speed of the spindle for the kernel's next tick; call it once before each
     /// tick. With `max_correction` the axes follow the spindle: the prediction may deviate from a

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use thiserror::Error;
 
 use super::pin::PinName;
+use super::wires::{LinkAxis, LinkIo};
 use super::{Input, contacts};
 
 /// A pulse board and its wiring.
@@ -74,66 +75,6 @@ pub enum Protocol {
     StepQueue,
 }
 
-/// The wiring of one axis. Pins have the board's names; `^` before a name enables the
-/// pull-up, `!` inverts the level. An empty name means that the pin is not wired.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct LinkAxis {
-    /// Whether the direction is inverted: in a line board by $3, with timed steps in
-    /// addition to the `!` of the pin.
-    pub invert_direction: bool,
-    /// Name of the pin for the step pulses of the axis.
-    pub step: String,
-    /// Name of the pin for the direction signal of the axis.
-    pub dir: String,
-    /// Length of a step pulse, µs, 1–255.
-    pub step_pulse_us: u32,
-    /// Least time between the last pulse in one direction and the first in the other,
-    /// µs, 1–1000.
-    pub dir_setup_us: u32,
-    /// Greatest pulse rate of the axis, 1/s, 1000–1 000 000; `None` for the known rate of the
-    /// processor.
-    pub max_rate: Option<u32>,
-    /// Pin of the limit switches of the axis.
-    pub limit: String,
-    /// Pin of the deceleration switch of the axis for the machine zero return.
-    pub dec: String,
-    /// Pin of the zero signal (one-turn signal) of the drive.
-    pub zero: String,
-    /// Whether the homing switch of a line board is at the negative end of the board's
-    /// axis ($23).
-    pub home_negative: bool,
-    /// Machine coordinate at the end of homing with a limit switch, mm (X as a diameter),
-    /// ±9999.999.
-    pub home_at: f64,
-}
-
-impl Default for LinkAxis {
-    fn default() -> Self {
-        Self {
-            invert_direction: false,
-            step: String::new(),
-            dir: String::new(),
-            step_pulse_us: 2,
-            dir_setup_us: 10,
-            max_rate: None,
-            limit: String::new(),
-            dec: String::new(),
-            zero: String::new(),
-            home_negative: false,
-            home_at: 0.0,
-        }
-    }
-}
-
-impl LinkAxis {
-    /// Whether a board with timed steps inverts the direction signal: either the setting or the `!`
-    /// of the pin inverts it, but not both.
-    pub(super) fn is_direction_inverted(&self) -> bool {
-        self.invert_direction != PinName::read(&self.dir).inverted
-    }
-}
-
 /// The homing parameters of a line board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -154,29 +95,6 @@ impl Default for HomeConfig {
             pull_off_um: 1000,
         }
     }
-}
-
-/// The other pins of a board with timed steps, named like those of the axes.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct LinkIo {
-    /// Pin of the output that enables the drives.
-    pub enable: String,
-    /// Pin of the input that reads the emergency stop chain; empty if not wired.
-    pub estop: String,
-    /// Pin of the input for the alarm of the drives; empty if not wired.
-    pub drive_alarm: String,
-    /// Pin of the output that turns the spindle clockwise (M03); empty if not wired.
-    pub spindle_cw: String,
-    /// Pin of the output that turns the spindle counterclockwise (M04); empty if not wired.
-    pub spindle_ccw: String,
-    /// Pin of the output for the spindle speed, pulse-width modulated for 0–10 V; empty if not
-    /// wired.
-    pub spindle_pwm: String,
-    /// Pin of the output that switches the coolant (M08); empty if not wired.
-    pub coolant: String,
-    /// Pin of the input for the one-turn signal of the spindle; empty if not wired.
-    pub index: String,
 }
 
 /// Settings for line boards only.
@@ -341,6 +259,28 @@ impl LinkConfig {
             ("z.dir_setup_us", Some(self.z.dir_setup_us), 1, 1000),
             ("x.max_rate", self.x.max_rate, 1000, 1_000_000),
             ("z.max_rate", self.z.max_rate, 1000, 1_000_000),
+            (
+                "io.encoder_counts",
+                Some(self.io.encoder_counts),
+                100,
+                1_000_000,
+            ),
+            (
+                "x.encoder.counts",
+                Some(self.x.encoder.counts),
+                1,
+                1_000_000,
+            ),
+            (
+                "z.encoder.counts",
+                Some(self.z.encoder.counts),
+                1,
+                1_000_000,
+            ),
+            ("x.encoder.steps", Some(self.x.encoder.steps), 1, 1_000_000),
+            ("z.encoder.steps", Some(self.z.encoder.steps), 1, 1_000_000),
+            ("x.encoder.limit", Some(self.x.encoder.limit), 1, 100_000),
+            ("z.encoder.limit", Some(self.z.encoder.limit), 1, 100_000),
             ("line.period_ms", Some(line.period_ms), 5, 40),
             ("line.max_rate", Some(line.max_rate), 1000, 1_000_000),
             ("line.step_pulse_us", Some(line.step_pulse_us), 3, 255),
@@ -411,6 +351,9 @@ impl LinkConfig {
             ("io.estop", &io.estop),
             ("io.drive_alarm", &io.drive_alarm),
             ("io.index", &io.index),
+            ("io.encoder", &io.encoder),
+            ("x.encoder.pin", &x.encoder.pin),
+            ("z.encoder.pin", &z.encoder.pin),
         ];
         let contacts = self.inputs.values().map(|pin| ("inputs", pin));
         let named =

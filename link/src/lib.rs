@@ -22,6 +22,8 @@ mod pin;
 mod position;
 mod session;
 pub mod step_queue;
+pub mod uf2;
+mod wires;
 
 use core::time::Duration;
 
@@ -33,12 +35,10 @@ pub use board::{
     BoardInfo, BoardOutputs, MissingForThreads, Pins, PulseRates, SpindleDirection, SpindleView,
     ThreadCapability, Traffic,
 };
-pub use config::{
-    FaultyLinkConfig, HomeConfig, LineConfig, LinkAxis, LinkConfig, LinkConfigError, LinkIo,
-    Protocol,
-};
+pub use config::{FaultyLinkConfig, HomeConfig, LineConfig, LinkConfig, LinkConfigError, Protocol};
 pub use drives::{AxisRates, Drives};
 pub use position::Uncertainty;
+pub use wires::{AxisEncoderConfig, LinkAxis, LinkIo};
 
 /// Monotonic time of the host since an arbitrary start.
 pub type HostTime = Duration;
@@ -277,7 +277,16 @@ pub struct ThreadPass {
     pub lead: f64,
 }
 
-/// The reason for which the link refuses a thread pass.
+/// How the motion of the kernel's next tick depends on the angle of the spindle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThreadPlan {
+    /// Spindle speed for which the kernel plans the thread, r/min; 0 if it does not know one.
+    pub rpm: f64,
+    /// Whether the thread waits for its start angle.
+    pub waits: bool,
+}
+
+/// Why the link refuses a thread pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PassError {
     /// A pass is refused because the axes are not at standstill.
@@ -359,6 +368,8 @@ pub enum MotionRefused {
     OnLimit(Axis),
     /// A command is refused because the board has no such input or output.
     NotWired,
+    /// The spindle encoder counts against the direction in which the spindle was switched on.
+    EncoderReversed,
 }
 
 impl MotionRefused {
@@ -367,6 +378,7 @@ impl MotionRefused {
         match self {
             Self::TooFast => (alarm::BOARD_CANNOT, say::board_pulses_too_many()),
             Self::TowardLimit(axis) => (limit_alarm(axis), say::limit_switch_ahead()),
+            Self::EncoderReversed => (alarm::SPINDLE_ENCODER, say::encoder_counts_backwards()),
             Self::OnLimit(axis) => (limit_alarm(axis), say::limit_switch_of_unknown_end()),
             Self::NotReady | Self::NotWired => (alarm::LINK_PROTOCOL, say::board_takes_no_motion()),
         }

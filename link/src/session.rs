@@ -91,6 +91,13 @@ impl LinkSession {
         self.released = false;
     }
 
+    /// Replaces the reason why the position is uncertain, after the board has reported it.
+    pub(crate) const fn replace_uncertainty(&mut self, uncertainty: Uncertainty) {
+        if !self.knows_position() {
+            self.position = Position::Uncertain(uncertainty);
+        }
+    }
+
     /// Returns the state of axes at standstill: [`LinkState::Ready`], or [`LinkState::Locked`] if
     /// the position is uncertain.
     pub(crate) const fn standing_state(&self) -> LinkState {

@@ -86,11 +86,13 @@ message_rows! {
     board_gone_in_reset BoardGoneInReset();
     board_grbl_too_old BoardGrblTooOld(version);
     board_group_silent BoardGroupSilent();
+    board_guard_at_opening BoardGuardAtOpening();
     board_hangs BoardHangs(line);
     board_hangs_as_grblhal BoardHangsAsGrblhal(line);
     board_hears_no_computer BoardHearsNoComputer();
     board_held BoardHeld();
     board_is_another BoardIsAnother();
+    board_lease_expired BoardLeaseExpired();
     board_limit_input BoardLimitInput(axis);
     board_locked BoardLocked();
     board_makes_no_sense BoardMakesNoSense(question: message);
@@ -568,6 +570,7 @@ message_rows! {
     dnc_source_unreadable DncSourceUnreadable(path, error: message);
     dwell_negative DwellNegative(time);
     dwell_out_of_range DwellOutOfRange(letter, value, least, most);
+    encoder_counts_backwards EncoderCountsBackwards();
     encoder_lines_out_of_range EncoderLinesOutOfRange(lines);
     exam_begin ExamBegin();
     exam_begin_hint ExamBeginHint();
@@ -856,6 +859,13 @@ message_rows! {
     first_what_for FirstWhatFor();
     first_which_control FirstWhichControl();
     first_which_lathe FirstWhichLathe();
+    flash_copied FlashCopied(blocks, folder);
+    flash_failed FlashFailed(folder, error: message);
+    flash_file_wrong FlashFileWrong(file, fault: message);
+    flash_no_volume FlashNoVolume();
+    flash_not_a_volume FlashNotAVolume(folder);
+    flash_several_volumes FlashSeveralVolumes(volumes);
+    flash_wrong_board FlashWrongBoard(folder, board);
     flight_not_ended FlightNotEnded(path);
     flight_not_recorded FlightNotRecorded(reason);
     form_below_depth FormBelowDepth(depth);
@@ -2031,6 +2041,7 @@ message_rows! {
     link_twin_runs LinkTwinRuns();
     link_twin_shut_down LinkTwinShutDown(reason);
     link_twin_state LinkTwinState(time, state: message, x, z);
+    link_twin_stops LinkTwinStops();
     link_value_wrong LinkValueWrong(value, least, most);
     lint_after_end LintAfterEnd();
     lint_after_semicolon LintAfterSemicolon();
@@ -3187,6 +3198,9 @@ message_rows! {
     shown_not_with_board ShownNotWithBoard();
     shutdown_board_failed ShutdownBoardFailed();
     shutdown_computer_silent ShutdownComputerSilent();
+    shutdown_following_error ShutdownFollowingError();
+    shutdown_guard ShutdownGuard();
+    shutdown_spindle_encoder ShutdownSpindleEncoder();
     shutdown_steps_late ShutdownStepsLate();
     shutdown_wire_failed ShutdownWireFailed();
     signals_unheard SignalsUnheard(error);
@@ -3195,8 +3209,10 @@ message_rows! {
     sound_no_device SoundNoDevice();
     sound_no_player SoundNoPlayer(names);
     spindle_at_speed SpindleAtSpeed(rpm: "{:.0}");
+    spindle_index_never SpindleIndexNever();
     spindle_not_steady SpindleNotSteady(rpm: "{:.0}");
     spindle_stands_at_feed SpindleStandsAtFeed();
+    spindle_stands_in_thread SpindleStandsInThread();
     spindle_step_unknown SpindleStepUnknown(speed);
     spindle_varies SpindleVaries(percent: "{:.2}", rpm: "{:.0}", allowed);
     start_beyond_ends StartBeyondEnds(axis, minus, plus, section);
@@ -3502,6 +3518,11 @@ message_rows! {
     transfer_view_total TransferViewTotal(percent);
     transfer_view_yes TransferViewYes();
     transfer_waits TransferWaits();
+    uf2_address Uf2Address(number);
+    uf2_block Uf2Block(number);
+    uf2_family Uf2Family(family);
+    uf2_length Uf2Length();
+    uf2_order Uf2Order(number);
     variable_is_common VariableIsCommon(number);
     variable_is_input VariableIsInput(number);
     variable_is_kept VariableIsKept(number);

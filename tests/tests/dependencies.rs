@@ -46,6 +46,8 @@ const PACKAGES: [&str; 29] = [
     "web",
     "tests",
 ];
+/// The library of the firmware's workspace that a package may use.
+const FIRMWARE_MOTION: &str = "`firmware/motion`";
 /// Libraries that `core` re-exports.
 const RE_EXPORTED: [&str; 2] = ["plc", "units"];
 
@@ -227,7 +229,11 @@ fn allowed_uses() -> BTreeMap<String, BTreeSet<String>> {
         let all = uses.starts_with("everything") || uses.starts_with("all");
         let named = PACKAGES.into_iter().filter(|name| *name != package);
         let named = named.filter(|name| all || words.contains(name));
-        allowed.insert(package.to_owned(), named.map(str::to_owned).collect());
+        let mut named: BTreeSet<String> = named.map(str::to_owned).collect();
+        if uses.contains(FIRMWARE_MOTION) {
+            named.insert("motion".to_owned());
+        }
+        allowed.insert(package.to_owned(), named);
     }
     allowed
 }

@@ -92,7 +92,7 @@ pub struct TravelSwitch {
 }
 
 impl TravelSwitch {
-    const fn is_on(self, pulses: [i64; 2]) -> bool {
+    pub(crate) const fn is_on(self, pulses: [i64; 2]) -> bool {
         let at = pulses[self.stepper % 2];
         match self.pulses_per_turn {
             Some(turn) => {

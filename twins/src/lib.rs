@@ -13,4 +13,5 @@
 
 pub mod grbl;
 pub mod klipper;
+pub mod pico;
 pub mod wire;

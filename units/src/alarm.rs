@@ -333,6 +333,12 @@ pub const POSITION_CHECK: u16 = 611;
 /// 612: Drive link: samples late.
 pub const STEPS_TOO_LATE: u16 = 612;
 
+/// 613: Drive link: following error too large.
+pub const FOLLOWING_ERROR: u16 = 613;
+
+/// 614: Drive link: fault of the spindle encoder.
+pub const SPINDLE_ENCODER: u16 = 614;
+
 /// 621: Drive link: X limit input of the board.
 pub const X_BOARD_LIMIT: u16 = 621;
 

@@ -1,5 +1,7 @@
 //! Options of `link`.
 
+use std::path::PathBuf;
+
 use clap::{Args, Subcommand, ValueEnum};
 use gsk_host::setup_args::{self, SetupArgs};
 
@@ -22,6 +24,11 @@ pub enum LinkCommand {
     Test(LinkTestArgs),
     /// Open a board and print everything said, with the time in seconds
     Monitor(LinkMonitorArgs),
+    /// Copy firmware to a Raspberry Pi Pico in boot mode
+    ///
+    /// Hold the button BOOTSEL of the board and plug it in: it is a drive then. File and
+    /// board are checked before anything is copied.
+    Flash(LinkFlashArgs),
     /// Simulate a board on a pseudo terminal or a network address; its name is printed first
     Twin(LinkTwinArgs),
 }
@@ -62,7 +69,17 @@ pub struct LinkMonitorArgs {
     pub board: LinkBoardArgs,
 }
 
-/// Arguments of the command `link twin`.
+/// `link flash`.
+#[derive(Args, Debug)]
+pub struct LinkFlashArgs {
+    /// Firmware, a UF2 file
+    pub file: PathBuf,
+    /// Drive of the board [default: the only Pico in boot mode]
+    #[arg(long, value_name = "FOLDER")]
+    pub to: Option<PathBuf>,
+}
+
+/// `link twin`.
 #[derive(Args, Debug)]
 pub struct LinkTwinArgs {
     /// Firmware of the board
@@ -83,13 +100,13 @@ pub struct LinkTwinArgs {
     /// Speed of the simulated spindle at full output, r/min
     #[arg(long, default_value_t = 9999.0, value_name = "RPM", value_parser = setup_args::parse_number)]
     pub spindle_top: f64,
-    /// Klipper: ripple of the spindle speed, percent
+    /// Klipper, Pico: ripple of the spindle speed, percent
     #[arg(long, default_value_t = 0.0, value_name = "PERCENT", value_parser = setup_args::parse_number)]
     pub ripple: f64,
     /// Klipper: frequency of the ripple, Hz
     #[arg(long, default_value_t = 0.5, value_name = "HZ", value_parser = setup_args::parse_number)]
     pub ripple_hz: f64,
-    /// Klipper: the spindle index fails after this number of seconds
+    /// Klipper, Pico: the spindle index fails after this number of seconds
     #[arg(long, value_name = "S")]
     pub lose_index: Option<u64>,
     /// Stop after this number of seconds
@@ -108,4 +125,6 @@ pub enum TwinBoard {
     Fluidnc,
     /// Klipper, 250000 bits a second
     Klipper,
+    /// This project's firmware on a Raspberry Pi Pico, with a spindle encoder
+    Pico,
 }

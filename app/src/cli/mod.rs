@@ -51,7 +51,8 @@ use language::language_parser;
 pub use language::{find_language, first_window_language, is_chinese, system_language};
 pub use lesson::{LessonCheckArgs, LessonCommand, LessonListArgs, LessonRunArgs};
 pub use link::{
-    LinkArgs, LinkBoardArgs, LinkCommand, LinkMonitorArgs, LinkTestArgs, LinkTwinArgs, TwinBoard,
+    LinkArgs, LinkBoardArgs, LinkCommand, LinkFlashArgs, LinkMonitorArgs, LinkTestArgs,
+    LinkTwinArgs, TwinBoard,
 };
 pub use lsp::LspArgs;
 pub use mill::{GearArgs, HomingArgs, MILL_AXES, MillCommand, MillKeysArgs, PitchArgs};

@@ -1,6 +1,7 @@
-//! `link`: lists, tests, monitors and simulates pulse boards.
+//! `link`: lists, tests, monitors, simulates and programs pulse boards.
 
 mod board_test;
+mod flash;
 mod twin;
 
 use std::time::Duration;
@@ -20,6 +21,7 @@ pub fn link(command: &LinkCommand) -> Result<u8, CommandError> {
         LinkCommand::List => list(),
         LinkCommand::Test(args) => test(args),
         LinkCommand::Monitor(args) => monitor(args),
+        LinkCommand::Flash(args) => flash::flash_board(args),
         LinkCommand::Twin(args) => twin::run_twin(args),
     }
 }

@@ -42,6 +42,12 @@ pub(crate) struct SpindleOrders {
     pub waits_for_angle: bool,
     /// Lead of the current thread, mm per revolution; `None` outside threads.
     pub lead_mm: Option<f64>,
+    /// Whether a thread has ended and another continues it without a stop.
+    pub continues: bool,
+    /// Whether the axes brake after a motion that was stopped.
+    pub is_braking: bool,
+    /// Spindle speed for which a thread is planned, r/min; 0 if unknown.
+    pub planned_rpm: f64,
 }
 
 /// State of the reference returns, as far as the board takes part in them.

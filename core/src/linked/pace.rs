@@ -135,6 +135,11 @@ impl LinkedControl {
             return self.clock.pace.take_tick();
         }
         let free_lookahead = self.link.free_lookahead();
+        if self.link.waits_for_spindle() {
+            // The link watches that the spindle turns.
+            self.clock.pace.blocked_since = None;
+            return free_lookahead > Duration::ZERO;
+        }
         // Time without a pulse, at the lowest feeds, is also ahead of the board.
         let since_last_motion = self.clock.run.saturating_sub(self.motion.last_motion_end);
         if free_lookahead > since_last_motion

@@ -3,7 +3,7 @@
 use super::LinkedControl;
 use crate::board::{BoardSpindle, SpindleFault};
 use crate::spindle::SpindleTurn;
-use gsk_link::{SpindleDirection, SpindleView};
+use gsk_link::{SpindleDirection, SpindleView, ThreadPlan};
 
 /// Greatest correction of an axis that follows the spindle, mm per tick: 2 µm in 10 ms.
 const MAX_CORRECTION_MM: f64 = 0.0002;
@@ -15,6 +15,8 @@ pub(super) struct MeasuredSpindle {
     /// index, turns.
     direction: f64,
     index_turns: f64,
+    /// Whether the motion of the last tick depended on the spindle angle.
+    follows: bool,
     pub(super) view: Option<SpindleView>,
 }
 
@@ -23,6 +25,7 @@ impl Default for MeasuredSpindle {
         Self {
             direction: 1.0,
             index_turns: 0.0,
+            follows: false,
             view: None,
         }
     }
@@ -41,7 +44,16 @@ impl LinkedControl {
             self.spindle.direction = direction;
             self.link.spindle_reversed();
         }
-        let lead = self.control.orders.spindle.lead_mm;
+        let orders = self.control.orders.spindle;
+        let in_thread = orders.waits_for_angle || orders.lead_mm.is_some() || orders.continues;
+        // A thread that was stopped brakes on the angle, too.
+        self.spindle.follows = in_thread || (self.spindle.follows && orders.is_braking);
+        let plan = ThreadPlan {
+            rpm: orders.planned_rpm,
+            waits: orders.waits_for_angle,
+        };
+        self.link.plan_thread(self.spindle.follows.then_some(plan));
+        let lead = orders.lead_mm;
         self.spindle.view = self.link.spindle(lead.map(|lead| MAX_CORRECTION_MM / lead));
         let view = self.spindle.view?;
         if view.passed {

@@ -31,6 +31,11 @@ pub(crate) struct Handover {
 }
 
 impl Handover {
+    /// Whether the axes have not stopped: the next thread continues at their speed.
+    pub(crate) const fn is_moving(&self) -> bool {
+        self.rate > 0.0
+    }
+
     /// Records that the axes have stopped between the threads: only the angle is still
     /// valid.
     pub(crate) const fn stop(&mut self) {

@@ -1,7 +1,7 @@
 //! Steps on the angle of the spindle: rational ratios, added up exactly at each count of the
 //! encoder.
 
-use heapless::Deque;
+use crate::storage::Deque;
 
 use crate::messages::Reason;
 

@@ -1,7 +1,7 @@
 //! Encodes and decodes blocks, `len seq content crc crc 7E`, and the VLQ integers in them, as
 //! Klipper does.
 
-use heapless::Vec;
+use crate::storage::Vec;
 
 /// Length of a block without content, bytes.
 const MIN_LENGTH: usize = 5;

@@ -4,7 +4,7 @@ mod commands;
 mod configuration;
 mod watch;
 
-use heapless::{Deque, Vec};
+use crate::storage::{Deque, Vec};
 
 use crate::encoders::{AxisEncoder, EdgeCounter, SpindleEncoder};
 use crate::messages::{Command, FIRST_REASON_ID, RESPONSES, Reason, Response, parameter_count};
@@ -222,6 +222,11 @@ impl Engine {
     /// Whether the engine has room for the events of another request.
     pub fn takes_request(&self) -> bool {
         self.events.len() < EVENTS / 2
+    }
+
+    /// Whether no axis has anything to do.
+    pub fn is_idle(&self) -> bool {
+        self.objects.steppers.iter().all(Stepper::is_idle)
     }
 
     /// Returns the count of an axis, steps.

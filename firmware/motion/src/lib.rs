@@ -20,6 +20,7 @@ mod outputs;
 mod session;
 mod stepper;
 mod stops;
+mod storage;
 
 pub use block::{BlockBytes, crc16, encode_block};
 pub use engine::{Engine, EngineState, Event, Request, StepPort};

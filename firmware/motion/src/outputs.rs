@@ -1,6 +1,6 @@
 //! Digital and PWM outputs with their queues and their time limits.
 
-use heapless::Deque;
+use crate::storage::Deque;
 
 use crate::clock_steps::is_before;
 use crate::messages::Reason;

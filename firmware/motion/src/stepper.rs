@@ -1,6 +1,6 @@
 //! An axis: its queue of steps with two arguments, its count, and the time of its next step.
 
-use heapless::Deque;
+use crate::storage::Deque;
 
 use crate::angle::{AngleFollower, QueuedAngle, Segment};
 use crate::clock_steps::{ClockRun, ClockStepper, is_before};

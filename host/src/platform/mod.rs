@@ -10,6 +10,7 @@
 //! | `tie` | the connection between the program and the process that holds its port |
 //! | `serial` | serial ports, pseudo terminals |
 //! | `sound` | output of samples |
+//! | `volumes` | the drives that are mounted |
 //! | `desktop` | whether there is a display and a file dialog; the console of a window |
 //!
 //! Linux and Windows share these (`computer/`), a page in a browser differs:

@@ -1,4 +1,4 @@
-//! The commands and replies of Klipper's protocol that the link uses.
+//! The commands and replies that the link uses: Klipper's, and those of our own firmware.
 
 /// In which cases a board must have a command or reply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -9,8 +9,15 @@ pub(super) enum Requirement {
     Restart,
     /// The board must have the command or reply if the spindle speed output is wired.
     Speed,
-    /// The board must have the command or reply if the spindle's one-turn signal is wired.
+    /// The board must have the command or reply if the spindle's one-turn signal is wired to a
+    /// counter.
     Index,
+    /// The board must have the command or reply if a spindle encoder is wired.
+    Angle,
+    /// The board must have the command if the encoder of an axis is wired.
+    AxisEncoder,
+    /// The link uses the command or reply if the board has it.
+    Optional,
 }
 
 macro_rules! commands {
@@ -54,10 +61,18 @@ commands! {
     QueuePwmOut Speed "queue_pwm_out oid=%c clock=%u value=%hu"
     ConfigCounter Index "config_counter oid=%c pin=%u pull_up=%c"
     QueryCounter Index "query_counter oid=%c clock=%u poll_ticks=%u sample_ticks=%u"
+    RenewLease Optional "renew_lease crc=%u clock=%u"
+    ConfigGuard Optional "config_guard oid=%c pin=%c pull_up=%c pin_value=%c ticks=%u"
+    ConfigSpindle Angle "config_spindle oid=%c pin_a=%c index_pin=%c counts_per_turn=%u"
+    ConfigAxisEncoder AxisEncoder "config_axis_encoder oid=%c pin_a=%c stepper_oid=%c counts=%u steps=%u limit=%u"
+    QueryEncoder Angle "query_encoder oid=%c clock=%u rest_ticks=%u"
+    BeginAngle Angle "begin_angle oid=%c clock=%u start=%u denominator=%u phase=%u reverse=%c"
+    QueueAngle Angle "queue_angle oid=%c length=%u numerator=%i add=%i"
+    EndAngle Angle "end_angle oid=%c"
 }
 
 /// All replies with their requirement and their exact text in the dictionary.
-pub(super) const REPLIES: [(ReplyKind, Requirement, &str); 10] = [
+pub(super) const REPLIES: [(ReplyKind, Requirement, &str); 13] = [
     (
         ReplyKind::Identify,
         Requirement::Always,
@@ -105,6 +120,21 @@ pub(super) const REPLIES: [(ReplyKind, Requirement, &str); 10] = [
     ),
     // Sent by a board that has just started; not in all versions.
     (ReplyKind::Starting, Requirement::Restart, "starting"),
+    (
+        ReplyKind::Encoder,
+        Requirement::Angle,
+        "encoder_state oid=%c clock=%u count=%i index_count=%i",
+    ),
+    (
+        ReplyKind::Angle,
+        Requirement::Angle,
+        "angle_state oid=%c state=%c count=%i",
+    ),
+    (
+        ReplyKind::LeaseExpired,
+        Requirement::Optional,
+        "lease_expired clock=%u",
+    ),
 ];
 
 /// The kind of a reply of the board.
@@ -120,6 +150,9 @@ pub(super) enum ReplyKind {
     Shutdown,
     IsShutdown,
     Starting,
+    Encoder,
+    Angle,
+    LeaseExpired,
 }
 
 /// A reply of the board; `numbers` are in the order of the reply's text in the dictionary.

@@ -112,6 +112,19 @@ impl DictionaryError {
     }
 }
 
+/// The signals in the machine file that need commands which not every board has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct WiredSignals {
+    /// The spindle speed output.
+    pub(super) speed: bool,
+    /// The one-turn signal of the spindle at a counter.
+    pub(super) index: bool,
+    /// The encoder of the spindle.
+    pub(super) encoder: bool,
+    /// The encoder of an axis.
+    pub(super) axis_encoder: bool,
+}
+
 impl Dictionary {
     /// Decompresses and parses a dictionary.
     ///
@@ -163,14 +176,15 @@ impl Dictionary {
     }
 
     /// Returns the format text of the first required command or reply that the board does not have;
-    /// `None` if it has all. `speed` and `index` tell whether the spindle speed and the one-turn
-    /// signal are wired.
-    pub(super) fn missing(&self, speed: bool, index: bool) -> Option<&'static str> {
+    /// `None` if it has all. `wired` tells what the machine file wires.
+    pub(super) fn missing(&self, wired: WiredSignals) -> Option<&'static str> {
         let wanted = |need: &Requirement| match need {
             Requirement::Always => true,
-            Requirement::Speed => speed,
-            Requirement::Index => index,
-            Requirement::Restart => false,
+            Requirement::Speed => wired.speed,
+            Requirement::Index => wired.index,
+            Requirement::Angle => wired.encoder,
+            Requirement::AxisEncoder => wired.axis_encoder,
+            Requirement::Restart | Requirement::Optional => false,
         };
         let has = |text: &str| {
             let known = REPLIES.iter().find(|(.., known)| *known == text);
@@ -339,6 +353,13 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    const ALL_WIRED: WiredSignals = WiredSignals {
+        speed: true,
+        index: true,
+        encoder: true,
+        axis_encoder: true,
+    };
+
     fn all_commands(first: i64) -> String {
         let pair = |(index, text): (usize, &str)| format!("\"{text}\": {}", first - index as i64);
         let commands = COMMANDS
@@ -358,7 +379,7 @@ mod tests {
     #[test]
     fn a_dictionary_is_read() {
         let board = Dictionary::read(all_commands(20).as_bytes()).unwrap();
-        assert_eq!(board.missing(true, true), None);
+        assert_eq!(board.missing(ALL_WIRED), None);
         assert_eq!((board.pin("PA7"), board.pin("PL0")), (Some(7), Some(80)));
         assert_eq!((board.pin("PA8"), board.pin("PB0")), (None, None));
         assert_eq!(board.constant("CLOCK_FREQ"), Some(16_000_000));
@@ -372,17 +393,20 @@ mod tests {
         let text = all_commands(20).replace("count=%hu add=%hi", "count=%hu add=%i");
         let board = Dictionary::read(text.as_bytes()).unwrap();
         assert_eq!(
-            board.missing(false, false),
+            board.missing(WiredSignals::default()),
             Some("queue_step oid=%c interval=%u count=%hu add=%hi")
         );
         let text = all_commands(20).replace("uptime high=%u", "uptime high=%i");
         let board = Dictionary::read(text.as_bytes()).unwrap();
-        assert_eq!(board.missing(false, false), Some("uptime high=%u clock=%u"));
+        assert_eq!(
+            board.missing(WiredSignals::default()),
+            Some("uptime high=%u clock=%u")
+        );
         let text = all_commands(20)
             .replace("\"reset\"", "\"reset_\"")
             .replace("\"config_reset\"", "\"x\"");
         let board = Dictionary::read(text.as_bytes()).unwrap();
-        assert_eq!(board.missing(false, false), Some("reset"));
+        assert_eq!(board.missing(WiredSignals::default()), Some("reset"));
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! Boards that execute timed steps: unmodified Klipper firmware.
+//! Boards that execute timed steps: unmodified Klipper firmware, and our own for the Pico, whose
+//! steps run on the angle of the spindle as well (`docs/board-protocol.md`).
 //!
 //! ```text
 //!  samples ─► Steps: times of pulses ─► runs ──────┐
@@ -11,6 +12,7 @@
 //! the host: at a limit switch, and when the host does not renew it in time. The board then
 //! reports the position of the axes to the pulse.
 
+mod angle_segments;
 mod block;
 mod clock_sync;
 mod commands;
@@ -25,6 +27,7 @@ mod sequence;
 mod session;
 mod shutdown;
 mod slowdown;
+mod spindle_angle;
 mod spindle_estimator;
 mod step_compress;
 mod steps;

@@ -1,7 +1,9 @@
 //! The link to a board with timed steps.
 
+mod angle;
 mod backend;
 mod group;
+mod lease;
 mod motion;
 mod opening;
 mod outputs;
@@ -26,6 +28,7 @@ use super::wiring::Wiring;
 use crate::drives::Drives;
 use crate::session::LinkSession;
 use crate::{HostTime, Input, LinkConfig, LinkState, Stop, Uncertainty};
+use angle::AngleDrive;
 use group::Group;
 use gsk_messages::{Message, say};
 use gsk_units::{PerAxis, Pulses, alarm};
@@ -60,6 +63,8 @@ enum QueryPurpose {
     Look { requested: bool },
     /// The position is read at which the axes were stopped.
     Stopped,
+    /// Read the count of a board that has shut down and still answers.
+    ShutDown,
 }
 
 /// A position query that the board has not answered completely.
@@ -95,6 +100,7 @@ pub struct StepLink {
     query: PositionQueries,
     periodic: Periodic,
     spindle: Spindle,
+    angle: AngleDrive,
 }
 
 impl StepLink {
@@ -115,6 +121,7 @@ impl StepLink {
             query: PositionQueries::default(),
             periodic: Periodic::default(),
             spindle: Spindle::new(1.0),
+            angle: AngleDrive::default(),
         };
         link.begin();
         link
@@ -185,6 +192,7 @@ impl StepLink {
                 self.send();
                 self.opening.shut_down();
                 self.session.enter(LinkState::Fault);
+                self.query_count_in_shutdown();
             }
         }
     }
@@ -299,6 +307,9 @@ impl StepLink {
                 self.shut_down(numbers[1], self.clock.moment(clock));
             }
             ReplyKind::IsShutdown => self.shut_down(numbers[0], self.wire.send_queue.progressed()),
+            ReplyKind::Encoder => self.encoder_report(numbers),
+            ReplyKind::Angle => self.angle_report(numbers),
+            ReplyKind::LeaseExpired => self.lease_expired(),
             ReplyKind::Starting if self.is_opened() => self.board_restarted(),
             _ => {}
         }
@@ -323,6 +334,14 @@ impl StepLink {
                 .alarm(number, say::board_shut_down(say::as_written(text), help));
         }
         self.session.enter(LinkState::Fault);
+        self.query_count_in_shutdown();
+    }
+
+    /// Reads the count of a board that has shut down: our own firmware counts on, and answers.
+    fn query_count_in_shutdown(&mut self) {
+        if self.wire.dictionary.has(Command::RenewLease) {
+            self.query_position(QueryPurpose::ShutDown);
+        }
     }
 
     /// Handles an unexpected restart of the board, by power or its reset input.

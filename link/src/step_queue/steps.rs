@@ -96,6 +96,11 @@ impl Steps {
         *self = Self::new(self.timing);
     }
 
+    /// Whether the board knows the clock of the axis: it has steps of this link.
+    pub(super) const fn is_clock_set(&self) -> bool {
+        self.last.is_some()
+    }
+
     pub(super) fn is_empty(&self) -> bool {
         self.due.is_empty()
     }

@@ -14,6 +14,10 @@ use thiserror::Error;
 const ENABLE_MS: u64 = 500;
 /// Frequency of the pulse width modulation for the spindle voltage, Hz.
 const SPEED_CYCLES: u64 = 1000;
+/// Time for which a guard input must have its level, µs.
+const GUARD_US: u64 = 20;
+/// Pin number of a signal that is not wired.
+const NO_PIN: i64 = 255;
 /// Value of the spindle speed output for the full voltage, in boards without the constant
 /// `PWM_MAX`.
 const USUAL_FULL: u32 = 255;
@@ -45,7 +49,9 @@ pub(super) struct Wiring {
     pub(super) switches: Vec<Switch>,
     pub(super) outputs: Vec<OutputPin>,
     pub(super) index: Option<i64>,
-    /// Value of the speed output at which the spindle voltage is at its maximum.
+    /// Object number of the spindle encoder; `None` without one.
+    pub(super) spindle: Option<i64>,
+    /// Value of the speed output that gives the full spindle voltage.
     pub(super) full: u32,
     /// The configuration messages for the board, without `finalize_config`.
     pub(super) messages: Vec<Vec<u8>>,
@@ -207,8 +213,9 @@ impl Wiring {
                 inverted: pin.inverted,
             });
         }
+        let spindle = writer.encoders(config, axes)?;
         let mut index = None;
-        if !config.io.index.is_empty() {
+        if !config.io.index.is_empty() && spindle.is_none() {
             let pin = writer.pin("io.index", &config.io.index)?;
             let oid = writer.oid();
             writer.add(
@@ -216,6 +223,9 @@ impl Wiring {
                 &[oid, pin.number, i64::from(pin.pull_up)],
             );
             index = Some(oid);
+        }
+        if board.has(Command::ConfigGuard) {
+            writer.guards(config, rate)?;
         }
         let mut messages = vec![board.message(Command::AllocateOids, &[writer.oids])];
         messages.append(&mut writer.messages);
@@ -226,6 +236,7 @@ impl Wiring {
             switches,
             outputs,
             index,
+            spindle,
             full,
             messages,
             crc: crc32(writer.text.as_bytes()),
@@ -253,6 +264,67 @@ impl Writer<'_> {
             oid,
             inverted: pin.inverted,
         })
+    }
+
+    /// Configures the encoders of the spindle and of the axes. Returns the object number of the
+    /// spindle encoder; `None` without one.
+    fn encoders(
+        &mut self,
+        config: &LinkConfig,
+        axes: PerAxis<i64>,
+    ) -> Result<Option<i64>, WiringError> {
+        let mut spindle = None;
+        if !config.io.encoder.is_empty() {
+            let pin = self.pin("io.encoder", &config.io.encoder)?;
+            let index = match config.io.index.as_str() {
+                "" => NO_PIN,
+                name => self.pin("io.index", name)?.number,
+            };
+            let oid = self.oid();
+            let counts = config.io.encoder_counts.into();
+            self.add(Command::ConfigSpindle, &[oid, pin.number, index, counts]);
+            spindle = Some(oid);
+        }
+        for (stepper, key, axis) in [
+            (axes.x, "x.encoder.pin", &config.x),
+            (axes.z, "z.encoder.pin", &config.z),
+        ] {
+            let encoder = &axis.encoder;
+            if encoder.pin.is_empty() {
+                continue;
+            }
+            let pin = self.pin(key, &encoder.pin)?;
+            let oid = self.oid();
+            let numbers = [encoder.counts, encoder.steps, encoder.limit].map(i64::from);
+            let [counts, steps, limit] = numbers;
+            self.add(
+                Command::ConfigAxisEncoder,
+                &[oid, pin.number, stepper, counts, steps, limit],
+            );
+        }
+        Ok(spindle)
+    }
+
+    /// Configures emergency stop and drive alarm as guards: the board then shuts down without the
+    /// host, and all its outputs go off.
+    fn guards(&mut self, config: &LinkConfig, rate: u64) -> Result<(), WiringError> {
+        for (key, name) in [
+            ("io.estop", &config.io.estop),
+            ("io.drive_alarm", &config.io.drive_alarm),
+        ] {
+            if name.is_empty() {
+                continue;
+            }
+            let pin = self.pin(key, name)?;
+            let oid = self.oid();
+            let ticks = (rate * GUARD_US / 1_000_000) as i64;
+            let level = i64::from(!pin.inverted);
+            self.add(
+                Command::ConfigGuard,
+                &[oid, pin.number, pin.pull_up.into(), level, ticks],
+            );
+        }
+        Ok(())
     }
 
     fn switches(&mut self, config: &LinkConfig) -> Result<Vec<Switch>, WiringError> {

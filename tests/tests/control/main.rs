@@ -18,6 +18,7 @@ mod line_opening;
 mod linked;
 mod macros;
 mod nose_compensation;
+mod pico_link;
 mod pulses;
 mod signals;
 mod simulation;

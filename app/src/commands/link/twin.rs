@@ -7,6 +7,7 @@ use gsk_host::ports::OfferedPort;
 use gsk_messages::{Message, say};
 use gsk_twins::grbl::{GrblSettings, GrblState, GrblTwin, Variant};
 use gsk_twins::klipper::{self, KlipperTwin, SpindleWiring, TravelSwitch};
+use gsk_twins::pico::{PicoState, PicoTwin, SpindleEncoderWiring};
 use gsk_twins::wire::{Damage, TwinWire};
 use web_time::{Duration, Instant};
 
@@ -42,10 +43,32 @@ const SPINDLE: SpindleWiring<'_> = SpindleWiring {
     time_constant_s: 0.2,
 };
 
-/// A simulated board, by its firmware.
+/// Switches of the Pico twin, as `assets/machines/pico-lathe.ron` wires them: the limit switch of
+/// X, the deceleration switches of X and Z.
+const PICO_SWITCHES: [(&str, usize, i64, i64); 3] = [
+    ("gpio10", 0, 4000, i64::MAX),
+    ("gpio12", 0, 1200, 2400),
+    ("gpio13", 1, 2400, 5600),
+];
+
+/// The simulated spindle of the Pico twin.
+const PICO_SPINDLE: SpindleEncoderWiring = SpindleEncoderWiring {
+    index_pin: 18,
+    direction_pins: Some([15, 19]),
+    speed_pin: Some(20),
+    counts_per_turn: 4096,
+    full_speed_rpm: 9999.0,
+    time_constant_s: 0.2,
+};
+
+/// Number of ripples of the Pico's spindle in a turn.
+const PICO_RIPPLES: f64 = 3.0;
+
+/// A simulated board with one of the firmwares.
 enum SimulatedBoard {
     Grbl(Box<GrblTwin>),
     Klipper(Box<KlipperTwin>),
+    Pico(Box<PicoTwin>),
 }
 
 /// The state of the simulated board; a line is printed whenever it changes.
@@ -91,6 +114,24 @@ impl SimulatedBoard {
                 board.set_speed_ripple(args.ripple, args.ripple_hz);
                 Self::Klipper(Box::new(board))
             }
+            TwinBoard::Pico => {
+                let mut board = PicoTwin::new();
+                for (pin, stepper, first_pulse, last_pulse) in PICO_SWITCHES {
+                    let travel = TravelSwitch {
+                        stepper,
+                        first_pulse,
+                        last_pulse,
+                        pulses_per_turn: None,
+                    };
+                    board.place_switch(pin, travel);
+                }
+                board.attach_spindle(SpindleEncoderWiring {
+                    full_speed_rpm: args.spindle_top,
+                    ..PICO_SPINDLE
+                });
+                board.set_speed_ripple(args.ripple, PICO_RIPPLES);
+                Self::Pico(Box::new(board))
+            }
         }
     }
 
@@ -98,6 +139,7 @@ impl SimulatedBoard {
         match self {
             Self::Grbl(board) => &mut board.to_board,
             Self::Klipper(board) => &mut board.to_board,
+            Self::Pico(board) => &mut board.to_board,
         }
     }
 
@@ -115,6 +157,19 @@ impl SimulatedBoard {
                 board.advance(until_ns.saturating_sub(board.now()));
                 board.read()
             }
+            Self::Pico(board) => {
+                board.write(bytes);
+                board.advance(until_ns.saturating_sub(board.now()));
+                board.read()
+            }
+        }
+    }
+
+    fn set_index_lost(&mut self, is_lost: bool) {
+        match self {
+            Self::Grbl(_) => {}
+            Self::Klipper(board) => board.set_index_lost(is_lost),
+            Self::Pico(board) => board.set_index_lost(is_lost),
         }
     }
 
@@ -137,6 +192,17 @@ impl SimulatedBoard {
                 is_stopped: board.now().saturating_sub(board.last_pulse_ns()) > 250_000_000,
                 pulses: board.pulses(),
             },
+            Self::Pico(board) => TwinStatus {
+                state: match board.state() {
+                    PicoState::Booting => say::link_twin_boots(),
+                    PicoState::Running => say::link_twin_runs(),
+                    PicoState::Stopping => say::link_twin_stops(),
+                    PicoState::Shutdown(reason) => say::link_twin_shut_down(reason),
+                },
+                reset_count: 0,
+                is_stopped: board.now().saturating_sub(board.last_pulse_ns()) > 250_000_000,
+                pulses: board.pulses(),
+            },
         }
     }
 }
@@ -148,6 +214,7 @@ const fn machine_file(firmware: TwinBoard) -> &'static str {
             include_str!("../../../../assets/machines/virtual-line.ron")
         }
         TwinBoard::Klipper => include_str!("../../../../assets/machines/virtual-klipper.ron"),
+        TwinBoard::Pico => include_str!("../../../../assets/machines/pico-lathe.ron"),
     }
 }
 
@@ -180,7 +247,7 @@ pub fn run_twin(args: &LinkTwinArgs) -> Result<u8, CommandError> {
         }
         let bytes = port.read().map_err(CommandError::gone)?;
         let elapsed = u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX);
-        if let (SimulatedBoard::Klipper(board), Some(after)) = (&mut board, args.lose_index) {
+        if let Some(after) = args.lose_index {
             board.set_index_lost(start.elapsed() >= Duration::from_secs(after));
         }
         let reply = board.advance_to(&bytes, elapsed);

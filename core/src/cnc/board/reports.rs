@@ -222,6 +222,9 @@ impl Cnc {
             spindle: SpindleOrders {
                 waits_for_angle: self.is_waiting_for_spindle(),
                 lead_mm: self.followed_lead(),
+                continues: self.drives.interpolator.is_between_threads(),
+                is_braking: self.drives.interpolator.is_braking(),
+                planned_rpm: self.thread_rpm(),
             },
             pass: self.pending_pass(),
             returns: ReturnOrders {

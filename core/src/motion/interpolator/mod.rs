@@ -216,6 +216,16 @@ impl Interpolator {
         matches!(&self.motion, ProgrammedMotion::Thread(thread) if thread.is_running())
     }
 
+    /// Whether a thread has ended and another is to continue it without a stop.
+    pub(crate) fn is_between_threads(&self) -> bool {
+        self.is_finished() && self.handover.is_some_and(|handover| handover.is_moving())
+    }
+
+    /// Whether a programmed motion brakes because it was stopped.
+    pub(crate) const fn is_braking(&self) -> bool {
+        self.stopping && !self.is_finished()
+    }
+
     /// Whether a thread waits for its spindle angle.
     pub(crate) const fn is_waiting_for_spindle(&self) -> bool {
         matches!(&self.motion, ProgrammedMotion::Thread(thread) if !thread.is_running())

@@ -6,6 +6,7 @@ use crate::messages::{Command, PINS, Reason};
 use crate::outputs::OutputChannel;
 use crate::stepper::Stepper;
 use crate::stops::{Guard, StopGroup, StopInput};
+use crate::storage::Vec;
 
 /// Number of the first pin that is free: those before it are the serial port.
 const FIRST_PIN: u32 = 2;
@@ -20,7 +21,7 @@ fn check_pin(pin: u32, reason: Reason) -> Result<u32, Reason> {
     is_free.then_some(pin).ok_or(reason)
 }
 
-fn add<T, const N: usize>(objects: &mut heapless::Vec<T, N>, object: T) -> Result<(), Reason> {
+fn add<T, const N: usize>(objects: &mut Vec<T, N>, object: T) -> Result<(), Reason> {
     objects.push(object).map_err(|_| Reason::AssignOid)
 }
 

@@ -112,6 +112,22 @@ pub fn write_new(path: &Path, bytes: &[u8], owner_alone: bool) -> io::Result<()>
     file.sync_all()
 }
 
+/// Writes a file to a drive that disconnects when it has all of it: a board in boot mode. `mark` is
+/// a file of the drive that exists as long as the drive is connected.
+///
+/// # Errors
+/// An error of the system while the drive is connected.
+pub fn write_to_drive(path: &Path, bytes: &[u8], mark: &Path) -> io::Result<()> {
+    refuse_device(path)?;
+    let mut file = File::create(path)?;
+    file.write_all(bytes)?;
+    match file.sync_all() {
+        // The board has restarted.
+        Err(_) if !mark.exists() => Ok(()),
+        result => result,
+    }
+}
+
 /// Makes the renames in a folder durable against a power failure. Systems that cannot open
 /// folders as files do so automatically.
 pub fn sync_folder(folder: &Path) {

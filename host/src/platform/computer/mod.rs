@@ -10,7 +10,7 @@ mod view;
 pub use course::{course_page, report_course};
 pub use disk::{
     Lock, has_folders, is_link, is_persistent, is_taken, list, make_folder, path_facts, read,
-    remove, remove_folder, rename, sync_folder, write_new,
+    remove, remove_folder, rename, sync_folder, write_new, write_to_drive,
 };
 pub use log_file::{LogFile, LogGuard, log_file};
 pub use panic::before_panic;

@@ -8,6 +8,7 @@ mod process;
 mod serial;
 mod sound;
 mod tie;
+mod volumes;
 
 pub use clock::{shared_time, time_with_sleep};
 pub use desktop::{close_own_console, has_display, has_file_dialog};
@@ -19,3 +20,4 @@ pub use process::{
 pub use serial::{Serial, UNPLUGGED_ERRORS, has_ports, persistent_names, pseudo_terminal};
 pub use sound::{Player, has_sound};
 pub use tie::{HolderConnection, ProgramConnection};
+pub use volumes::mounted_volumes;

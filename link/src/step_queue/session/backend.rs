@@ -4,7 +4,7 @@ use core::time::Duration;
 
 use super::opening::Phase;
 use super::samples::{FLUSH_EVERY, MOST_WAITING};
-use super::{QueryPurpose, StepLink};
+use super::{PositionQuery, QueryPurpose, StepLink};
 use crate::position::Positioned;
 use crate::session::LinkSession;
 use crate::step_queue::commands::Command;
@@ -14,7 +14,7 @@ use crate::step_queue::{block, describe};
 use crate::{
     AwaitedInput, Backend, BoardInfo, BoardOutputs, HostTime, Input, LinkState, MissingForThreads,
     MotionRefused, Output, Pins, PulseRates, RunTime, Sample, SpindleView, Stop, ThreadCapability,
-    Traffic, Uncertainty,
+    ThreadPlan, Traffic, Uncertainty,
 };
 use gsk_messages::Message;
 use gsk_units::{Axis, PerAxis, Pulses};
@@ -111,13 +111,13 @@ impl Backend for StepLink {
     }
 
     fn outstanding(&self) -> Duration {
-        let now = self.clock.at(self.session.now) as Ticks;
+        let now = self.path_now();
         let end = self.motion.path.end.map_or(0, |end| (end - now).max(0));
         self.clock.duration(end.unsigned_abs())
     }
 
     fn free_lookahead(&self) -> Duration {
-        if !self.is_prepared() {
+        if !self.is_prepared() || self.angle.blocks_motion() {
             return Duration::ZERO;
         }
         if !self.motion.queue.backlog.is_empty() || self.wire.send_queue.backlog() > MOST_WAITING {
@@ -153,6 +153,9 @@ impl Backend for StepLink {
             self.repeat_position_query();
             self.advance_motion();
             self.repeat_level_queries();
+        }
+        if self.opening.is_shut_down() {
+            self.repeat_position_query();
         }
         // Send nothing to a restarting board.
         if !matches!(self.opening.phase, Phase::Restarting { .. }) {
@@ -234,7 +237,8 @@ impl Backend for StepLink {
     }
 
     fn is_stopping(&self) -> bool {
-        self.stopping.is_some()
+        let reads_count = |query: &PositionQuery| query.purpose == QueryPurpose::ShutDown;
+        self.stopping.is_some() || self.query.pending.as_ref().is_some_and(reads_count)
     }
 
     fn takes_motion(&self) -> bool {
@@ -324,7 +328,18 @@ impl Backend for StepLink {
         self.periodic.switches.input(input)
     }
 
+    fn plan_thread(&mut self, plan: Option<ThreadPlan>) {
+        self.plan_thread_angle(plan);
+    }
+
+    fn waits_for_spindle(&self) -> bool {
+        self.has_spindle_encoder() && (self.angle.is_planned() || self.angle.is_engaged())
+    }
+
     fn spindle(&mut self, max_correction: Option<f64>) -> Option<SpindleView> {
+        if self.has_spindle_encoder() {
+            return Some(self.next_angle_view());
+        }
         self.sees_spindle()
             .then(|| self.next_spindle(max_correction))
     }

@@ -10,9 +10,10 @@ use core::time::Duration;
 use super::super::super::{BoardInfo, HostTime, LinkEvent, LinkState, Uncertainty};
 use super::super::clock_sync::ClockSync;
 use super::super::commands::Command;
-use super::super::dictionary::{Dictionary, LONGEST_PACKED};
+use super::super::dictionary::{Dictionary, LONGEST_PACKED, WiredSignals};
 use super::super::dictionary_cache::DictionaryCache;
 use super::super::send_queue::{self, Mark};
+use super::super::shutdown;
 use super::super::wiring::Wiring;
 use super::group::Group;
 use super::periodic::Periodic;
@@ -276,7 +277,16 @@ impl StepLink {
         let board = Dictionary::unpack(packed)
             .map_err(|error| (alarm::BOARD_UNSUPPORTED, error.message()))?;
         let io = &self.config.io;
-        if let Some(missing) = board.missing(!io.spindle_pwm.is_empty(), !io.index.is_empty()) {
+        let has_encoder = !io.encoder.is_empty();
+        let is_wired = |pin: &String| !pin.is_empty();
+        let wired = WiredSignals {
+            speed: is_wired(&io.spindle_pwm),
+            index: is_wired(&io.index) && !has_encoder,
+            encoder: has_encoder,
+            axis_encoder: is_wired(&self.config.x.encoder.pin)
+                || is_wired(&self.config.z.encoder.pin),
+        };
+        if let Some(missing) = board.missing(wired) {
             return Err((
                 alarm::BOARD_UNSUPPORTED,
                 say::board_command_unknown(missing),
@@ -339,6 +349,8 @@ impl StepLink {
             self.opening.info.blocks = queue.try_into().unwrap_or(u16::MAX);
             self.motion.queue.set_slots(queue);
             self.opening.phase = Phase::Learn { restarts };
+        } else if config_sent && reason.as_deref().is_some_and(shutdown::is_by_guard) {
+            self.refuse(alarm::EMERGENCY_STOP, say::board_guard_at_opening());
         } else if config_sent {
             let text = self.not_taken(reason.as_deref());
             self.refuse(alarm::BOARD_SETTINGS, text);
@@ -441,6 +453,7 @@ impl StepLink {
         self.opening.phase = Phase::Running;
         self.take_over_outputs();
         self.forget_spindle();
+        self.query_encoder();
         let index = self.wiring.as_ref().and_then(|wiring| wiring.index);
         if let Some(oid) = index {
             let at = self.soon();

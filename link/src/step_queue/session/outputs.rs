@@ -4,6 +4,7 @@ use core::time::Duration;
 
 use super::StepLink;
 use crate::step_queue::commands::Command;
+use crate::step_queue::step_compress::Ticks;
 use crate::step_queue::wiring::OutputPin;
 use crate::{BoardOutputs, HostTime, LinkState, MotionRefused, Output, RunTime, SpindleDirection};
 
@@ -97,9 +98,11 @@ impl StepLink {
         {
             return Ok(());
         }
+        // In a thread the clock of the path runs with the spindle.
+        let ahead = self.clock.at(self.session.now) as Ticks - self.path_now();
         let made = self.motion.path.piece_at(at).map_or(0, |piece| {
             let rest = at.saturating_sub(piece.sample.end);
-            piece.clock.unsigned_abs() + self.clock.ticks(rest)
+            (piece.clock + ahead).unsigned_abs() + self.clock.ticks(rest)
         });
         let earliest = self.clock.at(self.session.now + self.margin() + AHEAD);
         self.switch(output_pin, value, made.max(earliest));

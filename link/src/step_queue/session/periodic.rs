@@ -3,6 +3,7 @@
 use core::time::Duration;
 
 use super::StepLink;
+use super::lease::Lease;
 use super::outputs::StepQueueOutputs;
 use super::switches::Switches;
 use crate::HostTime;
@@ -50,6 +51,7 @@ pub(super) struct Periodic {
     clock_due: HostTime,
     config_due: HostTime,
     heartbeat_due: HostTime,
+    pub(super) lease: Lease,
     pub(super) switches: Switches,
     pub(super) outputs: StepQueueOutputs,
 }
@@ -105,6 +107,7 @@ impl StepLink {
             self.wire
                 .send_urgent_until(Command::TrsyncSetTimeout, &arguments, until);
         }
+        self.renew_lease();
         self.keep_enabled();
         self.query_switch();
         self.send_wanted();

@@ -12,7 +12,7 @@ impl StepLink {
     /// at the host time `at`.
     pub(super) fn estimate_position(&mut self, at: HostTime) {
         self.stopping = None;
-        let clock = self.clock.at(at.min(self.session.now)) as Ticks;
+        let clock = self.path_clock_at(at);
         self.motion.stand_at_clocks([clock; 2]);
     }
 
@@ -21,7 +21,7 @@ impl StepLink {
     /// shut down in the last confirmed block.
     pub(super) fn estimate_position_sent(&mut self, at: HostTime, in_last: bool) {
         self.stopping = None;
-        let clock = self.clock.at(at.min(self.session.now)) as Ticks;
+        let clock = self.path_clock_at(at);
         let (missing, kept) = (
             self.wire.send_queue.first_missing(in_last),
             self.motion.queue.first_kept(),
@@ -32,6 +32,15 @@ impl StepLink {
             first.map_or(clock, |first| clock.min(first as Ticks - 1))
         });
         self.motion.stand_at_clocks(clocks);
+    }
+
+    /// Returns the clock of the path at the host time `at`, ticks; in a thread that of the last
+    /// report of the spindle.
+    fn path_clock_at(&self, at: HostTime) -> Ticks {
+        if self.angle.is_engaged() {
+            return self.path_now();
+        }
+        self.clock.at(at.min(self.session.now)) as Ticks
     }
 
     /// Queries the position of both axes; `purpose` determines what happens with the answer.
@@ -61,7 +70,11 @@ impl StepLink {
         let Some(reading) = &mut self.query.pending else {
             return;
         };
-        if self.session.since(reading.since) >= GIVE_UP {
+        if self.session.since(reading.since) >= GIVE_UP && reading.purpose == QueryPurpose::ShutDown
+        {
+            // The estimated position remains.
+            self.query.pending = None;
+        } else if self.session.since(reading.since) >= GIVE_UP {
             self.lose_board(say::board_position_not_reported());
         } else if self.session.since(reading.queried_at) >= query_timeout {
             reading.queried_at = self.session.now;

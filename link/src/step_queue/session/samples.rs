@@ -39,7 +39,7 @@ impl StepLink {
     /// effect.
     pub(super) fn farthest(&self) -> Ticks {
         let reach = self.ahead() + self.margin() + FLUSH_EVERY;
-        self.clock.at(self.session.now + reach) as Ticks
+        self.path_now() + self.clock.ticks(reach) as Ticks
     }
 
     /// Takes the commanded position at the end of a tick of the kernel and adds its steps to the
@@ -53,6 +53,10 @@ impl StepLink {
             return Err(MotionRefused::NotReady);
         }
         let before = self.motion.path.newest;
+        if !self.angle.is_planned() && self.angle.is_engaged() {
+            self.take_sample_after_thread(sample);
+            return Ok(());
+        }
         let duration = sample.end.saturating_sub(before.end);
         let moves = [
             sample.pulses.x.0 - before.pulses.x.0,
@@ -70,6 +74,9 @@ impl StepLink {
         if moved {
             let operated = [Input::LimitX, Input::LimitZ].map(|input| self.input(input));
             self.motion.limits.allow(moves, operated)?;
+        }
+        if self.angle.is_planned() {
+            return self.take_angle_sample(&before, sample);
         }
         let rests = !moved && sample.fine == before.fine;
         if rests && self.motion.path.finished && !self.motion.path.keeps_time {
@@ -152,6 +159,7 @@ impl StepLink {
     /// Compresses and sends the steps that still wait to be compressed with later ones, when the
     /// kernel is at standstill. Never fails.
     pub(super) fn take_rest(&mut self) -> Result<(), MotionRefused> {
+        self.close_stretch();
         self.motion.path.finished = true;
         self.compress();
         self.send();
@@ -172,7 +180,7 @@ impl StepLink {
 
     /// Compresses the collected steps into runs and sends these. Steps that must be sent soon give
     /// fewer and longer runs, with larger time errors.
-    fn compress(&mut self) {
+    pub(super) fn compress(&mut self) {
         let slack = self.slack().saturating_sub(self.slowness());
         let coarse = COARSER.iter().find(|(least, _)| slack >= *least);
         let coarse = coarse.map_or(COARSEST, |(_, coarse)| *coarse);
@@ -189,6 +197,7 @@ impl StepLink {
         self.motion.queue.slowdown.compressed(messages.sum());
         self.motion.queue.backlog.extend(entries);
         self.hand_over();
+        self.compress_angle();
     }
 
     /// Sends step runs as far as the board's motion queue has free entries.
@@ -225,7 +234,8 @@ impl StepLink {
     /// Advances the motion to the current time: sends due steps, and stops motion that is
     /// late.
     pub(super) fn advance_motion(&mut self) {
-        let now = self.clock.at(self.session.now) as Ticks;
+        self.watch_angle();
+        let now = self.path_now();
         if self.stopping.is_none() {
             self.motion.path.pass(now);
         }
@@ -241,16 +251,17 @@ impl StepLink {
             self.compress();
         } else {
             self.hand_over();
+            self.hand_over_angle();
         }
         let dry = self.motion.path.end.is_some_and(|end| end <= now);
         if dry && !self.motion.path.is_at_rest() {
             self.late(say::motion_not_in_time());
             return;
         }
-        if dry {
+        if dry && !self.angle.is_engaged() {
             self.motion.path.end_if_made();
         }
-        self.verify(now);
+        self.verify(self.clock.at(self.session.now) as Ticks);
     }
 
     /// Queries the board's count for the comparison with the commanded position, when the axes are
@@ -284,6 +295,13 @@ impl StepLink {
     pub(super) fn position_answered(&mut self, purpose: QueryPurpose, board: PerAxis<Pulses>) {
         match purpose {
             QueryPurpose::Stopped => self.stopped(board),
+            QueryPurpose::ShutDown => {
+                let kernel = self.motion.count.to_kernel(board);
+                self.motion.count.board = Some(board);
+                self.motion.stand_at(kernel);
+                // The position is counted; the shutdown has switched the drives off.
+                self.session.replace_uncertainty(Uncertainty::Powerless);
+            }
             QueryPurpose::Opening => {
                 self.motion.count.board = Some(board);
                 self.session.enter(LinkState::Locked);

@@ -14,6 +14,7 @@ use super::super::clock_sync::near;
 use super::super::spindle_estimator::{IndexPulse, POLL, SpindleEstimator};
 use super::super::step_compress::Ticks;
 use super::StepLink;
+use super::angle::AngleDrive;
 use core::time::Duration;
 
 /// Duration of a tick of the kernel.
@@ -89,7 +90,7 @@ impl Spindle {
 impl StepLink {
     /// Whether the one-turn signal of the spindle is wired to the board.
     pub(super) const fn sees_spindle(&self) -> bool {
-        !self.config.io.index.is_empty()
+        !self.config.io.index.is_empty() || self.has_spindle_encoder()
     }
 
     pub(super) fn counter_report(&mut self, count: u32, clock: u32) {
@@ -174,5 +175,9 @@ impl StepLink {
     /// Forgets the estimate and the predictions of the spindle, for another or a restarted board.
     pub(super) fn forget_spindle(&mut self) {
         self.spindle = Spindle::new(self.clock.rate);
+        self.angle = AngleDrive::default();
+        if self.has_spindle_encoder() {
+            self.angle = AngleDrive::new(self.config.io.encoder_counts, self.clock.rate);
+        }
     }
 }

@@ -12,6 +12,7 @@ use crate::Backend;
 use crate::position::Positioned;
 use crate::step_queue::commands::Command;
 use crate::step_queue::send_queue::Mark;
+use crate::step_queue::step_compress::Ticks;
 use crate::{HostTime, Input, InputCondition, LinkEvent, LinkState, Uncertainty};
 use gsk_messages::{Message, say};
 use gsk_units::{PerAxis, Pulses, alarm};
@@ -21,6 +22,8 @@ use gsk_units::{PerAxis, Pulses, alarm};
 pub(super) enum StopReason {
     /// The kernel has requested that the axes stop and keep their position.
     Flush,
+    /// The spindle stands still in a thread, and the axes with it.
+    SpindleStands,
     /// Motion was late, or could not be sent in time; the alarm gives this message as its cause.
     Late(Message),
     /// The motion needs more messages per second than the board can receive.
@@ -180,6 +183,7 @@ impl StepLink {
 
     /// Drops all motion and the pending position query.
     pub(super) fn give_up_motion(&mut self) {
+        self.angle.drop_motion();
         self.motion.drop_queued();
         self.wire.send_queue.drop_motion();
         self.query.pending = None;
@@ -203,12 +207,18 @@ impl StepLink {
             return;
         };
         let keep = self.config.flush_keep_speed.into();
-        let now = self.clock.at(self.session.now);
+        // The angle of a thread is not known to the count: the position may be anywhere on its path.
+        let now = if core::mem::take(&mut self.angle.was_dropped) {
+            Ticks::MAX.unsigned_abs()
+        } else {
+            self.clock.at(self.session.now)
+        };
         let stop = self.motion.stopped_at(board, now, self.pulses_per_mm);
         let reached = matches!(stopping.reason, StopReason::Trip(reason) if is_reached(reason));
         let powerless = matches!(stopping.reason, StopReason::Trip(EMERGENCY | DRIVES));
         // A fast stepper motor may lose steps in a dead stop.
-        let exact = stop.on_path && (stop.speed <= keep || reached) && !powerless;
+        let stands = stopping.reason == StopReason::SpindleStands;
+        let exact = stop.on_path && (stop.speed <= keep || reached || stands) && !powerless;
         self.session.released = false;
         if !exact {
             self.lose_position(match (powerless, stop.on_path) {
@@ -235,7 +245,7 @@ impl StepLink {
         self.session.events.push(LinkEvent::Position(stop.kernel));
         self.resend_outputs();
         match stopping.reason {
-            StopReason::Flush => self.resume(),
+            StopReason::Flush | StopReason::SpindleStands => self.resume(),
             StopReason::Trip(reason @ (REACHED | REACHED_Z)) => {
                 let axis = (reason - REACHED) as usize;
                 self.group.forget_edge(axis);

@@ -4,10 +4,10 @@
 mod bench;
 mod dialogue;
 mod faults;
-mod lathe;
+pub mod lathe;
 mod lines;
 mod linked;
-mod machine;
+pub mod machine;
 mod motion;
 mod returns;
 mod shutdowns;

@@ -1,0 +1,7 @@
+//! Tests the link with our own pulse board against its twin, which runs the engine of the
+//! firmware: threads on the true angle of the spindle, lease, guards, encoders.
+
+mod faults;
+mod machine;
+mod stops;
+mod threads;
