@@ -14,7 +14,7 @@ use paths::{ModuleSource, sources};
 /// The modules of `core`, from leaf to root, and what each uses.
 const CORE_MODULES: &str = "tests/core-modules.tsv";
 /// The folders of the packages that have a library.
-const PACKAGES: [&str; 28] = [
+const PACKAGES: [&str; 29] = [
     "messages",
     "units",
     "plc",
@@ -30,6 +30,7 @@ const PACKAGES: [&str; 28] = [
     "panel",
     "project",
     "port",
+    "outline",
     "runner",
     "lesson",
     "plot",
