@@ -222,7 +222,7 @@ impl WordWriter {
                 (arc_code(clockwise), words.concat())
             }
         };
-        let mut words = prefix.to_owned();
+        let mut words = String::new();
         if self.code != code {
             words.push_str(code);
             self.code = code;
@@ -240,6 +240,7 @@ impl WordWriter {
         if let Some(feed) = feed {
             words.push_str(&format!(" F{}", plain(feed)));
         }
+        self.text.push_str(prefix);
         self.text.push_str(words.trim_start());
         self.text.push('\n');
     }

@@ -14,6 +14,7 @@ mod link;
 mod lsp;
 mod mill;
 mod mtconnect;
+mod outline;
 mod packages;
 mod picture;
 mod pitch;
@@ -51,6 +52,7 @@ pub use link::{
 pub use lsp::LspArgs;
 pub use mill::{GearArgs, HomingArgs, MILL_AXES, MillCommand, MillKeysArgs, PitchArgs};
 pub use mtconnect::MtconnectArgs;
+pub use outline::OutlineArgs;
 pub use packages::{CompletionsArgs, ManArgs};
 pub use picture::PictureArgs;
 pub use pitch::{PitchCommand, PitchFormat, PitchImportArgs, PitchShowArgs};
@@ -199,6 +201,11 @@ pub enum CliCommand {
     /// `linuxcnc`) the program is ported: printed or, with -o, written, and checked. Lines
     /// without an equivalent are listed, and stop the ported program with alarm 500.
     Dialect(DeferredArgs<DialectArgs>),
+    /// Write the program that turns the outline of a drawing (DXF or SVG)
+    ///
+    /// The outline of the part above the axis, from its right end to its left one: lines and
+    /// arcs, joined and checked. The program has G71 and G70, or only the blocks of the outline.
+    Outline(DeferredArgs<OutlineArgs>),
     /// Operate the panel by a script of key presses and expectations
     #[command(after_help = script_help())]
     Operate(DeferredArgs<OperateArgs>),

@@ -15,6 +15,7 @@ mod manual;
 mod mill;
 mod mill_setup;
 mod operate;
+mod outline;
 mod pitch;
 mod plot;
 mod program_sources;
@@ -90,6 +91,7 @@ pub fn run_command_line(cli: CommandLine) -> ExitCode {
         Some(CliCommand::Plot(args)) => plot::plot(&args, language),
         Some(CliCommand::Sheet(args)) => sheet::sheet(&args, language),
         Some(CliCommand::Dialect(args)) => dialect::dialect(&args, language),
+        Some(CliCommand::Outline(args)) => outline::outline(&args, language),
         Some(CliCommand::Operate(args)) => operate::operate(&args, language),
         Some(CliCommand::Lesson(command)) => lesson::lesson(&command, language),
         Some(CliCommand::Exercise(command)) => exercise::exercise(&command, language),
