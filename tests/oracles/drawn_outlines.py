@@ -23,7 +23,7 @@ import subprocess
 import tempfile
 
 import ezdxf
-from shapely.geometry import LineString, Polygon, box
+from shapely.geometry import Point, Polygon, box
 
 JOB = """(
     stock: (form: Bar(diameter: {stock}), face: 1, length: {length}, overhang: {overhang}),
@@ -81,7 +81,10 @@ def draw(rng, pieces, path):
     unit = rng.choice([(4, 1.0), (4, 1.0), (1, 25.4)])
     version = rng.choice(["R12", "R2000", "R2010", "R2018"])
     document = ezdxf.new(version)
-    document.header["$INSUNITS"] = unit[0]
+    if version == "R12":
+        unit = (0, 1.0)
+    else:
+        document.header["$INSUNITS"] = unit[0]
     space = document.modelspace()
     scale = 1 / unit[1]
     layer = rng.choice(["0", "OUTLINE", "轮廓"])
@@ -147,7 +150,13 @@ def section_of(path):
     with open(path, encoding="utf-8") as file:
         for row in csv.DictReader(file):
             polygons[row["polygon"]].append((float(row["z"]), float(row["x"]) / 2))
-    return max((Polygon(points) for points in polygons.values()), key=lambda it: it.area)
+    return max((Polygon(points).buffer(0) for points in polygons.values()), key=lambda it: it.area)
+
+
+def greatest_distance(wanted, left, least_z):
+    """The greatest distance of corners of one boundary from the other one; not at the left end."""
+    pairs = [(wanted.exterior, left.exterior), (left.exterior, wanted.exterior)]
+    return max(other.distance(Point(at)) for one, other in pairs for at in one.coords if at[0] > least_z)
 
 
 def main():
@@ -186,13 +195,13 @@ def main():
                 faults += 1
                 continue
             points = [pieces[0][0]] + [p for piece in pieces for p in points_of(piece, 400)[1:]]
-            wanted = Polygon(points + [(-length, 0)])
+            wanted = Polygon(points + [(-length, 0)]).buffer(0)
             # Only what the outline reaches, without its left end, where the blank begins.
             reach = box(-length + 0.01, -1, 100, 1000)
             wanted, left = wanted.intersection(reach), section_of(section).intersection(reach)
             if left.geom_type != "Polygon":
                 left = max(left.geoms, key=lambda it: it.area)
-            cut = LineString(wanted.exterior.coords).hausdorff_distance(LineString(left.exterior.coords))
+            cut = greatest_distance(wanted, left, -length + 0.05)
             worst_cut, cut_count = max(worst_cut, cut), cut_count + 1
             if distance > 0.001 or cut > 0.002:
                 print(f"{number}: outline {distance:.6f} mm, cut part {cut:.6f} mm")
