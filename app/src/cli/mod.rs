@@ -17,6 +17,7 @@ mod lsp;
 mod mill;
 mod mqtt;
 mod mtconnect;
+mod outline;
 mod packages;
 mod picture;
 mod pitch;
@@ -58,6 +59,7 @@ pub use lsp::LspArgs;
 pub use mill::{GearArgs, HomingArgs, MILL_AXES, MillCommand, MillKeysArgs, PitchArgs};
 pub use mqtt::MqttArgs;
 pub use mtconnect::MtconnectArgs;
+pub use outline::OutlineArgs;
 pub use packages::{CompletionsArgs, ManArgs};
 pub use picture::PictureArgs;
 pub use pitch::{PitchCommand, PitchFormat, PitchImportArgs, PitchShowArgs};
@@ -216,6 +218,11 @@ pub enum CliCommand {
     /// holes and centre holes. The values stay in comments in front of the blocks, so that
     /// `--read` and the window open the form again. docs/forms.md shows each form.
     Form(DeferredArgs<FormArgs>),
+    /// Write the program that turns the outline of a drawing (DXF or SVG)
+    ///
+    /// The outline of the part above the axis, from its right end to its left one: lines and
+    /// arcs, joined and checked. The program has G71 and G70, or only the blocks of the outline.
+    Outline(DeferredArgs<OutlineArgs>),
     /// Operate the panel by a script of key presses and expectations
     #[command(after_help = script_help())]
     Operate(DeferredArgs<OperateArgs>),

@@ -17,6 +17,7 @@ mod mill;
 mod mill_setup;
 mod network;
 mod operate;
+mod outline;
 mod pitch;
 mod plot;
 mod program_sources;
@@ -93,6 +94,7 @@ pub fn run_command_line(cli: CommandLine) -> ExitCode {
         Some(CliCommand::Sheet(args)) => sheet::sheet(&args, language),
         Some(CliCommand::Dialect(args)) => dialect::dialect(&args, language),
         Some(CliCommand::Form(args)) => form::form(&args, language),
+        Some(CliCommand::Outline(args)) => outline::outline(&args, language),
         Some(CliCommand::Operate(args)) => operate::operate(&args, language),
         Some(CliCommand::Lesson(command)) => lesson::lesson(&command, language),
         Some(CliCommand::Exercise(command)) => exercise::exercise(&command, language),
