@@ -160,14 +160,15 @@ impl FieldDrafts {
         let mut output = edit.show(ui);
         let response = output.response.response.clone();
         let response = response.labelled_by(label).on_hover_text(tip);
-        if response.gained_focus() {
+        let is_first = std::mem::take(&mut self.focuses_first);
+        if is_first {
+            response.request_focus();
+        }
+        if is_first || response.gained_focus() {
             // What is typed next replaces the value.
             let all = CCursorRange::two(CCursor::new(0), CCursor::new(length));
             output.state.cursor.set_char_range(Some(all));
             output.state.store(ui.ctx(), id);
-        }
-        if std::mem::take(&mut self.focuses_first) {
-            response.request_focus();
         }
         if !response.changed() {
             return false;
