@@ -7,7 +7,7 @@ use glam::{Mat4, Vec3, vec3};
 use crate::camera::OrbitCamera;
 use crate::description::{LatheDescription, SceneTheme};
 use crate::lathe::MeshGroup;
-use crate::part::details::part_model;
+use crate::part_details::part_model;
 use crate::placement::{LathePlacement, tool_side};
 
 /// Direction from the scene to the main light.

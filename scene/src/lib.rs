@@ -12,6 +12,7 @@
 //! ```
 
 pub mod camera;
+mod chip_mesh;
 pub mod chips;
 pub mod description;
 pub mod effects;
@@ -21,7 +22,9 @@ pub mod level;
 pub mod mesh;
 pub mod opengl;
 pub mod part;
+mod part_details;
 pub mod placement;
+pub mod section_cut;
 pub mod software;
 pub mod tool_path;
 mod viewport;

@@ -11,15 +11,15 @@ use core::f32::consts::TAU;
 use glam::{Mat4, Vec3, Vec4, vec4};
 
 use crate::camera::OrbitCamera;
+use crate::chip_mesh::build_mesh;
 use crate::description::LatheDescription;
 use crate::frame::{COOLANT_ALPHA, FrameInputs, HAZE_ALPHA, LayerInputs, PANE_ALPHA, STILL_GROUPS};
 use crate::lathe::{MeshDesign, MeshGroup};
 use crate::mesh::SceneMesh;
-use crate::mesh::chips::build_mesh;
 use crate::mesh::occlusion::OcclusionBake;
-use crate::part::details::build_details;
 use crate::part::outline::PartOutline;
-use crate::part::section_cut::kept_sweep;
+use crate::part_details::build_details;
+use crate::section_cut::kept_sweep;
 use lines::draw_lines;
 use shading::{ShadowMap, ground, shade};
 use visibility::{SurfaceCorner, VisibilityBuffer};

@@ -1,6 +1,7 @@
 //! Rapids, cuts and dwells without ticks.
 
 use super::caution::CautionKind;
+use super::line_words::{has_letter, split_line};
 use super::{PreviewRun, bounds, remove_noise};
 use crate::alarm::Alarm;
 use crate::command::{ControlCommand, ExecutedMove, MoveConditions, MoveKind};
@@ -156,7 +157,8 @@ impl PreviewRun<'_> {
         if ms == 0 {
             return;
         }
-        if ms < SHORT_DWELL_MS {
+        // X and U count seconds: a short dwell is meant as one.
+        if ms < SHORT_DWELL_MS && has_letter(&split_line(self.line_text(source)), b'P') {
             self.add_caution(CautionKind::ShortDwell(ms), source);
         }
         let at = remove_noise(self.preview.frame.to_program(self.preview.machine));

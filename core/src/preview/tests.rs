@@ -355,7 +355,7 @@ fn threads_dwells_and_noses_are_looked_at() {
             &[],
         ),
         ("G04 P5\nG04 P0\nM30\n", &[("short-dwell", 1)]),
-        ("G04 X0.5\nG04 P20\nM30\n", &[]),
+        ("G04 X0.009\nG04 P20\nM30\n", &[]),
     ];
     for (text, expected) in cases {
         assert_eq!(lints(&setup, text), expected, "{text}");

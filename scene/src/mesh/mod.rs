@@ -2,7 +2,6 @@
 
 #[cfg(test)]
 pub mod checks;
-pub mod chips;
 pub mod marks;
 pub mod occlusion;
 pub mod polyline;

@@ -1,7 +1,7 @@
 //! The chips as one mesh in the memory of OpenGL.
 
+use crate::chip_mesh::build_mesh;
 use crate::chips::ChipState;
-use crate::mesh::chips::build_mesh;
 use crate::opengl::device::{Device, GpuMesh, SceneError, VertexLayout};
 
 /// The mesh of all chips in the memory of OpenGL; empty without chips.

@@ -7,9 +7,9 @@ use crate::description::{LatheDescription, LatheKind, SectionCut};
 use crate::level::SceneLevel;
 use crate::opengl::device::{Device, GpuMesh, SceneError, SceneProgram, VertexLayout};
 use crate::opengl::shader;
-use crate::part::details::build_details;
 use crate::part::outline::{MAX_EDGES, PartOutline};
-use crate::part::section_cut::kept_sweep;
+use crate::part_details::build_details;
+use crate::section_cut::kept_sweep;
 
 /// The part in the memory of OpenGL: a fixed grid, the texture of its outline, and its threads and
 /// cut faces.

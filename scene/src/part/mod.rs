@@ -1,7 +1,5 @@
-//! The part that is cut: its outline, threads, material and cut faces.
+//! The part that is cut: its outline, threads and material.
 
-pub mod details;
 pub mod material;
 pub mod outline;
-pub mod section_cut;
 pub mod threads;

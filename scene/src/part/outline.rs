@@ -333,7 +333,7 @@ mod tests {
         assert_eq!(part.bounds(), Some((0.0, 60.0, 10.0)));
         for angle in [0.0, 1.0, 4.0] {
             let lines = part.section_lines(angle);
-            let area: f32 = crate::part::section_cut::trapezoids(&lines)
+            let area: f32 = crate::section_cut::trapezoids(&lines)
                 .iter()
                 .map(|it| doubled_area(it) * 0.5)
                 .sum();

@@ -6,8 +6,8 @@ use crate::description::{LatheDescription, LatheKind, SectionCut};
 use crate::effects::bar_bend;
 use crate::mesh::SceneMesh;
 use crate::part::outline::PartOutline;
-use crate::part::section_cut::{add_face, kept_sweep, tool_angle};
 use crate::placement::LathePlacement;
+use crate::section_cut::{add_face, kept_sweep, tool_angle};
 
 /// Number of hatch lines over the longer side of the part.
 const HATCH_LINES: f32 = 18.0;
