@@ -15,6 +15,7 @@ mod sound;
 mod tie;
 mod turns;
 mod view;
+mod volumes;
 
 pub use clock::{shared_time, time_with_sleep};
 pub use course::{course_page, report_course};
@@ -41,3 +42,4 @@ pub use view::{
     choose_file, close_error_dialog, data_folder, data_folder_in_use, home_folder, open_window,
     publish_screen_text, sent_folder, startup_message, take_dropped,
 };
+pub use volumes::{mounted_volumes, write_to_drive};
