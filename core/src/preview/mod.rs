@@ -177,7 +177,6 @@ fn interpret(
         Some(program) => {
             interpreter.start(program, 1, &host);
             preview_run.check_text(program);
-            preview_run.check_reach(program);
             preview_run.run(&mut interpreter, &mut host, should_continue)
         }
         None => {
@@ -191,6 +190,9 @@ fn interpret(
         preview_run.fail(alarm.clone());
     }
     preview_run.check_end_position();
+    if let Some(program) = programs.selected() {
+        preview_run.check_reach(program);
+    }
     let mut preview = preview_run.finish(&host.parameters);
     preview.modal = *interpreter.modal();
     if matches!(

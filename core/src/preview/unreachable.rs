@@ -1,21 +1,27 @@
 //! Finds blocks that no other block leads to: those after the end of a program that no jump,
 //! call or cycle names.
 
-use super::PreviewRun;
 use super::caution::CautionKind;
 use super::line_words::{WrittenWord, numbers_of, split_line};
+use super::{PreviewEnd, PreviewRun};
 use crate::command::{ProgramId, SourcePosition};
 use crate::program::Program;
 
 impl PreviewRun<'_> {
-    /// Adds a caution about the first block of a program that no other block leads to.
-    pub(super) fn check_reach(&mut self, program: ProgramId) {
-        let Some(text) = self.programs.get(program) else {
+    /// Adds a caution about the first block after the executed end of the main program that no
+    /// other block leads to. `main` is the program that the run began with.
+    pub(super) fn check_reach(&mut self, main: ProgramId) {
+        let is_end = matches!(
+            self.preview.end,
+            PreviewEnd::M30 | PreviewEnd::M02 | PreviewEnd::M99
+        );
+        let end = self.source.filter(|end| is_end && end.program == main);
+        let (Some(end), Some(text)) = (end, self.programs.get(main)) else {
             return;
         };
-        if let Some(line) = find_unreachable_line(text) {
+        if let Some(line) = find_unreachable_line(text, end.line) {
             let source = SourcePosition {
-                program,
+                program: main,
                 line,
                 sequence: None,
             };
@@ -66,22 +72,19 @@ fn named_numbers(program: &Program) -> Option<Vec<u32>> {
     Some(numbers)
 }
 
-/// The line of the first block that no other block leads to, from 1; `None` if there is none,
-/// or if the program computes where it continues.
-fn find_unreachable_line(program: &Program) -> Option<u32> {
-    let count = program.block_count();
-    let is_end = |index: &u32| {
-        let block = block_text(program, *index);
-        block.contains(['M', 'm'])
-            && !program.has_skip_mark(*index)
-            && ends_program(&split_line(block))
-    };
-    let end = (0..count).find(is_end)?;
-    let is_written = |index: &u32| !split_line(block_text(program, *index)).is_empty();
-    (end + 1..count).find(is_written)?;
+/// The first line after the end of a program in line `end`, both from 1, with a block that no
+/// other block leads to; `None` if there is none, or if the program computes where it continues.
+fn find_unreachable_line(program: &Program, end: u32) -> Option<u32> {
+    let rest = program.block_from_line(end + 1)..program.block_count();
+    // Nearly every program returns here, before its whole text is read. Block skip passes an
+    // end with `/`.
+    let mut last_line = program.block_from_line(end)..rest.start;
+    if rest.is_empty() || last_line.any(|index| program.has_skip_mark(index)) {
+        return None;
+    }
     let targets = named_numbers(program)?;
     let mut is_reached = false;
-    for index in end + 1..count {
+    for index in rest {
         let words = split_line(block_text(program, index));
         let is_named = (program.sequence(index)).is_some_and(|it| targets.contains(&it));
         // Another program of the same text begins with its name.
@@ -89,9 +92,7 @@ fn find_unreachable_line(program: &Program) -> Option<u32> {
         if !is_reached && !words.is_empty() {
             return Some(program.block_line(index));
         }
-        if is_reached && is_end(&index) {
-            is_reached = false;
-        }
+        is_reached &= program.has_skip_mark(index) || !ends_program(&words);
     }
     None
 }
@@ -99,27 +100,49 @@ fn find_unreachable_line(program: &Program) -> Option<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::preview::preview;
+    use crate::setup::Setup;
 
     #[test]
     fn blocks_after_the_end_need_a_jump_to_them() {
+        // Program, line of its end, line of the caution.
         let cases = [
-            ("O1\nG00 X1\nM30\n", None),
-            ("O1\nG00 X1\nM30\n%\n", None),
-            ("O1\nG00 X1\nM30\nG01 Z5\n", Some(4)),
-            ("O1\nM30\n(notes)\n\nG00 X2\nM30\n", Some(5)),
-            ("O1\n/M30\nG00 X2\nM30\n", None),
-            ("O1\nM98 P2\nM30\nO2\nG00 X1\nM99\n", None),
-            ("O1\nM98 P2\nM30\nO2\nG00 X1\nM99\nG00 X3\n", Some(7)),
-            ("O1\nG70 P10 Q20\nM30\nN10 G00 X1\nN20 G01 Z-5\n", None),
-            ("O1\nG65 H81 P30 Q#200 R5\nM30\nN30 G00 X1\nM30\n", None),
-            ("O1\nIF [#1 EQ 2] GOTO 30\nM30\nN30 G00 X1\nM30\n", None),
-            ("O1\nIF [#1 EQ 2] GOTO #3\nM30\nN30 G00 X1\nM30\n", None),
-            ("O1\nGOTO 30\nM30\nN30 G00 X1\nM30\n", None),
-            ("O1\nM99 P5\nG00 X1\nN5 M30\n", None),
-            ("O1\nN5 G00 X1\nM99\nM30\n", Some(4)),
+            ("O1\nG00 X1\nM30\n", 3, None),
+            ("O1\nG00 X1\nM30\n%\n", 3, None),
+            ("O1\nG00 X1\nM30\nG01 Z5\n", 3, Some(4)),
+            ("O1\nM30\n(notes)\n\nG00 X2\nM30\n", 2, Some(5)),
+            ("O1\nM98 P2\nM30\nO2\nG00 X1\nM99\n", 3, None),
+            ("O1\nM98 P2\nM30\nO2\nG00 X1\nM99\nG00 X3\n", 3, Some(7)),
+            ("O1\nM98 P2\nM30\nO2\n/M99\nG00 X1\nM99\n", 3, None),
+            ("O1\nG70 P10 Q20\nM30\nN10 G00 X1\nN20 G01 Z-5\n", 3, None),
+            ("O1\nG65 H81 P30 Q#200 R5\nM30\nN30 G00 X1\nM30\n", 3, None),
+            ("O1\nIF [#1 EQ 2] GOTO 30\nM30\nN30 G00 X1\nM30\n", 3, None),
+            ("O1\nIF [#1 EQ 2] GOTO #3\nM30\nN30 G00 X1\nM30\n", 3, None),
+            (
+                "O1\nIF [#1 EQ 2] GOTO 30\nM30\nN40 G00 X1\nM30\n",
+                3,
+                Some(4),
+            ),
+            ("O1\nN5 G00 X1\nM99\nM30\n", 3, Some(4)),
         ];
-        for (text, line) in cases {
-            assert_eq!(find_unreachable_line(&Program::new(text)), line, "{text}");
+        for (text, end, line) in cases {
+            let program = Program::new(text);
+            assert_eq!(find_unreachable_line(&program, end), line, "{text}");
         }
+    }
+
+    #[test]
+    fn the_executed_end_counts() {
+        let caution_lines = |text: &str| -> Vec<u32> {
+            let mut setup = Setup::default();
+            setup.memory.programs.open_external(Program::new(text));
+            setup.memory.programs.select(ProgramId::External);
+            let preview = preview(&setup, &setup.memory.programs, &mut |_| {});
+            let lines = preview.cautions.iter().map(|it| it.source.line);
+            lines.collect()
+        };
+        assert_eq!(caution_lines("O1\nG00 X1\nM30\nG00 X2\n"), [4]);
+        assert!(caution_lines("O1\n/M30\nG00 X2\nM30\n").is_empty());
+        assert!(caution_lines("O1\nG00 X1\nN5 M30\n").is_empty());
     }
 }

@@ -26,7 +26,7 @@ const LCD_RENEWAL_MS: u64 = 6000;
 pub struct SeatPane {
     /// Whether the instructor watches the LCD.
     watches_lcd: bool,
-    /// When the seat was last asked for its LCD, ms; `None` before the first time.
+    /// Time of the newest request for the LCD of the seat, ms; `None` before the first one.
     requested_ms: Option<u64>,
     picture: Option<LcdPicture>,
     texture: Option<TextureHandle>,
