@@ -31,7 +31,7 @@ macro_rules! stored_value {
 macro_rules! message_rows {
     ($($name:ident $variant:ident($($value:ident $(: $kind:tt)?),*);)*) => {
         /// Identifies a message: a row of the message table.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum Id {
             $(
                 #[doc = concat!("The row `", stringify!($name), "`.")]
