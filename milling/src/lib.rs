@@ -18,6 +18,7 @@ mod codes;
 pub mod commissioning;
 mod cycles;
 pub mod keys;
+pub mod machine_tables;
 mod memory;
 mod modal;
 mod options;

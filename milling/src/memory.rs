@@ -20,6 +20,10 @@ pub mod parameter {
     pub const OFFSETS: u16 = 3;
     /// Parameter 007. Bit 6: every motion block ends with an exact stop.
     pub const CORNERS: u16 = 7;
+    /// Parameter 010: rate at which backlash is taken up, bits of kpps.
+    pub const BACKLASH_RATE: u16 = 10;
+    /// Parameter 011. Bit 7: backlash in mode B. Bit 6: an eighth of the rate of 010.
+    pub const BACKLASH_MODE: u16 = 11;
     /// Parameter 012. Bit 7: the axes of a rapid arrive together. Bit 4: G01 is in force at
     /// power-on.
     pub const MOTION: u16 = 12;
@@ -37,6 +41,8 @@ pub mod parameter {
     pub const FEED_TIME: u16 = 29;
     /// Parameter 030: speed at which cuts begin and end, mm/min.
     pub const FEED_START: u16 = 30;
+    /// Parameter 034: backlash of an axis, 0.001 mm.
+    pub const BACKLASH: u16 = 34;
     /// Parameter 036. Bit 7: a scale counts in 0.00001 instead of 0.001.
     pub const SCALE_UNIT: u16 = 36;
     /// Parameter 045: positive travel limit, machine coordinates, 0.001 mm.
@@ -49,6 +55,8 @@ pub mod parameter {
     pub const INDEX_RATE: u16 = 76;
     /// Parameter 172. Bit 4: soft limits are off.
     pub const LIMITS: u16 = 172;
+    /// Parameter 174. Bit 6: cuts wait for the speed of the spindle.
+    pub const SPINDLE_CHECK: u16 = 174;
     /// Parameter 187. Type of a fourth or fifth axis, bits 1 and 0: 00 linear, 01 rotary A, 11
     /// rotary B.
     pub const KIND: u16 = 187;
@@ -90,8 +98,14 @@ pub mod parameter {
     pub const REFERENCE: u16 = 1240;
     /// Parameter 3410: greatest distance of an arc's end from its circle, 0.001 mm.
     pub const ARC_ERROR: u16 = 3410;
+    /// Parameter 3712: type of the spindle: 0 gears, 1 analog, 2 serial.
+    pub const SPINDLE_TYPE: u16 = 3712;
     /// Parameter 3720: lines of the spindle encoder. With 0, G74 and G84 drill.
     pub const ENCODER: u16 = 3720;
+    /// Parameter 3740: delay before the speed of the spindle is checked, ms.
+    pub const SPINDLE_DELAY: u16 = 3740;
+    /// Parameters 3741 to 3744: greatest speed of the gears 1 to 4, r/min.
+    pub const GEAR_SPEEDS: core::ops::RangeInclusive<u16> = 3741..=3744;
     /// Parameter 5040: feed of G37, mm/min.
     pub const MEASURE_FEED: u16 = 5040;
     /// Parameter 5043: distance before the measuring point at which G37 changes to its feed, 0.001

@@ -2,6 +2,7 @@
 
 mod holes;
 mod macros;
+mod spindle_and_backlash;
 mod transforms;
 
 use gsk_core::program::{Program, ProgramMemory};
