@@ -168,8 +168,8 @@ fn a_memory_is_backed_up_and_restored() {
     assert!(output.contains("5 file(s)"), "{output}");
     drop(control);
     // Another baud rate and another offset. The last file changes the rate of the line.
-    let parameters = read_text(saved.join("ParaW.par")).replace("044=115200", "044=9600");
-    assert!(parameters.contains("044=9600"), "{parameters}");
+    let parameters = read_text(saved.join("ParaW.par")).replace("044=115200", "044=57600");
+    assert!(parameters.contains("044=57600"), "{parameters}");
     write(&saved, "ParaW.par", &parameters);
     let offsets = read_text(saved.join("Tofs.ofs"));
     let changed = offsets.replacen("001=0.000,0.000", "001=1.500,-2.000", 1);
@@ -179,9 +179,11 @@ fn a_memory_is_backed_up_and_restored() {
     let control = ControlProcess::start(&["--parameter-switch"]);
     let output = control.run_successfully("restore", &[&saved.to_string_lossy()]);
     assert!(output.contains("5 file(s)"), "{output}");
+    // The control changes its rate once the line is idle.
+    std::thread::sleep(Duration::from_secs(1));
     let again = folder.join("again").to_string_lossy().into_owned();
     // The pseudo terminal has no baud rate, but the transfer uses that of parameter 044.
-    control.run_successfully("backup", &[&again, "--baud", "9600"]);
+    control.run_successfully("backup", &[&again, "--baud", "57600"]);
     for file in [
         "O0007.CNC",
         "Tofs.ofs",
@@ -199,7 +201,7 @@ fn a_memory_is_backed_up_and_restored() {
     let bad = write(&folder, "Tofs.ofs", "001=1,2,3,4\n077=0,0,0,0\n");
     control.assert_refused(
         "send",
-        &[&bad, "--baud", "9600", "--on-existing", "overwrite"],
+        &[&bad, "--baud", "57600", "--on-existing", "overwrite"],
         "content",
     );
     control.run_successfully(
@@ -210,7 +212,7 @@ fn a_memory_is_backed_up_and_restored() {
             &again,
             "--overwrite",
             "--baud",
-            "9600",
+            "57600",
         ],
     );
     assert_eq!(read_text(Path::new(&again).join("Tofs.ofs")), changed);

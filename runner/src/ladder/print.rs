@@ -21,9 +21,10 @@ pub fn print_ladder(ladder: &Ladder, name: &str, language: Language) -> String {
     page.begin(&title, STYLE);
     let columns = ladder.networks().map(|network| columns(&network)).max();
     let columns = columns.unwrap_or(1);
-    if columns > MAX_UPRIGHT_COLUMNS {
-        page.raw("<script>document.body.className=\"wide\"</script>");
-    }
+    page.raw(match columns > MAX_UPRIGHT_COLUMNS {
+        true => "<main class=\"wide\">",
+        false => "<main>",
+    });
     write_head(&mut page, ladder, &title);
     for network in ladder.networks() {
         if let Some(title) = &network.title {
@@ -45,6 +46,7 @@ pub fn print_ladder(ladder: &Ladder, name: &str, language: Language) -> String {
     }
     write_messages(&mut page, ladder);
     write_parameters(&mut page, ladder);
+    page.raw("</main>\n");
     page.finish()
 }
 

@@ -10,7 +10,7 @@ use super::address_text::address_comment;
 use super::operand_role::{operand_line_count, operand_role};
 
 /// Width and height of the cell of a contact, units of the picture.
-const CELL: (usize, usize) = (96, 62);
+const CELL: (usize, usize) = (96, 66);
 /// Distance of the wire from the upper edge of its cell.
 const WIRE: usize = 24;
 /// Width of the column with the row number.
@@ -229,7 +229,8 @@ fn box_height(output: &Statement) -> usize {
 fn output_rows(output: &Statement) -> usize {
     match operand_line_count(output) {
         0 => 1,
-        _ => (box_height(output) + 14).div_ceil(CELL.1),
+        // The upper edge of the box is as far below that of its cell.
+        _ => (box_height(output) + 2).div_ceil(CELL.1),
     }
 }
 
@@ -243,7 +244,7 @@ fn two_lines(comment: &str) -> Vec<String> {
         if used > CELL.0 - 4 && lines.len() < 2 {
             let current = lines.pop().unwrap_or_default();
             let (kept, rest) = match current.rsplit_once(' ') {
-                Some((kept, rest)) if kept.len() * 2 > current.len() => (kept, rest),
+                Some((kept, rest)) if !kept.is_empty() => (kept, rest),
                 _ => (current.as_str(), ""),
             };
             lines.push(kept.to_owned());

@@ -38,8 +38,7 @@ impl LadderView {
             let name = say::transfer_view_port().text(language);
             ui.label(&name);
             let field = TextEdit::singleline(&mut self.line.port).desired_width(170.0);
-            let hint = say::transfer_view_port_hint().text(language);
-            let response = ui.add(field).on_hover_text(hint);
+            let response = ui.add(field);
             response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, &name));
             ui.label(format!("{} bit/s", self.line.baud));
         });

@@ -12,7 +12,7 @@ use gsk_host::platform;
 
 use super::draft::LadderDraft;
 use super::element_change::{ElementChange, change_rung, format_rung};
-use super::{LadderView, Tab, compiler_text};
+use super::{LadderView, Tab, compiler_text, field_menu};
 use crate::focus;
 use crate::theme;
 use gsk_messages::{Language, say};
@@ -167,7 +167,7 @@ impl LadderView {
                 self.show_file_menu(ui, language);
             });
             if platform::has_ports() {
-                ui.menu_button(say::ladder_line_menu().text(language), |ui| {
+                field_menu(ui, say::ladder_line_menu().text(language), |ui| {
                     self.show_line_menu(ui, language);
                 });
             }

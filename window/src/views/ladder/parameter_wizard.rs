@@ -55,6 +55,11 @@ const fn preset_address(address: PlcAddress) -> Option<ByteAddress> {
     Some(ByteAddress::new(area, byte.byte))
 }
 
+/// Whether a blank memory can get a value for this address (`.INIT`).
+const fn has_start_value(address: PlcAddress) -> bool {
+    matches!(address, PlcAddress::Byte(byte) if !matches!(byte.area, Area::T))
+}
+
 /// Formats the current value of a parameter.
 fn value_text(address: PlcAddress, machine: &MachineView) -> String {
     let memory = machine.plc.memory();
@@ -133,7 +138,9 @@ impl LadderView {
         ui.horizontal_wrapped(|ui| {
             let address = parameter.address.to_string();
             ui.label(RichText::new(address).monospace().strong());
-            ui.label(&parameter.meaning);
+            if !parameter.meaning.is_empty() {
+                ui.label(&parameter.meaning);
+            }
             for row in &parameter.rows {
                 let button = Button::new(RichText::new(format!("{row:04}")).monospace()).small();
                 if ui.add(button).clicked() {
@@ -153,7 +160,7 @@ impl LadderView {
         }
         let preset =
             preset_address(parameter.address).filter(|_| parameter.data_parameter.is_none());
-        let can_start = self.is_editing && matches!(parameter.address, PlcAddress::Byte(_));
+        let can_start = self.is_editing && has_start_value(parameter.address);
         if preset.is_none() && !can_start {
             return;
         }

@@ -6,8 +6,8 @@ use gsk_core::plc::{Ladder, PlcAddress};
 use gsk_messages::{Language, Message, say};
 use gsk_runner::ladder::{LadderMatches, SearchDirection, search_ladder};
 
-use super::LadderView;
 use super::tables::show_table;
+use super::{LadderView, field_menu};
 
 /// The search text of the ladder view and its results.
 #[derive(Clone, Debug, Default)]
@@ -134,7 +134,7 @@ impl LadderView {
             ui.label(RichText::new(words).weak());
         }
         ui.separator();
-        ui.menu_button(say::ladder_go_to().text(language), |ui| {
+        field_menu(ui, say::ladder_go_to().text(language), |ui| {
             self.show_go_to_menu(ui, language, ladder);
         });
     }
@@ -205,7 +205,7 @@ impl LadderView {
         let mut clicked = None;
         let mut is_closed = false;
         let results = Panel::bottom("ladder results")
-            .default_size(112.0)
+            .default_size(140.0)
             .size_range(60.0..=300.0)
             .resizable(true)
             .frame(crate::views::side_frame());
