@@ -156,6 +156,18 @@ pub struct MillOffset {
     pub radius_wear: Length,
 }
 
+/// How the machine stores tool offsets, an option of its builder (001:5-19).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MillOffsetMemory {
+    /// One value for each number, used as length by H and as radius by D.
+    A,
+    /// A value and its wear for each number, used by H and by D.
+    B,
+    /// Length and radius with their wear for each number.
+    #[default]
+    C,
+}
+
 /// A column of the tool offset table that G10 and variables write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MillOffsetColumn {
@@ -163,6 +175,29 @@ pub(crate) enum MillOffsetColumn {
     LengthWear,
     Radius,
     RadiusWear,
+}
+
+impl MillOffsetColumn {
+    /// The same column of the other offset: that of the radius for one of the length.
+    const fn other(self) -> Self {
+        match self {
+            Self::Length => Self::Radius,
+            Self::LengthWear => Self::RadiusWear,
+            Self::Radius => Self::Length,
+            Self::RadiusWear => Self::LengthWear,
+        }
+    }
+}
+
+impl MillOffsetMemory {
+    /// The column that a variable or G10 means: memory A has no wear.
+    pub(crate) const fn column(self, column: MillOffsetColumn) -> MillOffsetColumn {
+        match (self, column) {
+            (Self::A, MillOffsetColumn::LengthWear) => MillOffsetColumn::Length,
+            (Self::A, MillOffsetColumn::RadiusWear) => MillOffsetColumn::Radius,
+            _ => column,
+        }
+    }
 }
 
 impl MillOffset {
@@ -181,6 +216,8 @@ impl MillOffset {
 pub struct MillMemory {
     /// The control model with the values of its parameters.
     pub model: ControlModel,
+    /// How the tool offsets are stored; set it before the first offset.
+    pub offset_memory: MillOffsetMemory,
     offsets: BTreeMap<u16, MillOffset>,
     /// External zero offset, added to all work zeros.
     pub(crate) external: MillPosition,
@@ -192,6 +229,7 @@ impl Default for MillMemory {
     fn default() -> Self {
         Self {
             model: ControlModel::new(ModelId::Gsk980mdi),
+            offset_memory: MillOffsetMemory::default(),
             offsets: BTreeMap::new(),
             external: MillPosition::default(),
             zeros: [MillPosition::default(); WorkZero::COUNT],
@@ -263,7 +301,12 @@ impl MillMemory {
             let detail = say::mill_offset_value(value.mm(), greatest.mm());
             return Err(Alarm::new(number::OUT_OF_RANGE).with_detail(detail));
         }
-        *self.offsets.entry(offset).or_default().column(column) = value;
+        let column = self.offset_memory.column(column);
+        let offset = self.offsets.entry(offset).or_default();
+        *offset.column(column) = value;
+        if self.offset_memory != MillOffsetMemory::C {
+            *offset.column(column.other()) = value;
+        }
         Ok(())
     }
 

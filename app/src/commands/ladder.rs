@@ -1,6 +1,7 @@
 //! `ladder`: compiles, lists and scans an instruction list, searches and prints it, and moves it
 //! to and from a control.
 
+use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -107,7 +108,7 @@ fn find(args: &LadderFindArgs) -> Result<u8, CommandError> {
 
 fn print(args: &LadderPrintArgs) -> Result<u8, CommandError> {
     let target = args.output.as_path();
-    let ending = target.extension().map(|it| it.to_ascii_lowercase());
+    let ending = target.extension().map(OsStr::to_ascii_lowercase);
     let is_html = ending.is_some_and(|it| it == "html" || it == "htm");
     if !is_html && !output::is_standard_output(Some(target)) {
         return Err(say::ladder_print_ending(target.display()).into());

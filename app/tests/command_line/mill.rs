@@ -248,3 +248,23 @@ fn rough_milling_is_refused_as_missing_here() {
         assert!(out.contains("not on this PC"), "{code}: {out}");
     }
 }
+
+#[test]
+fn the_offset_memory_of_the_mill_is_chosen() {
+    let text = b"O0001\nG10 P3 R5\nG43 H3 G01 Z10 F500\nM30\n";
+    let program = TempFile::new("offsets.nc", text);
+    let check = |memory: &str| {
+        let model = ["--model", "gsk980mdi", "--mill-memory", memory];
+        run_gsk(&[&["check", program.path()], &model[..]].concat())
+    };
+    assert_eq!(check("a").0, 0);
+    let (code, out, _) = check("b");
+    assert_eq!(code, 1);
+    assert!(
+        out.contains("P/S 043") && out.contains("--mill-memory"),
+        "{out}"
+    );
+    let (code, _, err) = run_gsk(&["check", program.path(), "--mill-memory", "a"]);
+    assert_eq!(code, 2);
+    assert!(err.contains("--mill-memory"), "{err}");
+}

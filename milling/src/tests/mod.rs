@@ -2,6 +2,7 @@
 
 mod holes;
 mod macros;
+mod offset_memory;
 mod spindle_and_backlash;
 mod transforms;
 

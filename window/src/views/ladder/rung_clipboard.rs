@@ -6,6 +6,7 @@ use std::ops::RangeInclusive;
 use egui::{Button, Event, Ui};
 use gsk_messages::{Language, say};
 
+use super::draft::LadderDraft;
 use super::{LadderView, Tab};
 
 /// The chosen rungs, and the rungs that were copied last.
@@ -31,7 +32,7 @@ impl LadderView {
     /// the clicked one are chosen.
     pub(super) fn select_clicked(&mut self, at: usize, with_shift: bool) {
         let chosen = self.chosen_rungs();
-        let ladder = self.draft.as_ref().map(|draft| draft.ladder());
+        let ladder = self.draft.as_ref().map(LadderDraft::ladder);
         let clicked = ladder.and_then(|ladder| ladder.statements().get(at));
         let clicked = clicked.map(|statement| statement.rung);
         self.clipboard.range_end = match (chosen, clicked) {
