@@ -504,29 +504,3 @@ fn file_throughput_is_near_line_rate() {
         assert!(put > 0.95 && get > 0.95, "{baud}: {put} {get}");
     }
 }
-
-#[test]
-fn files_of_any_size_come_back_one_after_another_at_a_slow_rate() {
-    let mut line = Line::new(9600);
-    let mut random = Random(5);
-    let sizes = [30, 792, 2048, 1175, 34_384];
-    for (number, size) in sizes.into_iter().enumerate() {
-        let bytes = random.bytes(size);
-        line.memory
-            .files
-            .push((FileName::from_program(number as u16), bytes));
-    }
-    let files = line.memory.files.clone();
-    assert_eq!(line.run(PcCommand::Connect), TransferOutcome::Done);
-    for (name, bytes) in files {
-        let got = line.run(PcCommand::Get(path(name.as_str())));
-        let TransferOutcome::Got(file) = got else {
-            panic!(
-                "{name}: {got:?} {:?} {}",
-                line.events,
-                line.now_ns / 1_000_000
-            );
-        };
-        assert_eq!(file.bytes, bytes, "{name}");
-    }
-}
