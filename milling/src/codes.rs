@@ -221,8 +221,9 @@ fn offset_input(
     let letters = &words.letters;
     let memory = context.memory.offset_memory;
     let column = match (memory, letters.l.map(WordNumber::integer)) {
-        (MillOffsetMemory::A, None) => MillOffsetColumn::Length,
-        (MillOffsetMemory::B | MillOffsetMemory::C, Some(10)) => MillOffsetColumn::Length,
+        (MillOffsetMemory::A, None) | (MillOffsetMemory::B | MillOffsetMemory::C, Some(10)) => {
+            MillOffsetColumn::Length
+        }
         (MillOffsetMemory::B | MillOffsetMemory::C, Some(11)) => MillOffsetColumn::LengthWear,
         (MillOffsetMemory::C, Some(12)) => MillOffsetColumn::Radius,
         (MillOffsetMemory::C, Some(13)) => MillOffsetColumn::RadiusWear,
