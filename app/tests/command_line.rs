@@ -4,6 +4,7 @@
 // fails.
 mod check_and_plot;
 mod form;
+mod ladder;
 mod lessons;
 mod mill;
 mod sheet_and_agent;

@@ -16,6 +16,7 @@ mod data_view;
 mod exercise_from_part;
 mod first_start;
 mod focus;
+mod ladder_transfer;
 mod lathe_view;
 mod layouts;
 mod lease;

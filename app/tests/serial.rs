@@ -165,11 +165,11 @@ fn a_memory_is_backed_up_and_restored() {
     let shaft = write(&folder, "O0007.CNC", SHAFT);
     control.run_successfully("send", &[&shaft]);
     let output = control.run_successfully("backup", &[&saved.to_string_lossy()]);
-    assert!(output.contains("4 file(s)"), "{output}");
+    assert!(output.contains("5 file(s)"), "{output}");
     drop(control);
     // Another baud rate and another offset. The last file changes the rate of the line.
-    let parameters = read_text(saved.join("ParaW.par")).replace("044=115200", "044=9600");
-    assert!(parameters.contains("044=9600"), "{parameters}");
+    let parameters = read_text(saved.join("ParaW.par")).replace("044=115200", "044=57600");
+    assert!(parameters.contains("044=57600"), "{parameters}");
     write(&saved, "ParaW.par", &parameters);
     let offsets = read_text(saved.join("Tofs.ofs"));
     let changed = offsets.replacen("001=0.000,0.000", "001=1.500,-2.000", 1);
@@ -178,11 +178,19 @@ fn a_memory_is_backed_up_and_restored() {
 
     let control = ControlProcess::start(&["--parameter-switch"]);
     let output = control.run_successfully("restore", &[&saved.to_string_lossy()]);
-    assert!(output.contains("4 file(s)"), "{output}");
+    assert!(output.contains("5 file(s)"), "{output}");
+    // The control changes its rate once the line is idle.
+    std::thread::sleep(Duration::from_secs(1));
     let again = folder.join("again").to_string_lossy().into_owned();
     // The pseudo terminal has no baud rate, but the transfer uses that of parameter 044.
-    control.run_successfully("backup", &[&again, "--baud", "9600"]);
-    for file in ["O0007.CNC", "Tofs.ofs", "Wcomp.wmp", "ParaW.par"] {
+    control.run_successfully("backup", &[&again, "--baud", "57600"]);
+    for file in [
+        "O0007.CNC",
+        "Tofs.ofs",
+        "Wcomp.wmp",
+        "Main.ldx",
+        "ParaW.par",
+    ] {
         assert_eq!(
             read_text(Path::new(&again).join(file)),
             read_text(saved.join(file)),
@@ -193,7 +201,7 @@ fn a_memory_is_backed_up_and_restored() {
     let bad = write(&folder, "Tofs.ofs", "001=1,2,3,4\n077=0,0,0,0\n");
     control.assert_refused(
         "send",
-        &[&bad, "--baud", "9600", "--on-existing", "overwrite"],
+        &[&bad, "--baud", "57600", "--on-existing", "overwrite"],
         "content",
     );
     control.run_successfully(
@@ -204,7 +212,7 @@ fn a_memory_is_backed_up_and_restored() {
             &again,
             "--overwrite",
             "--baud",
-            "9600",
+            "57600",
         ],
     );
     assert_eq!(read_text(Path::new(&again).join("Tofs.ofs")), changed);
@@ -439,5 +447,41 @@ fn noise_and_an_interrupted_transfer_store_no_file() {
     assert!(
         listed.contains("O0007.CNC") && !listed.contains("O0001"),
         "{listed}"
+    );
+}
+
+#[test]
+fn a_ladder_is_sent_and_read_back_by_the_commands_of_gskcc() {
+    let folder = serial_folder("ladder");
+    let control = ControlProcess::start(&["--parameter-switch"]);
+    let ladder = |arguments: &[&str]| {
+        let output = executable()
+            .args(["ladder"])
+            .args(arguments)
+            .args(["--port", &control.port])
+            .stdin(Stdio::null())
+            .output();
+        output.expect("the program")
+    };
+    let text = format!("{}; changed here\r\n", gsk_core::setup::STANDARD_LADDER);
+    let own = write(&folder, "own.il", &text);
+    let sent = ladder(&["send", &own]);
+    assert!(sent.status.success(), "{sent:?}");
+    let back = folder.join("back.il");
+    let read = ladder(&["read", "-o", &back.to_string_lossy()]);
+    assert!(read.status.success(), "{read:?}");
+    assert_eq!(read_text(&back), text);
+    // `transfer` moves the same file; the name follows from its ending.
+    control.run_successfully("send", &[&own, "--on-existing", "overwrite"]);
+    assert!(control.file_names().contains(&"Main.ldx".to_owned()));
+    let broken = write(&folder, "broken.il", "END1\nLD X0.0\nEND2\nOUT");
+    assert_eq!(ladder(&["send", &broken]).status.code(), Some(1));
+    drop(control);
+    // Without the parameter switch the control refuses.
+    let control = ControlProcess::start(&[]);
+    control.assert_refused(
+        "send",
+        &[&own, "--on-existing", "overwrite"],
+        "which a ladder needs",
     );
 }

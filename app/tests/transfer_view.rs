@@ -123,7 +123,13 @@ fn files_are_sent_renamed_on_conflict_and_deleted() {
     wait_for_text(&mut bench, "Port closed");
     assert_eq!(
         control.file_names(),
-        ["O0007.CNC", "Tofs.ofs", "Wcomp.wmp", "ParaW.par"]
+        [
+            "O0007.CNC",
+            "Tofs.ofs",
+            "Wcomp.wmp",
+            "ParaW.par",
+            "Main.ldx"
+        ]
     );
 }
 

@@ -113,7 +113,7 @@ fn a_backup_is_restored_and_files_of_the_pc_are_kept() {
         (vec![FileResult::Done], None, 0)
     );
     worker.send_command(PcWorkerCommand::BackUp(saved.clone()));
-    let all = vec![FileResult::Done; 4];
+    let all = vec![FileResult::Done; 5];
     assert_eq!(
         wait_for_end(&worker, &NameConflictChoice::Skip),
         (all.clone(), None, 0)
@@ -124,7 +124,7 @@ fn a_backup_is_restored_and_files_of_the_pc_are_kept() {
     // In a second backup every name exists; one answer applies to all.
     std::fs::write(saved.join("O0007.CNC"), "mine").expect("written");
     worker.send_command(PcWorkerCommand::BackUp(saved.clone()));
-    let skipped = vec![FileResult::Skipped; 4];
+    let skipped = vec![FileResult::Skipped; 5];
     assert_eq!(
         wait_for_end(&worker, &NameConflictChoice::Skip),
         (skipped, None, 1)

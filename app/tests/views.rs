@@ -245,6 +245,10 @@ fn the_ladder_can_be_searched_forced_halted_and_stepped() {
     assert!(bench.harness.query_by_label("1 / 1").is_some());
     let timer = "TMRB T0010 DT0010 R0040.5";
     assert!(bench.harness.query_all_by_label(timer).count() > 0);
+    let list = "DT0010: 1 match(es)";
+    assert!(bench.harness.query_by_label(list).is_some());
+    click(&mut bench, "Close the list");
+    assert!(bench.harness.query_by_label(list).is_none());
 
     click(&mut bench, "Halt");
     assert!(bench.kernel.emulator().cnc().is_ladder_halted());
@@ -292,6 +296,72 @@ fn forced_bits_and_faults_are_shown_while_their_view_is_closed() {
     click(&mut bench, "Clear faults, release forced inputs (2)");
     assert_eq!(imposed(&bench), Default::default());
     assert!(bench.harness.query_by_label_contains("faults 1").is_none());
+}
+
+#[test]
+fn rungs_are_cut_pasted_and_found_by_their_row() {
+    let mut bench = WindowBench::new();
+    open_view(&mut bench, "Ladder");
+    bench.run(100);
+    bench.run(100);
+    click(&mut bench, "Edit");
+    let contact = "X0000.5 normally open";
+    click(&mut bench, contact);
+    let has = |bench: &WindowBench, label: &str| bench.harness.query_by_label(label).is_some();
+    click(&mut bench, "Cut");
+    assert!(!has(&bench, contact));
+    // The first rung comes back after the one that was second.
+    click(&mut bench, "X0024.7 normally closed");
+    click(&mut bench, "Paste");
+    assert!(has(&bench, contact));
+    assert!(has(&bench, "LD X0000.5") && has(&bench, "Rung 0002"));
+    click(&mut bench, "Undo");
+    click(&mut bench, "Undo");
+    assert!(has(&bench, contact));
+
+    click(&mut bench, "Go to");
+    click(&mut bench, "Program end");
+    let last = bench.kernel.emulator().cnc().plc().ladder().rung_count();
+    assert!(has(&bench, &format!("Rung {last:04}")));
+    click(&mut bench, "Go to");
+    click(&mut bench, "Program start");
+    assert!(has(&bench, "Rung 0001"));
+}
+
+/// Clicks the row of a table whose texts contain this one.
+fn click_row(bench: &mut WindowBench, text: &str) {
+    // The texts of its cells come first.
+    let row = bench.harness.query_all_by_label_contains(text).last();
+    row.expect("a row").click();
+    bench.run(100);
+    bench.run(100);
+}
+
+#[test]
+fn the_parameter_wizard_names_what_sets_a_value() {
+    let mut bench = WindowBench::new();
+    open_view(&mut bench, "Ladder");
+    bench.run(100);
+    bench.run(100);
+    click(&mut bench, "Parameters");
+    click_row(&mut bench, "K0009");
+    let has = |bench: &WindowBench, text: &str| {
+        let found = bench.harness.query_all_by_label_contains(text);
+        found.count() > 0
+    };
+    assert!(has(&bench, "survives power-off"));
+    assert!(has(&bench, "K0009  0  0  "));
+    // While the ladder is edited, its value in a blank memory can be written.
+    click(&mut bench, "Edit");
+    let field = egui::accesskit::Role::TextInput;
+    let value = bench.harness.get_by_role_and_label(field, "New value");
+    value.focus();
+    bench.run(1);
+    let value = bench.harness.get_by_role_and_label(field, "New value");
+    value.type_text("3");
+    bench.run(100);
+    click(&mut bench, "Write as initial value");
+    assert!(has(&bench, "K0009  0  3  "));
 }
 
 #[test]

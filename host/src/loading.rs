@@ -207,6 +207,9 @@ pub fn mill_setup(args: &SetupArgs) -> Result<(MillSetup, Setup), LoadError> {
     if let Some(start) = &words.mill_start {
         mill.take_start(start).map_err(wrong)?;
     }
+    if let Some(memory) = words.mill_memory {
+        mill.memory.offset_memory = memory.to_memory();
+    }
     for zero in &words.mill_zeros {
         mill.memory.take_zero(zero).map_err(wrong)?;
     }

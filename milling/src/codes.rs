@@ -4,7 +4,7 @@ use gsk_core::alarm::{Alarm, number};
 use gsk_core::program::{ProgramBlock, WordNumber};
 use gsk_messages::{Message, say};
 
-use crate::memory::{MillOffsetColumn, parameter};
+use crate::memory::{MillOffsetColumn, MillOffsetMemory, parameter};
 use crate::modal::{LengthOffset, MillMotion};
 use crate::path::travel::{RunContext, StepKind, settle_rotation, target};
 use crate::space::{AxisValues, Length, MillAxis, MillPosition, PlanePoint};
@@ -219,11 +219,14 @@ fn offset_input(
     context: &mut RunContext<'_, '_>,
 ) -> Result<(), Alarm> {
     let letters = &words.letters;
-    let column = match letters.l.map(WordNumber::integer) {
-        Some(10) => MillOffsetColumn::Length,
-        Some(11) => MillOffsetColumn::LengthWear,
-        Some(12) => MillOffsetColumn::Radius,
-        Some(13) => MillOffsetColumn::RadiusWear,
+    let memory = context.memory.offset_memory;
+    let column = match (memory, letters.l.map(WordNumber::integer)) {
+        (MillOffsetMemory::A, None) | (MillOffsetMemory::B | MillOffsetMemory::C, Some(10)) => {
+            MillOffsetColumn::Length
+        }
+        (MillOffsetMemory::B | MillOffsetMemory::C, Some(11)) => MillOffsetColumn::LengthWear,
+        (MillOffsetMemory::C, Some(12)) => MillOffsetColumn::Radius,
+        (MillOffsetMemory::C, Some(13)) => MillOffsetColumn::RadiusWear,
         _ => return Err(alarm(number::OUT_OF_RANGE, say::mill_offset_input_l())),
     };
     let (Some(p), Some(r)) = (letters.p, letters.r) else {

@@ -18,6 +18,7 @@ mod codes;
 pub mod commissioning;
 mod cycles;
 pub mod keys;
+pub mod machine_tables;
 mod memory;
 mod modal;
 mod options;
@@ -36,7 +37,7 @@ mod tests;
 
 pub use axes::{Axes, FurtherAxis};
 pub use caution::{MillCaution, MillSlip};
-pub use memory::{MillMemory, MillOffset, parameter};
+pub use memory::{MillMemory, MillOffset, MillOffsetMemory, parameter};
 pub use modal::{MillModal, SpindleState};
 pub use options::MillWordError;
 pub use parameter_table::{MillParameterRow, mill_parameter_rows};

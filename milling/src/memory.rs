@@ -20,6 +20,10 @@ pub mod parameter {
     pub const OFFSETS: u16 = 3;
     /// Parameter 007. Bit 6: every motion block ends with an exact stop.
     pub const CORNERS: u16 = 7;
+    /// Parameter 010: rate at which backlash is taken up, bits of kpps.
+    pub const BACKLASH_RATE: u16 = 10;
+    /// Parameter 011. Bit 7: backlash in mode B. Bit 6: an eighth of the rate of 010.
+    pub const BACKLASH_MODE: u16 = 11;
     /// Parameter 012. Bit 7: the axes of a rapid arrive together. Bit 4: G01 is in force at
     /// power-on.
     pub const MOTION: u16 = 12;
@@ -37,6 +41,8 @@ pub mod parameter {
     pub const FEED_TIME: u16 = 29;
     /// Parameter 030: speed at which cuts begin and end, mm/min.
     pub const FEED_START: u16 = 30;
+    /// Parameter 034: backlash of an axis, 0.001 mm.
+    pub const BACKLASH: u16 = 34;
     /// Parameter 036. Bit 7: a scale counts in 0.00001 instead of 0.001.
     pub const SCALE_UNIT: u16 = 36;
     /// Parameter 045: positive travel limit, machine coordinates, 0.001 mm.
@@ -49,6 +55,8 @@ pub mod parameter {
     pub const INDEX_RATE: u16 = 76;
     /// Parameter 172. Bit 4: soft limits are off.
     pub const LIMITS: u16 = 172;
+    /// Parameter 174. Bit 6: cuts wait for the speed of the spindle.
+    pub const SPINDLE_CHECK: u16 = 174;
     /// Parameter 187. Type of a fourth or fifth axis, bits 1 and 0: 00 linear, 01 rotary A, 11
     /// rotary B.
     pub const KIND: u16 = 187;
@@ -90,8 +98,14 @@ pub mod parameter {
     pub const REFERENCE: u16 = 1240;
     /// Parameter 3410: greatest distance of an arc's end from its circle, 0.001 mm.
     pub const ARC_ERROR: u16 = 3410;
+    /// Parameter 3712: type of the spindle: 0 gears, 1 analog, 2 serial.
+    pub const SPINDLE_TYPE: u16 = 3712;
     /// Parameter 3720: lines of the spindle encoder. With 0, G74 and G84 drill.
     pub const ENCODER: u16 = 3720;
+    /// Parameter 3740: delay before the speed of the spindle is checked, ms.
+    pub const SPINDLE_DELAY: u16 = 3740;
+    /// Parameters 3741 to 3744: greatest speed of the gears 1 to 4, r/min.
+    pub const GEAR_SPEEDS: core::ops::RangeInclusive<u16> = 3741..=3744;
     /// Parameter 5040: feed of G37, mm/min.
     pub const MEASURE_FEED: u16 = 5040;
     /// Parameter 5043: distance before the measuring point at which G37 changes to its feed, 0.001
@@ -142,6 +156,18 @@ pub struct MillOffset {
     pub radius_wear: Length,
 }
 
+/// How the machine stores tool offsets, an option of its builder (001:5-19).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MillOffsetMemory {
+    /// One value for each number, used as length by H and as radius by D.
+    A,
+    /// A value and its wear for each number, used by H and by D.
+    B,
+    /// Length and radius with their wear for each number.
+    #[default]
+    C,
+}
+
 /// A column of the tool offset table that G10 and variables write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MillOffsetColumn {
@@ -149,6 +175,29 @@ pub(crate) enum MillOffsetColumn {
     LengthWear,
     Radius,
     RadiusWear,
+}
+
+impl MillOffsetColumn {
+    /// The same column of the other offset: that of the radius for one of the length.
+    const fn other(self) -> Self {
+        match self {
+            Self::Length => Self::Radius,
+            Self::LengthWear => Self::RadiusWear,
+            Self::Radius => Self::Length,
+            Self::RadiusWear => Self::LengthWear,
+        }
+    }
+}
+
+impl MillOffsetMemory {
+    /// The column that a variable or G10 means: memory A has no wear.
+    pub(crate) const fn column(self, column: MillOffsetColumn) -> MillOffsetColumn {
+        match (self, column) {
+            (Self::A, MillOffsetColumn::LengthWear) => MillOffsetColumn::Length,
+            (Self::A, MillOffsetColumn::RadiusWear) => MillOffsetColumn::Radius,
+            _ => column,
+        }
+    }
 }
 
 impl MillOffset {
@@ -167,6 +216,8 @@ impl MillOffset {
 pub struct MillMemory {
     /// The control model with the values of its parameters.
     pub model: ControlModel,
+    /// How the tool offsets are stored; set it before the first offset.
+    pub offset_memory: MillOffsetMemory,
     offsets: BTreeMap<u16, MillOffset>,
     /// External zero offset, added to all work zeros.
     pub(crate) external: MillPosition,
@@ -178,6 +229,7 @@ impl Default for MillMemory {
     fn default() -> Self {
         Self {
             model: ControlModel::new(ModelId::Gsk980mdi),
+            offset_memory: MillOffsetMemory::default(),
             offsets: BTreeMap::new(),
             external: MillPosition::default(),
             zeros: [MillPosition::default(); WorkZero::COUNT],
@@ -249,7 +301,12 @@ impl MillMemory {
             let detail = say::mill_offset_value(value.mm(), greatest.mm());
             return Err(Alarm::new(number::OUT_OF_RANGE).with_detail(detail));
         }
-        *self.offsets.entry(offset).or_default().column(column) = value;
+        let column = self.offset_memory.column(column);
+        let offset = self.offsets.entry(offset).or_default();
+        *offset.column(column) = value;
+        if self.offset_memory != MillOffsetMemory::C {
+            *offset.column(column.other()) = value;
+        }
         Ok(())
     }
 

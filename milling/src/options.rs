@@ -5,7 +5,7 @@ use gsk_core::units::parse_finite;
 use gsk_messages::{Message, say};
 
 use crate::axes::Axes;
-use crate::memory::{MillMemory, MillOffsetColumn};
+use crate::memory::{MillMemory, MillOffsetColumn, MillOffsetMemory};
 use crate::modal::WorkZero;
 use crate::space::{Length, MillPosition};
 
@@ -15,7 +15,7 @@ pub struct MillWordError(pub Message);
 
 impl MillMemory {
     /// Parses a tool offset, `1=H,D` in mm, optionally followed by the wear of both, and
-    /// stores it.
+    /// stores it: `1=V` in offset memory A, `1=V,W` in B.
     ///
     /// # Errors
     ///
@@ -24,18 +24,22 @@ impl MillMemory {
         let wrong = || MillWordError(say::mill_offset_form(word));
         let (name, values) = word.split_once('=').ok_or_else(wrong)?;
         let number: i64 = name.trim().parse().map_err(|_| wrong())?;
-        let columns = [
-            MillOffsetColumn::Length,
-            MillOffsetColumn::Radius,
-            MillOffsetColumn::LengthWear,
-            MillOffsetColumn::RadiusWear,
-        ];
+        let columns: &[MillOffsetColumn] = match self.offset_memory {
+            MillOffsetMemory::A => &[MillOffsetColumn::Length],
+            MillOffsetMemory::B => &[MillOffsetColumn::Length, MillOffsetColumn::LengthWear],
+            MillOffsetMemory::C => &[
+                MillOffsetColumn::Length,
+                MillOffsetColumn::Radius,
+                MillOffsetColumn::LengthWear,
+                MillOffsetColumn::RadiusWear,
+            ],
+        };
         let values = parse_lengths(values).ok_or_else(wrong)?;
         if values.len() > columns.len() {
             return Err(wrong());
         }
-        for (column, value) in columns.into_iter().zip(values) {
-            let set = self.set_offset(number, column, value, false);
+        for (column, value) in columns.iter().zip(values) {
+            let set = self.set_offset(number, *column, value, false);
             set.map_err(|alarm| MillWordError(alarm.reason()))?;
         }
         Ok(())

@@ -316,6 +316,7 @@ impl VariableReader for VariableContext<'_> {
         if let Some(stored) = stored_variable(variable, self.state.axes) {
             let value = match stored {
                 StoredVariable::Offset(offset, column) => {
+                    let column = self.memory.offset_memory.column(column);
                     *self.memory.offset(offset).column(column)
                 }
                 StoredVariable::External(axis) => self.memory.external.get(axis),

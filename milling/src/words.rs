@@ -10,6 +10,9 @@ use crate::axes::Axes;
 use crate::modal::{Hole, LengthOffset, MillMotion, WorkZero};
 use crate::space::{AxisValues, Length, MillAxis, Plane};
 
+/// Codes of rough milling, of which the manual gives the numbers only (002:1280-1295).
+const ROUGH_MILLING: [i64; 4] = [110, 111, 134, 135];
+
 /// A G code that acts only in its block (group 00).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum OneShotCode {
@@ -138,7 +141,10 @@ impl BlockWords {
             .filter(|_| value.millionths() % 1_000_000 == 0);
         let Some(meaning) = known else {
             let written = value.to_string();
-            let detail = say::mill_g_unknown(written);
+            let detail = match ROUGH_MILLING.contains(&code) && written == code.to_string() {
+                true => say::mill_g_not_on_pc(code),
+                false => say::mill_g_unknown(written),
+            };
             return Err(Alarm::new(number::BAD_G).with_detail(detail));
         };
         match meaning {

@@ -24,8 +24,8 @@ use gsk_messages::Language;
 use serde::{Deserialize, Serialize};
 use transfer::Transfer;
 pub use transfer::{
-    DataLineError, FileId, FileRefusal, ReceiveError, SerialCable, SerialFile, file_of,
-    number_of_name, read_data,
+    DataLineError, FileId, FileRefusal, LADDER_FILE, ReceiveError, SerialCable, SerialFile,
+    file_of, number_of_name, read_data,
 };
 
 use crate::face::face_of;

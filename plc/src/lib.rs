@@ -36,6 +36,7 @@ mod memory;
 mod network;
 mod parser;
 mod rung_dependencies;
+mod rung_text;
 mod scan;
 mod scan_position;
 mod skippable_rungs;

@@ -116,6 +116,45 @@ impl Element {
         }
     }
 
+    /// Returns the number of columns and rows that the contacts of the element take.
+    #[must_use]
+    pub fn size(&self) -> (usize, usize) {
+        match self {
+            Element::Contact(_) => (1, 1),
+            Element::Series(members) => members
+                .iter()
+                .map(|member| member.element.size())
+                .fold((0, 0), |(wide, high), (columns, rows)| {
+                    (wide + columns, high.max(rows))
+                }),
+            Element::Parallel(members) => members
+                .iter()
+                .map(|member| member.element.size())
+                .fold((0, 0), |(wide, high), (columns, rows)| {
+                    (wide.max(columns), high + rows)
+                }),
+        }
+    }
+
+    /// The column, from 0, of the contact whose statement has the index `at` in the rung; `None`
+    /// if the element has no such contact.
+    fn column_of(&self, at: usize) -> Option<usize> {
+        match self {
+            Element::Contact(contact) => (contact.at == at).then_some(0),
+            Element::Series(members) => {
+                let mut column = 0;
+                members.iter().find_map(|member| {
+                    let found = member.element.column_of(at).map(|own| column + own);
+                    column += member.element.size().0;
+                    found
+                })
+            }
+            Element::Parallel(members) => members
+                .iter()
+                .find_map(|member| member.element.column_of(at)),
+        }
+    }
+
     fn write_list(&self, list: &mut Vec<(Mnemonic, Option<BitAddress>)>) {
         let (connection, members) = match self {
             Element::Contact(contact) => {
@@ -239,6 +278,25 @@ impl Network {
             })
             .chain(outputs.iter().cloned())
             .collect()
+    }
+
+    /// Returns the column, from 1, of the statement with index `at` in the rung: that of its
+    /// contact, for an output the one after the contacts, 1 for a structural instruction, ANB
+    /// and ORB.
+    #[must_use]
+    pub fn column(&self, at: usize) -> usize {
+        let RungBody::Rung { contacts, outputs } = &self.body else {
+            return 1;
+        };
+        let mut column = 1;
+        for element in contacts {
+            if let Some(own) = element.column_of(at) {
+                return column + own;
+            }
+            column += element.size().0;
+        }
+        let first_output = self.statements().len() - outputs.len();
+        if at >= first_output { column } else { 1 }
     }
 
     /// Returns the power flow, one state for each statement of the rung. `bit` returns the

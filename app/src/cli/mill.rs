@@ -18,6 +18,22 @@ pub enum MillCommand {
     Keys(MillKeysArgs),
     /// How an axis is sent to machine zero: absolute encoder, method D, switches
     Homing(HomingArgs),
+    /// The pins of CN15 to CN78 with their addresses, or the rows with certain words
+    Io(MillSearchArgs),
+    /// The diagnosis numbers, or the rows with certain words
+    Diagnosis(MillSearchArgs),
+    /// The steps of the spindle set-up with their parameters, or those with certain words
+    Spindle(MillSearchArgs),
+    /// The steps of the reference return with their parameters, or those with certain words
+    Reference(MillSearchArgs),
+}
+
+/// Arguments of the commands that show a table of the machine.
+#[derive(Args, Debug)]
+pub struct MillSearchArgs {
+    /// Words that the row has: X0.5, CN61, DECX, 3741, brake
+    #[arg(value_name = "TEXT")]
+    pub words: Vec<String>,
 }
 
 /// Arguments of the command `mill gear`.

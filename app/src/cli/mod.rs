@@ -47,7 +47,10 @@ pub use exercise::{
 };
 pub use form::FormArgs;
 pub use help::HelpArgs;
-pub use ladder::{LadderArgs, LadderCommand, LadderRunArgs};
+pub use ladder::{
+    FindDirection, LadderArgs, LadderCommand, LadderFindArgs, LadderPrintArgs, LadderReadArgs,
+    LadderRunArgs, LadderSendArgs,
+};
 use language::language_parser;
 pub use language::{find_language, first_window_language, is_chinese, system_language};
 pub use lesson::{LessonCheckArgs, LessonCommand, LessonListArgs, LessonRunArgs};
@@ -56,7 +59,9 @@ pub use link::{
     LinkTwinArgs, TwinBoard,
 };
 pub use lsp::LspArgs;
-pub use mill::{GearArgs, HomingArgs, MILL_AXES, MillCommand, MillKeysArgs, PitchArgs};
+pub use mill::{
+    GearArgs, HomingArgs, MILL_AXES, MillCommand, MillKeysArgs, MillSearchArgs, PitchArgs,
+};
 pub use mqtt::MqttArgs;
 pub use mtconnect::MtconnectArgs;
 pub use outline::OutlineArgs;
@@ -263,7 +268,7 @@ pub enum CliCommand {
     Signals(DeferredArgs<TableArgs>),
     /// Print the faults of the simulated lathe: name for `fault NAME on`, what it does
     Faults(DeferredArgs<TableArgs>),
-    /// Check, print or scan a ladder (instruction list)
+    /// Check, print, search or scan a ladder (instruction list), move it to and from a control
     #[command(subcommand)]
     Ladder(LadderCommand),
     /// Pitch errors of the screws: measurements into the table of the control, and the table itself

@@ -145,7 +145,7 @@ pub struct TransferSendArgs {
 pub struct TransferReceiveArgs {
     #[command(flatten)]
     pub port: TransferPortArgs,
-    /// A file at the control: O0001.CNC, ParaW.par, Tofs.ofs, Wcomp.wmp
+    /// A file at the control: O0001.CNC, ParaW.par, Tofs.ofs, Wcomp.wmp, Main.ldx
     #[arg(required = true, value_name = "NAME", value_parser = parse_file_name)]
     pub names: Vec<FileName>,
     /// The folder it comes into
@@ -271,7 +271,7 @@ pub struct TransferControlArgs {
     /// Programs go out as plain text between `%`, their lines ending so
     #[arg(long, value_enum, value_name = "LINE-END", num_args = 0..=1, default_missing_value = "crlf")]
     pub text: Option<TextEnd>,
-    /// The parameter switch is on: parameters, offsets and pitch errors come and go, too
+    /// The parameter switch is on, in edit mode: parameters, offsets, pitch errors and the ladder come and go, too
     #[arg(long)]
     pub parameter_switch: bool,
     /// Load this program and send it by the key OUT

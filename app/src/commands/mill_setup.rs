@@ -9,11 +9,14 @@ use gsk_host::loading::LoadError;
 use gsk_messages::{Language, Message, say};
 use gsk_milling::commissioning::{MillPitchTable, Teeth, backlash_rate, linear_gear, rotary_gear};
 use gsk_milling::keys::{KEYS, pressed_keys};
+use gsk_milling::machine_tables::{MillTable, MillTableRow};
 use gsk_milling::{Length, ParameterValues, describe_reference_returns};
 use gsk_runner::report;
 
-use super::{CommandError, EXIT_OK, output};
-use crate::cli::{GearArgs, HomingArgs, MILL_AXES, MillCommand, MillKeysArgs, PitchArgs};
+use super::{CommandError, EXIT_ALARM, EXIT_OK, output};
+use crate::cli::{
+    GearArgs, HomingArgs, MILL_AXES, MillCommand, MillKeysArgs, MillSearchArgs, PitchArgs,
+};
 
 /// Carries out a `mill` command and prints its result; returns the exit code. Returns an error if
 /// an option or a file is wrong.
@@ -43,12 +46,86 @@ pub fn run_mill_command(
             }
             Ok(EXIT_OK)
         }
+        MillCommand::Io(args) => show_table(MillTable::Signals, args, language),
+        MillCommand::Diagnosis(args) => show_table(MillTable::Diagnosis, args, language),
+        MillCommand::Spindle(args) => show_table(MillTable::Spindle, args, language),
+        MillCommand::Reference(args) => show_table(MillTable::ReferenceReturn, args, language),
         MillCommand::Backlash(args) => {
             let rate = backlash_rate(args.bits, args.eighth);
             print_line(&say::mill_backlash(rate), language);
             Ok(EXIT_OK)
         }
     }
+}
+
+/// Prints the rows of a table that have the words of the arguments, in columns. Exit code 1 if
+/// there are none.
+fn show_table(
+    table: MillTable,
+    args: &MillSearchArgs,
+    language: Option<Language>,
+) -> Result<u8, CommandError> {
+    let text = args.words.join(" ");
+    let rows: Vec<&MillTableRow> = table.search(&text).collect();
+    if rows.is_empty() {
+        let message = report::message_text(&say::mill_table_no_match(text), language);
+        complain!("{message}");
+        return Ok(EXIT_ALARM);
+    }
+    let titles: Vec<String> = titles(table)
+        .iter()
+        .map(|title| report::message_text(title, language))
+        .collect();
+    let is_chinese = language == Some(Language::Zh);
+    let lines = rows.into_iter().map(|row| {
+        let cells = row.keys.iter().copied();
+        let meaning = if is_chinese { row.zh } else { row.en };
+        cells.chain([meaning]).map(str::to_owned).collect()
+    });
+    let lines: Vec<Vec<String>> = core::iter::once(titles).chain(lines).collect();
+    output::print(&format_columns(&lines));
+    Ok(EXIT_OK)
+}
+
+/// Returns the titles of the columns of a table.
+fn titles(table: MillTable) -> Vec<Message> {
+    let mut titles = match table {
+        MillTable::Signals => vec![
+            say::mill_column_connector(),
+            say::mill_column_pin(),
+            say::mill_column_address(),
+            say::mill_column_symbol(),
+        ],
+        MillTable::Diagnosis => vec![say::mill_column_number(), say::mill_column_symbol()],
+        MillTable::Spindle | MillTable::ReferenceReturn => {
+            vec![say::mill_column_number(), say::help_chapter_parameters()]
+        }
+    };
+    titles.push(say::mill_column_meaning());
+    titles
+}
+
+/// Formats rows of cells as columns; a Chinese character is two cells of the terminal wide.
+fn format_columns(rows: &[Vec<String>]) -> String {
+    let width = |text: &str| text.chars().map(|it| 1 + usize::from(!it.is_ascii())).sum();
+    let column_width = |column: usize| {
+        let cells = rows.iter().filter_map(|row| row.get(column));
+        cells.map(|cell| width(cell)).max().unwrap_or(0)
+    };
+    let count = rows.first().map_or(0, Vec::len);
+    let widths: Vec<usize> = (0..count).map(column_width).collect();
+    let mut out = String::new();
+    for row in rows {
+        let mut line = String::new();
+        for (cell, column) in row.iter().zip(&widths) {
+            let filled = column - width(cell).min(*column);
+            line.push_str(cell);
+            line.push_str(&" ".repeat(filled + 2));
+        }
+        out.push_str(line.trim_end());
+        out.push('\n');
+    }
+    out
 }
 
 /// Describes how each axis returns to the reference point with the given machine parameters;

@@ -207,3 +207,64 @@ fn parameters_and_keys_of_a_mill_are_listed() {
     let (_, out, _) = run_gsk(&["mill", "backlash", "00001010", "--lang", "en"]);
     assert!(out.contains("10000"), "{out}");
 }
+
+#[test]
+fn tables_of_the_mill_are_searched() {
+    // 002:359.
+    let (code, out, _) = run_gsk(&["mill", "io", "CN61", "ESP"]);
+    assert_eq!(code, 0);
+    let row: Vec<&str> = out.lines().last().unwrap().split_whitespace().collect();
+    assert_eq!(
+        row,
+        ["CN61", "6", "X0.5", "ESP", "external", "emergency", "stop"]
+    );
+    // 002:451, in Chinese.
+    let (_, out, _) = run_gsk(&["mill", "io", "X29.5", "--lang", "zh"]);
+    assert!(out.contains("主轴倍率波段开关信号 1"), "{out}");
+    // 002:2645.
+    let (_, out, _) = run_gsk(&["mill", "diagnosis", "DECY"]);
+    assert!(out.contains("000.1"), "{out}");
+    // 002:2583.
+    let (_, out, _) = run_gsk(&["mill", "spindle", "S9999", "MDI"]);
+    assert!(out.contains("3741 3742 3743 3744"), "{out}");
+    // 002:541-552.
+    let (_, out, _) = run_gsk(&["mill", "reference", "188.6"]);
+    assert!(out.contains("method D"), "{out}");
+    let (code, _, err) = run_gsk(&["mill", "io", "X99.9"]);
+    assert_eq!(code, 1);
+    assert!(err.contains("X99.9"), "{err}");
+    let (_, out, _) = run_gsk(&["mill", "io"]);
+    assert!(out.lines().count() > 100);
+}
+
+#[test]
+fn rough_milling_is_refused_as_missing_here() {
+    // 002:1280-1295 names the codes and gives no format.
+    for code in ["G110", "G111", "G134", "G135"] {
+        let text = format!("O0001\n{code} X10 Y10 Z-5\nM30\n");
+        let program = TempFile::new("rough.nc", text.as_bytes());
+        let (exit, out, _) = run_gsk(&["check", program.path(), "--model", "gsk980mdi"]);
+        assert_eq!(exit, 1);
+        assert!(out.contains("not on this PC"), "{code}: {out}");
+    }
+}
+
+#[test]
+fn the_offset_memory_of_the_mill_is_chosen() {
+    let text = b"O0001\nG10 P3 R5\nG43 H3 G01 Z10 F500\nM30\n";
+    let program = TempFile::new("offsets.nc", text);
+    let check = |memory: &str| {
+        let model = ["--model", "gsk980mdi", "--mill-memory", memory];
+        run_gsk(&[&["check", program.path()], &model[..]].concat())
+    };
+    assert_eq!(check("a").0, 0);
+    let (code, out, _) = check("b");
+    assert_eq!(code, 1);
+    assert!(
+        out.contains("P/S 043") && out.contains("--mill-memory"),
+        "{out}"
+    );
+    let (code, _, err) = run_gsk(&["check", program.path(), "--mill-memory", "a"]);
+    assert_eq!(code, 2);
+    assert!(err.contains("--mill-memory"), "{err}");
+}

@@ -87,6 +87,11 @@ impl Cnc {
         self.plc.halted
     }
 
+    /// Returns the ladder in the memory of the control, which runs after the next power-on.
+    pub fn stored_ladder(&self) -> Arc<Ladder> {
+        self.plc.ladder_at_power_on()
+    }
+
     /// The ladder that was loaded for the next power-on; `None` without one.
     pub const fn next_ladder(&self) -> Option<&Arc<Ladder>> {
         self.plc.next_ladder.as_ref()

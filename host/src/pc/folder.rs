@@ -2,13 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use gsk_panel::panel::FileId;
+use gsk_panel::panel::{FileId, LADDER_FILE};
 use gsk_transfer::FileName;
 
 use super::{FilesError, PcError};
 use crate::files::program_file::ProgramFileError;
 use crate::files::{atomic, subprograms};
 use crate::output::WriteError;
+
+/// Endings of the names of ladder files.
+const LADDER_ENDINGS: [&str; 2] = ["ldx", "il"];
 
 /// A file of the PC and its name at the control.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -41,9 +44,14 @@ pub fn parse_file_word(word: &str) -> Result<PcFile, FilesError> {
     }
 }
 
-/// Returns the name of a file at the control: the name of the file itself, or one made from
-/// the program number in its name or first block; `None` if neither gives one.
+/// Returns the name of a file at the control: the name of the file itself, that of the ladder
+/// for a file whose name ends in `.ldx` or `.il`, or one made from the program number in its name
+/// or first block; `None` if none of these gives one.
 pub fn control_name(path: &Path) -> Option<FileName> {
+    let ending = path.extension().and_then(|ending| ending.to_str());
+    if ending.is_some_and(|it| LADDER_ENDINGS.iter().any(|of| it.eq_ignore_ascii_case(of))) {
+        return FileName::new(LADDER_FILE).ok();
+    }
     let own = path.file_name().and_then(|name| name.to_str());
     let own = own.filter(|name| FileId::of(name).is_some());
     let number = || {
@@ -87,7 +95,8 @@ pub fn list_control_files(folder: &Path) -> Result<Vec<PcFile>, PcError> {
             let order = match FileId::of(name.as_str())? {
                 FileId::Program(_) => 0,
                 FileId::Offsets | FileId::Pitch => 1,
-                FileId::Parameters => 2,
+                FileId::Ladder => 2,
+                FileId::Parameters => 3,
             };
             let path = entry.path();
             path.is_file().then_some((order, PcFile { path, name }))

@@ -3,12 +3,14 @@
 
 mod error;
 pub mod folder;
+mod ladder;
 mod names;
 mod session;
 mod transfer_settings;
 pub mod worker;
 
 pub use error::{FilesError, PcError};
+pub use ladder::{read_ladder, send_ladder};
 pub use names::free_name;
 pub use session::{TransferObserver, TransferSession, TransferTotals};
 pub use transfer_settings::{SendListItem, TransferSettings, load_window_settings};

@@ -33,7 +33,7 @@ impl RetainedSnapshot {
         Self {
             memory: cnc.battery_memory(),
             plc: cnc.plc().memory().retained(),
-            ladder: Arc::clone(cnc.next_ladder().unwrap_or(cnc.plc().ladder())),
+            ladder: cnc.stored_ladder(),
             position: None,
             panel: None,
         }

@@ -13,14 +13,15 @@ use crate::files::decode;
 
 /// The memory of the control as the partition USER of the transfer protocol; the other two
 /// partitions are empty and read-only.
-pub(super) struct SerialFileStore<'a> {
+pub struct SerialFileStore<'a> {
     emulator: &'a mut Emulator,
     /// The full reason why the last file was refused; `None` if none was.
     refusal_reason: Option<Message>,
 }
 
 impl<'a> SerialFileStore<'a> {
-    pub(super) const fn new(emulator: &'a mut Emulator) -> Self {
+    /// Creates the file store of a control.
+    pub const fn new(emulator: &'a mut Emulator) -> Self {
         Self {
             emulator,
             refusal_reason: None,
@@ -49,7 +50,9 @@ fn to_fault(refusal: &FileRefusal) -> TransferFault {
         FileRefusal::Exists => TransferFault::Exists,
         FileRefusal::OnlyPrograms => TransferFault::NoRight,
         FileRefusal::Alarm(_) if refusal.is_memory_full() => TransferFault::Full,
-        FileRefusal::Unreadable(_) | FileRefusal::Alarm(_) => TransferFault::Content,
+        FileRefusal::Unreadable(_) | FileRefusal::Ladder(_) | FileRefusal::Alarm(_) => {
+            TransferFault::Content
+        }
     }
 }
 

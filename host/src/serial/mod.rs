@@ -14,7 +14,7 @@ use gsk_transfer::{
 };
 use web_time::{Duration, Instant};
 
-use memory::SerialFileStore;
+pub use memory::SerialFileStore;
 use wire::{SerialPortEvent, SerialPortHandle};
 
 /// Longest time the port keeps its rate after a change of parameter 044, until the last

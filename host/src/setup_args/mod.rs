@@ -5,10 +5,11 @@ mod words;
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use gsk_core::memory::DayTime;
 use gsk_core::model::ModelId;
 use gsk_messages::{Message, say};
+use gsk_milling::MillOffsetMemory;
 
 use crate::files::models;
 
@@ -107,6 +108,7 @@ impl SetupArgs {
             (mill.mill_start.is_some(), "--mill-start"),
             (!mill.mill_zeros.is_empty(), "--mill-zero"),
             (!mill.mill_offsets.is_empty(), "--mill-offset"),
+            (mill.mill_memory.is_some(), "--mill-memory"),
         ];
         match given.into_iter().find(|(given, _)| *given) {
             Some((_, option)) if !self.selected_model().is_mill() => {
@@ -176,6 +178,31 @@ pub struct MillArgs {
     /// (may be repeated)
     #[arg(long = "mill-offset", value_name = "N=H,D", allow_hyphen_values = true)]
     pub mill_offsets: Vec<String>,
+    /// How the machine stores tool offsets [default: c]
+    #[arg(long, value_enum, value_name = "TYPE")]
+    pub mill_memory: Option<OffsetMemoryType>,
+}
+
+/// The types of offset memory that `--mill-memory` selects.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum OffsetMemoryType {
+    /// One value a number, for H and D: N=V, G10 P R
+    A,
+    /// A value and its wear a number, for H and D: N=V,W, G10 L10 and L11
+    B,
+    /// Length and radius with their wear: N=H,D,W,W, G10 L10 to L13
+    C,
+}
+
+impl OffsetMemoryType {
+    /// Converts the choice to the memory of the mill.
+    pub(crate) const fn to_memory(self) -> MillOffsetMemory {
+        match self {
+            Self::A => MillOffsetMemory::A,
+            Self::B => MillOffsetMemory::B,
+            Self::C => MillOffsetMemory::C,
+        }
+    }
 }
 
 /// An option that contradicts the state of a connected machine.

@@ -1,6 +1,7 @@
 //! Computes the duration of moves: rapids by the slowest axis, cuts by their feed, with a time
 //! constant at stops.
 
+use crate::commissioning::backlash_rate;
 use crate::memory::{MillMemory, parameter};
 use crate::space::{AxisValues, Length, MillAxis, MillPosition};
 
@@ -21,6 +22,12 @@ pub(crate) struct MillRates {
     feed_time_s: f64,
     /// Time constants of rigid taps on the way in and out, s.
     tap_times_s: [f64; 2],
+    /// Greatest speed of an analog or serial spindle, r/min; `None` for switched speeds.
+    greatest_speed: Option<f64>,
+    /// Delay before the speed of the spindle is checked at a cut, s; 0 without the check.
+    speed_check_s: f64,
+    /// Time in which each axis takes up its backlash at a reversal, s.
+    backlash_s: AxisValues<f64>,
 }
 
 impl MillRates {
@@ -45,6 +52,12 @@ impl MillRates {
                 0 => [seconds(parameter::TAP_TIME); 2],
                 _ => [parameter::TAP_TIME, parameter::TAP_TIME_OUT].map(seconds),
             },
+            greatest_speed: greatest_speed(memory),
+            speed_check_s: match memory.bit(parameter::SPINDLE_CHECK, 6) {
+                true => seconds(parameter::SPINDLE_DELAY),
+                false => 0.0,
+            },
+            backlash_s: backlash_times(memory),
         }
     }
 
@@ -102,9 +115,48 @@ impl MillRates {
         }
     }
 
+    /// Returns the speed at which the spindle turns for a programmed one, r/min.
+    pub(crate) fn turning(&self, programmed: f64) -> f64 {
+        self.greatest_speed
+            .map_or(programmed, |greatest| programmed.min(greatest))
+    }
+
+    /// Returns the delay before the first cut after a rapid or at another speed, s.
+    pub(crate) const fn speed_check_s(&self) -> f64 {
+        self.speed_check_s
+    }
+
+    /// Returns the time in which an axis takes up its backlash, s.
+    pub(crate) fn backlash_s(&self, axis: MillAxis) -> f64 {
+        self.backlash_s.get(axis)
+    }
+
     /// Returns the additional duration of a stop at the end of a rigid tap, s. `out`: whether
     /// it moves out of the hole.
     pub(crate) const fn tap_settling_s(&self, out: bool) -> f64 {
         self.tap_times_s[out as usize]
     }
+}
+
+/// Returns the greatest speed of the gears of an analog or serial spindle, r/min; `None` for a
+/// spindle of switched speeds.
+fn greatest_speed(memory: &MillMemory) -> Option<f64> {
+    let has_speeds = memory.value(parameter::SPINDLE_TYPE) > 0;
+    let speeds = parameter::GEAR_SPEEDS.map(|number| memory.value(number));
+    speeds.max().filter(|_| has_speeds).map(f64::from)
+}
+
+/// Returns the time in which each axis takes up its backlash, s: 0 in mode B, where the pulses go
+/// out during the motion, and without a rate.
+fn backlash_times(memory: &MillMemory) -> AxisValues<f64> {
+    let bits = u8::try_from(memory.value(parameter::BACKLASH_RATE)).unwrap_or(0);
+    let rate = f64::from(backlash_rate(bits, memory.bit(parameter::BACKLASH_MODE, 6)));
+    let acts = rate > 0.0 && !memory.bit(parameter::BACKLASH_MODE, 7);
+    AxisValues(MillAxis::ALL.map(|axis| {
+        let number = parameter::axis_parameter(parameter::BACKLASH, axis);
+        match acts {
+            true => f64::from(memory.value(number)) / rate,
+            false => 0.0,
+        }
+    }))
 }

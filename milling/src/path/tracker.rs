@@ -52,6 +52,10 @@ pub(crate) struct Tracker<'a> {
     /// The last cut and the duration of a stop at its end, s; `None` if the last move was no
     /// cut. The next step determines whether the motion stops there.
     pending: Option<(MillMove, f64)>,
+    /// The spindle speed of the last cut, r/min; `None` after a rapid or a dwell.
+    cut_speed: Option<f64>,
+    /// The direction in which each axis moved last: -1, 1, or 0 before its first move.
+    directions: [i8; MillAxis::ALL.len()],
     on_move: &'a mut MoveCallback<'a>,
 }
 
@@ -77,6 +81,8 @@ impl<'a> Tracker<'a> {
             lengths: MillPathLengths::default(),
             bounds: None,
             pending: None,
+            cut_speed: None,
+            directions: [0; MillAxis::ALL.len()],
             on_move,
         }
     }
@@ -88,6 +94,8 @@ impl<'a> Tracker<'a> {
             return Ok(());
         }
         self.check_travel(step)?;
+        self.wait_for_spindle(step);
+        self.take_up_backlash(step);
         let from = self.axes.wrapped(self.machine - step.frame);
         let mut made = MillMove {
             source: step.source,
@@ -125,7 +133,7 @@ impl<'a> Tracker<'a> {
             _ => {
                 let feed = match step.feed {
                     Some(Feed::PerMinute(feed)) => feed,
-                    Some(Feed::PerRevolution(feed)) => feed * step.speed,
+                    Some(Feed::PerRevolution(feed)) => feed * self.rates.turning(step.speed),
                     None => 0.0,
                 };
                 // The lead of a thread is along its longest axis.
@@ -165,6 +173,43 @@ impl<'a> Tracker<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Waits at the first cut after a rapid or a dwell, and at a cut with another speed, until the
+    /// speed of the spindle is checked (174.6, 3740).
+    fn wait_for_spindle(&mut self, step: &PathStep) {
+        if matches!(step.kind, MillMoveKind::Rapid | MillMoveKind::Dwell) {
+            self.cut_speed = None;
+            return;
+        }
+        let wait = self.rates.speed_check_s();
+        if self.cut_speed.replace(step.speed) != Some(step.speed) && wait > 0.0 {
+            self.stop();
+            self.now += wait;
+        }
+    }
+
+    /// Takes up the backlash of the axes that reverse, before the motion (034, 010, 011).
+    fn take_up_backlash(&mut self, step: &PathStep) {
+        if step.kind == MillMoveKind::Dwell {
+            return;
+        }
+        let mut wait = 0.0;
+        for (axis, last) in MillAxis::ALL.into_iter().zip(&mut self.directions) {
+            let distance = (step.to.get(axis) - self.machine.get(axis)).mm();
+            let direction = match distance {
+                0.0 => continue,
+                _ if distance > 0.0 => 1,
+                _ => -1,
+            };
+            if core::mem::replace(last, direction) == -direction {
+                wait = f64::max(wait, self.rates.backlash_s(axis));
+            }
+        }
+        if wait > 0.0 {
+            self.stop();
+            self.now += wait;
+        }
     }
 
     /// Lets the last cut end with a stop, and passes it to the callback.

@@ -2,6 +2,8 @@
 
 mod holes;
 mod macros;
+mod offset_memory;
+mod spindle_and_backlash;
 mod transforms;
 
 use gsk_core::program::{Program, ProgramMemory};

@@ -1,7 +1,10 @@
 //! Gives a serial port client access to the files in memory.
 
+use std::sync::Arc;
+
 use gsk_core::alarm::number;
-use gsk_core::cnc::{ControlRequest, ReceivedData};
+use gsk_core::cnc::{Cnc, ControlRequest, ReceivedData};
+use gsk_core::plc::Ladder;
 use gsk_core::program::Program;
 use serde::{Deserialize, Serialize};
 
@@ -102,7 +105,10 @@ impl Emulator {
     fn check_receive(&mut self, id: FileId, overwrite: bool) -> Result<(), FileRefusal> {
         let cnc = &mut self.simulation.cnc;
         let FileId::Program(number) = id else {
-            cnc.rights().check_receive_data()?;
+            match id {
+                FileId::Ladder => cnc.rights().check_ladder()?,
+                _ => cnc.rights().check_receive_data()?,
+            }
             return if overwrite {
                 Ok(())
             } else {
@@ -140,6 +146,10 @@ impl Emulator {
                     true => ReceivedData::Replacement(text),
                     false => ReceivedData::Program(text),
                 }
+            }
+            FileId::Ladder => {
+                cnc.rights().check_ladder()?;
+                return receive_ladder(cnc, &file.text);
             }
             _ => {
                 cnc.rights().check_receive_data()?;
@@ -196,6 +206,16 @@ impl Emulator {
     }
 }
 
+/// Stores a received ladder for the next power-on (manual PLC-I 1.2).
+fn receive_ladder(cnc: &mut Cnc, text: &str) -> Result<(), FileRefusal> {
+    let ladder = Ladder::compile(text).map_err(|errors| {
+        let first = errors.errors.into_iter().next();
+        first.map_or(FileRefusal::Missing, FileRefusal::Ladder)
+    })?;
+    let stored = cnc.request(ControlRequest::LoadLadder(Arc::new(ladder)));
+    stored.map_err(|alarm| FileRefusal::Alarm(Box::new(alarm)))
+}
+
 #[cfg(test)]
 #[allow(clippy::expect_used, reason = "tests fail by panicking")]
 mod tests {
@@ -239,6 +259,7 @@ mod tests {
             ("Wcomp.wmp", Some(FileId::Pitch)),
             ("O0001.NC", None),
             ("other.par", None),
+            ("main.LDX", Some(FileId::Ladder)),
             ("lad.ldx", None),
         ] {
             assert_eq!(FileId::of(name), id, "{name}");

@@ -14,7 +14,7 @@ use super::Panel;
 use super::program_text::{is_all_programs, number};
 use crate::pages::{Communication, PageId};
 pub use files::DataLineError;
-pub use line::{FileId, FileRefusal, file_of, number_of_name, read_data};
+pub use line::{FileId, FileRefusal, LADDER_FILE, file_of, number_of_name, read_data};
 
 /// Least baud rate at which a PC connection works, bit/s (manual III-9.3).
 const MIN_BAUD: u64 = 4800;

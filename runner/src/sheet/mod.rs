@@ -2,7 +2,6 @@
 //!
 //! It contains its pictures and loads nothing.
 
-mod html;
 mod qr_code;
 mod tool_picture;
 
@@ -16,10 +15,10 @@ use gsk_workpiece::measure::Feature;
 use gsk_workpiece::stock::StockForm;
 use gsk_workpiece::tool::{Holder, Insert, Tool};
 
+use crate::html::HtmlWriter;
 use crate::report::{AlarmReport, ProgramReport, TimeReport, ToolTimeReport, feature_message};
 use crate::text_format::{format_time, short_description};
 use crate::times::TimeUse;
-use html::HtmlWriter;
 
 /// Greatest number of program lines that a setup sheet prints.
 const MAX_LINES: usize = 5000;

@@ -51,7 +51,9 @@ fn create_bar(name: &FileName, size: usize) -> Option<ProgressBar> {
 
 /// Returns the port and its speed in bits per second: from the options, else from the window's
 /// settings. Returns an error if neither names a port.
-pub(super) fn select_port(args: &TransferPortArgs) -> Result<(String, u32), CommandError> {
+pub(in crate::commands) fn select_port(
+    args: &TransferPortArgs,
+) -> Result<(String, u32), CommandError> {
     let settings = match &args.port {
         Some(port) => TransferSettings {
             port: port.clone(),

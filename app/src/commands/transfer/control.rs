@@ -61,6 +61,8 @@ pub(super) fn run_control(args: &TransferControlArgs) -> Result<u8, CommandError
             // leaves the switch off.
             let _ = emulator.request(request);
         }
+        // A ladder is received in edit mode only.
+        emulator.press(Key::Edit);
     }
     emulator.connect_cable(SerialCable::Line);
     let ending = TerminationFlag::install_signal_handlers()?;

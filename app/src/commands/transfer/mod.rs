@@ -19,6 +19,7 @@ use crate::cli::{
     TransferPortArgs, TransferReceiveArgs, TransferRenameArgs, TransferRestoreArgs,
     TransferSendArgs, TransferWaitArgs,
 };
+pub(super) use bar::select_port;
 use bar::{connect_to_control, print_rate};
 use existing::SendOutcome;
 

@@ -8,7 +8,7 @@ use gsk_core::program::Program;
 use gsk_core::units::{Axis, parse_finite};
 use gsk_messages::{Message, say};
 
-use super::{FileId, SerialFile, Wanted};
+use super::{FileId, LADDER_FILE, SerialFile, Wanted};
 use crate::pages;
 
 /// Names of the data files. The name of a program file is its number.
@@ -42,13 +42,19 @@ pub(super) fn files_to_send(wanted: Wanted, cnc: &Cnc) -> Vec<SerialFile> {
     }
 }
 
-/// Returns the file of a program or of data, with name and text; `None` for a missing program.
+/// Returns the file of a program, of data or of the ladder, with name and text; `None` for a missing program.
 pub(super) fn file_of(id: FileId, cnc: &Cnc) -> Option<SerialFile> {
     let wanted = match id {
         FileId::Program(number) => Wanted::Program(number),
         FileId::Offsets => Wanted::Offsets,
         FileId::Pitch => Wanted::Pitch,
         FileId::Parameters => Wanted::Parameters,
+        FileId::Ladder => {
+            return Some(SerialFile {
+                name: LADDER_FILE.to_owned(),
+                text: cnc.stored_ladder().source().to_owned(),
+            });
+        }
     };
     files_to_send(wanted, cnc).pop()
 }

@@ -4,10 +4,14 @@
 use gsk_core::alarm::{Alarm, number};
 use gsk_core::cnc::{Cnc, ControlRequest, ReceivedData, SerialPort};
 use gsk_core::memory::WriteRefusal;
+use gsk_core::plc::CompileError;
 use gsk_messages::{Message, say};
 
 use super::{DataLineError, Panel, SerialCable, SerialFile, files, reason};
 use crate::pages::Communication;
+
+/// Name of the file that holds the ladder. GSKCC gives its ladder files the extension `.ldx`.
+pub const LADDER_FILE: &str = "Main.ldx";
 
 /// Names a file of the control that a client can read or write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -20,11 +24,13 @@ pub enum FileId {
     Pitch,
     /// The file that contains all parameters.
     Parameters,
+    /// The ladder that runs after the next power-on, as an instruction list.
+    Ladder,
 }
 
 impl FileId {
-    /// The files with data: offsets, pitch errors and parameters.
-    pub const DATA: [Self; 3] = [Self::Offsets, Self::Pitch, Self::Parameters];
+    /// The files with data: offsets, pitch errors, parameters and the ladder.
+    pub const DATA: [Self; 4] = [Self::Offsets, Self::Pitch, Self::Parameters, Self::Ladder];
 
     /// Returns the file with a name, ignoring case; `None` for a name that the control does
     /// not use.
@@ -33,6 +39,7 @@ impl FileId {
             (files::OFFSETS, Self::Offsets),
             (files::PITCH, Self::Pitch),
             (files::PARAMETERS, Self::Parameters),
+            (LADDER_FILE, Self::Ladder),
         ];
         let known = data
             .into_iter()
@@ -62,6 +69,8 @@ pub enum FileRefusal {
     OnlyPrograms,
     /// The content of the received file is invalid in a line.
     Unreadable(DataLineError),
+    /// The received ladder does not compile; the first error of the compiler.
+    Ladder(CompileError),
     /// The control refuses the request with this alarm.
     Alarm(Box<Alarm>),
 }
@@ -75,6 +84,9 @@ impl FileRefusal {
             Self::Exists => say::transfer_fault_exists(),
             Self::OnlyPrograms => say::transfer_only_programs(),
             Self::Unreadable(error) => error.message(),
+            Self::Ladder(error) => {
+                say::ladder_rule_broken(error.line, error.rung, error.code, error.message.clone())
+            }
             Self::Alarm(alarm) => say::as_written(alarm),
         }
     }

@@ -1,5 +1,7 @@
 //! Draws a rung: power rails, contacts, coils, boxes, and the power flow.
 
+use std::ops::RangeInclusive;
+
 use egui::{
     Align2, FontId, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
@@ -8,9 +10,9 @@ use gsk_core::plc::{
     Contact, Element, Ladder, Mnemonic, Operand, PlcAddress, PlcMemory, PowerFlow, RungBody,
     Statement,
 };
-use gsk_panel::pages::signal_meaning;
+use gsk_runner::ladder::address_comment;
 
-use super::layout::{self, OUTPUT_COLUMNS, PositionedRung, TITLE_HEIGHT, element_size};
+use super::layout::{self, OUTPUT_COLUMNS, PositionedRung, TITLE_HEIGHT};
 use crate::theme;
 use gsk_messages::{Language, say};
 
@@ -30,6 +32,8 @@ pub struct RungContext<'a> {
     pub with_comments: bool,
     /// The selected statement, as an index in the program; `None` without a selection.
     pub selected: Option<usize>,
+    /// Numbers of the rungs that are chosen for cut and copy; `None` without a choice.
+    pub chosen_rungs: Option<RangeInclusive<u32>>,
     /// Function that returns the forced value of a bit; `None` if the bit is not forced.
     pub forced: &'a dyn Fn(BitAddress) -> Option<bool>,
     /// The address that is searched for; `None` without a search.
@@ -91,6 +95,12 @@ pub fn draw_rung(
     if sheet.next_rung == Some(network.number) {
         let mark = Rect::from_min_size(body.min, vec2(5.0, body.height() - layout::RUNG_GAP));
         painter.rect_filled(mark, 1.0, theme::FORCED);
+    }
+    let chosen = sheet.chosen_rungs.as_ref();
+    if chosen.is_some_and(|it| it.contains(&network.number)) {
+        let size = vec2(NUMBER_WIDTH - 8.0, body.height() - layout::RUNG_GAP);
+        let mark = Rect::from_min_size(body.min + vec2(6.0, 0.0), size);
+        painter.rect_filled(mark, 2.0, theme::ladder_hover());
     }
     let number = format!("{:04}", network.number);
     let at = pos2(corner.x + 12.0, top + 8.0);
@@ -172,7 +182,7 @@ impl RungPainter<'_> {
         let mut column = 0;
         let mut live = true;
         for element in contacts {
-            let (wide, _) = element_size(element);
+            let (wide, _) = element.size();
             live = self.draw_element(element, column, 0, wide, true);
             column += wide;
         }
@@ -225,7 +235,7 @@ impl RungPainter<'_> {
                 let mut at = column;
                 let mut live = live;
                 for member in members {
-                    let (own, _) = element_size(&member.element);
+                    let (own, _) = member.element.size();
                     live = self.draw_element(&member.element, at, row, own, live);
                     at += own;
                 }
@@ -239,7 +249,7 @@ impl RungPainter<'_> {
                 for member in members {
                     out |= self.draw_element(&member.element, column, at, wide, live);
                     last = at;
-                    at += element_size(&member.element).1;
+                    at += member.element.size().1;
                 }
                 for (column, live) in [(column, live), (column + wide, out)] {
                     let x = self.cell_corner(column, 0).x;
@@ -457,18 +467,5 @@ impl RungPainter<'_> {
 
     pub(super) fn wire_y(&self, row: usize) -> f32 {
         self.cell_corner(0, row).y + WIRE_OFFSET
-    }
-}
-
-/// The comment of an address in the ladder, or if it has none its meaning in the signal table.
-pub fn address_comment(ladder: &Ladder, subject: PlcAddress, language: Language) -> String {
-    let own = ladder.comment(subject).map(|comment| match language {
-        Language::Zh => comment.chinese.as_str(),
-        Language::En => comment.english.as_str(),
-    });
-    match (own, subject) {
-        (Some(own), _) if !own.is_empty() => own.to_owned(),
-        (_, PlcAddress::Bit(bit)) => signal_meaning(bit, language).to_owned(),
-        _ => String::new(),
     }
 }

@@ -7,15 +7,14 @@ use egui::{Button, Panel, RichText, ScrollArea, TextEdit, Ui, vec2};
 use gsk_core::cnc::ControlRequest;
 use gsk_core::plc::address::BitAddress;
 use gsk_core::plc::{CompileError, Ladder, Network};
-use gsk_core::setup::standard_ladder;
 use gsk_host::kernel::monitor::MachineView;
+use gsk_host::platform;
 
 use super::draft::LadderDraft;
 use super::element_change::{ElementChange, change_rung, format_rung};
-use super::{LadderView, Tab, compiler_text};
+use super::{LadderView, Tab, compiler_text, field_menu};
 use crate::focus;
 use crate::theme;
-use crate::views::text_files;
 use gsk_messages::{Language, say};
 
 /// Number for [`LadderDraft::set_text`] of changes typed into the whole list, where rungs
@@ -142,6 +141,7 @@ impl LadderView {
                 self.show_element_tools(ui, language, compiles);
                 ui.separator();
                 self.show_rung_tools(ui, language, compiles);
+                self.show_clipboard_tools(ui, language);
             }
             ui.separator();
             let hint = say::ladder_save_hint().text(language);
@@ -166,43 +166,12 @@ impl LadderView {
             ui.menu_button(say::ladder_file_menu().text(language), |ui| {
                 self.show_file_menu(ui, language);
             });
+            if platform::has_ports() {
+                field_menu(ui, say::ladder_line_menu().text(language), |ui| {
+                    self.show_line_menu(ui, language);
+                });
+            }
         });
-    }
-
-    fn show_file_menu(&mut self, ui: &mut Ui, language: Language) {
-        let words = say::ladder_open_list().text(language);
-        if ui.button(words).clicked() {
-            let opened = Arc::clone(&self.opened_lists);
-            let context = ui.ctx().clone();
-            text_files::open(&self.console, &context, language, "IL", move |text| {
-                opened.force_push(text);
-            });
-            ui.close();
-        }
-        if ui
-            .button(say::ladder_export_list().text(language))
-            .clicked()
-        {
-            if let Some(draft) = &self.draft {
-                let text = draft.text().to_owned();
-                let context = ui.ctx().clone();
-                text_files::save(
-                    &self.console,
-                    &context,
-                    language,
-                    ("ladder.il", "IL"),
-                    move || text,
-                );
-            }
-            ui.close();
-        }
-        let words = say::ladder_replace_by_standard().text(language);
-        if ui.button(words).clicked() {
-            if let Some(draft) = &mut self.draft {
-                draft.set_text(standard_ladder().source().to_owned(), None);
-            }
-            ui.close();
-        }
     }
 
     /// Draws the tools that change the selected contact or coil.

@@ -8,6 +8,7 @@ use super::layout::{HEADING_HEIGHT, LINE_HEIGHT};
 use super::operand_value;
 use crate::theme;
 use gsk_messages::say;
+use gsk_runner::ladder::{operand_line_count, operand_role};
 
 impl RungPainter<'_> {
     /// Draws a function instruction as a box between the bus and the right rail, at x
@@ -21,7 +22,7 @@ impl RungPainter<'_> {
         live: bool,
     ) {
         let y = self.wire_y(row);
-        let lines = operand_value::operand_line_count(output);
+        let lines = operand_line_count(output);
         let corner = pos2(bus + LEAD_LENGTH, y - WIRE_OFFSET + 8.0);
         let size = vec2(
             right - 10.0 - corner.x,
@@ -50,7 +51,7 @@ impl RungPainter<'_> {
         let kinds = output.mnemonic.row().operands;
         let mut top = rect.top() + HEADING_HEIGHT;
         for (kind, operand) in kinds.iter().zip(&output.operands) {
-            let role = operand_value::operand_role(*kind, self.context.language);
+            let role = operand_role(*kind, self.context.language);
             let font = FontId::proportional(theme::ANNOTATION_SIZE);
             painter.text(
                 pos2(rect.left() + 8.0, top),

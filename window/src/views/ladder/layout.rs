@@ -5,7 +5,7 @@ use std::sync::Arc;
 use egui::{Vec2, vec2};
 use gsk_core::plc::{Element, Ladder, Network, RungBody, Statement};
 
-use super::operand_value::operand_line_count;
+use gsk_runner::ladder::operand_line_count;
 
 /// Height of a title or a structure mark, points.
 pub const TITLE_HEIGHT: f32 = 26.0;
@@ -121,7 +121,7 @@ fn rung_size(network: &Network, comments: bool) -> (usize, usize) {
         RungBody::Rung { contacts, outputs } => {
             let (columns, rows) = contacts
                 .iter()
-                .map(element_size)
+                .map(Element::size)
                 .fold((0, 0), |(wide, high), (columns, rows)| {
                     (wide + columns, high.max(rows))
                 });
@@ -131,25 +131,6 @@ fn rung_size(network: &Network, comments: bool) -> (usize, usize) {
                 .sum();
             (columns, rows.max(outputs).max(1))
         }
-    }
-}
-
-/// Number of columns and rows that an element's contacts take.
-pub fn element_size(element: &Element) -> (usize, usize) {
-    match element {
-        Element::Contact(_) => (1, 1),
-        Element::Series(members) => members
-            .iter()
-            .map(|member| element_size(&member.element))
-            .fold((0, 0), |(wide, high), (columns, rows)| {
-                (wide + columns, high.max(rows))
-            }),
-        Element::Parallel(members) => members
-            .iter()
-            .map(|member| element_size(&member.element))
-            .fold((0, 0), |(wide, high), (columns, rows)| {
-                (wide.max(columns), high + rows)
-            }),
     }
 }
 

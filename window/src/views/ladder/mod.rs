@@ -1,15 +1,19 @@
 //! The ladder view: rungs with live power flow, search, cross reference, forced bits, halt and
-//! step; messages, comments and initial data as tables; editing.
+//! step; messages, comments, parameters and initial data as tables; editing; a control at a port.
 
 mod compiler_text;
+mod control_line;
 mod directive;
 mod draft;
 mod draw;
 mod edit;
 mod element_change;
+mod file_menu;
 mod function_box;
 mod layout;
 mod operand_value;
+mod parameter_wizard;
+mod rung_clipboard;
 mod search;
 mod side;
 mod tables;
@@ -17,22 +21,27 @@ mod tables;
 use std::sync::Arc;
 
 use crossbeam::queue::ArrayQueue;
-use egui::{Panel, Pos2, RichText, ScrollArea, Sense, Ui, vec2};
+use egui::containers::menu::{MenuButton, MenuConfig};
+use egui::{Panel, PopupCloseBehavior, Pos2, RichText, ScrollArea, Sense, Ui, vec2};
 use gsk_core::cnc::{ControlRequest, LadderStep};
 use gsk_core::memory::WriteRefusal;
 use gsk_core::plc::address::BitAddress;
 use gsk_core::plc::{Ladder, PlcAddress, Statement};
 use gsk_host::kernel::monitor::MachineView;
 use gsk_host::kernel::{Command, Console};
+use gsk_host::pc::TransferSettings;
 
 use super::interface::{View, ViewFrame, ViewStart};
 use crate::focus;
 use crate::theme;
+use control_line::ControlLine;
 use draft::LadderDraft;
 use draw::RungContext;
 use edit::RungEditor;
 use gsk_messages::{Language, Message, say};
 use layout::LadderDrawing;
+use parameter_wizard::ParameterWizard;
+use rung_clipboard::RungClipboard;
 use search::LadderSearch;
 
 /// Width of the view, points, from which the side list is always shown beside the rungs.
@@ -45,15 +54,17 @@ enum Tab {
     List,
     Messages,
     Comments,
+    Parameters,
     StartValues,
 }
 
 impl Tab {
-    const ALL: [Self; 5] = [
+    const ALL: [Self; 6] = [
         Self::Rungs,
         Self::List,
         Self::Messages,
         Self::Comments,
+        Self::Parameters,
         Self::StartValues,
     ];
 
@@ -63,6 +74,7 @@ impl Tab {
             Self::List => say::ladder_tab_list(),
             Self::Messages => say::ladder_tab_messages(),
             Self::Comments => say::ladder_tab_comments(),
+            Self::Parameters => say::ladder_tab_parameters(),
             Self::StartValues => say::ladder_tab_initial_data(),
         }
     }
@@ -81,6 +93,9 @@ pub struct LadderView {
     /// Distance from the top to scroll to in the next frame, points; `None` does not scroll.
     scroll_to_y: Option<f32>,
     search: LadderSearch,
+    clipboard: RungClipboard,
+    wizard: ParameterWizard,
+    line: ControlLine,
     is_editing: bool,
     draft: Option<LadderDraft>,
     editor: Option<RungEditor>,
@@ -105,7 +120,7 @@ pub struct LadderView {
 
 impl View for LadderView {
     fn create(start: ViewStart<'_>) -> Self {
-        Self::new(start.console.clone())
+        Self::new(start.console.clone(), &start.settings.transfer)
     }
 
     fn close(&mut self) {
@@ -123,8 +138,8 @@ impl LadderView {
         self.bit_to_explain.take()
     }
 
-    /// Creates the view, scrolled to the first rung.
-    pub fn new(console: Console) -> Self {
+    /// Creates the view, scrolled to the first rung. `settings`: port and rate for other controls.
+    pub fn new(console: Console, settings: &TransferSettings) -> Self {
         Self {
             console,
             tab: Tab::Rungs,
@@ -134,6 +149,9 @@ impl LadderView {
             selected: None,
             scroll_to_y: None,
             search: LadderSearch::default(),
+            clipboard: RungClipboard::default(),
+            wizard: ParameterWizard::default(),
+            line: ControlLine::new(settings),
             is_editing: false,
             draft: None,
             editor: None,
@@ -174,6 +192,7 @@ impl LadderView {
         self.sync_draft(machine);
         if own_keys {
             self.handle_editing_keys(ui);
+            self.handle_clipboard_keys(ui);
         }
         self.update_drawing(&self.drawn_ladder(machine));
         let bar = Panel::top("ladder bar").frame(super::bar_frame());
@@ -199,6 +218,10 @@ impl LadderView {
                 .frame(super::side_frame());
             editor.show(ui, |ui| self.show_rung_editor(ui, language));
         }
+        if self.tab == Tab::Rungs {
+            let ladder = self.drawn_ladder(machine);
+            self.show_search_results(ui, language, &ladder);
+        }
         if self.tab == Tab::Rungs && has_side {
             let side = Panel::right("ladder side")
                 .exact_size(side::side_width(ui.available_width()))
@@ -213,6 +236,7 @@ impl LadderView {
                 Tab::List => self.show_list(ui, language, machine),
                 Tab::Messages => self.show_messages(ui, language, machine),
                 Tab::Comments => self.show_comments(ui, language, machine),
+                Tab::Parameters => self.show_parameter_wizard(ui, language, machine),
                 Tab::StartValues => self.show_start_values(ui, language, machine),
             });
     }
@@ -334,6 +358,7 @@ impl LadderView {
             language,
             with_comments: self.with_comments,
             selected: self.selected,
+            chosen_rungs: self.chosen_rungs(),
             forced: &forced,
             searched: self.search.searched_address(),
             next_rung: if machine.halted && is_running {
@@ -367,7 +392,8 @@ impl LadderView {
             }
         });
         if let Some(at) = clicked {
-            self.selected = Some(at);
+            let with_shift = ui.input(|input| input.modifiers.shift);
+            self.select_clicked(at, with_shift);
         }
         self.drawing = Some(drawing);
     }
@@ -437,6 +463,12 @@ impl LadderView {
             }
         });
     }
+}
+
+/// Draws a menu button whose menu has text fields: a click into it leaves the menu open.
+fn field_menu(ui: &mut Ui, text: String, content: impl FnOnce(&mut Ui)) {
+    let config = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+    MenuButton::new(text).config(config).ui(ui, content);
 }
 
 /// Returns the addresses that a statement uses.

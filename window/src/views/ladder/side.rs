@@ -7,8 +7,8 @@ use gsk_core::plc::{Access, Ladder, PlcAddress};
 use gsk_host::kernel::Command;
 use gsk_host::kernel::monitor::MachineView;
 use gsk_panel::pages::signal_name;
+use gsk_runner::ladder::address_comment;
 
-use super::draw::address_comment;
 use super::{LadderView, operand_value, statement_addresses};
 use crate::focus;
 use crate::theme;

@@ -5,10 +5,11 @@ use egui::{
 };
 use gsk_core::plc::{Ladder, PlcAddress};
 use gsk_host::kernel::monitor::MachineView;
+use gsk_runner::ladder::address_comment;
 
 use super::directive::LadderTable;
 use super::draft::LadderDraft;
-use super::{LadderView, compiler_text, draw, operand_value};
+use super::{LadderView, compiler_text, operand_value};
 use crate::focus;
 use crate::theme;
 use gsk_messages::{Language, Message, say};
@@ -108,7 +109,7 @@ impl LadderView {
                 return Vec::new();
             };
             let now = operand_value::format_value(start.address, 1, machine.plc.memory());
-            let words = draw::address_comment(&ladder, PlcAddress::Byte(start.address), language);
+            let words = address_comment(&ladder, PlcAddress::Byte(start.address), language);
             vec![
                 RichText::new(start.address.to_string()).monospace(),
                 RichText::new(start.value.to_string()).monospace(),
@@ -184,7 +185,7 @@ impl LadderView {
     }
 
     /// Takes a changed list into the draft if it compiles; otherwise returns the first error.
-    fn take_list(&mut self, list: String, language: Language) -> Option<String> {
+    pub(super) fn take_list(&mut self, list: String, language: Language) -> Option<String> {
         if let Err(errors) = Ladder::compile(&list) {
             let first = errors.errors.first();
             return Some(first.map_or_else(String::new, |error| {
@@ -200,7 +201,7 @@ impl LadderView {
 
 /// Draws a table with `count` rows; `row` returns the texts of a row. Returns the index of the row
 /// that was clicked; `None` without one.
-fn show_table(
+pub(super) fn show_table(
     ui: &mut Ui,
     language: Language,
     columns: &[TableColumn],

@@ -1,32 +1,32 @@
-//! Writes the page.
+//! Writes pages of HTML: setup sheets and ladders.
 
 use gsk_messages::{Language, Message};
 
-/// Writes the HTML page of a setup sheet.
-pub(super) struct HtmlWriter {
+/// Writes one HTML page.
+pub(crate) struct HtmlWriter {
     out: String,
     language: Language,
 }
 
 impl HtmlWriter {
-    pub(super) const fn new(language: Language) -> Self {
+    pub(crate) const fn new(language: Language) -> Self {
         Self {
             out: String::new(),
             language,
         }
     }
 
-    pub(super) const fn language(&self) -> Language {
+    pub(crate) const fn language(&self) -> Language {
         self.language
     }
 
     /// Returns the text of a message in the language of the page.
-    pub(super) fn text(&self, message: &Message) -> String {
+    pub(crate) fn text(&self, message: &Message) -> String {
         message.text(self.language)
     }
 
     /// Writes the head of the file and begins its body.
-    pub(super) fn begin(&mut self, title: &str, style: &str) {
+    pub(crate) fn begin(&mut self, title: &str, style: &str) {
         let code = match self.language {
             Language::Zh => "zh-CN",
             Language::En => "en",
@@ -40,18 +40,18 @@ impl HtmlWriter {
         self.raw("</style>\n</head>\n<body>\n");
     }
 
-    pub(super) fn finish(mut self) -> String {
+    pub(crate) fn finish(mut self) -> String {
         self.raw("</body>\n</html>\n");
         self.out
     }
 
     /// Writes HTML markup without changes.
-    pub(super) fn raw(&mut self, markup: &str) {
+    pub(crate) fn raw(&mut self, markup: &str) {
         self.out.push_str(markup);
     }
 
     /// Writes text with the characters replaced that HTML reserves.
-    pub(super) fn escaped(&mut self, text: &str) {
+    pub(crate) fn escaped(&mut self, text: &str) {
         for character in text.chars() {
             match character {
                 '&' => self.raw("&amp;"),
@@ -64,26 +64,26 @@ impl HtmlWriter {
         }
     }
 
-    pub(super) fn message(&mut self, message: &Message) {
+    pub(crate) fn message(&mut self, message: &Message) {
         let text = self.text(message);
         self.escaped(&text);
     }
 
-    pub(super) fn heading(&mut self, message: &Message) {
+    pub(crate) fn heading(&mut self, message: &Message) {
         self.raw("\n<h2>");
         self.message(message);
         self.raw("</h2>\n");
     }
 
     /// Writes a picture, given as SVG.
-    pub(super) fn picture(&mut self, svg: &str) {
+    pub(crate) fn picture(&mut self, svg: &str) {
         self.raw("<figure>");
         self.raw(svg);
         self.raw("</figure>");
     }
 
     /// Begins a table with the names of its columns, if there are any.
-    pub(super) fn begin_table(&mut self, columns: &[Message]) {
+    pub(crate) fn begin_table(&mut self, columns: &[Message]) {
         self.raw("<table>");
         if columns.is_empty() {
             return;
@@ -97,7 +97,7 @@ impl HtmlWriter {
         self.raw("</tr></thead>\n");
     }
 
-    pub(super) fn row(&mut self, cells: &[&str]) {
+    pub(crate) fn row(&mut self, cells: &[&str]) {
         self.raw("<tr>");
         for cell in cells {
             self.raw("<td>");
@@ -108,7 +108,7 @@ impl HtmlWriter {
     }
 
     /// Writes a table row whose last cell is a picture, given as SVG.
-    pub(super) fn tool_row(&mut self, cells: &[String], svg: &str) {
+    pub(crate) fn tool_row(&mut self, cells: &[String], svg: &str) {
         self.raw("<tr>");
         for cell in cells {
             self.raw("<td>");
@@ -120,7 +120,7 @@ impl HtmlWriter {
         self.raw("</td></tr>\n");
     }
 
-    pub(super) fn end_table(&mut self) {
+    pub(crate) fn end_table(&mut self) {
         self.raw("</table>\n");
     }
 }
