@@ -13,6 +13,7 @@
 //! );
 //! ```
 
+mod angle;
 mod block;
 mod calls;
 mod canned;

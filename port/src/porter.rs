@@ -391,10 +391,7 @@ fn comment_out(block: &mut ForeignBlock, source: &ForeignBlock, is_named: bool) 
         })
         .collect();
     let words: String = (source.pieces.iter().filter(|piece| !is_comment(piece)))
-        .map(|piece| match piece {
-            LinePiece::Word(word) => word.written.as_str(),
-            LinePiece::Text(text) | LinePiece::Formula(text) => text.as_str(),
-        })
+        .map(LinePiece::written)
         .collect();
     block.pieces = vec![LinePiece::Text(format!("({}){comments}", words.trim()))];
 }
