@@ -124,7 +124,12 @@ impl Porter<'_> {
     pub fn convert_variables(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
         let is_formula =
             |piece: &LinePiece| matches!(piece, LinePiece::Formula(text) if text.trim() != "*");
-        if let Some(at) = block.pieces.iter().position(is_formula) {
+        if let Some(formula) = block.pieces.iter().position(is_formula) {
+            // The number of an O word belongs to its keyword.
+            let is_o =
+                |piece: &LinePiece| matches!(piece, LinePiece::Word(word) if word.letter == b'O');
+            let at = block.pieces.iter().position(is_o).unwrap_or(formula);
+            let at = at.min(formula);
             let text: String = (block.pieces[at..].iter())
                 .filter(|piece| !matches!(piece, LinePiece::Text(text) if text.starts_with('(')))
                 .map(LinePiece::written)

@@ -2,7 +2,7 @@
 
 use gsk_messages::Language;
 
-use crate::{ForeignDialect, PlainNumbers, PortOptions, port_program};
+use crate::{ForeignDialect, MachineNeeds, PlainNumbers, PortOptions, guess_dialect, port_program};
 
 fn port(dialect: ForeignDialect, text: &str) -> String {
     port_program(text, dialect, PortOptions::default()).text
@@ -251,4 +251,40 @@ fn keywords_of_macros_are_named_in_full() {
         refused.starts_with("1: WHILE [#100 GE 4] DO1 is not"),
         "{refused}"
     );
+}
+
+#[test]
+fn the_needs_of_a_ported_program_are_listed() {
+    let text = "T0707 (T0909)\nG42 G1 X1. F.1\nG40 X2.\n";
+    let needs = port_program(text, ForeignDialect::Fanuc0t, PortOptions::default()).machine_needs();
+    assert_eq!((needs.tool_stations, needs.nose_compensation), (7, true));
+    let needs = port_program("G0 X1.\n", ForeignDialect::Haas, PortOptions::default());
+    assert_eq!(needs.machine_needs(), MachineNeeds::default());
+}
+
+#[test]
+fn each_line_knows_its_foreign_line() {
+    let ten = ForeignDialect::Fanuc10t;
+    let text = "G99\nG71 P1 Q2 D2000 F.2\nG0 X1.; G1 X2.\nM30";
+    let ported = port_program(text, ten, PortOptions::default());
+    assert_eq!(ported.text.lines().count(), 5, "{}", ported.text);
+    assert_eq!(ported.source_lines, [1, 2, 2, 3, 4]);
+}
+
+#[test]
+fn dialects_are_recognised() {
+    let guess = |text| guess_dialect(text).map(|it| (it.dialect, it.line, it.word));
+    let own = "O0001\nG50 X100. Z100.\nG0 X50. Z2. T0101\nG71 U2. R1.\nG71 P1 Q2 U.4 F.2\nM98 P20012\nM30\n";
+    assert_eq!(guess(own), None);
+    let found = |dialect, line, word: &str| Some((dialect, line, word.to_owned()));
+    let fanuc = "O1\nG0 X1.\nG1 Z-1. ,C.5\nM30\n";
+    assert_eq!(guess(fanuc), found(ForeignDialect::Fanuc0t, 3, ",C.5"));
+    let ten = "O1\nG71 P1 Q2 D2000 F.2\n";
+    assert_eq!(guess(ten), found(ForeignDialect::Fanuc10t, 2, "D"));
+    let haas = "O00012\nG53 G0 X0 Z0\n";
+    assert_eq!(guess(haas), found(ForeignDialect::Haas, 2, "G53"));
+    let mach = "G21 G90\nT1 M6\nG0 X5\n";
+    assert_eq!(guess(mach), found(ForeignDialect::Mach3, 1, "G21"));
+    let linuxcnc = "G7 G18\no<a> call\n";
+    assert_eq!(guess(linuxcnc), found(ForeignDialect::LinuxCnc, 1, "G7"));
 }
