@@ -104,7 +104,7 @@ pub(crate) fn find_code_set(dialect: ForeignDialect, parts: &[SourcePart]) -> Co
         ForeignDialect::Fanuc0t | ForeignDialect::Fanuc10t | ForeignDialect::Fusion => {
             let mut has_lead = false;
             let mut shows_b = |block: &ForeignBlock| {
-                let only_b = |code| matches!(code, 770 | 780 | 790 | 910 | 950);
+                let only_b = |code| matches!(code, 330 | 770 | 780 | 790 | 910 | 950);
                 let is_thread = |code| matches!(code, 320 | 330 | 340 | 760 | 920);
                 has_lead |= block.has_any(b"FE") && block.g_codes().any(is_thread);
                 // In system A G92 is a thread, which needs a lead, and G94 a facing cycle.

@@ -288,3 +288,11 @@ fn dialects_are_recognised() {
     let linuxcnc = "G7 G18\no<a> call\n";
     assert_eq!(guess(linuxcnc), found(ForeignDialect::LinuxCnc, 1, "G7"));
 }
+
+#[test]
+fn g33_alone_shows_system_b() {
+    assert_eq!(
+        fanuc("G0 X20. Z5.\nG33 Z-9. F1.5\n"),
+        "G0 X20. Z5.\nG32 Z-9. F1.5\n"
+    );
+}
