@@ -29,7 +29,7 @@ def same(want, got, loose):
         off = abs(got["z0"] - want.z - length - flank)
         if off > 3 * NEAR + (0.03 * abs(flank) if taper else 0) and not (want.rule == "G76 end" and off < 0.06):
             return "flank"
-        if abs(got["x0"] - want.x - 2 * taper * (got["z0"] - want.z) / length) > 2 * NEAR:
+        if abs(got["x0"] - got["x"] - 2 * taper * (got["z0"] - want.z) / length) > 2 * NEAR:
             return "start of the thread"
         return None if want.rate is None or abs(got["lead"] - want.rate) < 1e-4 else "lead"
     if got["kind"] != want.kind:
