@@ -28,6 +28,11 @@ fn is_shown(bench: &WindowBench, text: &str) -> bool {
 
 #[track_caller]
 fn click(bench: &mut WindowBench, label: &str) {
+    // The button rests once the check has listed its findings.
+    for _ in 0..20 {
+        bench.run(1);
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
     bench.harness.get_by_label(label).click();
     bench.run(3);
 }
@@ -53,7 +58,7 @@ fn a_foreign_program_is_offered_ported_and_taken_over() {
         "4: G71: depth and retract precede the cycle"
     ));
     click(&mut bench, "Take over as a new program");
-    click(&mut bench, "Discard");
+    click(&mut bench, "Do not save");
     assert_eq!(
         editor_text(&bench),
         "O0012\nG99\nG0 X50. Z2.\nG71 U2. R0.5\nG71 P1 Q2 U.4 F.2\n"
