@@ -31,6 +31,7 @@ mod pitch;
 #[path = "common/process.rs"]
 mod process;
 mod program_forms;
+mod program_port;
 mod program_start;
 mod program_view;
 mod project;

@@ -2644,7 +2644,9 @@ message_rows! {
     point_missing PointMissing(address);
     point_not_allowed PointNotAllowed(address);
     point_twice PointTwice();
+    port_close PortClose();
     port_closed PortClosed();
+    port_dialect PortDialect();
     port_failed PortFailed(error: message);
     port_forbidden PortForbidden(port, error: message);
     port_gone PortGone();
@@ -2654,16 +2656,21 @@ message_rows! {
     port_holder_silent PortHolderSilent(port);
     port_holder_stopped PortHolderStopped();
     port_holder_strange PortHolderStrange(port);
+    port_inch PortInch();
     port_no_device PortNoDevice(port, error: message);
     port_no_holder_wanted PortNoHolderWanted(error);
     port_not_found PortNotFound(port, error: message);
     port_not_offered PortNotOffered(address, error: message);
     port_not_shared PortNotShared(error);
+    port_offer PortOffer(line, word, dialect);
+    port_open PortOpen();
     port_refused PortRefused(port, error: message);
+    port_take_over PortTakeOver();
     port_terminal PortTerminal(error);
     port_terminal_nameless PortTerminalNameless();
     port_terminal_refused PortTerminalRefused(error);
     port_unreachable PortUnreachable(port, error: message);
+    port_written PortWritten();
     ported_becomes PortedBecomes();
     ported_changed PortedChanged(word, note: message);
     ported_codes_title PortedCodesTitle();
@@ -2671,6 +2678,8 @@ message_rows! {
     ported_in_all PortedInAll();
     ported_in_sets PortedInSets();
     ported_incomplete PortedIncomplete(refused);
+    ported_needs_compensation PortedNeedsCompensation();
+    ported_needs_stations PortedNeedsStations(tool, stations);
     ported_note PortedNote();
     ported_note_absolute PortedNoteAbsolute();
     ported_note_accessory PortedNoteAccessory();
@@ -2836,6 +2845,7 @@ message_rows! {
     program_opened_after_reset ProgramOpenedAfterReset(name);
     program_other_text ProgramOtherText();
     program_places_used ProgramPlacesUsed(most);
+    program_port ProgramPort();
     program_redo ProgramRedo();
     program_save ProgramSave();
     program_save_as ProgramSaveAs();

@@ -35,6 +35,16 @@ pub(crate) enum LinePiece {
     Formula(String),
 }
 
+impl LinePiece {
+    /// Returns the piece as it is in the text.
+    pub fn written(&self) -> &str {
+        match self {
+            Self::Word(word) => &word.written,
+            Self::Text(text) | Self::Formula(text) => text,
+        }
+    }
+}
+
 /// A foreign block, split into pieces, with the lines that the porter adds around it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct ForeignBlock {
@@ -221,17 +231,15 @@ impl ForeignBlock {
 
     /// Returns the block as text, with the changes made so far.
     pub fn text(&self) -> String {
-        let texts = self.pieces.iter().map(|piece| match piece {
-            LinePiece::Word(word) => word.written.as_str(),
-            LinePiece::Text(text) | LinePiece::Formula(text) => text.as_str(),
-        });
-        texts.collect()
+        self.pieces.iter().map(LinePiece::written).collect()
     }
 }
 
-/// Whether a text begins with an upper-case letter, as the words that the porter writes do.
+/// Whether a text begins with an upper-case letter, as the words that the porter writes do; the
+/// blank before an appended word does not count.
 fn is_word_text(text: &str) -> bool {
-    text.bytes()
+    text.trim_start()
+        .bytes()
         .next()
         .is_some_and(|byte| byte.is_ascii_uppercase())
 }

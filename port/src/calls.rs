@@ -122,12 +122,19 @@ impl Porter<'_> {
 
     /// Renumbers the variables of macro A, and refuses formulas.
     pub fn convert_variables(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
-        let formula = block.pieces.iter().find_map(|piece| match piece {
-            LinePiece::Formula(text) => Some(text.clone()),
-            LinePiece::Word(_) | LinePiece::Text(_) => None,
-        });
-        if let Some(formula) = formula.filter(|text| text.trim() != "*") {
-            let shown: String = formula.chars().take(24).collect();
+        let is_formula =
+            |piece: &LinePiece| matches!(piece, LinePiece::Formula(text) if text.trim() != "*");
+        if let Some(formula) = block.pieces.iter().position(is_formula) {
+            // The number of an O word belongs to its keyword.
+            let is_o =
+                |piece: &LinePiece| matches!(piece, LinePiece::Word(word) if word.letter == b'O');
+            let at = block.pieces.iter().position(is_o).unwrap_or(formula);
+            let at = at.min(formula);
+            let text: String = (block.pieces[at..].iter())
+                .filter(|piece| !matches!(piece, LinePiece::Text(text) if text.starts_with('(')))
+                .map(LinePiece::written)
+                .collect();
+            let shown: String = text.trim().chars().take(24).collect();
             return Err(Refusal::new(
                 shown.to_ascii_uppercase(),
                 say::ported_note_macro(),

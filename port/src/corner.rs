@@ -2,8 +2,10 @@
 
 use gsk_messages::say;
 
+use crate::angle::angle_word;
 use crate::block::ForeignBlock;
-use crate::motion::length_word;
+use crate::motion::{LENGTH_DECIMALS, length_word};
+use crate::number::round_to;
 use crate::porter::{Porter, Refusal};
 use crate::program_numbers::whole;
 use crate::source::SourcePart;
@@ -42,7 +44,10 @@ impl<'a> Porter<'a> {
         let corner = self.end_point(block, start);
         let (next, end) = self.next_line(index, corner).ok_or_else(refuse)?;
         let moves = [0, 1].map(|axis| leg(start[axis], corner[axis], block, axis));
-        let leaves = [0, 1].map(|axis| leg(corner[axis], end[axis], next, axis));
+        let leaves = match angle_word(next) {
+            Some(_) => [0, 1].map(|axis| Some((end[axis]? - corner[axis]?) as f64)),
+            None => [0, 1].map(|axis| leg(corner[axis], end[axis], next, axis)),
+        };
         let ([Some(x1), Some(z1)], [Some(x2), Some(z2)]) = (moves, leaves) else {
             return Err(refuse());
         };
@@ -77,14 +82,14 @@ impl<'a> Porter<'a> {
         let [Some(x), Some(z)] = self.end_point(block, self.position()) else {
             return None;
         };
-        if self.state.is_incremental || next.has_any(b"UW") {
-            return None;
-        }
         let length = |vector: Vector| vector[0].hypot(vector[1]);
         let (one, two) = (length(first), length(second));
         if one < 1.0 || two < 1.0 {
             return None;
         }
+        // The tool may be beside the programmed start: at the end of the corner before this one.
+        let taken = self.state.axes.map(|axis| axis.rounding as f64);
+        let free = length([first[0] - taken[0] / 2.0, first[1] - taken[1]]);
         let (one_unit, two_unit) = (first.map(|it| it / one), second.map(|it| it / two));
         let cross = one_unit[1] * two_unit[0] - one_unit[0] * two_unit[1];
         let dot = one_unit[0] * two_unit[0] + one_unit[1] * two_unit[1];
@@ -93,7 +98,7 @@ impl<'a> Porter<'a> {
             true => size as f64 * (turn / 2.0).tan(),
             false => size as f64,
         };
-        if reach > one || reach > two {
+        if reach > free || reach > two {
             return None;
         }
         let point = |unit: Vector, by: f64| {
@@ -107,7 +112,12 @@ impl<'a> Porter<'a> {
         block.remove(b"XUZW");
         let written =
             |[x, z]: [i64; 2]| format!("{} {}", length_word(b'X', x), length_word(b'Z', z));
-        block.append(&written(before));
+        // A corner of this control before the block needs a block that moves one axis only.
+        block.append(&match (first[0] == 0.0, first[1] == 0.0) {
+            (true, _) => length_word(b'Z', before[1]),
+            (false, true) => length_word(b'X', before[0]),
+            (false, false) => written(before),
+        });
         let code = match (is_round, cross > 0.0) {
             (false, _) => "G01",
             (true, true) => "G03",
@@ -121,8 +131,15 @@ impl<'a> Porter<'a> {
         if is_round && !next.g_codes().any(|code| code <= 30) {
             block.after.push("G01".to_owned());
         }
-        for (axis, position) in self.state.axes.iter_mut().zip(after) {
-            axis.move_to(position);
+        // Distances in the next block count from the corner, not from the end of its arc.
+        for (axis, (corner, end)) in self
+            .state
+            .axes
+            .iter_mut()
+            .zip([(x, after[0]), (z, after[1])])
+        {
+            axis.move_to(corner);
+            axis.rounding = round_to(end, LENGTH_DECIMALS) - corner;
         }
         Some(())
     }
@@ -139,8 +156,15 @@ impl<'a> Porter<'a> {
         let block = &next.block;
         let is_line = !block.g_codes().any(|code| code != 10);
         let is_program = whole(block, b'O').is_some();
-        (is_line && !is_program && block.has_any(b"XUZW"))
-            .then(|| (block, self.end_point(block, from)))
+        if !is_line || is_program || !block.has_any(b"XUZW") {
+            return None;
+        }
+        let has_both = block.has_any(b"XU") && block.has_any(b"ZW");
+        let end = match angle_word(block).filter(|_| !has_both) {
+            Some(_) => self.angle_end(block, from)?.map(Some),
+            None => self.end_point(block, from),
+        };
+        Some((block, end))
     }
 }
 

@@ -4,7 +4,7 @@ use gsk_messages::say;
 
 use crate::block::ForeignBlock;
 use crate::motion::length_word;
-use crate::number::{UNIT, round_to, write_number};
+use crate::number::{UNIT, round_to, write_feed, write_number};
 use crate::porter::{Porter, Refusal};
 
 /// Greatest number of pecks into which a hole is divided.
@@ -14,6 +14,8 @@ const LEAST_PECK: i64 = 1_000;
 /// Distance before the bottom of the last peck at which the drill changes from rapid to feed, 10⁻⁶
 /// mm.
 const CLEARANCE: i64 = UNIT / 2;
+/// Distance by which G73 of LinuxCNC backs off to break the chip, 10⁻⁶ mm.
+const CHIP_RETRACT: i64 = 254_000;
 
 impl Porter<'_> {
     /// Converts a block of G81 to G85, or one that repeats it at another position.
@@ -37,8 +39,11 @@ impl Porter<'_> {
         let to = |code: &str, z: i64| format!("{code} {}", length_word(b'Z', z));
         lines.push(to("G00", level));
         match code {
-            830 => peck_lines(&mut lines, (level, bottom), drill.peck, &feed)
-                .ok_or_else(|| refuse("Q"))?,
+            730 | 830 => {
+                let clears = code == 830;
+                peck_lines(&mut lines, (level, bottom), drill.peck, &feed, clears)
+                    .ok_or_else(|| refuse("Q"))?;
+            }
             840 => {
                 lines.push(format!("{}{feed}", to("G33", bottom)));
                 let direction = self.state.machine.spindle.unwrap_or(30) / 10;
@@ -97,20 +102,21 @@ impl Porter<'_> {
             return String::new();
         };
         if code == 840 {
-            return format!(" F{}", write_number(self.state.lead(number), 5));
+            return format!(" F{}", write_feed(self.state.lead(number), 5));
         }
         self.start_feed(block);
-        format!(" F{}", write_number(self.state.feed(number), 5))
+        format!(" F{}", write_feed(self.state.feed(number), 5))
     }
 }
 
-/// Returns the lines that drill a hole in pecks with full retraction; `None` if there is no peck
-/// depth or there are too many pecks.
+/// Adds the lines that drill a hole in pecks; if the drill `clears` the hole, it retracts to the
+/// level after each peck, else it backs off a little. Returns `None` if there are too many pecks.
 fn peck_lines(
     lines: &mut Vec<String>,
     (level, bottom): (i64, i64),
     peck: Option<i64>,
     feed: &str,
+    clears: bool,
 ) -> Option<()> {
     let step = peck.map_or(level - bottom, i64::abs);
     if step < LEAST_PECK || (level - bottom) / step > MAX_PECKS {
@@ -120,8 +126,14 @@ fn peck_lines(
     let mut depth = level;
     while depth > bottom {
         if depth != level {
-            lines.push(format!("G00 {}", length_word(b'Z', level)));
-            lines.push(format!("G00 {}", length_word(b'Z', depth + CLEARANCE)));
+            let (first, back) = match clears {
+                true => (Some(level), depth + CLEARANCE),
+                false => (None, depth + CHIP_RETRACT),
+            };
+            let back = Some(back.min(level)).filter(|back| Some(*back) != first);
+            for z in first.into_iter().chain(back) {
+                lines.push(format!("G00 {}", length_word(b'Z', z)));
+            }
         }
         depth = round_to(depth - step, 3).max(bottom);
         lines.push(format!("G01 {}{feed}", length_word(b'Z', depth)));

@@ -13,15 +13,18 @@
 //! );
 //! ```
 
+mod angle;
 mod block;
 mod calls;
 mod canned;
 mod corner;
 mod cycles;
+mod detect;
 mod dialect;
 mod drilling;
 mod machine_codes;
 mod motion;
+mod needs;
 mod number;
 mod porter;
 mod program_numbers;
@@ -33,6 +36,8 @@ mod table;
 mod tests;
 mod thread_cycles;
 
+pub use detect::{DialectGuess, guess_dialect};
 pub use dialect::{CodeSet, ForeignDialect, PlainNumbers, PortFinding, PortOptions};
+pub use needs::MachineNeeds;
 pub use porter::{PortedProgram, port_program};
 pub use table::code_table;

@@ -3,7 +3,7 @@
 use gsk_messages::say;
 
 use crate::block::{ForeignBlock, ForeignWord};
-use crate::number::{Number, UNIT, divide_rounded, round_to, write_number};
+use crate::number::{Number, divide_rounded, round_to, write_feed, write_number};
 use crate::porter::{Porter, Refusal};
 use crate::state::ActiveCode;
 
@@ -120,7 +120,7 @@ impl Porter<'_> {
                 true => FEED_DECIMALS,
                 false => LENGTH_DECIMALS,
             };
-            block.replace(b'F', &format!("F{}", write_number(feed, decimals)));
+            block.replace(b'F', &format!("F{}", write_feed(feed, decimals)));
         }
     }
 
@@ -169,7 +169,7 @@ impl Porter<'_> {
                 say::ported_note_feed_increments(),
             );
         }
-        block.replace(letter, &format!("F{}", write_number(lead, FEED_DECIMALS)));
+        block.replace(letter, &format!("F{}", write_feed(lead, FEED_DECIMALS)));
     }
 
     /// Converts a block of G00 to G03: rapid, line or arc.
@@ -183,7 +183,7 @@ impl Porter<'_> {
         match self.state.active {
             ActiveCode::Arc => self.convert_arc(block)?,
             ActiveCode::Line => {
-                self.convert_angle(block)?;
+                self.convert_angle(block, index)?;
                 self.convert_corner(block, index)?;
             }
             _ => {}
@@ -233,35 +233,6 @@ impl Porter<'_> {
         Ok(())
     }
 
-    /// Computes the missing coordinate of a line that is given by its angle A.
-    fn convert_angle(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
-        let angles = |word: &ForeignWord| word.letter == b'A';
-        let Some(word) = block.words().find(|word| angles(word)).cloned() else {
-            return Ok(());
-        };
-        let refuse = || Refusal::new(word.shown(), say::ported_note_angle());
-        let degrees = word.number.ok_or_else(refuse)?.micro as f64 / UNIT as f64;
-        let (tangent, start) = (degrees.to_radians().tan(), self.position());
-        let end = self.end_point(block, start);
-        let (has_x, has_z) = (block.has_any(b"XU"), block.has_any(b"ZW"));
-        let ([Some(x), Some(z)], [Some(from_x), Some(from_z)]) = (end, start) else {
-            return Err(refuse());
-        };
-        let (letter, value) = match (has_x, has_z) {
-            (true, false) => (b'Z', from_z as f64 + (x - from_x) as f64 / 2.0 / tangent),
-            (false, true) => (b'X', from_x as f64 + (z - from_z) as f64 * 2.0 * tangent),
-            _ => return Err(refuse()),
-        };
-        if !value.is_finite() || value.abs() > 1e10 {
-            return Err(refuse());
-        }
-        block.remove_where(angles);
-        let axis = usize::from(letter == b'Z');
-        let written = self.state.axes[axis].move_to(value.round() as i64);
-        block.append(&length_word(letter, written));
-        Ok(())
-    }
-
     /// Converts a thread of one pass: G32, or G34 with the change of its lead.
     pub fn convert_thread(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
         self.convert_axis(block, 0, true);
@@ -277,7 +248,7 @@ impl Porter<'_> {
             let letter = if along_z { b'K' } else { b'I' };
             if let Some(number) = block.number(letter) {
                 let lead = self.state.to_metric(number.micro);
-                block.replace(letter, &format!("F{}", write_number(lead, FEED_DECIMALS)));
+                block.replace(letter, &format!("F{}", write_feed(lead, FEED_DECIMALS)));
                 block.remove(b"IK");
             }
             return Ok(());

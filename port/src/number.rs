@@ -4,6 +4,9 @@
 /// Number of millionths in one unit of a number.
 pub(crate) const UNIT: i64 = 1_000_000;
 
+/// Greatest number of digits of an F word on this control.
+const MAX_FEED_DIGITS: u32 = 7;
+
 /// A number as written: its value in millionths and whether it has a decimal point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Number {
@@ -82,6 +85,16 @@ pub(crate) fn write_number(micro: i64, decimals: u32) -> String {
     let unit = UNIT.unsigned_abs();
     let digits = format!("{:06}", size % unit);
     format!("{sign}{}.{}", size / unit, digits.trim_end_matches('0'))
+}
+
+/// Formats a feed or lead in millionths with at most `decimals` places and with at most as many
+/// digits as a word of this control has.
+pub(crate) fn write_feed(micro: i64, decimals: u32) -> String {
+    let whole_digits = (micro / UNIT).unsigned_abs().max(1).ilog10() + 1;
+    write_number(
+        micro,
+        decimals.min(MAX_FEED_DIGITS.saturating_sub(whole_digits)),
+    )
 }
 
 /// Formats `micro`, in millionths, as the nearest whole number without a point.

@@ -15,6 +15,8 @@ use crate::table::{CodeRule, ForeignCodeRow, find_row};
 pub struct PortedProgram {
     /// The text of the program for this control.
     pub text: String,
+    /// The foreign line of each line of `text`, from 1.
+    pub source_lines: Vec<u32>,
     /// Changes that the reader should know and blocks without an equivalent, in the order of
     /// the text.
     pub findings: Vec<PortFinding>,
@@ -66,7 +68,9 @@ pub fn port_program(text: &str, dialect: ForeignDialect, options: PortOptions) -
         parts: &parts,
     };
     let mut text = String::with_capacity(text.len() * 2);
+    let mut source_lines = Vec::new();
     for (index, part) in parts.iter().enumerate() {
+        let begin = text.len();
         let block = porter.port_block(index);
         let end = part.line_end;
         for line in &block.before {
@@ -88,9 +92,15 @@ pub fn port_program(text: &str, dialect: ForeignDialect, options: PortOptions) -
             text.push_str(line);
         }
         text.push_str(line_break);
+        let ended = text[begin..].matches('\n').count();
+        source_lines.extend(core::iter::repeat_n(part.block.line, ended));
+    }
+    if let Some(last) = parts.last().filter(|_| !text.ends_with('\n')) {
+        source_lines.push(last.block.line);
     }
     PortedProgram {
         text,
+        source_lines,
         findings: porter.findings,
     }
 }
@@ -391,10 +401,7 @@ fn comment_out(block: &mut ForeignBlock, source: &ForeignBlock, is_named: bool) 
         })
         .collect();
     let words: String = (source.pieces.iter().filter(|piece| !is_comment(piece)))
-        .map(|piece| match piece {
-            LinePiece::Word(word) => word.written.as_str(),
-            LinePiece::Text(text) | LinePiece::Formula(text) => text.as_str(),
-        })
+        .map(LinePiece::written)
         .collect();
     block.pieces = vec![LinePiece::Text(format!("({}){comments}", words.trim()))];
 }

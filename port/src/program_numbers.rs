@@ -95,16 +95,23 @@ impl ProgramNumbers {
 }
 
 /// Finds the code set of a text: that of the dialect; for Fanuc, system B if a code of the text
-/// exists in B only, else A.
+/// exists in B only or can only be meant as in B, else A.
 pub(crate) fn find_code_set(dialect: ForeignDialect, parts: &[SourcePart]) -> CodeSet {
     match dialect {
         ForeignDialect::Haas => CodeSet::Haas,
         ForeignDialect::Mach3 => CodeSet::Mach3,
         ForeignDialect::LinuxCnc => CodeSet::LinuxCnc,
         ForeignDialect::Fanuc0t | ForeignDialect::Fanuc10t | ForeignDialect::Fusion => {
-            let shows_b = |block: &ForeignBlock| {
-                let only_b = |code| matches!(code, 770 | 780 | 790 | 910 | 950);
-                block.g_codes().any(only_b) || (block.has_g(920) && block.has(b'S'))
+            let mut has_lead = false;
+            let mut shows_b = |block: &ForeignBlock| {
+                let only_b = |code| matches!(code, 330 | 770 | 780 | 790 | 910 | 950);
+                let is_thread = |code| matches!(code, 320 | 330 | 340 | 760 | 920);
+                has_lead |= block.has_any(b"FE") && block.g_codes().any(is_thread);
+                // In system A G92 is a thread, which needs a lead, and G94 a facing cycle.
+                block.g_codes().any(only_b)
+                    || (block.has_g(920)
+                        && (block.has(b'S') || (!has_lead && block.has_any(b"XZ"))))
+                    || (block.has_g(940) && !block.has_any(b"XUZW"))
             };
             match parts.iter().any(|part| shows_b(&part.block)) {
                 true => CodeSet::FanucB,

@@ -168,10 +168,10 @@ impl ForeignState {
         self.to_metric(units)
     }
 
-    /// Returns a length in millionths of a millimetre, where a number without a point always counts
-    /// least increments, such as D of cycles.
+    /// Returns a length in millionths of a millimetre, where a number without a point counts least
+    /// increments on controls that know them, such as D of cycles.
     pub fn cycle_length(&self, number: Number) -> i64 {
-        let units = match number.has_point {
+        let units = match number.has_point || self.set.is_rs274() {
             true => number.micro,
             false => self.increments(number),
         };

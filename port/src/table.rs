@@ -198,7 +198,7 @@ pub(crate) static CODES: &[ForeignCodeRow] = &[
     row(b'G', &[800], ALL, CodeRule::Remove, "", Some(say::ported_note_drill_off)),
     row(b'G', &[810, 820, 830, 840, 850], ALL, CodeRule::Drill, "G00 G01 G33", Some(say::ported_note_drill)),
     row(b'G', &[860, 870, 880, 890], ALL, CodeRule::Refuse, "", Some(say::ported_note_drill_refused)),
-    row(b'G', &[730], RS274, CodeRule::Refuse, "", Some(say::ported_note_drill_refused)),
+    row(b'G', &[730], RS274, CodeRule::Drill, "G00 G01", Some(say::ported_note_drill)),
     row(b'G', &[900], NOT_A, CodeRule::Absolute, "", Some(say::ported_note_absolute)),
     row(b'G', &[910], NOT_A, CodeRule::Incremental, "U_ W_", Some(say::ported_note_incremental)),
     row(b'G', &[901], RS274, CodeRule::AbsoluteCenters, "I_ K_", Some(say::ported_note_centers)),

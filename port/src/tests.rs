@@ -2,7 +2,7 @@
 
 use gsk_messages::Language;
 
-use crate::{ForeignDialect, PlainNumbers, PortOptions, port_program};
+use crate::{ForeignDialect, MachineNeeds, PlainNumbers, PortOptions, guess_dialect, port_program};
 
 fn port(dialect: ForeignDialect, text: &str) -> String {
     port_program(text, dialect, PortOptions::default()).text
@@ -64,7 +64,7 @@ fn corners_between_slanted_lines_become_blocks() {
     let text = "G0 X20. Z0\nG98 G1 Z-10. ,R2. F99.\nX40. Z-20.\n";
     assert_eq!(
         fanuc(text),
-        "G0 X20. Z0\nG98 G1 F99. X20. Z-9.172\nG02 X21.172 Z-10.586 R2.\nG01\nX40. Z-20.\n"
+        "G0 X20. Z0\nG98 G1 F99. Z-9.172\nG02 X21.172 Z-10.586 R2.\nG01\nX40. Z-20.\n"
     );
     assert_eq!(
         fanuc("G0 X20. Z0\nG98 G1 Z-10. ,C2. F99.\nX40.\n"),
@@ -164,5 +164,135 @@ fn a_profile_keeps_motion_and_feed_only() {
         fanuc(text),
         "G99\nG0 X50. Z2.\nG71 U2. R1.\nG71 P1 Q2 U0.4 W0.1 F0.2 S500\n\
          N1 G0 X20.\nN2 G1 Z-20. F0.1\n"
+    );
+}
+
+#[test]
+fn a_corner_in_a_numbered_block_without_a_code_keeps_its_line() {
+    assert_eq!(
+        fanuc("G98 G1 X20. Z0 F99.\nN30 Z-10. ,C2.\nX40. Z-20.\n"),
+        "G98 G1 X20. Z0 F99.\nN30 Z-8.\nG01 X22.828 Z-11.414\nX40. Z-20.\n"
+    );
+}
+
+#[test]
+fn distances_after_a_corner_count_from_the_corner() {
+    // From the end of the chamfer to the corner plus U and W.
+    assert_eq!(
+        fanuc("G98 G1 X20. Z0 F99.\nZ-10. ,C2.\nU20. W-10. ,C1.\nW-5.\n"),
+        "G98 G1 X20. Z0 F99.\nZ-8.\nG01 X22.828 Z-11.414\nX38.586 Z-19.293\nG01 X40. Z-21.\nW-4.\n"
+    );
+    // Two corners do not fit on a line of 14 mm.
+    let refused = first_finding(
+        ForeignDialect::Fanuc0t,
+        "G98 G1 X20. Z0 F99.\nZ-10. ,C8.\nX40. Z-20. ,C8.\nZ-40.\n",
+    );
+    assert!(refused.starts_with("3: ,C8. is not ported"), "{refused}");
+    // The control's own chamfer needs a block after it that moves the other axis only.
+    assert_eq!(
+        fanuc("G98 G1 X20. Z0 F99.\nZ-10. ,C1.\nX40. ,C2.\nX50. Z-20.\n"),
+        "G98 G1 X20. Z0 F99.\nZ-10. I1.\nX36.\nG01 X41.789 Z-11.789\nX50. Z-20.\n"
+    );
+}
+
+#[test]
+fn lines_by_their_angle() {
+    assert_eq!(
+        fanuc("G98 G1 X20. Z0 F99.\nX40. A135.\n"),
+        "G98 G1 X20. Z0 F99.\nX40. Z-10.\n"
+    );
+    // A chamfer on a line that is given by its angle.
+    assert_eq!(
+        fanuc("G98 G1 X20. Z0 F99.\nX40. A135. ,C2.\nZ-20.\n"),
+        "G98 G1 X20. Z0 F99.\nX37.172 Z-8.586\nG01 X40. Z-12.\nZ-20.\n"
+    );
+    // Two lines meet: the first has an angle only.
+    assert_eq!(
+        fanuc("G98 G1 X20. Z0 F99.\nA180.\nX40. Z-20. A135.\n"),
+        "G98 G1 X20. Z0 F99.\nX20. Z-10.\nX40. Z-20.\n"
+    );
+    let refused = first_finding(ForeignDialect::Fanuc0t, "G98 G1 X20. Z0 F99.\nA180.\nM30\n");
+    assert!(refused.starts_with("2: A180. is not ported"), "{refused}");
+}
+
+#[test]
+fn coordinates_and_feeds_of_system_b_are_recognised() {
+    assert_eq!(fanuc("G92 X180. Z90.\n"), "G50 X180. Z90.\n");
+    assert_eq!(fanuc("G94\nG1 X20. F99.\n"), "G98\nG1 X20. F99.\n");
+    let thread = "G99\nG92 X20. Z-9. F1.\nX19.\nG0 X30.\nG92 X18. Z-9.\n";
+    assert_eq!(fanuc(thread), thread);
+}
+
+#[test]
+fn feeds_have_seven_digits_at_most() {
+    assert_eq!(
+        fanuc("G20 G99\nG1 U-.1 F4.475300\n"),
+        "G99\nG1 U-2.54 F113.6726\n"
+    );
+}
+
+#[test]
+fn pecks_of_mach3_and_linuxcnc_are_millimetres() {
+    let lines = "G0 X0 Z5\nG00 Z2.\nG01 Z-4. F60.\nG00 Z2.\nG00 Z-3.5\nG01 Z-8.\nG00 Z5.\n";
+    assert_eq!(
+        port(ForeignDialect::Mach3, "G0 X0 Z5\nG83 Z-8 R2 Q6 F60\n"),
+        lines
+    );
+    assert_eq!(
+        port(ForeignDialect::LinuxCnc, "G0 X0 Z5\nG73 Z-8 R2 Q6 F60\n"),
+        lines.replace("G00 Z2.\nG00 Z-3.5\n", "G00 Z-3.746\n")
+    );
+}
+
+#[test]
+fn keywords_of_macros_are_named_in_full() {
+    let refused = first_finding(ForeignDialect::Haas, "WHILE [#100 GE 4] DO1\n");
+    assert!(
+        refused.starts_with("1: WHILE [#100 GE 4] DO1 is not"),
+        "{refused}"
+    );
+}
+
+#[test]
+fn the_needs_of_a_ported_program_are_listed() {
+    let text = "T0707 (T0909)\nG42 G1 X1. F.1\nG40 X2.\n";
+    let needs = port_program(text, ForeignDialect::Fanuc0t, PortOptions::default()).machine_needs();
+    assert_eq!((needs.tool_stations, needs.nose_compensation), (7, true));
+    let needs = port_program("G0 X1.\n", ForeignDialect::Haas, PortOptions::default());
+    assert_eq!(needs.machine_needs(), MachineNeeds::default());
+}
+
+#[test]
+fn each_line_knows_its_foreign_line() {
+    let ten = ForeignDialect::Fanuc10t;
+    let text = "G99\nG71 P1 Q2 D2000 F.2\nG0 X1.; G1 X2.\nM30";
+    let ported = port_program(text, ten, PortOptions::default());
+    assert_eq!(ported.text.lines().count(), 5, "{}", ported.text);
+    assert_eq!(ported.source_lines, [1, 2, 2, 3, 4]);
+}
+
+#[test]
+fn dialects_are_recognised() {
+    let guess = |text| guess_dialect(text).map(|it| (it.dialect, it.line, it.word));
+    let own = "O0001\nG50 X100. Z100.\nG0 X50. Z2. T0101\nG71 U2. R1.\nG71 P1 Q2 U.4 F.2\nM98 P20012\nM30\n";
+    assert_eq!(guess(own), None);
+    let found = |dialect, line, word: &str| Some((dialect, line, word.to_owned()));
+    let fanuc = "O1\nG0 X1.\nG1 Z-1. ,C.5\nM30\n";
+    assert_eq!(guess(fanuc), found(ForeignDialect::Fanuc0t, 3, ",C.5"));
+    let ten = "O1\nG71 P1 Q2 D2000 F.2\n";
+    assert_eq!(guess(ten), found(ForeignDialect::Fanuc10t, 2, "D"));
+    let haas = "O00012\nG53 G0 X0 Z0\n";
+    assert_eq!(guess(haas), found(ForeignDialect::Haas, 2, "G53"));
+    let mach = "G21 G90\nT1 M6\nG0 X5\n";
+    assert_eq!(guess(mach), found(ForeignDialect::Mach3, 1, "G21"));
+    let linuxcnc = "G7 G18\no<a> call\n";
+    assert_eq!(guess(linuxcnc), found(ForeignDialect::LinuxCnc, 1, "G7"));
+}
+
+#[test]
+fn g33_alone_shows_system_b() {
+    assert_eq!(
+        fanuc("G0 X20. Z5.\nG33 Z-9. F1.5\n"),
+        "G0 X20. Z5.\nG32 Z-9. F1.5\n"
     );
 }

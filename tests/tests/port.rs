@@ -38,7 +38,10 @@ fn outcome(ported: &PortedProgram) -> String {
     let refused = ported.findings.iter().find(|finding| finding.is_refused);
     refused.map_or_else(
         || "ported".to_owned(),
-        |finding| format!("line {}: {}", finding.line, finding.word.to_lowercase()),
+        |finding| {
+            let word = finding.word.split(' ').next().unwrap_or_default();
+            format!("line {}: {}", finding.line, word.to_lowercase())
+        },
     )
 }
 

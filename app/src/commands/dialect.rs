@@ -4,17 +4,26 @@
 use std::path::Path;
 
 use gsk_core::model::ModelId;
+use gsk_core::setup::Setup;
 use gsk_host::files::overwrite_guard::{CommandInputs, check_overwrites};
 use gsk_host::files::{decode, program_file, subprograms};
 use gsk_host::loading;
 use gsk_messages::{Language, Message, say};
-use gsk_port::{ForeignDialect, PortFinding, PortOptions, PortedProgram, code_table, port_program};
+use gsk_port::{
+    ForeignDialect, MachineNeeds, PortFinding, PortOptions, PortedProgram, code_table, port_program,
+};
 use gsk_runner::report::ProgramReport;
 use gsk_runner::{dialect, report};
 use serde::Serialize;
 
 use super::{CommandError, EXIT_ALARM, EXIT_OK, output};
 use crate::cli::{DialectArgs, ProgramOrigin};
+
+/// Parameter with the number of tool stations.
+const TOOL_STATIONS: u16 = 84;
+/// Parameter with the equipment of the control, and its bit for nose radius compensation.
+const EQUIPMENT: u16 = 2;
+const NOSE_COMPENSATION: i32 = 1 << 1;
 
 /// Compares two models, or ports a program of another control; with `--codes` prints the table
 /// of foreign codes. Exit code 1 if differences or refusals remain, or the check of the ported
@@ -96,6 +105,8 @@ struct PortReport<'a> {
     /// Whether every block has an equivalent.
     complete: bool,
     findings: Vec<PortFindingLine>,
+    /// Equipment that the program needs beyond the lathe as delivered; the check assumes it.
+    needs: Vec<String>,
     /// The ported program; absent if it was written into a file.
     #[serde(skip_serializing_if = "Option::is_none")]
     text: Option<&'a str>,
@@ -129,7 +140,9 @@ fn port_file(
         write_program(path, target, &decode::encode(&ported.text, file.encoding))?;
     }
     let checked_path = args.output.as_deref().unwrap_or(path);
-    let check = check_ported(&ported, checked_path, language)?;
+    let mut setup = loading::with_training_lathe(Setup::default(), None);
+    let needs = fit_lathe(&mut setup, ported.machine_needs());
+    let check = check_ported(&ported, setup, checked_path, language)?;
     let complete = ported.is_complete();
     if args.json {
         let result = PortReport {
@@ -139,12 +152,15 @@ fn port_file(
             findings: (ported.findings.iter())
                 .map(|finding| finding_line(finding, language))
                 .collect(),
+            needs: (needs.iter())
+                .map(|need| report::message_text(need, language))
+                .collect(),
             text: args.output.is_none().then_some(ported.text.as_str()),
             check: &check,
         };
         output::print(&format!("{}\n", serde_json::to_string(&result)?));
     } else {
-        print_port(args, path, &ported, &check, language);
+        print_port(args, path, (&ported, &needs), &check, language);
     }
     Ok(match complete && !check.has_failed() {
         true => EXIT_OK,
@@ -166,7 +182,7 @@ fn finding_line(finding: &PortFinding, language: Option<Language>) -> PortFindin
 fn print_port(
     args: &DialectArgs,
     path: &Path,
-    ported: &PortedProgram,
+    (ported, needs): (&PortedProgram, &[Message]),
     check: &ProgramReport,
     language: Option<Language>,
 ) {
@@ -182,7 +198,9 @@ fn print_port(
         0 => say::ported_complete(ported.findings.len()),
         _ => say::ported_incomplete(refused),
     };
-    out.push_str(&format!("{}\n", localize(&summary)));
+    for message in core::iter::once(&summary).chain(needs) {
+        out.push_str(&format!("{}\n", localize(message)));
+    }
     out.push_str(&check.to_text(language));
     let to_stderr = args.output.is_none();
     if to_stderr {
@@ -191,14 +209,37 @@ fn print_port(
     output::print_or_report(&out, to_stderr);
 }
 
-/// Checks a ported program on the training lathe. Its subprograms may be in the folder of
-/// `path`.
+/// Gives the lathe the equipment that a ported program needs, and returns a message for each
+/// piece that the lathe as delivered lacks.
+fn fit_lathe(setup: &mut Setup, needs: MachineNeeds) -> Vec<Message> {
+    let parameters = &mut setup.memory.parameters;
+    let mut messages = Vec::new();
+    let stations = i64::from(parameters.value(TOOL_STATIONS));
+    if needs.tool_stations > stations
+        && let Ok(number) = i32::try_from(needs.tool_stations)
+        && parameters.set(TOOL_STATIONS, number).is_ok()
+    {
+        messages.push(say::ported_needs_stations(needs.tool_stations, stations));
+    }
+    let equipment = parameters.value(EQUIPMENT);
+    if needs.nose_compensation
+        && equipment & NOSE_COMPENSATION == 0
+        && parameters
+            .set(EQUIPMENT, equipment | NOSE_COMPENSATION)
+            .is_ok()
+    {
+        messages.push(say::ported_needs_compensation());
+    }
+    messages
+}
+
+/// Checks a ported program on a lathe. Its subprograms may be in the folder of `path`.
 fn check_ported(
     ported: &PortedProgram,
+    mut setup: Setup,
     path: &Path,
     language: Option<Language>,
 ) -> Result<ProgramReport, CommandError> {
-    let mut setup = loading::with_training_lathe(gsk_core::setup::Setup::default(), None);
     let model = setup.memory.model.clone();
     let find = |calls, loaded: &_| subprograms::find_called(path, calls, loaded, &model);
     loading::open_text(&mut setup, path, ported.text.clone(), find)?;

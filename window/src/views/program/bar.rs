@@ -29,6 +29,8 @@ pub enum EditorCommand {
     GoTo,
     /// Open the form of the section at the cursor, or a form for a new section.
     OpenForm,
+    /// Port the text from another control.
+    OpenPort,
 }
 
 /// The texts that the user has entered in the tool bar.
@@ -187,6 +189,7 @@ fn show_file_menu(ui: &mut Ui, language: Language, command: &mut Option<EditorCo
             (say::program_save(), EditorCommand::Save),
             (say::program_save_as(), EditorCommand::SaveAs),
             (say::program_form(), EditorCommand::OpenForm),
+            (say::program_port(), EditorCommand::OpenPort),
         ];
         for (words, what) in entries {
             if ui.button(words.text(language)).clicked() {

@@ -5,7 +5,7 @@ use egui::{Context, RichText, ScrollArea, Ui};
 use gsk_messages::{Language, say};
 
 use super::document::{TextOrigin, file_name};
-use super::{EditorMessage, ProgramView, bar, document};
+use super::{EditorMessage, ProgramView, TextToLoad, bar, document};
 use crate::focus;
 use crate::theme;
 use crate::widgets::status_message::not_stored_reason;
@@ -29,6 +29,13 @@ impl ProgramView {
         if !self.document.is_editable() {
             let limit = document::MAX_EDITABLE_BYTES / 1000;
             ui.label(say::program_large(limit).text(language));
+        }
+        let document = &self.document;
+        if self
+            .port
+            .show_offer(ui, document.revision, &document.text, language)
+        {
+            self.port.open(&document.text);
         }
         let newest = self.last_check.as_ref();
         let Some(checked) = newest.filter(|it| it.revision == self.document.revision) else {
@@ -73,6 +80,14 @@ impl ProgramView {
                 .document
                 .character_at_byte(self.document.line_start(line));
             self.selection_to_show = Some(start + columns.start..start + columns.end);
+        }
+    }
+
+    /// Draws the pane that ports the text from another control. The ported text becomes a new
+    /// program: the foreign file stays as it is.
+    pub(super) fn show_port(&mut self, ui: &mut Ui, language: Language) {
+        if let Some(text) = self.port.show(ui, language) {
+            self.text_to_load = Some(TextToLoad::NewProgram(text));
         }
     }
 

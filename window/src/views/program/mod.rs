@@ -10,6 +10,7 @@ mod editor;
 mod findings;
 mod form_sections;
 mod paint;
+mod port_pane;
 mod restart;
 mod targets;
 pub use std::ops::Range;
@@ -33,6 +34,7 @@ pub use document::{ProgramDocument, TextOrigin, with_line_feeds};
 use document_store::{DocumentEvent, DocumentStore};
 use editor::EditorInputs;
 use paint::TextColorizer;
+use port_pane::PortPane;
 use restart::RestartDialog;
 use targets::JumpTarget;
 
@@ -58,6 +60,7 @@ pub struct ProgramView {
     painter: TextColorizer,
     restart: RestartDialog,
     form: FormPane,
+    port: PortPane,
     sections: SectionFinder,
     breakpoints: BreakpointList,
     /// Whether the line of a new halt is shown in the next frame.
@@ -135,6 +138,7 @@ impl ProgramView {
             checker: TextChecker::new(&console),
             restart: RestartDialog::new(console.clone()),
             form: FormPane::new(&console),
+            port: PortPane::default(),
             sections: SectionFinder::default(),
             breakpoints: BreakpointList::new(console.clone()),
             shows_running_line: false,
@@ -242,6 +246,9 @@ impl ProgramView {
         self.receive_events(ui.ctx());
         if self.form.is_open() {
             return self.show_form(ui, language);
+        }
+        if self.port.is_open() {
+            return self.show_port(ui, language);
         }
         self.handle_keys(ui, language, native);
         let is_in_form = self.cursor_section(ui.ctx()).is_some();
@@ -404,6 +411,7 @@ impl ProgramView {
             EditorCommand::Redo => self.undo_or_redo(context, true),
             EditorCommand::Find => self.find_next(context),
             EditorCommand::OpenForm => self.open_form(context),
+            EditorCommand::OpenPort => self.port.open(&self.document.text),
             EditorCommand::GoTo => {
                 let typed = self.bar.target_text.clone();
                 match JumpTarget::parse(&typed) {
