@@ -5,6 +5,7 @@
 mod check_and_plot;
 mod form;
 mod lessons;
+mod load;
 mod mill;
 mod sheet_and_agent;
 

@@ -13,9 +13,11 @@ mod chip_samples;
 mod edge_contact;
 mod force;
 mod material;
+mod starting_values;
 
 pub use chip_samples::ChipSample;
 pub use force::{
     CuttingChip, cutting_power_kw, cutting_torque_nm, roughness_ra_um, surface_speed_m_per_min,
 };
 pub use material::CuttingMaterial;
+pub use starting_values::{CuttingOperation, StartingValues};
