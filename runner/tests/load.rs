@@ -13,7 +13,7 @@ use gsk_workpiece::job::Job;
 use gsk_workpiece::stock::{Stock, StockMaterial};
 use gsk_workpiece::tool::{Holder, Tool};
 
-const PASS: &str = "G50 X100 Z50\nG97 G99 M03 S600\nT0101\nG00 X46 Z2\nG01 Z-30 F0.25\nG00 X60\n\
+const PASS: &str = "G50 X100 Z50\nG97 G99 M03 S600\nT0101\nG00 X46 Z2\nG01 Z-30 F0.25\nG00 Z5\n\
                     X100 Z50\nM30\n";
 
 fn job() -> Job {
@@ -63,17 +63,24 @@ fn a_pass_has_the_force_of_its_formula() {
     let chip = block.heaviest.chip;
     assert!((chip.area_mm2 - 0.5).abs() < 1e-3, "{chip:?}");
     let expected = 1500.0 * 0.5 * chip.thickness_mm().powf(-0.22);
-    assert!((block.heaviest.force_n / expected - 1.0).abs() < 1e-9);
+    assert!((block.heaviest.force_n / expected - 1.0).abs() < 1e-3);
     // Torque at the diameter of 50 mm, power at 600 r/min.
     let torque = block.heaviest.force_n * 0.025;
     assert!((block.torque.0 / torque - 1.0).abs() < 1e-3);
     let power = torque * 600.0 / 9549.3;
-    assert!((block.power_kw / power - 1.0).abs() < 1e-3, "{}", block.power_kw);
+    assert!(
+        (block.power_kw / power - 1.0).abs() < 1e-3,
+        "{}",
+        block.power_kw
+    );
     // 0.25² / (32 · 0.8)
     assert!((block.roughness_um.unwrap_or_default() - 2.4414).abs() < 1e-3);
     assert_eq!(load_lints(&report), []);
     let text = report.to_text(Some(Language::En));
-    assert!(text.contains("load in C45") && text.contains("names no grade"), "{text}");
+    assert!(
+        text.contains("load in C45") && text.contains("names no grade"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -82,14 +89,20 @@ fn a_weak_spindle_and_a_small_insert_are_warned_about() {
         power_kw: Some(0.5),
         ..LoadLimits::default()
     };
-    assert_eq!(load_lints(&check_load(PASS, &job(), &limits).1), [Lint::SpindlePower]);
+    assert_eq!(
+        load_lints(&check_load(PASS, &job(), &limits).1),
+        [Lint::SpindlePower]
+    );
     let limits = LoadLimits {
         power_kw: Some(3.0),
         base_rpm: Some(1500.0),
         ..LoadLimits::default()
     };
     // 19.1 N·m below the base speed.
-    assert_eq!(load_lints(&check_load(PASS, &job(), &limits).1), [Lint::SpindleTorque]);
+    assert_eq!(
+        load_lints(&check_load(PASS, &job(), &limits).1),
+        [Lint::SpindleTorque]
+    );
     // Two thirds of the edge of 12.9 mm, and of the nose of 0.8 mm.
     let deep = PASS.replace("X46", "X30");
     let (_, report) = check_load(&deep, &job(), &LoadLimits::default());
@@ -105,7 +118,10 @@ fn bars_and_stock_that_protrude_are_warned_about_once() {
         stock_overhang: Some(1.2),
         ..LoadLimits::default()
     };
-    assert_eq!(load_lints(&check_load(PASS, &job(), &limits).1), [Lint::LongOverhang]);
+    assert_eq!(
+        load_lints(&check_load(PASS, &job(), &limits).1),
+        [Lint::LongOverhang]
+    );
     let drill_and_bore = "G50 X100 Z50\nG97 G99 M03 S600\nT0404\nG00 X0 Z2\nG01 Z-30 F0.1\nG00 Z50\n\
                           X100\nT0202\nG00 X24 Z2\nG01 Z-25 F0.15\nX20\nG00 Z50\nM30\n";
     let mut job = job();
@@ -131,14 +147,21 @@ fn bars_and_stock_that_protrude_are_warned_about_once() {
 
 #[test]
 fn under_g96_the_power_stays_while_the_torque_falls_with_the_diameter() {
-    let face = "G50 X100 Z50\nG50 S3000\nG96 G99 M03 S150\nT0101\nG00 X52 Z-1\nG01 X10 F0.2\nG00 Z50\n\
+    let face = "G50 X100 Z50\nG50 S3000\nG96 G99 M03 S150\nT0101\nG00 X52 Z-1\nG01 X30 F0.2\nG00 Z50\n\
                 X100\nM30\n";
     let (summary, _) = check_load(face, &job(), &LoadLimits::default());
     let block = &summary.blocks()[0];
-    // 150 m/min at every diameter.
+    // 150 m/min at the tip, and a little more at the end of the nose.
     let power = block.heaviest.force_n * 150.0 / 60_000.0;
-    assert!((block.power_kw / power - 1.0).abs() < 0.05, "{} {power}", block.power_kw);
-    assert!((block.heaviest.speed_m_per_min - 150.0).abs() < 5.0, "{block:?}");
+    assert!(
+        (block.power_kw / power - 1.0).abs() < 0.07,
+        "{} {power}",
+        block.power_kw
+    );
+    assert!(
+        (block.heaviest.speed_m_per_min - 153.0).abs() < 5.0,
+        "{block:?}"
+    );
 }
 
 #[test]
@@ -149,12 +172,19 @@ fn a_thread_has_the_force_of_its_groove() {
     let [first, second] = summary.blocks() else {
         panic!("{:?}", summary.blocks());
     };
-    // Triangles of 60° with a depth of 0.3 and 0.55 mm: 0.577 d², without the first one.
-    let area = |from: f64, to: f64| 0.577 * (to * to - from * from);
-    let expected = (area(0.0, 0.3), area(0.3, 0.55));
+    // A V of 60° whose nose of 0.05 mm is 0.05 mm above its corner, with 0.3 and 0.55 mm of depth.
+    let corner = 0.05 * 0.05 * (3.0f64.sqrt() - core::f64::consts::PI / 3.0);
+    let area = |depth: f64| (depth + 0.05) * (depth + 0.05) / 3.0f64.sqrt() - corner;
+    let expected = (area(0.3), area(0.55) - area(0.3));
     let found = (first.heaviest.chip.area_mm2, second.heaviest.chip.area_mm2);
-    assert!((found.0 / expected.0 - 1.0).abs() < 0.1, "{found:?} {expected:?}");
-    assert!((found.1 / expected.1 - 1.0).abs() < 0.1, "{found:?} {expected:?}");
+    assert!(
+        (found.0 / expected.0 - 1.0).abs() < 0.01,
+        "{found:?} {expected:?}"
+    );
+    assert!(
+        (found.1 / expected.1 - 1.0).abs() < 0.01,
+        "{found:?} {expected:?}"
+    );
     assert!(first.is_thread && first.roughness_um.is_none());
     assert_eq!(load_lints(&report), [], "a lead is no feed");
 }
@@ -165,7 +195,11 @@ fn plastic_has_no_load_and_a_grade_replaces_the_material() {
     job.stock.material = StockMaterial::Plastic;
     let (summary, report) = check_load(PASS, &job, &LoadLimits::default());
     assert!(summary.blocks().is_empty());
-    assert!(report.to_text(None).contains("no load"), "{}", report.to_text(None));
+    assert!(
+        report.to_text(None).contains("no load"),
+        "{}",
+        report.to_text(None)
+    );
     job.stock.grade = Some("TiAl6V4".to_owned());
     let (_, report) = check_load(PASS, &job, &LoadLimits::default());
     let load = report.load.expect("was requested");

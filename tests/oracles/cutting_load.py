@@ -30,8 +30,8 @@ from shapely.geometry import LineString, MultiPoint, Point, box
 AREA_TOLERANCE = 0.01  # of the area, with at least AREA_LEAST
 AREA_LEAST = 0.002  # mm²
 EDGE_TOLERANCE = 0.01
-EDGE_LEAST = 0.02  # mm
-PIECE = 0.02  # half length of a piece of path, mm
+EDGE_LEAST = 0.04  # mm: a chord of the nose in the program
+PIECE = 0.002  # half length of a piece of path, mm
 CORNERS = {"C": 80.0, "D": 55.0, "V": 35.0, "W": 80.0, "T": 60.0, "S": 90.0}
 
 
@@ -105,8 +105,8 @@ def random_program(rng, is_groove):
                 lines += [f"X{x + 3:.3f} Z{end - rng.uniform(1, 4):.3f}"]
             elif kind == "arc":
                 lines += [f"G02 X{x + 2 * radius:.3f} Z{end - radius:.3f} R{radius:.3f}"]
-            lines += [f"G01 X{diameter + 2:.3f}"]
-        lines += ["G00 X{:.3f} Z-1".format(x + 1), "G01 X0 F0.1"]
+            lines += [f"G01 X{diameter + 2:.3f}", "G00 Z2"]
+        lines += ["Z-1", "G01 X0 F0.1"]
     lines += ["G00 X150 Z100", "T0100", "M30"]
     return diameter, "\n".join(lines) + "\n"
 
@@ -189,13 +189,12 @@ def compare(program, rng, folder, worst):
                 if int(row["line"]) != move["line"] or not move["t"] <= t <= end or length == 0:
                     continue
                 at = (t - move["t"]) / move["dt"] * length
-                before = np.array([p for p in path if True])
                 around = [along(path, at + k * PIECE) for k in (-1, 0, 1)]
                 # The part without what the move has removed until the piece.
-                done_path = [path[0], *(along(path, at * k / 40) for k in range(1, 40)), around[0]]
-                rest = part.difference(swept(insert, done_path)) if len(before) > 2 else part
+                done_path = [path[0], *(along(path, (at - PIECE) * k / 40) for k in range(1, 40)), around[0]]
+                rest = part.difference(swept(insert, done_path)) if len(path) > 2 else part
                 piece = rest.intersection(swept(insert, around[::2]))
-                if len(before) <= 2:
+                if len(path) <= 2:
                     piece = piece.difference(swept(insert, [path[0], around[0]]))
                 span = np.hypot(*(around[2] - around[0]))
                 area = piece.area / span * move["feed"]
