@@ -36,7 +36,7 @@ fn a_load_is_text_json_and_csv() {
     let mut rows = rows.lines();
     assert!(rows.next().unwrap().starts_with("t,line,tool,force_n,"));
     let force: f64 = rows
-        .next()
+        .nth(20)
         .unwrap()
         .split(',')
         .nth(3)
