@@ -10,10 +10,16 @@ use crate::motion::{MotionKind, ToolMotion};
 use crate::part::{TurnedPart, with_mirror_image};
 use crate::scene::{LatheScene, SceneTool};
 
-/// Distance between two samples of a move, mm, while the limits of their number permit it.
+/// Distance between two samples of a long move, mm.
 const SAMPLE_DISTANCE_MM: f64 = 0.5;
-/// Limits of the number of samples of a move.
-const SAMPLE_COUNTS: (f64, f64) = (6.0, 64.0);
+/// Least distance between two samples, mm.
+const LEAST_DISTANCE_MM: f64 = 0.1;
+/// Number of samples that a move has at the least distance or more.
+const SHORT_COUNT: f64 = 6.0;
+/// Greatest number of samples of a move.
+const MAX_COUNT: f64 = 64.0;
+/// Share of the way to a sample of an arc up to which the part is cut before it.
+const SHARE_BEFORE_TIP: f64 = 0.98;
 /// Greatest number of passes of a thread's groove that are sampled.
 const MAX_GROOVES: usize = 16;
 /// Amount by which the edge of a thread is moved inwards, grid units, so that a flank that slides
@@ -48,58 +54,67 @@ impl LatheScene {
             MotionKind::Thread(grooves) => thread_samples(self.part(), polygon, motion, grooves),
             MotionKind::Line => {
                 let points = sample_points(motion);
-                let samples = points.windows(2);
-                let count = samples.len() as f64;
-                samples
-                    .enumerate()
+                let count = (points.len() - 1) as f64;
+                let pieces = points.windows(2).enumerate();
+                pieces
                     .filter_map(|(index, pair)| {
                         let share = (index as f64 + 0.5) / count;
-                        sample_feed(self.part(), polygon, (pair[0], pair[1]), feed_mm, share)
+                        let (tip, feed) = (motion.point_at(share), (pair[1] - pair[0]).unit()?);
+                        sample_feed(self.part(), polygon, (tip, feed), feed_mm, share)
                     })
                     .collect()
             }
-            MotionKind::Arc { .. } => {
-                let points = sample_points(motion);
-                let count = (points.len().saturating_sub(1)) as f64;
-                // An arc may pass where an earlier piece of it has cut.
-                let mut part = self.part().clone();
-                let mut samples = Vec::new();
-                for (index, pair) in points.windows(2).enumerate() {
-                    let share = (index as f64 + 0.5) / count;
-                    samples.extend(sample_feed(
-                        &part,
-                        polygon,
-                        (pair[0], pair[1]),
-                        feed_mm,
-                        share,
-                    ));
-                    part.cut(polygon, pair[0], pair[1]);
-                }
-                samples
-            }
+            MotionKind::Arc { .. } => self.arc_samples(polygon, motion, feed_mm),
         }
+    }
+
+    /// The chips along an arc, which may pass where an earlier piece of it has cut.
+    fn arc_samples(
+        &self,
+        polygon: &[GridPoint],
+        motion: &ToolMotion,
+        feed_mm: f64,
+    ) -> Vec<ChipSample> {
+        let points = sample_points(motion);
+        let count = (points.len() - 1) as f64;
+        let mut part = self.part().clone();
+        let mut samples = Vec::new();
+        for (index, pair) in points.windows(2).enumerate() {
+            let share = (index as f64 + 0.5) / count;
+            let tip = motion.point_at(share);
+            // The edge at the tip must not be the border of what is cut.
+            let before = pair[0] + (tip - pair[0]) * SHARE_BEFORE_TIP;
+            part.cut(polygon, pair[0], before);
+            if let Some(feed) = (pair[1] - pair[0]).unit() {
+                samples.extend(sample_feed(&part, polygon, (tip, feed), feed_mm, share));
+            }
+            part.cut(polygon, before, tip);
+            part.cut(polygon, tip, pair[1]);
+        }
+        samples
     }
 }
 
 /// Points along a move at equal distances, mm.
 fn sample_points(motion: &ToolMotion) -> Vec<Point> {
     let length = motion.length();
-    let count = libm::ceil(length / SAMPLE_DISTANCE_MM).clamp(SAMPLE_COUNTS.0, SAMPLE_COUNTS.1);
+    let short = (length / LEAST_DISTANCE_MM).min(SHORT_COUNT);
+    let count = libm::ceil((length / SAMPLE_DISTANCE_MM).max(short)).clamp(1.0, MAX_COUNT);
     (0..=count as u32)
         .map(|index| motion.point_at(f64::from(index) / count))
         .collect()
 }
 
-/// The chip in the middle of a short piece of a move; `None` without contact.
+/// The chip with the tip of the tool at a position and a direction of the feed; `None` without
+/// contact.
 fn sample_feed(
     part: &TurnedPart,
     polygon: &[GridPoint],
-    (from, to): (Point, Point),
+    (tip, feed): (Point, Point),
     feed_mm: f64,
     share: f64,
 ) -> Option<ChipSample> {
-    let feed = (to - from).unit()?;
-    let contact = EdgeContact::measure(part, polygon, (from + to) * 0.5, Some(feed));
+    let contact = EdgeContact::measure(part, polygon, tip, Some(feed));
     (contact.across_mm > 0.0).then_some(ChipSample {
         share,
         chip: CuttingChip {
