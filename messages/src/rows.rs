@@ -3034,7 +3034,9 @@ message_rows! {
     report_line ReportLine(line);
     report_load ReportLoad(material, constant, exponent, force, power, torque);
     report_load_assumed ReportLoadAssumed(material);
-    report_load_block ReportLoadBlock(line, tool, force, power, torque, width, thickness, speed);
+    report_load_block ReportLoadBlock(line, tool, force, power, torque);
+    report_load_chip ReportLoadChip(width, thickness, speed);
+    report_load_more ReportLoadMore(count);
     report_load_no_material ReportLoadNoMaterial();
     report_load_roughness ReportLoadRoughness(roughness);
     report_mill_at_end ReportMillAtEnd(x, y, z, tool, modal);

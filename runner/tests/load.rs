@@ -62,7 +62,7 @@ fn a_pass_has_the_force_of_its_formula() {
     // ap 2 mm, f 0.25 mm in C45.
     let chip = block.heaviest.chip;
     assert!((chip.area_mm2 - 0.5).abs() < 1e-3, "{chip:?}");
-    let expected = 1500.0 * 0.5 * chip.thickness_mm().powf(-0.22);
+    let expected = 1500.0 * 0.5 * libm::pow(chip.thickness_mm(), -0.22);
     assert!((block.heaviest.force_n / expected - 1.0).abs() < 1e-3);
     // Torque at the diameter of 50 mm, power at 600 r/min.
     let torque = block.heaviest.force_n * 0.025;
@@ -205,4 +205,22 @@ fn plastic_has_no_load_and_a_grade_replaces_the_material() {
     let load = report.load.expect("was requested");
     assert_eq!((load.material, load.assumed), (Some("TiAl6V4"), false));
     assert!(load.force_n > 500.0);
+}
+
+#[test]
+fn the_text_lists_the_heaviest_blocks_and_counts_the_others() {
+    let mut text = "G50 X100 Z50\nG97 G99 M03 S600\nT0101\nG00 X46 Z2\n".to_owned();
+    for step in 0..80 {
+        text += &format!("G01 Z{:.1} F0.{}\n", -0.5 * f64::from(step), 100 + step);
+    }
+    text += "G00 Z5\nM30\n";
+    let (summary, report) = check_load(&text, &job(), &LoadLimits::default());
+    assert!(summary.blocks().len() >= 79, "{}", summary.blocks().len());
+    let text = report.to_text(None);
+    assert_eq!(text.matches(", T01: ").count(), 50, "{text}");
+    let omitted = summary.blocks().len() - 50;
+    assert!(
+        text.contains(&format!("and {omitted} blocks with less force")),
+        "{text}"
+    );
 }

@@ -10,6 +10,9 @@ use serde::Serialize;
 use super::{ProgramReport, WarningReport, message_text};
 use crate::machining::{BlockLoad, LoadSummary};
 
+/// Number of blocks that the text lists; more only if their forces are equal.
+const MAX_LISTED_BLOCKS: usize = 50;
+
 /// The load of a program in a material.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LoadReport {
@@ -127,8 +130,22 @@ impl LoadReport {
         if self.assumed {
             lines.push(say::report_load_assumed(material).text(words));
         }
-        lines.extend(self.blocks.iter().map(|block| block.text_line(words)));
+        let least = self.least_listed_force();
+        let listed = self.blocks.iter().filter(|block| block.force_n >= least);
+        let before = lines.len();
+        lines.extend(listed.map(|block| block.text_line(words)));
+        let omitted = self.blocks.len() - (lines.len() - before);
+        if omitted > 0 {
+            lines.push(say::report_load_more(omitted).text(words));
+        }
         lines
+    }
+
+    /// The least force of the blocks that the text lists, N.
+    fn least_listed_force(&self) -> f64 {
+        let mut forces: Vec<f64> = self.blocks.iter().map(|block| block.force_n).collect();
+        forces.sort_unstable_by(|a, b| b.total_cmp(a));
+        forces.get(MAX_LISTED_BLOCKS - 1).copied().unwrap_or(0.0)
     }
 }
 
@@ -143,6 +160,8 @@ impl BlockLoadReport {
             format_args!("{:.0}", self.force_n),
             format_args!("{:.2}", self.power_kw),
             format_args!("{:.1}", self.torque_nm),
+        );
+        let chip = say::report_load_chip(
             format_args!("{:.2}", self.edge_mm),
             format_args!("{:.3}", self.thickness_mm),
             format_args!("{:.0}", self.speed_m_per_min),
@@ -150,7 +169,7 @@ impl BlockLoadReport {
         let roughness = self.ra_um.map_or(String::new(), |it| {
             say::report_load_roughness(format_args!("{it:.2}")).text(words)
         });
-        program + &line.text(words) + &roughness
+        program + &line.text(words) + &chip.text(words) + &roughness
     }
 }
 
