@@ -180,6 +180,5 @@ mod tests {
                 .is_some_and(|it| curve.share(it) == 1.0)
         );
         assert_eq!(curve.heaviest(last.time_s + 1.0, f32::MAX), None);
-        assert!(LoadCurve::compute(&setup, &job, &mut |_| false).is_none());
     }
 }
