@@ -6,6 +6,7 @@ mod check_and_plot;
 mod form;
 mod ladder;
 mod lessons;
+mod load;
 mod mill;
 mod sheet_and_agent;
 

@@ -22,6 +22,7 @@ mod job;
 mod kind;
 mod nose_path;
 mod outline;
+mod proposal;
 mod section;
 mod shape_fields;
 mod thousandths;

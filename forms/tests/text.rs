@@ -7,6 +7,7 @@ use gsk_forms::{
     thread_rows, whole_program, write_form,
 };
 use gsk_messages::Language;
+use gsk_workpiece::cutting::CuttingMaterial;
 
 fn section(form: FormKind) -> String {
     write_form(&FormValues::new(form)).unwrap()
@@ -277,4 +278,22 @@ fn threads_have_the_printed_diameters() {
             "{name}"
         );
     }
+}
+
+#[test]
+fn a_material_sets_speed_feed_and_depth_within_the_nose() {
+    let material = CuttingMaterial::from_name("C45").expect("in the table");
+    let mut values = FormValues::new(FormKind::Turn);
+    assert_eq!(values.propose(&material), Ok(true));
+    let text = |values: &FormValues, id| values.text(values.field(id).expect("a field"));
+    assert_eq!(text(&values, "S"), "175");
+    // The nose of 0.4 mm permits 0.27 mm, the table proposes 0.25 mm.
+    assert_eq!(text(&values, "F"), "0.25");
+    assert_eq!(text(&values, "DEPTH"), "2");
+    values.set_text("NOSE", "0.2").expect("a nose");
+    assert_eq!(values.propose(&material), Ok(true));
+    assert_eq!(text(&values, "F"), "0.13");
+    assert!(write_form(&values).expect("blocks").contains("G96 S175"));
+    let mut thread = FormValues::new(FormKind::Thread);
+    assert_eq!(thread.propose(&material), Ok(false));
 }

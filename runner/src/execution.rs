@@ -285,6 +285,7 @@ impl ProgramRun<'_> {
             warning_kinds: Vec::new(),
             path: None,
             part: None,
+            load: None,
         }
     }
 

@@ -98,6 +98,7 @@ fn build_report(
             tool_times: times.tool_seconds(),
         }),
         part: None,
+        load: None,
     }
 }
 

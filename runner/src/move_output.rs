@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 
 use crate::json_line::JsonLine;
+use crate::machining::MoveLoad;
 use gsk_core::command::{ExecutedMove, MoveKind};
 use gsk_core::units::{Feed, Point};
 
@@ -67,6 +68,31 @@ pub fn write_move(out: &mut dyn Write, executed: &ExecutedMove) -> io::Result<()
     line.push_number(",\"dt\":", Some(executed.duration_s));
     line.push_text("}\n");
     out.write_all(&line.bytes)
+}
+
+/// Header line of the CSV file of loads.
+pub const LOADS_HEADER: &str =
+    "t,line,tool,force_n,power_kw,torque_nm,edge_mm,thickness_mm,area_mm2,speed_m_per_min,rpm\n";
+
+/// Writes the load of a move: a line of the CSV file for each moment, with its machine time, s.
+pub fn write_loads(out: &mut dyn Write, load: &MoveLoad) -> io::Result<()> {
+    for cut in &load.loads {
+        let time_s = load.start_s + load.duration_s * cut.share;
+        let (line, tool) = (load.source.line, load.tool);
+        let (force, power, torque) = (cut.force_n, cut.power_kw, cut.torque_nm);
+        let (edge, thickness, area) = (
+            cut.chip.width_mm,
+            cut.chip.thickness_mm(),
+            cut.chip.area_mm2,
+        );
+        let (speed, rpm) = (cut.speed_m_per_min, cut.rpm);
+        writeln!(
+            out,
+            "{time_s:.6},{line},{tool},{force:.2},{power:.4},{torque:.3},{edge:.4},{thickness:.4},\
+             {area:.5},{speed:.2},{rpm:.1}"
+        )?;
+    }
+    Ok(())
 }
 
 /// Header line of the CSV file of positions.

@@ -6,6 +6,7 @@
 pub mod annotations;
 mod break_report;
 pub mod lint_levels;
+mod load_report;
 mod part_report;
 mod program_check;
 mod report_text;
@@ -25,6 +26,7 @@ use gsk_messages::{Language, Message};
 use serde::{Serialize, Serializer};
 
 pub use break_report::BreakReport;
+pub use load_report::{BlockLoadReport, LoadReport};
 pub use part_report::{CollisionReport, PartReport, feature_message};
 pub use program_check::check_program;
 pub use run_end::RunEnd;
@@ -238,6 +240,9 @@ pub struct ProgramReport {
     /// The machined part; `None` if the program did not run on a part.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub part: Option<PartReport>,
+    /// The load of the cuts; `None` if it was not requested.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub load: Option<LoadReport>,
 }
 
 /// Lengths, tools and bounds of the path, from `check_program`.

@@ -197,6 +197,17 @@ pub fn time_column(path: Color32) -> Color32 {
     path.gamma_multiply(0.75)
 }
 
+/// Colour of the cuts with the greatest force.
+const LOAD_GREATEST: Color32 = Color32::from_rgb(255, 110, 50);
+
+/// Returns the colour of a cut by its share of the greatest force, 0 to 1.
+pub fn load_color(share: f32) -> Color32 {
+    match share < 0.5 {
+        true => FEED_PATH.lerp_to_gamma(WARNING, share * 2.0),
+        false => WARNING.lerp_to_gamma(LOAD_GREATEST, share * 2.0 - 1.0),
+    }
+}
+
 // Time line of the session.
 
 pub const TIMELINE_GROUND: Color32 = DRAWING_GROUND;

@@ -6,6 +6,7 @@ use gsk_messages::{Message, say};
 use gsk_units::{Diameter, Point};
 use serde::{Deserialize, Serialize};
 
+use crate::cutting::CuttingMaterial;
 use crate::stock::Stock;
 use crate::tool::Tool;
 
@@ -72,12 +73,26 @@ impl Job {
         }
     }
 
+    /// The material whose constants give the cutting force: the grade of the stock, else the
+    /// usual one of its material; `None` for plastic.
+    pub fn cutting_material(&self) -> Option<CuttingMaterial> {
+        match &self.stock.grade {
+            Some(grade) => CuttingMaterial::from_name(grade),
+            None => CuttingMaterial::from_stock_material(self.stock.material),
+        }
+    }
+
     /// Checks that all dimensions of stock and tools are in their ranges.
     ///
     /// # Errors
     /// The first value out of range, with the tool number.
     pub fn check(&self) -> Result<(), Message> {
         self.stock.check()?;
+        if let Some(grade) = &self.stock.grade
+            && CuttingMaterial::from_name(grade).is_none()
+        {
+            return Err(say::stock_unknown_grade(grade));
+        }
         for (number, tool) in &self.tools {
             let with_number = |error: Message| say::job_of_tool(number, error);
             tool.check().map_err(with_number)?;
@@ -118,6 +133,17 @@ mod tests {
         assert_eq!(job.lengths[&3].point(), Point::new(2.0, -1.5));
         let text = ron::to_string(&job).unwrap();
         assert_eq!(ron::from_str::<Job>(&text).unwrap(), job);
+    }
+
+    #[test]
+    fn the_grade_of_the_stock_is_one_of_the_table() {
+        let mut job: Job = ron::from_str(FILE).unwrap();
+        assert_eq!(job.cutting_material().unwrap().name, "C45");
+        job.stock.grade = Some("42crmo4".to_owned());
+        job.check().unwrap();
+        assert_eq!(job.cutting_material().unwrap().name, "42CrMo4");
+        job.stock.grade = Some("unobtainium".to_owned());
+        assert!(job.check().unwrap_err().to_string().contains("unobtainium"));
     }
 
     #[test]

@@ -17,6 +17,7 @@ pub mod collision;
 pub mod compare;
 pub mod convex;
 pub mod curve;
+pub mod cutting;
 pub mod grid;
 pub mod job;
 pub mod measure;

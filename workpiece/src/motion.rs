@@ -46,6 +46,27 @@ impl ToolMotion {
         self.points().into_iter().map(to_grid).collect()
     }
 
+    /// Returns the length of the path, mm; of a thread its straight length.
+    pub(crate) fn length(&self) -> f64 {
+        match &self.kind {
+            MotionKind::Arc { center, clockwise } => {
+                let arc = PlaneArc::between(self.from, self.to, *center, *clockwise);
+                arc.radius * arc.sweep.abs()
+            }
+            _ => (self.to - self.from).length(),
+        }
+    }
+
+    /// Returns the point at a fraction of the path, mm: 0 is its start, 1 its end.
+    pub(crate) fn point_at(&self, fraction: f64) -> Point {
+        match &self.kind {
+            MotionKind::Arc { center, clockwise } => {
+                PlaneArc::between(self.from, self.to, *center, *clockwise).point_at(fraction)
+            }
+            _ => self.from + (self.to - self.from) * fraction,
+        }
+    }
+
     /// Returns the corners of the path, mm; arcs are split into chords.
     fn points(&self) -> Vec<Point> {
         match &self.kind {

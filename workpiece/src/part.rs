@@ -197,6 +197,40 @@ impl TurnedPart {
         Region::from_contours(&touched)
     }
 
+    /// Returns the pieces of a straight line that are in the material, each by its first and last
+    /// fraction of the line. `from` and `to` are in grid units and not on the grid, so that the
+    /// line runs along no edge of the part.
+    pub(crate) fn shares_within(&self, from: Point, to: Point) -> Vec<(f64, f64)> {
+        let along = to - from;
+        let square = along.dot(along);
+        let mut shares = Vec::new();
+        if square <= 0.0 {
+            return shares;
+        }
+        let slab_of =
+            |z: f64| (libm::floor(z / f64::from(SLAB_UNITS)) as i32).saturating_sub(self.first);
+        let (low, high) = (slab_of(from.z.min(to.z)), slab_of(from.z.max(to.z)));
+        let first = low.max(0) as usize;
+        let count = (high.saturating_add(1)).max(0) as usize;
+        let mut crossings = Vec::new();
+        for slab in self.slabs.iter().take(count).skip(first) {
+            crossings.clear();
+            for (a, b) in slab.region.edges() {
+                let corner = |it: GridPoint| Point::new(f64::from(it.y), f64::from(it.x)) - from;
+                let (a, b) = (corner(a), corner(b));
+                let (left, right) = (along.cross(a), along.cross(b));
+                if (left > 0.0) != (right > 0.0) {
+                    let crossing = a + (b - a) * (left / (left - right));
+                    crossings.push((along.dot(crossing) / square).clamp(0.0, 1.0));
+                }
+            }
+            crossings.sort_unstable_by(f64::total_cmp);
+            let pairs = crossings.chunks_exact(2).map(|pair| (pair[0], pair[1]));
+            shares.extend(pairs.filter(|(begin, end)| begin < end));
+        }
+        shares
+    }
+
     /// Returns the whole half section as one region.
     pub fn section(&self) -> Region {
         let contours: Vec<GridContour> = self

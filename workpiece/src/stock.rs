@@ -26,9 +26,14 @@ pub struct Stock {
     pub length: f64,
     /// The length of the stock in front of the jaws, mm.
     pub overhang: f64,
-    /// The material of the stock, which affects only the drawn chips and colours.
+    /// The material of the stock: the drawn chips and colours, and the cutting force if no
+    /// grade is named.
     #[serde(default)]
     pub material: StockMaterial,
+    /// The grade of the material in the table of materials, for instance `C45`; `None` for the
+    /// usual one of the material.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub grade: Option<String>,
     /// The chuck that clamps the stock.
     #[serde(default)]
     pub chuck: Chuck,
@@ -152,6 +157,7 @@ impl Stock {
             overhang,
             chuck,
             material: StockMaterial::default(),
+            grade: None,
             tailstock: None,
         }
     }

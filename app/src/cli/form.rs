@@ -15,6 +15,9 @@ pub struct FormArgs {
     /// A field of the form (may be repeated) [default: the default of each field]
     #[arg(long = "set", value_name = "FIELD=VALUE", requires = "name")]
     pub values: Vec<String>,
+    /// Set speed, feed and depth to starting values for this material of `load materials`, before --set
+    #[arg(long, value_name = "MATERIAL", requires = "name")]
+    pub material: Option<String>,
     /// Write a program into this file, and stock and tool beside it (shaft.CNC: shaft.job.ron) [default: print the program]
     #[arg(short, long, value_name = "FILE", requires = "name")]
     pub output: Option<PathBuf>,

@@ -13,6 +13,7 @@ mod ladder;
 mod language;
 mod lesson;
 mod link;
+mod load;
 mod lsp;
 mod mill;
 mod mqtt;
@@ -58,6 +59,7 @@ pub use link::{
     LinkArgs, LinkBoardArgs, LinkCommand, LinkFlashArgs, LinkMonitorArgs, LinkTestArgs,
     LinkTwinArgs, TwinBoard,
 };
+pub use load::{LoadCommand, LoadValuesArgs};
 pub use lsp::LspArgs;
 pub use mill::{
     GearArgs, HomingArgs, MILL_AXES, MillCommand, MillKeysArgs, MillSearchArgs, PitchArgs,
@@ -223,6 +225,11 @@ pub enum CliCommand {
     /// holes and centre holes. The values stay in comments in front of the blocks, so that
     /// `--read` and the window open the form again. docs/forms.md shows each form.
     Form(DeferredArgs<FormArgs>),
+    /// Print materials with their cutting force, and cutting values to start with
+    ///
+    /// `check --load` computes the load of the cuts of a program. docs/load.md describes both.
+    #[command(subcommand)]
+    Load(LoadCommand),
     /// Write the program that turns the outline of a drawing (DXF or SVG)
     ///
     /// The outline of the part above the axis, from its right end to its left one: lines and

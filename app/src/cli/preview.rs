@@ -64,6 +64,12 @@ pub struct CheckArgs {
     pub look: LookArgs,
     #[command(flatten)]
     pub part: PartArgs,
+    /// Compute force, power, torque and roughness of every cut, and warn where lathe or insert allow less
+    #[arg(long)]
+    pub load: bool,
+    /// The same, and write the load along every move as CSV; one program only
+    #[arg(long, value_name = "FILE")]
+    pub load_csv: Option<PathBuf>,
     /// Write every move as one JSON object a line (`-`: standard output); one program only
     #[arg(long, value_name = "FILE")]
     pub moves: Option<PathBuf>,
@@ -108,6 +114,11 @@ fn lint_parser() -> impl TypedValueParser<Value = LintChoice> {
 }
 
 impl CheckArgs {
+    /// Whether an option of the load is given.
+    pub const fn is_load_requested(&self) -> bool {
+        self.load || self.load_csv.is_some()
+    }
+
     /// The level of each kind of warning. The error is a kind that is both allowed and denied.
     pub fn lint_levels(&self) -> Result<LintLevels, &'static str> {
         let mut levels = LintLevels::default();

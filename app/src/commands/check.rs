@@ -1,5 +1,6 @@
 //! `check`: previews programs without running the machine.
 
+use std::io::{self, Write};
 use std::path::Path;
 
 use gsk_core::command::ExecutedMove;
@@ -9,8 +10,11 @@ use gsk_host::job::{self, write_section};
 use gsk_host::loading;
 use gsk_messages::Language;
 use gsk_runner::curves::RapidRates;
+use gsk_runner::machining::{LoadSummary, Machining};
 use gsk_runner::move_output;
 use gsk_runner::report::{self, PartReport, ProgramReport};
+use gsk_workpiece::cutting::CuttingMaterial;
+use gsk_workpiece::job::Job;
 
 use super::results::{CheckOptions, check_programs};
 use super::{CommandError, EXIT_OK, mill, output};
@@ -56,7 +60,7 @@ fn check_file(
         output::watch_preview(&setup.memory.programs, args.look.limits.start(), is_only);
     let name = file.display().to_string();
     let mut should_continue = |progress: &PreviewProgress| watch.update_progress(progress);
-    if !args.part.is_requested() {
+    if !args.part.is_requested() && !args.is_load_requested() {
         let report = report::check_program(&name, &setup, language, on_move, &mut should_continue);
         return Ok(report);
     }
@@ -66,8 +70,9 @@ fn check_file(
     }
     let mut machining = job_choice.create_machining();
     let rates = RapidRates::from_memory(&setup.memory);
+    let mut loads = LoadOutput::new(args, &job_choice.job)?;
     let mut cut_move = |executed: &ExecutedMove| {
-        machining.execute_move(executed, rates);
+        loads.execute_move(&mut machining, executed, rates);
         on_move(executed);
     };
     let mut report =
@@ -75,11 +80,78 @@ fn check_file(
     if let Some(path) = &args.part.section {
         write_section(path, &machining)?;
     }
-    report.part = Some(PartReport::new(
-        &machining,
-        job_choice.file_name(),
-        args.part.measure,
-        language,
-    ));
+    loads.finish()?;
+    if args.is_load_requested() {
+        let (limits, job) = (&setup.lathe.load, &job_choice.job);
+        let is_guessed = job_choice.file.is_none();
+        report.add_load(&loads.summary, limits, job, is_guessed, language);
+    }
+    if args.part.is_requested() {
+        report.part = Some(PartReport::new(
+            &machining,
+            job_choice.file_name(),
+            args.part.measure,
+            language,
+        ));
+    }
     Ok(report)
+}
+
+/// The loads of a program and the CSV file that receives them.
+struct LoadOutput<'a> {
+    /// Material of the job; `None` if no load was requested or the table has no constants.
+    material: Option<CuttingMaterial>,
+    summary: LoadSummary,
+    csv: Option<(&'a Path, Box<dyn Write>)>,
+    error: Option<io::Error>,
+}
+
+impl<'a> LoadOutput<'a> {
+    fn new(args: &'a CheckArgs, job: &Job) -> Result<Self, CommandError> {
+        let csv = match &args.load_csv {
+            Some(path) => Some((path.as_path(), output::open(path)?)),
+            None => None,
+        };
+        let mut loads = Self {
+            material: job.cutting_material().filter(|_| args.is_load_requested()),
+            summary: LoadSummary::default(),
+            csv,
+            error: None,
+        };
+        loads.write(|out| out.write_all(move_output::LOADS_HEADER.as_bytes()));
+        Ok(loads)
+    }
+
+    fn write(&mut self, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) {
+        if let (Some((_, out)), None) = (&mut self.csv, &self.error) {
+            self.error = write(out).err();
+        }
+    }
+
+    /// Cuts the part with a move and stores its load.
+    fn execute_move(
+        &mut self,
+        machining: &mut Machining,
+        executed: &ExecutedMove,
+        rates: RapidRates,
+    ) {
+        let Some(material) = &self.material else {
+            machining.execute_move(executed, rates);
+            return;
+        };
+        let load = machining.execute_move_with_load(executed, rates, material);
+        if let Some(load) = load {
+            self.summary.add_move(&load);
+            self.write(|out| move_output::write_loads(out, &load));
+        }
+    }
+
+    /// Completes the CSV file. Returns the first error of a write.
+    fn finish(&mut self) -> Result<(), CommandError> {
+        self.write(|out| out.flush());
+        match (&self.csv, self.error.take()) {
+            (Some((path, _)), Some(error)) => Err(output::WriteError::new(path, error).into()),
+            _ => Ok(()),
+        }
+    }
 }

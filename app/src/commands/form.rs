@@ -11,6 +11,7 @@ use gsk_host::files::program_file;
 use gsk_host::job;
 use gsk_messages::{Language, Message, say};
 use gsk_runner::report;
+use gsk_workpiece::cutting::CuttingMaterial;
 
 use super::{CommandError, EXIT_ALARM, EXIT_OK, output};
 use crate::cli::FormArgs;
@@ -29,7 +30,7 @@ pub fn form(args: &FormArgs, language: Option<Language>) -> Result<u8, CommandEr
         output::print(&list(language));
         return Ok(EXIT_OK);
     };
-    let values = fill_in(form, &args.values)?;
+    let values = fill_in(form, args.material.as_deref(), &args.values)?;
     if args.fields {
         output::print(&fields(&values, language));
         return Ok(EXIT_OK);
@@ -44,9 +45,21 @@ pub fn form(args: &FormArgs, language: Option<Language>) -> Result<u8, CommandEr
     Ok(EXIT_OK)
 }
 
-/// The form with the values of the options.
-fn fill_in(form: FormKind, options: &[String]) -> Result<FormValues, CommandError> {
+/// The form with starting values for a material and the values of the options.
+fn fill_in(
+    form: FormKind,
+    material: Option<&str>,
+    options: &[String],
+) -> Result<FormValues, CommandError> {
     let mut values = FormValues::new(form);
+    if let Some(name) = material {
+        let material = CuttingMaterial::from_name(name);
+        let material = material.ok_or_else(|| say::stock_unknown_grade(name))?;
+        let proposed = values.propose(&material);
+        if !proposed.map_err(|error: FormError| error.message())? {
+            return Err(say::form_no_proposal(material.name).into());
+        }
+    }
     for option in options {
         let pair = option.split_once('=');
         let (id, text) = pair.ok_or_else(|| say::form_word_unreadable(option))?;

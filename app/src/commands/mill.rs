@@ -26,6 +26,9 @@ fn lathe_option_error(option: &'static str) -> CommandError {
 /// Checks programs of a mill, as `check` does for a lathe. Returns an error for an option
 /// that applies to lathes only, and for a file that cannot be read or written.
 pub fn check(args: &CheckArgs, language: Option<Language>) -> Result<u8, CommandError> {
+    if args.is_load_requested() {
+        return Err(lathe_option_error("--load"));
+    }
     if args.part.is_requested() {
         return Err(lathe_option_error("--part"));
     }

@@ -11,6 +11,7 @@ mod help;
 mod ladder;
 mod lesson;
 mod link;
+mod load;
 mod lsp;
 mod manual;
 mod mill;
@@ -94,6 +95,7 @@ pub fn run_command_line(cli: CommandLine) -> ExitCode {
         Some(CliCommand::Sheet(args)) => sheet::sheet(&args, language),
         Some(CliCommand::Dialect(args)) => dialect::dialect(&args, language),
         Some(CliCommand::Form(args)) => form::form(&args, language),
+        Some(CliCommand::Load(command)) => load::load(&command, language),
         Some(CliCommand::Outline(args)) => outline::outline(&args, language),
         Some(CliCommand::Operate(args)) => operate::operate(&args, language),
         Some(CliCommand::Lesson(command)) => lesson::lesson(&command, language),

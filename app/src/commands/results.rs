@@ -176,8 +176,11 @@ pub(super) fn check_programs<S: Sync, M>(
     if args.part.section.is_some() && files.len() > 1 {
         return Err(say::command_one_section().into());
     }
+    if args.load_csv.is_some() && files.len() > 1 {
+        return Err(say::command_one_load().into());
+    }
     // Moves and section belong to one program: an error here would leave them incomplete.
-    if (args.moves.is_some() || args.part.section.is_some())
+    if (args.moves.is_some() || args.part.section.is_some() || args.load_csv.is_some())
         && let Some(error) = errors.pop()
     {
         return Err(error.into());
@@ -192,7 +195,7 @@ pub(super) fn check_programs<S: Sync, M>(
         main_program: files.first().map(PathBuf::as_path),
         data_dir: args.setup.data.as_deref().filter(|_| is_lathe),
     };
-    let outputs = collect_outputs(&[&args.moves, &args.part.section]);
+    let outputs = collect_outputs(&[&args.moves, &args.part.section, &args.load_csv]);
     check_overwrites(&inputs, &outputs)?;
     if let (Some(path), [file]) = (&args.moves, &files[..]) {
         let mut report = check_into_file(path, write_move, |on_move| {

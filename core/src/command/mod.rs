@@ -522,6 +522,9 @@ pub struct MoveConditions {
     pub frame: Frame,
     /// Spindle speed at the start of the move, r/min; 0 = standstill.
     pub rpm: f64,
+    /// Spindle speed at the end of the move, r/min: another one under G96.
+    #[serde(default)]
+    pub end_rpm: f64,
     /// How the thread follows the spindle angle; `None` for moves that are no threads.
     pub thread: Option<ThreadPhase>,
     /// Axes whose coordinates have no known relation to the work.
@@ -581,6 +584,7 @@ impl MoveConditions {
             offset: command.modal.offset,
             frame: *frame,
             rpm,
+            end_rpm: rpm,
             thread,
             unplaced: Unplaced::default(),
         }

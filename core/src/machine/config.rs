@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::load_limits::LoadLimits;
 use super::picture_config::PictureConfig;
 use crate::units::{Axis, Diameter, Point};
 use gsk_link::LinkConfig;
@@ -44,6 +45,8 @@ pub struct LatheConfig {
     pub spindle: SpindleConfig,
     /// Time that chuck, tailstock and gears take to move.
     pub chuck: ChuckConfig,
+    /// Limits of spindle and bars under the load of a cut.
+    pub load: LoadLimits,
     /// The appearance of the lathe in the 3D view.
     pub picture: PictureConfig,
     /// The pulse board of a real lathe; `None`: the lathe is simulated only.
@@ -61,6 +64,7 @@ impl Default for LatheConfig {
             turret: TurretConfig::default(),
             spindle: SpindleConfig::default(),
             chuck: ChuckConfig::default(),
+            load: LoadLimits::default(),
             picture: PictureConfig::default(),
             link: None,
         }

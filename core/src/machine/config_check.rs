@@ -3,6 +3,7 @@
 use core::fmt;
 
 use super::config::{AxisConfig, LatheConfig};
+use super::load_limits::LoadLimits;
 use super::picture_config::{LatheConstruction, PictureConfig};
 use crate::units::Axis;
 use gsk_link::LinkConfig;
@@ -71,6 +72,20 @@ impl ConfigCheck {
     fn check_time(&mut self, ms: u32, min_ms: u32, field: &str) {
         let rule = say::machine_time_wrong(ms, min_ms, MAX_TIME_MS);
         self.check_rule((min_ms..=MAX_TIME_MS).contains(&ms), field, rule);
+    }
+
+    fn check_load(&mut self, load: &LoadLimits) {
+        let values = [
+            ("load.power_kw", load.power_kw),
+            ("load.base_rpm", load.base_rpm),
+            ("load.stock_overhang", load.stock_overhang),
+            ("load.bar_overhang", Some(load.bar_overhang)),
+        ];
+        for (field, value) in values {
+            let Some(value) = value else { continue };
+            let is_met = value > 0.0 && value <= MAX_SPEED_RPM;
+            self.check_rule(is_met, field, say::machine_load_wrong(value));
+        }
     }
 
     fn check_picture(&mut self, picture: &PictureConfig, rear_tool_post: bool) {
@@ -299,6 +314,7 @@ impl LatheConfig {
             );
         }
         check.check_time(self.chuck.travel_ms, 1, "chuck.travel_ms");
+        check.check_load(&self.load);
         check.check_picture(&self.picture, self.rear_tool_post);
         if let Some(Err(error)) = self.link.as_ref().map(LinkConfig::check) {
             check.check_rule(

@@ -35,6 +35,16 @@ pub enum Lint {
     NoseUncompensated,
     /// No block leads to this one.
     UnreachableBlock,
+    /// A cut needs more power than the spindle has.
+    SpindlePower,
+    /// A cut needs more torque than the spindle has.
+    SpindleTorque,
+    /// A cut is deeper than the edge of its insert may cut.
+    InsertEdge,
+    /// A feed of more than two thirds of the nose radius.
+    InsertFeed,
+    /// A boring bar or the stock protrudes far for its diameter.
+    LongOverhang,
     /// On a mill: a word that no code of its block uses.
     MillWord,
     /// On a mill: an M code whose effect only the ladder knows.
@@ -43,7 +53,7 @@ pub enum Lint {
 
 impl Lint {
     /// All kinds in the order of their codes.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 22] = [
         Self::SlowFeed,
         Self::SpindleStopped,
         Self::NoOffset,
@@ -59,6 +69,11 @@ impl Lint {
         Self::ShortDwell,
         Self::NoseUncompensated,
         Self::UnreachableBlock,
+        Self::SpindlePower,
+        Self::SpindleTorque,
+        Self::InsertEdge,
+        Self::InsertFeed,
+        Self::LongOverhang,
         Self::MillWord,
         Self::LadderCode,
     ];
@@ -81,6 +96,11 @@ impl Lint {
             Self::ShortDwell => ("W13", "short-dwell"),
             Self::NoseUncompensated => ("W14", "nose-uncompensated"),
             Self::UnreachableBlock => ("W15", "unreachable-block"),
+            Self::SpindlePower => ("W21", "spindle-power"),
+            Self::SpindleTorque => ("W22", "spindle-torque"),
+            Self::InsertEdge => ("W23", "insert-edge"),
+            Self::InsertFeed => ("W24", "insert-feed"),
+            Self::LongOverhang => ("W25", "long-overhang"),
             Self::MillWord => ("W31", "word-without-effect"),
             Self::LadderCode => ("W32", "ladder-code"),
         }
@@ -114,6 +134,11 @@ impl Lint {
             Self::ShortDwell => say::lint_short_dwell(),
             Self::NoseUncompensated => say::lint_nose_uncompensated(),
             Self::UnreachableBlock => say::lint_unreachable_block(),
+            Self::SpindlePower => say::lint_spindle_power(),
+            Self::SpindleTorque => say::lint_spindle_torque(),
+            Self::InsertEdge => say::lint_insert_edge(),
+            Self::InsertFeed => say::lint_insert_feed(),
+            Self::LongOverhang => say::lint_long_overhang(),
             Self::MillWord => say::lint_mill_word(),
             Self::LadderCode => say::lint_ladder_code(),
         }

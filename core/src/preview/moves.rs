@@ -99,6 +99,7 @@ impl PreviewRun<'_> {
             duration_s: took,
             conditions: MoveConditions {
                 unplaced,
+                rpm: self.spindle.rpm(begin.x),
                 ..self.conditions(command)
             },
         };

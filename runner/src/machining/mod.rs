@@ -6,8 +6,10 @@
 
 pub mod guess;
 pub mod live_part;
+mod load_summary;
 mod motion_track;
 mod mounting;
+mod move_load;
 pub mod part_comparison;
 mod thread_log;
 
@@ -15,14 +17,17 @@ use std::collections::BTreeMap;
 
 use gsk_core::command::{ExecutedMove, SourcePosition};
 use gsk_workpiece::collision::Collision;
+use gsk_workpiece::cutting::CuttingMaterial;
 use gsk_workpiece::job::Job;
 use gsk_workpiece::motion::ToolMotion;
 use gsk_workpiece::region::Region;
 use gsk_workpiece::scene::{LatheScene, MotionEffect, SceneTool};
 use gsk_workpiece::tool::{Insert, ToolShape};
 
+pub use load_summary::{BlockLoad, LoadFinding, LoadSummary};
 use motion_track::MotionTrack;
 pub use mounting::Mounting;
+pub use move_load::{CutLoad, MoveLoad};
 
 use crate::curves::RapidRates;
 
@@ -112,6 +117,28 @@ impl Machining {
         for motion in self.track.tip_motions(executed, rates) {
             self.move_tool(Some(executed.source), tool, &motion);
         }
+    }
+
+    /// Cuts the part with a move of the program as [`Machining::execute_move`] does, and returns the
+    /// load of its cut in a material; `None` if the move cuts nothing.
+    pub fn execute_move_with_load(
+        &mut self,
+        executed: &ExecutedMove,
+        rates: RapidRates,
+        material: &CuttingMaterial,
+    ) -> Option<MoveLoad> {
+        let number = executed.conditions.tool;
+        let mut load = None;
+        for motion in self.track.tip_motions(executed, rates) {
+            if let (Some(tool), Some(cutter)) =
+                (self.job.tools.get(&number), self.cutters.get(&number))
+            {
+                let chips = |feed_mm| self.scene.chip_samples(cutter, &motion, feed_mm);
+                load = MoveLoad::new(executed, tool, material, &motion, chips);
+            }
+            self.move_tool(Some(executed.source), number, &motion);
+        }
+        load
     }
 
     /// Moves a tool relative to the part: cuts the part, and stores a collision with the block

@@ -80,6 +80,7 @@ fn build_report(
             ..path_report(preview)
         }),
         part: None,
+        load: None,
     }
 }
 

@@ -69,6 +69,9 @@ impl ProgramReport {
         if let Some(part) = &self.part {
             lines.extend(part.text_lines(words));
         }
+        if let Some(load) = &self.load {
+            lines.extend(load.text_lines(words));
+        }
         let modal = self.modal.join(" ");
         let at_end = match &self.position.abs {
             ReportPosition::Lathe(x, z) => say::report_at_end(x, z, &self.t, modal),

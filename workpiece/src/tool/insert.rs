@@ -94,9 +94,48 @@ impl InsertLetter {
             Self::S | Self::R => 90.0,
         }
     }
+
+    /// The edge length of the insert from the diameter of its inscribed circle (ISO 1832), mm.
+    pub(super) fn edge_length_mm(self, size: f64) -> f64 {
+        let sine = |degrees: f64| libm::sin(degrees * core::f64::consts::PI / 180.0);
+        match self {
+            Self::C | Self::D | Self::V => size / sine(self.corner()),
+            // tan 60°
+            Self::T => size * 1.732_050_807_568_877_2,
+            Self::W => size * 0.684,
+            Self::S | Self::R => size,
+        }
+    }
 }
 
 impl Insert {
+    /// Greatest length of a turning insert's edge that may cut in roughing, mm; `None` for other
+    /// inserts. The shares are those of Sandvik Coromant, Modern Metal Cutting (1994).
+    pub fn greatest_edge_mm(&self) -> Option<f64> {
+        let Self::Turning { letter, size, .. } = *self else {
+            return None;
+        };
+        let share = match letter {
+            InsertLetter::C | InsertLetter::S => 2.0 / 3.0,
+            InsertLetter::D | InsertLetter::T => 0.5,
+            InsertLetter::V | InsertLetter::W => 0.25,
+            InsertLetter::R => 0.4,
+        };
+        Some(share * letter.edge_length_mm(size))
+    }
+
+    /// Greatest feed per revolution of a turning insert with a nose, mm; `None` for other
+    /// inserts: two thirds of the nose radius (Sandvik Coromant, Modern Metal Cutting, 1994:
+    /// 0.25 mm for 0.4 mm, 0.5 mm for 0.8 mm).
+    pub fn greatest_feed_mm(&self) -> Option<f64> {
+        match *self {
+            Self::Turning { letter, nose, .. } if letter != InsertLetter::R && nose > 0.0 => {
+                Some(nose * 2.0 / 3.0)
+            }
+            _ => None,
+        }
+    }
+
     pub(super) fn check(&self) -> Result<(), Message> {
         match *self {
             Self::Turning {

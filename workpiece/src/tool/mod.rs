@@ -140,6 +140,15 @@ impl Tool {
         -(tip_direction(self.tip) * self.nose())
     }
 
+    /// Returns the number of cutting edges that share the feed of a revolution: two lips of a
+    /// drill, one edge of any other tool.
+    pub const fn edge_count(&self) -> u8 {
+        match self.insert {
+            Insert::Drill { .. } => 2,
+            _ => 1,
+        }
+    }
+
     /// Whether the tool cuts bores: its body is nearer to the spindle axis than its tip.
     pub const fn is_internal(&self) -> bool {
         matches!(self.tip, 1 | 2 | 6)

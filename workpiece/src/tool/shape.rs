@@ -257,7 +257,7 @@ fn rhombic(center: Point, nose: f64, letter: InsertLetter, entering: f64, size: 
     let half = libm::sin(corner / 2.0 * core::f64::consts::PI / 180.0);
     let bisector = unit_vector((main + second) / 2.0);
     let tip = center - bisector * (nose / half);
-    let edge = edge_length(letter, size);
+    let edge = letter.edge_length_mm(size);
     let (along_main, along_second) = (unit_vector(main) * edge, unit_vector(second) * edge);
     let mut cutting = nose_arc_points(center, nose, main + 90.0, second + 270.0);
     let front = [
@@ -277,18 +277,6 @@ fn rhombic(center: Point, nose: f64, letter: InsertLetter, entering: f64, size: 
         holder_begin: edge * OVERHANG_SHARE,
         shank_z: tip.z + along_main.z.max(0.0) + SHANK_SETBACK_MM,
         blade: None,
-    }
-}
-
-/// The edge length of an insert from the diameter of its inscribed circle (ISO 1832), mm.
-fn edge_length(letter: InsertLetter, size: f64) -> f64 {
-    let sine = |degrees: f64| libm::sin(degrees * core::f64::consts::PI / 180.0);
-    match letter {
-        InsertLetter::C | InsertLetter::D | InsertLetter::V => size / sine(letter.corner()),
-        // tan 60°
-        InsertLetter::T => size * 1.732_050_807_568_877_2,
-        InsertLetter::W => size * 0.684,
-        InsertLetter::S | InsertLetter::R => size,
     }
 }
 

@@ -7,12 +7,13 @@ mod preview;
 
 use std::collections::BTreeMap;
 
-use egui::{Button, Panel, RichText, ScrollArea, Sense, Ui, WidgetInfo, vec2};
+use egui::{Button, ComboBox, Panel, RichText, ScrollArea, Sense, Ui, WidgetInfo, vec2};
 use gsk_forms::{
     FormError, FormKind, FormSection, FormValues, find_sections, free_sequence_number, write_form,
 };
 use gsk_host::kernel::Console;
 use gsk_messages::{Language, Message, say};
+use gsk_workpiece::cutting::CuttingMaterial;
 
 use crate::focus;
 use crate::theme;
@@ -24,6 +25,8 @@ use preview::{FormPreview, FormPreviewer, PreviewOrder};
 const WIDE: f32 = 620.0;
 /// Width of the fields, points.
 const FIELDS_WIDTH: f32 = 345.0;
+/// Width of the choice of a material, points.
+const PROPOSAL_WIDTH: f32 = 200.0;
 /// Height of the picture above the fields in a narrow pane, points.
 const NARROW_PICTURE_HEIGHT: f32 = 190.0;
 /// Height below which the forms are a list that opens and the picture scrolls, points.
@@ -262,6 +265,31 @@ impl FormPane {
             self.asks_to_replace = false;
             self.rewrite();
         }
+        self.show_proposals(ui, language);
+    }
+
+    /// Draws the choice of a material, which sets speed, feed and depth.
+    fn show_proposals(&mut self, ui: &mut Ui, language: Language) {
+        let words = say::form_propose().text(language);
+        let list = ComboBox::from_id_salt("form material").selected_text(words);
+        let list = list.width(PROPOSAL_WIDTH).show_ui(ui, |ui| {
+            let mut names = CuttingMaterial::all();
+            names.find(|it| ui.selectable_label(false, it.name).clicked())
+        });
+        let hint = say::form_propose_tip().text(language);
+        list.response.on_hover_text(hint);
+        let Some(material) = list.inner.flatten() else {
+            return;
+        };
+        let proposed = self.values.propose(&material);
+        self.drafts = FieldDrafts::new(&self.values);
+        self.asks_to_replace = false;
+        self.rewrite();
+        self.notice = match proposed {
+            Ok(true) => None,
+            Ok(false) => Some(say::form_no_proposal(material.name)),
+            Err(error) => Some(error.message()),
+        };
     }
 
     /// Draws the last part that could be cut.

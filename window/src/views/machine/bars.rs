@@ -107,6 +107,9 @@ impl LatheView {
             let space = ui.button(say::window_view_lathe().text(language));
             let hint = say::lathe_open_space_hint().text(language);
             self.picture.requests_space |= space.on_hover_text(hint).clicked();
+            let words = say::lathe_load().text(language);
+            let load = ui.toggle_value(&mut self.instruments.load.is_shown, words);
+            load.on_hover_text(say::lathe_load_hint().text(language));
             clicked
         });
         match clicked.inner {
@@ -170,6 +173,10 @@ impl LatheView {
         });
         let made = (&self.preview.times, &self.preview.path);
         self.time_bar.show(ui, made, running, language);
+        let total_s = self.preview.times.spent().total_s() as f32;
+        let elapsed = running.map(|_| self.time_bar.elapsed_share(total_s));
+        let load = &mut self.instruments.load;
+        load.show_bar(ui, total_s, elapsed, language);
         let (words, color) = match &self.part {
             Some(part) => match &part.job_name {
                 Some(name) => (say::lathe_job(name), theme::STATE_TEXT),

@@ -7,6 +7,8 @@ mod caliper;
 mod camera;
 mod grid;
 mod job;
+mod load_curve;
+mod load_display;
 mod microscope;
 mod overlay;
 pub mod path;
@@ -42,6 +44,7 @@ use crate::widgets::questions::Unsaved;
 use caliper::Caliper;
 use camera::PictureState;
 use job::JobPanel;
+use load_display::LoadDisplay;
 use microscope::Microscope;
 use path::BlockRef;
 use path_renderer::PathRenderer;
@@ -141,6 +144,8 @@ struct Instruments {
     caliper: Caliper,
     microscope: Microscope,
     job: JobPanel,
+    /// The load of the cuts, which every instrument shows if it is switched on.
+    load: LoadDisplay,
 }
 
 impl View for LatheView {
@@ -335,6 +340,7 @@ impl LatheView {
                 self.picture.camera = None;
                 self.selected = None;
                 self.instruments.microscope.clear();
+                self.instruments.load.clear();
             }
             // The control has stored the text that was tried out: the trial ends.
             if let Some(trial) = &self.program_text.trial
@@ -376,7 +382,14 @@ impl LatheView {
         if let Some(compared) = worker.take_comparison() {
             self.instruments.microscope.set_comparison(compared);
         }
+        if let Some(curve) = worker.take_load() {
+            self.instruments.load.set_curve(curve);
+        }
         if let Some(part) = &self.part {
+            let load = &mut self.instruments.load;
+            if !is_running && load.needs_curve(&self.preview.path, &part.job) {
+                worker.request_load(Arc::clone(&part.job));
+            }
             match self.instruments.selected {
                 Instrument::Path | Instrument::Job => {}
                 Instrument::Caliper => self.instruments.caliper.update(&part.section, ui.ctx()),

@@ -56,6 +56,7 @@ impl LatheView {
             self.instruments.microscope.draw(&painter, &camera);
         } else {
             self.path_renderer.draw(&painter, &camera, path);
+            self.instruments.load.draw_path(&painter, &camera, path);
         }
         if let Some(fault) = self.preview.fault_block {
             path_lines::mark_wrong(&painter, &camera, &self.preview.path, fault);

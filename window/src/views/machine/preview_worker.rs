@@ -27,6 +27,7 @@ use gsk_runner::times::ProgramTimes;
 use gsk_workpiece::job::Job;
 use web_time::{Duration, Instant};
 
+use super::load_curve::LoadCurve;
 use super::path::{BlockRef, DrawnPath, PathBuilder};
 use super::xray;
 use crate::samples;
@@ -83,6 +84,8 @@ enum PreviewRequest {
     Opened(ProgramId, PathBuf),
     /// Compare the part that the program makes with the intended part.
     Compare(Arc<Job>),
+    /// Compute the load of the program in the stock of a job.
+    ComputeLoad(Arc<Job>),
     /// Clamp the stock and mount the tools of a job that the user has changed.
     Clamp(Box<Job>),
     /// Execute this text of a program instead of the control's; `None`: the control's text
@@ -95,6 +98,7 @@ pub struct PreviewWorker {
     requests: Sender<PreviewRequest>,
     results: Arc<ArrayQueue<PreviewResult>>,
     compared: Arc<ArrayQueue<Arc<PartComparison>>>,
+    loads: Arc<ArrayQueue<Arc<LoadCurve>>>,
     /// Flags by which the window controls the preview thread.
     pub flags: Arc<WorkerFlags>,
 }
@@ -105,6 +109,7 @@ impl PreviewWorker {
         let (requests, from_view) = unbounded();
         let results = Arc::new(ArrayQueue::new(1));
         let compared = Arc::new(ArrayQueue::new(1));
+        let loads = Arc::new(ArrayQueue::new(1));
         let flags = Arc::new(WorkerFlags {
             visible: AtomicBool::new(false),
             program_runs: AtomicBool::new(false),
@@ -116,6 +121,7 @@ impl PreviewWorker {
             requests: from_view,
             results: Arc::clone(&results),
             compared: Arc::clone(&compared),
+            loads: Arc::clone(&loads),
             flags: Arc::clone(&flags),
             file: None,
             tried: None,
@@ -131,6 +137,7 @@ impl PreviewWorker {
             requests,
             results,
             compared,
+            loads,
             flags,
         }
     }
@@ -144,6 +151,11 @@ impl PreviewWorker {
     /// Requests a comparison of the intended part with the part that the program makes.
     pub fn compare(&self, job: Arc<Job>) {
         let _ = self.requests.send(PreviewRequest::Compare(job));
+    }
+
+    /// Requests the load of the program in the stock of `job`.
+    pub fn request_load(&self, job: Arc<Job>) {
+        let _ = self.requests.send(PreviewRequest::ComputeLoad(job));
     }
 
     /// Requests that the stock and the tools of `job` are used. The job belongs to the
@@ -162,6 +174,11 @@ impl PreviewWorker {
     /// Removes and returns the newest comparison; `None` without a new one.
     pub fn take_comparison(&self) -> Option<Arc<PartComparison>> {
         self.compared.pop()
+    }
+
+    /// Removes and returns the newest load; `None` without a new one.
+    pub fn take_load(&self) -> Option<Arc<LoadCurve>> {
+        self.loads.pop()
     }
 
     /// Removes and returns the newest result; `None` without a new one.
@@ -194,6 +211,7 @@ struct PreviewThread {
     requests: Receiver<PreviewRequest>,
     results: Arc<ArrayQueue<PreviewResult>>,
     compared: Arc<ArrayQueue<Arc<PartComparison>>>,
+    loads: Arc<ArrayQueue<Arc<LoadCurve>>>,
     flags: Arc<WorkerFlags>,
     /// The program that was opened last from a file, and the path of this file; `None` before the
     /// first one.
@@ -246,6 +264,7 @@ impl PreviewThread {
         match request {
             PreviewRequest::Opened(program, file) => self.file = Some((program, file)),
             PreviewRequest::Compare(job) => self.compare(&job),
+            PreviewRequest::ComputeLoad(job) => self.compute_load(&job),
             PreviewRequest::SetTrial(tried) => self.tried = tried,
             PreviewRequest::Clamp(job) => self.clamp(*job),
         }
@@ -437,6 +456,22 @@ impl PreviewThread {
         });
         if let Some(compared) = compared {
             self.compared.force_push(Arc::new(compared));
+            self.context.request_repaint();
+        }
+    }
+
+    fn compute_load(&self, job: &Job) {
+        let Some(mut setup) = self.console.setup() else {
+            return;
+        };
+        self.apply_trial(&mut setup);
+        let start_count = self.flags.cancel_count.load(Ordering::Relaxed);
+        let limit = WorkLimit::new(WORK_BUDGET);
+        let curve = LoadCurve::compute(&setup, job, &mut |progress| {
+            limit.allows(progress) && self.flags.cancel_count.load(Ordering::Relaxed) == start_count
+        });
+        if let Some(curve) = curve {
+            self.loads.force_push(Arc::new(curve));
             self.context.request_repaint();
         }
     }

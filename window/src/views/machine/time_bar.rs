@@ -48,7 +48,7 @@ impl TimeBar {
             self.drawn_path = Some(Arc::clone(path));
         }
         self.follow(path, running);
-        let share = (self.now_s / total_s as f32).clamp(0.0, 1.0);
+        let share = self.elapsed_share(total_s as f32);
         self.draw_bar(ui, running.map(|_| share), times, language);
         ui.horizontal_wrapped(|ui| {
             let mut add_label = |words: String, color| ui.label(RichText::new(words).color(color));
@@ -71,6 +71,11 @@ impl TimeBar {
                 }
             }
         });
+    }
+
+    /// The share of the machine time that has passed, 0 to 1.
+    pub fn elapsed_share(&self, total_s: f32) -> f32 {
+        (self.now_s / total_s).clamp(0.0, 1.0)
     }
 
     /// Follows the tip along the segments of the running block.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use egui::{ComboBox, DragValue, Grid, Ui};
 use gsk_core::units::{Diameter, tip_direction};
 use gsk_messages::{Language, Message, say};
+use gsk_workpiece::cutting::CuttingMaterial;
 use gsk_workpiece::job::DiameterPoint;
 use gsk_workpiece::stock::{Stock, StockForm, StockMaterial, Tailstock};
 use gsk_workpiece::tool::{Holder, Insert, InsertLetter, Tool};
@@ -48,7 +49,7 @@ pub fn show_stock(ui: &mut Ui, stock: &mut Stock, language: Language) {
             show_value(ui, &name, field, language);
         }
     });
-    show_material(ui, &mut stock.material, language);
+    show_material(ui, stock, language);
     let mut has_tailstock = stock.tailstock.is_some();
     let words = say::stock_tailstock().text(language);
     if ui.checkbox(&mut has_tailstock, words).changed() {
@@ -75,13 +76,25 @@ pub fn show_stock(ui: &mut Ui, stock: &mut Stock, language: Language) {
     }
 }
 
-/// Draws the choice of the material, which changes the pictures only.
-fn show_material(ui: &mut Ui, material: &mut StockMaterial, language: Language) {
+/// Draws the choice of the material, which changes the pictures, and that of its grade, which
+/// changes the load.
+fn show_material(ui: &mut Ui, stock: &mut Stock, language: Language) {
+    let material = &mut stock.material;
     ComboBox::from_label(say::stock_material().text(language))
         .selected_text(material.name().text(language))
         .show_ui(ui, |ui| {
             for choice in StockMaterial::ALL {
                 ui.selectable_value(material, choice, choice.name().text(language));
+            }
+        });
+    let usual = say::stock_grade_usual().text(language);
+    let grade = &mut stock.grade;
+    ComboBox::from_label(say::stock_grade().text(language))
+        .selected_text(grade.clone().unwrap_or_else(|| usual.clone()))
+        .show_ui(ui, |ui| {
+            ui.selectable_value(grade, None, usual);
+            for choice in CuttingMaterial::all() {
+                ui.selectable_value(grade, Some(choice.name.to_owned()), choice.name);
             }
         });
 }

@@ -1,0 +1,65 @@
+//! Limits of a lathe under the load of a cut, from its machine file.
+
+use core::f64::consts::PI;
+
+use serde::{Deserialize, Serialize};
+
+/// What the spindle can give, and how far bars may protrude. Only the check of the load reads
+/// it; the simulated spindle turns at any load.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LoadLimits {
+    /// Rated power at the spindle, kW; `None`: neither power nor torque is checked.
+    pub power_kw: Option<f64>,
+    /// Speed above which the spindle has its rated power, r/min; below it the torque is constant.
+    /// `None`: the rated power at every speed.
+    pub base_rpm: Option<f64>,
+    /// Greatest overhang of stock without a tailstock, in diameters; `None`: not checked.
+    pub stock_overhang: Option<f64>,
+    /// Greatest overhang of a boring bar, in diameters. The default holds for steel bars (Widia,
+    /// general catalogue 2017, p. 456).
+    pub bar_overhang: f64,
+}
+
+impl Default for LoadLimits {
+    fn default() -> Self {
+        Self {
+            power_kw: None,
+            base_rpm: None,
+            stock_overhang: None,
+            bar_overhang: 4.0,
+        }
+    }
+}
+
+impl LoadLimits {
+    /// The torque of the spindle below its base speed, N·m; `None` without power or base speed.
+    pub fn rated_torque_nm(&self) -> Option<f64> {
+        let (power, base) = (self.power_kw?, self.base_rpm?);
+        Some(power * 30_000.0 / (PI * base))
+    }
+
+    /// Whether the torque limits the spindle at a speed, r/min, and not its power.
+    pub fn is_torque_limited(&self, rpm: f64) -> bool {
+        self.base_rpm.is_some_and(|base| rpm < base)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rated_torque_is_that_of_the_base_speed() {
+        let limits = LoadLimits {
+            power_kw: Some(7.5),
+            base_rpm: Some(1500.0),
+            ..LoadLimits::default()
+        };
+        // 9550 · 7.5 / 1500
+        let torque = limits.rated_torque_nm().expect("both are given");
+        assert!((torque - 47.75).abs() < 0.01, "{torque}");
+        assert!(limits.is_torque_limited(1499.0) && !limits.is_torque_limited(1500.0));
+        assert_eq!(LoadLimits::default().rated_torque_nm(), None);
+    }
+}

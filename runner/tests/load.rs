@@ -1,0 +1,226 @@
+//! The load of whole programs: forces of blocks, limits of lathe and inserts, the report.
+
+use gsk_core::command::{ExecutedMove, ProgramId};
+use gsk_core::machine::LoadLimits;
+use gsk_core::preview::Lint;
+use gsk_core::program::Program;
+use gsk_core::setup::Setup;
+use gsk_messages::Language;
+use gsk_runner::curves::RapidRates;
+use gsk_runner::machining::{LoadSummary, Machining};
+use gsk_runner::report::{ProgramReport, check_program};
+use gsk_workpiece::job::Job;
+use gsk_workpiece::stock::{Stock, StockMaterial};
+use gsk_workpiece::tool::{Holder, Tool};
+
+const PASS: &str = "G50 X100 Z50\nG97 G99 M03 S600\nT0101\nG00 X46 Z2\nG01 Z-30 F0.25\nG00 Z5\n\
+                    X100 Z50\nM30\n";
+
+fn job() -> Job {
+    let mut job = Job::new(Stock::bar(50.0, 0.0, 70.0));
+    job.tools.insert(1, Tool::turning());
+    job.tools.insert(2, Tool::boring());
+    job.tools.insert(3, Tool::threading(60.0));
+    job.tools.insert(4, Tool::drill(20.0));
+    job
+}
+
+/// The load of a program, and its report with the warnings about the load.
+fn check_load(text: &str, job: &Job, limits: &LoadLimits) -> (LoadSummary, ProgramReport) {
+    let mut setup = Setup::default();
+    setup.memory.programs.open_external(Program::new(text));
+    setup.memory.programs.select(ProgramId::External);
+    let rates = RapidRates::from_memory(&setup.memory);
+    let mut machining = Machining::new(job.clone());
+    let mut summary = LoadSummary::default();
+    let material = job.cutting_material();
+    let mut on_move = |executed: &ExecutedMove| {
+        let Some(material) = &material else { return };
+        if let Some(load) = machining.execute_move_with_load(executed, rates, material) {
+            summary.add_move(&load);
+        }
+    };
+    let language = Some(Language::En);
+    let mut report = check_program("part.CNC", &setup, language, &mut on_move, &mut |_| true);
+    assert_eq!(report.alarm, None);
+    report.add_load(&summary, limits, job, false, language);
+    (summary, report)
+}
+
+fn load_lints(report: &ProgramReport) -> Vec<Lint> {
+    let lints = report.warnings.iter().map(|it| it.lint);
+    lints.filter(|it| it.code() >= "W21").collect()
+}
+
+#[test]
+fn a_pass_has_the_force_of_its_formula() {
+    let (summary, report) = check_load(PASS, &job(), &LoadLimits::default());
+    let [block] = summary.blocks() else {
+        panic!("{:?}", summary.blocks());
+    };
+    assert_eq!((block.source.line, block.tool), (5, 1));
+    // ap 2 mm, f 0.25 mm in C45.
+    let chip = block.heaviest.chip;
+    assert!((chip.area_mm2 - 0.5).abs() < 1e-3, "{chip:?}");
+    let expected = 1500.0 * 0.5 * libm::pow(chip.thickness_mm(), -0.22);
+    assert!((block.heaviest.force_n / expected - 1.0).abs() < 1e-3);
+    // Torque at the diameter of 50 mm, power at 600 r/min.
+    let torque = block.heaviest.force_n * 0.025;
+    assert!((block.torque.0 / torque - 1.0).abs() < 1e-3);
+    let power = torque * 600.0 / 9549.3;
+    assert!(
+        (block.power_kw / power - 1.0).abs() < 1e-3,
+        "{}",
+        block.power_kw
+    );
+    // 0.25² / (32 · 0.8)
+    assert!((block.roughness_um.unwrap_or_default() - 2.4414).abs() < 1e-3);
+    assert_eq!(load_lints(&report), []);
+    let text = report.to_text(Some(Language::En));
+    assert!(
+        text.contains("load in C45") && text.contains("names no grade"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_weak_spindle_and_a_small_insert_are_warned_about() {
+    let limits = LoadLimits {
+        power_kw: Some(0.5),
+        ..LoadLimits::default()
+    };
+    assert_eq!(
+        load_lints(&check_load(PASS, &job(), &limits).1),
+        [Lint::SpindlePower]
+    );
+    let limits = LoadLimits {
+        power_kw: Some(3.0),
+        base_rpm: Some(1500.0),
+        ..LoadLimits::default()
+    };
+    // 19.1 N·m below the base speed.
+    assert_eq!(
+        load_lints(&check_load(PASS, &job(), &limits).1),
+        [Lint::SpindleTorque]
+    );
+    // Two thirds of the edge of 12.9 mm, and of the nose of 0.8 mm.
+    let deep = PASS.replace("X46", "X30");
+    let (_, report) = check_load(&deep, &job(), &LoadLimits::default());
+    assert_eq!(load_lints(&report), [Lint::InsertEdge]);
+    let fast = PASS.replace("F0.25", "F0.6");
+    let (_, report) = check_load(&fast, &job(), &LoadLimits::default());
+    assert_eq!(load_lints(&report), [Lint::InsertFeed]);
+}
+
+#[test]
+fn bars_and_stock_that_protrude_are_warned_about_once() {
+    let limits = LoadLimits {
+        stock_overhang: Some(1.2),
+        ..LoadLimits::default()
+    };
+    assert_eq!(
+        load_lints(&check_load(PASS, &job(), &limits).1),
+        [Lint::LongOverhang]
+    );
+    let drill_and_bore = "G50 X100 Z50\nG97 G99 M03 S600\nT0404\nG00 X0 Z2\nG01 Z-30 F0.1\nG00 Z50\n\
+                          X100\nT0202\nG00 X24 Z2\nG01 Z-25 F0.15\nX20\nG00 Z50\nM30\n";
+    let mut job = job();
+    let (_, report) = check_load(drill_and_bore, &job, &LoadLimits::default());
+    assert_eq!(load_lints(&report), [Lint::LongOverhang], "80 mm of 12 mm");
+    job.tools.insert(
+        2,
+        Tool {
+            holder: Holder::Bar {
+                diameter: 12.0,
+                length: 45.0,
+            },
+            ..Tool::boring()
+        },
+    );
+    let (summary, report) = check_load(drill_and_bore, &job, &LoadLimits::default());
+    assert_eq!(load_lints(&report), []);
+    // The drill: two lips of 10 mm with half the feed each, at the mean radius of 5 mm.
+    let drill = &summary.blocks()[0];
+    assert!((drill.heaviest.chip.area_mm2 - 10.0 * 0.05).abs() < 1e-3);
+    assert!((drill.torque.0 / (drill.heaviest.force_n * 0.005) - 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn under_g96_the_power_stays_while_the_torque_falls_with_the_diameter() {
+    let face = "G50 X100 Z50\nG50 S3000\nG96 G99 M03 S150\nT0101\nG00 X52 Z-1\nG01 X30 F0.2\nG00 Z50\n\
+                X100\nM30\n";
+    let (summary, _) = check_load(face, &job(), &LoadLimits::default());
+    let block = &summary.blocks()[0];
+    // 150 m/min at the tip, and a little more at the end of the nose.
+    let power = block.heaviest.force_n * 150.0 / 60_000.0;
+    assert!(
+        (block.power_kw / power - 1.0).abs() < 0.07,
+        "{} {power}",
+        block.power_kw
+    );
+    assert!(
+        (block.heaviest.speed_m_per_min - 153.0).abs() < 5.0,
+        "{block:?}"
+    );
+}
+
+#[test]
+fn a_thread_has_the_force_of_its_groove() {
+    let thread = "G50 X100 Z50\nG97 G99 M03 S500\nT0303\nG00 X52 Z6\nG92 X49.4 Z-30 F2\nX48.9\nG00 X100 Z50\n\
+                  M30\n";
+    let (summary, report) = check_load(thread, &job(), &LoadLimits::default());
+    let [first, second] = summary.blocks() else {
+        panic!("{:?}", summary.blocks());
+    };
+    // A V of 60° whose nose of 0.05 mm is 0.05 mm above its corner, with 0.3 and 0.55 mm of depth.
+    let corner = 0.05 * 0.05 * (3.0f64.sqrt() - core::f64::consts::PI / 3.0);
+    let area = |depth: f64| (depth + 0.05) * (depth + 0.05) / 3.0f64.sqrt() - corner;
+    let expected = (area(0.3), area(0.55) - area(0.3));
+    let found = (first.heaviest.chip.area_mm2, second.heaviest.chip.area_mm2);
+    assert!(
+        (found.0 / expected.0 - 1.0).abs() < 0.01,
+        "{found:?} {expected:?}"
+    );
+    assert!(
+        (found.1 / expected.1 - 1.0).abs() < 0.01,
+        "{found:?} {expected:?}"
+    );
+    assert!(first.is_thread && first.roughness_um.is_none());
+    assert_eq!(load_lints(&report), [], "a lead is no feed");
+}
+
+#[test]
+fn plastic_has_no_load_and_a_grade_replaces_the_material() {
+    let mut job = job();
+    job.stock.material = StockMaterial::Plastic;
+    let (summary, report) = check_load(PASS, &job, &LoadLimits::default());
+    assert!(summary.blocks().is_empty());
+    assert!(
+        report.to_text(None).contains("no load"),
+        "{}",
+        report.to_text(None)
+    );
+    job.stock.grade = Some("TiAl6V4".to_owned());
+    let (_, report) = check_load(PASS, &job, &LoadLimits::default());
+    let load = report.load.expect("was requested");
+    assert_eq!((load.material, load.assumed), (Some("TiAl6V4"), false));
+    assert!(load.force_n > 500.0);
+}
+
+#[test]
+fn the_text_lists_the_heaviest_blocks_and_counts_the_others() {
+    let mut text = "G50 X100 Z50\nG97 G99 M03 S600\nT0101\nG00 X46 Z2\n".to_owned();
+    for step in 0..80 {
+        text += &format!("G01 Z{:.1} F0.{}\n", -0.5 * f64::from(step), 100 + step);
+    }
+    text += "G00 Z5\nM30\n";
+    let (summary, report) = check_load(&text, &job(), &LoadLimits::default());
+    assert!(summary.blocks().len() >= 79, "{}", summary.blocks().len());
+    let text = report.to_text(None);
+    assert_eq!(text.matches(", T01: ").count(), 50, "{text}");
+    let omitted = summary.blocks().len() - 50;
+    assert!(
+        text.contains(&format!("and {omitted} blocks with less force")),
+        "{text}"
+    );
+}

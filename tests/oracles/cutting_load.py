@@ -1,0 +1,240 @@
+#!/usr/bin/env python3
+"""Chip area and edge length of `check --load-csv`, against shapely.
+
+This makes random parts: a bar, a turning or a grooving insert, and passes along it (cylinders,
+tapers, arcs, faces, grooves). Each program is checked with --moves and --load-csv. The script
+builds the insert from its catalogue dimensions, follows the moves through the bar, and computes
+at each row of the file
+
+  area    feed times the area that a short piece of the path around the row removes, by its length
+  edge    length of the edge of the insert that faces the feed and is in the material
+
+Needs numpy and shapely.
+
+    python3 tests/oracles/cutting_load.py --program target/debug/gsk980td --parts 50
+"""
+
+import argparse
+import csv
+import json
+import math
+import os
+import random
+import subprocess
+import tempfile
+
+import numpy as np
+from shapely.affinity import translate
+from shapely.geometry import LineString, MultiPoint, Point, box
+
+AREA_TOLERANCE = 0.01  # of the area, with at least AREA_LEAST
+AREA_LEAST = 0.002  # mm²
+EDGE_TOLERANCE = 0.01
+EDGE_LEAST = 0.04  # mm: a chord of the nose in the program
+PIECE = 0.002  # half length of a piece of path, mm
+CORNERS = {"C": 80.0, "D": 55.0, "V": 35.0, "W": 80.0, "T": 60.0, "S": 90.0}
+
+
+def edge_length(letter, size):
+    if letter == "T":
+        return size * math.sqrt(3.0)
+    if letter == "W":
+        return size * 0.684
+    if letter == "S":
+        return size
+    return size / math.sin(math.radians(CORNERS[letter]))
+
+
+def turning_insert(letter, entering, size, nose):
+    """Points of the cutting part, tip 3, relative to the imaginary tip: (z, x)."""
+    corner = CORNERS[letter]
+    main, second = 180.0 - entering, 180.0 - entering - corner
+    direction = lambda degrees: np.array(
+        [math.cos(math.radians(degrees)), math.sin(math.radians(degrees))]
+    )
+    center = np.array([nose, nose])
+    tip = center - direction((main + second) / 2) * nose / math.sin(math.radians(corner / 2))
+    length = edge_length(letter, size) * 0.95
+    angles = np.radians(np.linspace(main + 90.0, second + 270.0, 400))
+    arc = center + nose * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    ends = [tip + direction(main) * length, tip + direction(second) * length]
+    return MultiPoint([*arc, *ends]).convex_hull
+
+
+def grooving_insert(width, nose):
+    points = []
+    for z, begin in ((nose, 180.0), (width - nose, 270.0)):
+        angles = np.radians(np.linspace(begin, begin + 90.0, 100))
+        points += [(z + nose * math.cos(a), nose + nose * math.sin(a)) for a in angles]
+    top = max(width, 2.0) * 1.5
+    return MultiPoint([*points, (0.0, top), (width, top)]).convex_hull
+
+
+def random_job(rng):
+    """Text of the insert in the job file, and its polygon."""
+    if rng.random() < 0.2:
+        width = rng.choice([2.0, 3.0, 4.0])
+        return f"Grooving(width: {width}, nose: 0.2, reach: 16)", grooving_insert(width, 0.2), True
+    letter = rng.choice("CDVWTS")
+    nose = rng.choice([0.4, 0.8, 1.2])
+    entering = {"C": 95.0, "D": 93.0, "V": 93.0, "W": 95.0, "T": 91.0, "S": 75.0}[letter]
+    size = {"C": 12.7, "D": 12.7, "V": 9.525, "W": 12.7, "T": 12.7, "S": 12.7}[letter]
+    text = f"Turning(letter: {letter}, entering: {entering}, size: {size}, nose: {nose})"
+    return text, turning_insert(letter, entering, size, nose), False
+
+
+def random_program(rng, is_groove):
+    diameter = rng.choice([40.0, 50.0, 60.0])
+    feed = rng.choice([0.1, 0.15, 0.2, 0.3])
+    lines = ["G50 X150 Z100", "G99 G97 S600 M03", "T0101"]
+    x = diameter
+    if is_groove:
+        for _ in range(3):
+            z = -rng.uniform(8, 40)
+            depth = rng.uniform(2, 12)
+            lines += [f"G00 X{diameter + 2:.3f} Z{z:.3f}", f"G01 X{diameter - depth:.3f} F{feed}"]
+            lines += [f"G00 X{diameter + 2:.3f}"]
+    else:
+        for _ in range(4):
+            x -= 2 * rng.uniform(0.3, 2.0)
+            end = -rng.uniform(15, 45)
+            lines += [f"G00 X{x:.3f} Z2", f"G01 Z{end:.3f} F{feed}"]
+            kind = rng.choice(["taper", "arc", "face"])
+            radius = rng.uniform(2.0, 5.0)
+            if kind == "taper":
+                lines += [f"X{x + 3:.3f} Z{end - rng.uniform(1, 4):.3f}"]
+            elif kind == "arc":
+                lines += [f"G02 X{x + 2 * radius:.3f} Z{end - radius:.3f} R{radius:.3f}"]
+            lines += [f"G01 X{diameter + 2:.3f}", "G00 Z2"]
+        lines += ["Z-1", "G01 X0 F0.1"]
+    lines += ["G00 X150 Z100", "T0100", "M30"]
+    return diameter, "\n".join(lines) + "\n"
+
+
+def path_of(move):
+    """Points (z, x) of a move, x as a radius, finely divided."""
+    a = np.array([move["z0"], move["x0"] / 2])
+    b = np.array([move["z"], move["x"] / 2])
+    if move["kind"] in ("cw", "ccw"):
+        center = np.array([move["cz"], move["cx"] / 2])
+        begin, end = (math.atan2(*(p - center)[::-1]) for p in (a, b))
+        if move["kind"] == "cw" and end > begin:
+            end -= 2 * math.pi
+        if move["kind"] == "ccw" and end < begin:
+            end += 2 * math.pi
+        angles = np.linspace(begin, end, 400)
+        radius = np.hypot(*(a - center))
+        return center + radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    return np.array([a, b])
+
+
+def along(path, distance):
+    lengths = np.hypot(*np.diff(path, axis=0).T)
+    total = np.concatenate([[0.0], np.cumsum(lengths)])
+    distance = min(max(distance, 0.0), total[-1])
+    return np.array([np.interp(distance, total, path[:, k]) for k in (0, 1)])
+
+
+def swept(insert, path):
+    positions = [translate(insert, *point) for point in path]
+    area = positions[0]
+    for one, two in zip(positions, positions[1:]):
+        area = area.union(one.union(two).convex_hull)
+    return area
+
+
+def facing_edge(insert, feed):
+    """The chain of edges whose outside faces the feed, as lines."""
+    ring = list(insert.exterior.coords)
+    if not insert.exterior.is_ccw:
+        ring.reverse()
+    lines = []
+    for (za, xa), (zb, xb) in zip(ring, ring[1:]):
+        edge = np.array([zb - za, xb - xa])
+        outside = np.array([edge[1], -edge[0]])
+        if outside @ feed > 1e-9 * np.hypot(*edge):
+            lines.append(LineString([(za, xa), (zb, xb)]))
+    return lines
+
+
+def compare(program, rng, folder, worst):
+    insert_text, insert, is_groove = random_job(rng)
+    diameter, text = random_program(rng, is_groove)
+    name = os.path.join(folder, "part.CNC")
+    with open(name, "w", encoding="utf-8") as file:
+        file.write(text)
+    job = (
+        f"(stock: (form: Bar(diameter: {diameter}), length: 120, overhang: 80),\n"
+        f" tools: {{ 1: (insert: {insert_text}, tip: 3) }})\n"
+    )
+    with open(os.path.join(folder, "part.job.ron"), "w", encoding="utf-8") as file:
+        file.write(job)
+    moves, loads = os.path.join(folder, "moves"), os.path.join(folder, "loads")
+    command = [program, "check", name, "--moves", moves, "--load-csv", loads, "--json"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert os.path.exists(loads), done.stderr
+    with open(loads, encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    part = box(-80.0, 0.0, 0.0, diameter / 2)
+    compared = 0
+    with open(moves, encoding="utf-8") as file:
+        for move in map(json.loads, file):
+            path = path_of(move)
+            if move["kind"] == "rapid":
+                continue
+            end = move["t"] + move["dt"]
+            length = np.hypot(*np.diff(path, axis=0).T).sum()
+            for row in rows:
+                t = float(row["t"])
+                if int(row["line"]) != move["line"] or not move["t"] <= t <= end or length == 0:
+                    continue
+                at = (t - move["t"]) / move["dt"] * length
+                around = [along(path, at + k * PIECE) for k in (-1, 0, 1)]
+                # The part without what the move has removed until the piece.
+                done_path = [path[0], *(along(path, (at - PIECE) * k / 40) for k in range(1, 40)), around[0]]
+                rest = part.difference(swept(insert, done_path)) if len(path) > 2 else part
+                piece = rest.intersection(swept(insert, around[::2]))
+                if len(path) <= 2:
+                    piece = piece.difference(swept(insert, [path[0], around[0]]))
+                span = np.hypot(*(around[2] - around[0]))
+                area = piece.area / span * move["feed"]
+                feed = (around[2] - around[0]) / span
+                edge = sum(
+                    translate(line, *around[1]).intersection(rest).length
+                    for line in facing_edge(insert, feed)
+                )
+                errors = (
+                    abs(float(row["area_mm2"]) - area) / max(AREA_TOLERANCE * area, AREA_LEAST),
+                    abs(float(row["edge_mm"]) - edge) / max(EDGE_TOLERANCE * edge, EDGE_LEAST),
+                )
+                for index, error in enumerate(errors):
+                    if error > worst[index][0]:
+                        worst[index] = (error, row, area, edge, text, insert_text)
+                compared += 1
+            part = part.difference(swept(insert, path))
+    return compared
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("--program", default="target/debug/gsk980td")
+    parser.add_argument("--parts", type=int, default=50)
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+    rng = random.Random(arguments.seed)
+    worst = [(0.0,), (0.0,)]
+    compared = 0
+    for _ in range(arguments.parts):
+        with tempfile.TemporaryDirectory() as folder:
+            compared += compare(arguments.program, rng, folder, worst)
+    print(f"{arguments.parts} parts, {compared} chips")
+    for name, value in zip(("area", "edge"), worst):
+        print(f"{name}: worst {value[0]:.3f} of the tolerance", *value[1:4])
+    if compared == 0 or any(value[0] > 1.0 for value in worst):
+        for value in worst:
+            print(*value[4:], sep="\n")
+        raise SystemExit("differs")
+
+
+if __name__ == "__main__":
+    main()
