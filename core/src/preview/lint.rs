@@ -35,6 +35,8 @@ pub enum Lint {
     NoseUncompensated,
     /// No block leads to this one.
     UnreachableBlock,
+    /// G41 or G42 with a tool whose nose radius is 0.
+    NoseRadiusZero,
     /// On a mill: a word that no code of its block uses.
     MillWord,
     /// On a mill: an M code whose effect only the ladder knows.
@@ -43,7 +45,7 @@ pub enum Lint {
 
 impl Lint {
     /// All kinds in the order of their codes.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::SlowFeed,
         Self::SpindleStopped,
         Self::NoOffset,
@@ -59,6 +61,7 @@ impl Lint {
         Self::ShortDwell,
         Self::NoseUncompensated,
         Self::UnreachableBlock,
+        Self::NoseRadiusZero,
         Self::MillWord,
         Self::LadderCode,
     ];
@@ -81,6 +84,7 @@ impl Lint {
             Self::ShortDwell => ("W13", "short-dwell"),
             Self::NoseUncompensated => ("W14", "nose-uncompensated"),
             Self::UnreachableBlock => ("W15", "unreachable-block"),
+            Self::NoseRadiusZero => ("W16", "nose-radius-zero"),
             Self::MillWord => ("W31", "word-without-effect"),
             Self::LadderCode => ("W32", "ladder-code"),
         }
@@ -114,6 +118,7 @@ impl Lint {
             Self::ShortDwell => say::lint_short_dwell(),
             Self::NoseUncompensated => say::lint_nose_uncompensated(),
             Self::UnreachableBlock => say::lint_unreachable_block(),
+            Self::NoseRadiusZero => say::lint_nose_radius_zero(),
             Self::MillWord => say::lint_mill_word(),
             Self::LadderCode => say::lint_ladder_code(),
         }
