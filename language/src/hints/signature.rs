@@ -63,10 +63,12 @@ pub fn signature_help(
     let signatures: Vec<CodeSignature> = (0..form.forms.len())
         .map(|index| signature(&form, index, context))
         .collect();
-    // The word whose letter or number ends at the cursor, else the one that comes next.
-    let letter = touched
-        .filter(|it| it.range.end == byte)
-        .and_then(|it| before.get(it.range.clone())?.chars().next())
+    // The word that ends at the cursor or begins there, else the next one that is not written.
+    let ending = touched.filter(|it| it.range.end == byte);
+    let beginning = || block.iter().find(|it| it.range.start == byte);
+    let letter = ending
+        .or_else(beginning)
+        .and_then(|it| line.get(it.range.clone())?.chars().next())
         .map(|letter| letter.to_ascii_uppercase());
     let words = form.form();
     let active_word = match letter {
@@ -161,6 +163,11 @@ mod tests {
             help(text, 1, 16),
             "G71 P Q U W F S T",
             "U: finishing allowance",
+        );
+        begins(
+            help(text, 1, 4),
+            "G71 P Q U W F S T",
+            "P: number N of the first",
         );
         begins(
             help(text, 1, 17),
