@@ -421,9 +421,9 @@ fn compensation_without_a_radius_is_reported_where_radii_are_known() {
     let contour =
         "M03 S500\nG00 X50 Z2\nG42 G98 G01 X30 Z0 F100\nZ-10\nX60\nG40 G00 X100 Z50\nM30\n";
     let program = |tool: &str| format!("{tool}\n{contour}");
-    assert_eq!(lines(&with_nose(), &program("T0101")), []);
+    assert!(lines(&with_nose(), &program("T0101")).is_empty());
     assert_eq!(lines(&with_nose(), &program("T0202")), [4]);
     let mut unknown = Setup::default();
     assert!(unknown.memory.parameters.set_bit(2, 1, true).is_ok());
-    assert_eq!(lines(&unknown, &program("T0202")), []);
+    assert!(lines(&unknown, &program("T0202")).is_empty());
 }
