@@ -192,14 +192,14 @@ async def all_requests(program, editor):
         check("modal codes", [hint.label for hint in hints], ["G01"])
         found = await client.workspace_symbol_async(lsp.WorkspaceSymbolParams("o"))
         check("programs of the folder", [it.name for it in found], ["O0001 轴", "O0031"])
-        published = await session.change("main.CNC", 4, 8, (10, 10), " L3")
+        published = await session.change("main.CNC", 4, 8, (11, 11), " L3")
         check("a word without effect", [it.code for it in published.diagnostics], ["ignored-word"])
         context = lsp.CodeActionContext(diagnostics=list(published.diagnostics))
         if result.capabilities.code_action_provider:
             place = published.diagnostics[0].range
             actions = await client.text_document_code_action_async(lsp.CodeActionParams(document, place, context))
             check("quick fix", [it.title for it in actions], ["Write P30031"])
-        await session.change("main.CNC", 5, 8, (10, 13), "")
+        await session.change("main.CNC", 5, 8, (11, 14), "")
         options = lsp.FormattingOptions(tab_size=4, insert_spaces=True)
         settings = {"gsk980td": {"format": {"numbers": "all", "start": 1, "step": 1}}}
         client.workspace_did_change_configuration(lsp.DidChangeConfigurationParams(settings))
