@@ -1,6 +1,8 @@
 //! The language server as an editor uses it: starts the program and exchanges messages on its
 //! streams.
 
+mod hints;
+
 use std::io::{BufReader, Write};
 use std::path::PathBuf;
 use std::process::{Child, ChildStdin, ChildStdout, Stdio};

@@ -65,6 +65,38 @@ pub(crate) fn advice_for_number(address: u8) -> Option<Message> {
     }
 }
 
+/// The edit that makes a foreign word mean the same on this control.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ForeignWordEdit {
+    /// The control always behaves so: the word is left out.
+    Delete,
+    /// This word means the same.
+    Replace(&'static str),
+}
+
+/// Returns the edit for a G code that this control does not have; `None` if no edit of the
+/// word alone is right.
+pub const fn edit_for_g_code(code: u32) -> Option<ForeignWordEdit> {
+    match code {
+        17 | 18 | 21 | 49 | 61 | 64 | 80 => Some(ForeignWordEdit::Delete),
+        95 => Some(ForeignWordEdit::Replace("G99")),
+        _ => None,
+    }
+}
+
+/// Returns the edit for an M code that this control does not have; `None` if no edit of the
+/// word alone is right.
+pub const fn edit_for_m_code(code: u32) -> Option<ForeignWordEdit> {
+    Some(match code {
+        1 => ForeignWordEdit::Replace("M00"),
+        2 => ForeignWordEdit::Replace("M30"),
+        6 => ForeignWordEdit::Delete,
+        7 => ForeignWordEdit::Replace("M08"),
+        17 => ForeignWordEdit::Replace("M99"),
+        _ => return None,
+    })
+}
+
 /// Joins the message of a broken rule and the advice for it into one message.
 pub(crate) fn with_advice(rule: Message, advice: Option<Message>) -> Message {
     match advice {

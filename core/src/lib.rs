@@ -10,7 +10,7 @@ pub(crate) mod board;
 pub mod cnc;
 pub mod command;
 pub mod compensation;
-pub(crate) mod dialect;
+pub mod dialect;
 pub mod interpreter;
 pub mod linked;
 pub mod machine;

@@ -3,16 +3,14 @@
 
 use std::collections::BTreeSet;
 
-use gsk_core::model::GCode;
-
 use crate::ReadingContext;
+use crate::codes::{code_in_force, letters, snippet};
 use crate::hover::{code_topic, escape_markdown, value_range};
 use crate::meaning::{code_meaning, letter_meaning};
 use crate::reference_target::{ReferenceTarget, reference_target};
-use crate::snippets::{is_hole_cycle, letters, snippet};
 use crate::structure::Structure;
 use crate::text::{Position, TextDocument, TextRange};
-use crate::words::{Span, SpanKind, spans, word_of};
+use crate::words::{Span, SpanKind, block_at, spans};
 
 /// The kind of text that a completion inserts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,9 +46,6 @@ pub struct CompletionProposal {
     /// The range of the text that the proposal replaces.
     pub range: TextRange,
 }
-
-/// Greatest number of lines above the cursor that are searched for the code in force.
-const MAX_LINES_ABOVE: u32 = 2000;
 
 /// Returns the proposals at a position. `programs` contains the numbers of programs that can
 /// be called.
@@ -100,11 +95,12 @@ pub fn complete(
         }
         None if digits > 0 => {}
         None => {
-            let code = site.code_in_force(text, at);
+            let code = code_in_force(text, at.line, line, &site.block, context.model);
             let is_mill = context.model.is_mill();
-            let none = if is_mill { "XYZF" } else { "XZUWF" };
-            let letters = code.map_or(none, |code| letters(code, is_mill));
-            for address in letters.chars().chain("GMST".chars()) {
+            let none = || if is_mill { "XYZF" } else { "XZUWF" }.chars().collect();
+            let letters: Vec<char> = code.map_or_else(none, |it| letters(it.code, is_mill));
+            let others = "GMST".chars().filter(|it| !letters.contains(it));
+            for address in letters.iter().copied().chain(others) {
                 site.propose_letter(address);
             }
         }
@@ -119,17 +115,6 @@ struct CompletionSite<'a> {
     range: TextRange,
     context: ReadingContext,
     found: Vec<CompletionProposal>,
-}
-
-/// Returns the spans of the block that contains the byte `byte` of its line.
-fn block_at(spans: &[Span], line: &str, byte: usize) -> Vec<Span> {
-    let ends = |it: &Span| {
-        it.kind == SpanKind::Mark && matches!(line.get(it.range.clone()), Some(";" | "*" | "%"))
-    };
-    let mut blocks = spans.split_inclusive(ends);
-    let around = blocks.find(|block| block.last().is_some_and(|it| byte <= it.range.start));
-    let last = || spans.rsplit(ends).next().unwrap_or(&[]);
-    around.unwrap_or_else(last).to_vec()
 }
 
 impl CompletionSite<'_> {
@@ -296,44 +281,6 @@ impl CompletionSite<'_> {
             }
         }
     }
-
-    /// Returns the G code that determines which words can follow: that of the block, else the
-    /// motion in force. `None` if no code is found.
-    fn code_in_force(&self, text: &TextDocument, at: Position) -> Option<GCode> {
-        let record = self.context.model.record();
-        let code = |line: &str, spans: &[Span]| {
-            let codes = spans.iter().rev().filter(|it| it.kind == SpanKind::Code);
-            let numbers = codes.filter_map(|it| word_of(line, it)?.number());
-            numbers.map(|it| record.g_code(it.into())).find_map(|it| it)
-        };
-        if let Some(own) = code(self.line, &self.block) {
-            return Some(own);
-        }
-        let above = at.line.saturating_sub(MAX_LINES_ABOVE)..at.line;
-        above.rev().find_map(|line| {
-            let line = text.line(line);
-            code(line, &spans(line)).filter(|it| is_modal(*it))
-        })
-    }
-}
-
-/// Whether a G code belongs to group 01, so that it remains in force in the next blocks.
-const fn is_modal(code: GCode) -> bool {
-    matches!(
-        code,
-        GCode::Rapid
-            | GCode::StraightRapid
-            | GCode::Line
-            | GCode::ArcClockwise
-            | GCode::ArcCounterclockwise
-            | GCode::PlaneArcClockwise
-            | GCode::PlaneArcCounterclockwise
-            | GCode::Thread
-            | GCode::VariableThread
-            | GCode::TurningCycle
-            | GCode::ThreadCycle
-            | GCode::FacingCycle
-    ) || is_hole_cycle(code)
 }
 
 #[cfg(test)]

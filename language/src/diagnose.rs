@@ -2,13 +2,15 @@
 
 use gsk_core::alarm::Alarm;
 use gsk_core::command::{ExecutedMove, ProgramId, SourcePosition};
+use gsk_core::model::ModelRecord;
 use gsk_core::preview::{Caution, PathBounds, PreviewEnd, PreviewProgress, preview_beyond_alarms};
 use gsk_core::program::ProgramMemory;
 use gsk_core::setup::Setup;
 use gsk_messages::{Language, say};
-use gsk_milling::{MillMove, MillSetup, preview_while};
+use gsk_milling::{MillMove, MillSetup, MillSlip, preview_while};
 use gsk_runner::report::AlarmReport;
 
+use crate::fixes::{QuickFix, alarm_fixes, caution_fix, mill_word_fix};
 use crate::line_times::LineTimes;
 use crate::locate::{LineSpan, bytes_at_column, locate_alarm, trimmed_range};
 
@@ -35,6 +37,8 @@ pub struct ProgramFinding {
     pub code: String,
     /// The message for the user, with cause and remedy.
     pub text: String,
+    /// Edits of the program that remove the cause; empty if none is certainly right.
+    pub fixes: Vec<QuickFix>,
 }
 
 /// The bounding box of a toolpath, in work coordinates.
@@ -83,8 +87,10 @@ pub fn analyse(
     let alarms = preview.alarm.iter().chain(&preview.further.alarms);
     let cautions = preview.cautions.iter();
     let warnings = cautions.map(|it| caution_finding(it, programs, language));
+    let record = Some(setup.memory.model.record());
+    let alarms = alarms.map(|it| alarm_finding(it, programs, record, language));
     Analysis {
-        findings: list_findings(alarms, preview.end, warnings, programs, language),
+        findings: list_findings(alarms, preview.end, warnings, language),
         end: preview.end,
         time_s: preview.time_s,
         cutting_s: preview.cutting_s,
@@ -114,10 +120,17 @@ pub fn analyse_mill(
     let alarms = preview.alarm.iter().chain(&preview.further);
     let warnings = preview.cautions.iter().map(|it| {
         let text = it.slip.message().text(language);
-        warning(it.slip.lint().id(), text, it.source, None, programs)
+        let mut found = warning(it.slip.lint().id(), text, it.source, None, programs);
+        if let (MillSlip::WordWithoutEffect(letter), Some(program)) =
+            (&it.slip, programs.get(it.source.program))
+        {
+            found.fixes = mill_word_fix(*letter, it.source, program, language);
+        }
+        found
     });
+    let alarms = alarms.map(|it| alarm_finding(it, programs, None, language));
     Analysis {
-        findings: list_findings(alarms, preview.end, warnings, programs, language),
+        findings: list_findings(alarms, preview.end, warnings, language),
         end: preview.end,
         time_s: preview.time_s,
         cutting_s: preview.cutting_s,
@@ -134,15 +147,13 @@ pub fn analyse_mill(
 }
 
 /// Returns the findings of a preview in their order: alarms, the limit, warnings.
-fn list_findings<'a>(
-    alarms: impl Iterator<Item = &'a Alarm>,
+fn list_findings(
+    alarms: impl Iterator<Item = ProgramFinding>,
     end: PreviewEnd,
     warnings: impl Iterator<Item = ProgramFinding>,
-    programs: &ProgramMemory,
     language: Language,
 ) -> Vec<ProgramFinding> {
     alarms
-        .map(|it| alarm_finding(it, programs, language))
         .chain(limit_finding(end, language))
         .chain(warnings)
         .collect()
@@ -156,10 +167,18 @@ fn limit_finding(end: PreviewEnd, language: Language) -> Option<ProgramFinding> 
         severity: Severity::Warning,
         code: "limit".to_owned(),
         text: say::report_given_up(say::report_limit()).text(language),
+        fixes: Vec::new(),
     })
 }
 
-fn alarm_finding(alarm: &Alarm, programs: &ProgramMemory, language: Language) -> ProgramFinding {
+/// Creates the finding of an alarm. `record` describes the lathe for which fixes are searched;
+/// `None` for a mill.
+fn alarm_finding(
+    alarm: &Alarm,
+    programs: &ProgramMemory,
+    record: Option<&ModelRecord>,
+    language: Language,
+) -> ProgramFinding {
     let program = alarm
         .source
         .map_or(ProgramId::External, |source| source.program);
@@ -175,12 +194,18 @@ fn alarm_finding(alarm: &Alarm, programs: &ProgramMemory, language: Language) ->
         text.push('\n');
         text.push_str(more);
     }
+    let at = locate_alarm(alarm, line_of);
+    let fixes = at
+        .as_ref()
+        .zip(record)
+        .map(|(at, record)| alarm_fixes(alarm, (at.line, line_of(at.line)), record, language));
     ProgramFinding {
         program,
-        at: locate_alarm(alarm, line_of),
+        at,
         severity: Severity::Error,
         code: alarm.number_text(),
         text,
+        fixes: fixes.unwrap_or_default(),
     }
 }
 
@@ -191,13 +216,14 @@ fn caution_finding(
 ) -> ProgramFinding {
     let text = caution.kind.message().text(language);
     let first_column = caution.columns().map(|(first, _)| first);
-    warning(
-        caution.kind.lint().id(),
-        text,
-        caution.source,
-        first_column,
-        programs,
-    )
+    let code = caution.kind.lint().id();
+    let found = warning(code, text, caution.source, first_column, programs);
+    let program = programs.get(caution.source.program);
+    let fix = program.and_then(|it| caution_fix(&caution.kind, caution.source, it, language));
+    ProgramFinding {
+        fixes: fix.into_iter().collect(),
+        ..found
+    }
 }
 
 /// Creates a warning at the block `source`, or at its word in `first_column` (characters from
@@ -224,6 +250,7 @@ fn warning(
         severity: Severity::Warning,
         code: code.to_owned(),
         text,
+        fixes: Vec::new(),
     }
 }
 

@@ -7,12 +7,13 @@ use gsk_help::{Subject, Topic, article, topic_of};
 use gsk_messages::{Language, say};
 
 use crate::ReadingContext;
+use crate::hints::{WordContext, tool_parts, word_context};
 use crate::meaning::{code_meaning, letter_meaning};
 use crate::reference_target::ReferenceTarget;
 use crate::references::{CursorTarget, definition, references_to, target_at};
 use crate::structure::Structure;
 use crate::text::{Position, TextDocument, TextRange};
-use crate::words::{ParsedWord, Span, SpanKind, spans, word_of};
+use crate::words::{ParsedWord, Span, SpanKind, block_at, spans, word_of};
 
 /// Maximum number of lines of a program or profile that a description shows.
 const MAX_LINES: usize = 16;
@@ -45,10 +46,11 @@ pub fn hover(
     }
     let mut parts = Vec::new();
     parts.extend(describe_variable(line, span, byte, context));
-    if parts.is_empty() {
-        parts.extend(
-            word_of(line, span).and_then(|word| describe_word(line, &spans, &word, context)),
-        );
+    if parts.is_empty()
+        && let Some(word) = word_of(line, span)
+    {
+        let block = block_at(&spans, line, span.range.start);
+        parts.extend(describe_word(text, at.line, &block, &word, context));
     }
     parts.extend(describe_reference(
         text,
@@ -66,12 +68,14 @@ pub fn hover(
 /// The help article of a word, or one line with its meaning and range; `None` if there is
 /// neither.
 fn describe_word(
-    line: &str,
+    text: &TextDocument,
+    index: u32,
     spans: &[Span],
     word: &ParsedWord<'_>,
     context: ReadingContext,
 ) -> Option<String> {
     let language = context.language;
+    let line = text.line(index);
     let number = word.number();
     match (word.address, number) {
         (address @ ('G' | 'M'), Some(number)) => {
@@ -91,6 +95,9 @@ fn describe_word(
             let topic = topic.or_else(|| code_topic(context.model, 'G', 65))?;
             Some(article_markdown(topic, None, language))
         }
+        (address, _) if let Some(known) = word_context(text, index, spans, word, context.model) => {
+            Some(context_markdown(&known, address, context))
+        }
         // Ranges and articles are those of lathes.
         (address, _) if context.model.is_mill() => {
             let meaning = match (address, word.value.as_ref()) {
@@ -104,8 +111,11 @@ fn describe_word(
             let meaning = letter_meaning(address, context.model)?.text(language);
             let topic = topic_of(context.model, Subject::Code(&name));
             let article = topic.map(|it| article_markdown(it, Some(&meaning), language));
+            let parts = tool_parts(word).filter(|_| address == 'T');
+            let parts = parts.map(|it| format!("{}\n\n", escape_markdown(&it.text(language))));
             Some(format!(
-                "{}\n\n{}",
+                "{}{}\n\n{}",
+                parts.unwrap_or_default(),
                 article.unwrap_or(meaning),
                 value_range(address, language)
             ))
@@ -119,6 +129,21 @@ fn describe_word(
             ))
         }
     }
+}
+
+/// The meaning of a word in its block in Markdown, with the help article of S, T and F.
+fn context_markdown(known: &WordContext, address: char, context: ReadingContext) -> String {
+    let language = context.language;
+    let meaning = escape_markdown(&known.meaning.text(language));
+    let mut lines = vec![format!("**{}**: {meaning}", known.name)];
+    let remarks = known.remarks.iter().map(|it| it.text(language));
+    lines.extend(remarks.map(|it| escape_markdown(&it)));
+    if matches!(address, 'S' | 'T' | 'F') {
+        let topic = topic_of(context.model, Subject::Code(&address.to_string()));
+        lines.extend(topic.map(|it| article_markdown(it, None, language)));
+    }
+    lines.push(value_range(address, language));
+    lines.join("\n\n")
 }
 
 fn word_text(word: &ParsedWord<'_>) -> String {
@@ -349,6 +374,34 @@ mod tests {
         for marks in ["\\", "**", "````", "---"] {
             assert!(!call.contains(marks), "{call}");
         }
+    }
+
+    #[test]
+    fn a_word_means_what_its_code_reads() {
+        let text = "T0203\nG76 P011060 Q100 R0.1\nG76 X18 Z-30 P974 Q400 F1.5\nG92 X19 Z-9 K2 F2\n\
+                    X18.5 K1\nM98 P30031 L2\nG71 U2 R1\nG71 P10 Q20 U0.5\nG99\nG01 X5 F0.2\n\
+                    G50 S2000\n";
+        let check = |line, byte, wanted: &[&str]| {
+            let found = hover_text(text, line, byte, CONTEXT).unwrap_or_default();
+            for part in wanted {
+                assert!(found.contains(part), "{part}: {found}");
+            }
+        };
+        check(0, 1, &["tool 02 with offset 03"]);
+        check(
+            1,
+            5,
+            &["**G76 P**", "1 finishing passes", "1.0 leads", "angle 60"],
+        );
+        check(2, 15, &["**G76 P**: height of the thread"]);
+        check(3, 13, &["**G92 K**: run-out along the long axis"]);
+        check(4, 7, &["**G92 K**", "G92 of line 4 is in force"]);
+        check(5, 5, &["calls O0031 3 times", "G01 U-1"]);
+        check(5, 12, &["write the number of calls before"]);
+        check(6, 5, &["**G71 U**: depth of each pass"]);
+        check(7, 13, &["**G71 U**: finishing allowance"]);
+        check(9, 8, &["**G01 F**: feed", "G99 of line 9 is in force"]);
+        check(10, 5, &["**G50 S**: greatest speed"]);
     }
 
     #[test]

@@ -17,10 +17,13 @@
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+mod codes;
 mod complete;
 mod diagnose;
+mod fixes;
 mod fold;
 mod format;
+mod hints;
 mod hover;
 mod lens;
 mod line_times;
@@ -30,16 +33,21 @@ mod plain_block;
 mod reference_target;
 mod references;
 mod rename;
-mod snippets;
 mod structure;
 mod symbols;
 mod text;
 pub mod words;
 
+pub use codes::{CodeForm, CodeWord, code_forms};
 pub use complete::{CompletionKind, CompletionProposal, complete};
 pub use diagnose::{Analysis, Extents, ProgramFinding, Severity, analyse, analyse_mill};
+pub use fixes::QuickFix;
 pub use fold::folds;
 pub use format::{Casing, Formatted, Numbering, Spacing, Style, format};
+pub use hints::{
+    CodeSignature, ModalHint, SemanticToken, SignatureHelp, SignatureWord, TokenKind, modal_hints,
+    semantic_tokens, signature_help,
+};
 pub use hover::{Hover, hover, without_markup};
 pub use lens::{Lens, lenses};
 pub use line_times::LineTimes;
@@ -52,7 +60,7 @@ pub use rename::{renamable, rename};
 pub use structure::{
     MacroLoop, NumberedBlock, ProfileCycle, ProgramPart, Structure, Title, ToolCall, WordReference,
 };
-pub use symbols::{Symbol, SymbolKind, symbols};
+pub use symbols::{Symbol, SymbolKind, named_symbols, symbols};
 pub use text::{Position, TextChange, TextDocument, TextRange};
 
 use gsk_core::model::ModelId;

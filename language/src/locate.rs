@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use gsk_core::alarm::Alarm;
+use gsk_core::alarm::{Alarm, number};
 
-use crate::words::spans;
+use crate::words::{Span, spans, word_of};
 
 /// The message of an alarm that a cycle raises in a block of its profile.
 const IN_PROFILE: &str = "in_profile";
@@ -30,10 +30,32 @@ pub fn locate_alarm<'a>(alarm: &Alarm, line_of: impl Fn(u32) -> &'a str) -> Opti
     let line = profile.unwrap_or(source.line);
     let column = detail.and_then(|detail| detail.find_value("column"));
     let column = column.and_then(|column| column.parse().ok());
+    let text = line_of(line);
+    let code = match column {
+        Some(_) => None,
+        None => foreign_code_bytes(alarm, text),
+    };
     Some(LineSpan {
         line,
-        bytes: bytes_at_column(line_of(line), column),
+        bytes: code.unwrap_or_else(|| bytes_at_column(text, column)),
     })
+}
+
+/// Returns the bytes of the G or M code that an alarm is about; `None` for other alarms.
+fn foreign_code_bytes(alarm: &Alarm, line: &str) -> Option<Range<usize>> {
+    let address = match alarm.number {
+        number::BAD_G => 'G',
+        number::BAD_M => 'M',
+        _ => return None,
+    };
+    let code: u32 = alarm.detail.as_ref()?.find_value("code")?.parse().ok()?;
+    let is_code = |span: &&Span| {
+        let word = word_of(line, span).filter(|word| word.address == address);
+        word.and_then(|word| word.number()) == Some(code)
+    };
+    let all_spans = spans(line);
+    let span = all_spans.iter().find(is_code)?;
+    Some(span.range.clone())
 }
 
 /// Returns the bytes of the word at a column (characters from 1), or of the whole line without

@@ -2,6 +2,7 @@
 
 use crate::structure::Structure;
 use crate::text::{TextDocument, TextRange};
+use crate::words::{SpanKind, spans};
 
 /// The kind of a symbol in the outline of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,6 +64,51 @@ pub fn symbols(text: &TextDocument, structure: &Structure) -> Vec<Symbol> {
     all
 }
 
+/// Returns what a search through many texts finds: programs, and blocks with a number that a
+/// comment names, beside the block or alone on the line above it.
+pub fn named_symbols(text: &TextDocument, structure: &Structure) -> Vec<Symbol> {
+    let mut found: Vec<Symbol> = symbols(text, structure)
+        .into_iter()
+        .filter(|it| it.kind == SymbolKind::Program)
+        .map(|it| Symbol {
+            children: Vec::new(),
+            ..it
+        })
+        .collect();
+    for block in &structure.blocks {
+        let line = block.word.line;
+        let beside = comment_of(text.line(line));
+        let title = || {
+            let at = structure
+                .titles
+                .binary_search_by_key(&line.checked_sub(1)?, |it| it.range.line);
+            Some(structure.titles.get(at.ok()?)?.text.clone())
+        };
+        if let Some(comment) = beside.or_else(title) {
+            found.push(Symbol {
+                name: format!("N{} {comment}", block.number),
+                kind: SymbolKind::Block,
+                range: block.word.clone(),
+                last_line: line,
+                children: Vec::new(),
+            });
+        }
+    }
+    found
+}
+
+/// The text of the first comment of a line; `None` without one.
+fn comment_of(line: &str) -> Option<String> {
+    if !line.contains(['(', '（']) {
+        return None;
+    }
+    let spans = spans(line);
+    let comment = spans.iter().find(|it| it.kind == SpanKind::Comment)?;
+    let comment = line.get(comment.range.clone())?;
+    let comment = comment.trim_matches(['(', ')', '（', '）']).trim();
+    (!comment.is_empty()).then(|| comment.to_owned())
+}
+
 fn child_symbols(text: &TextDocument, structure: &Structure, part: usize) -> Vec<Symbol> {
     let symbol = |name: String, kind, range: &TextRange| Symbol {
         name,
@@ -118,5 +164,15 @@ mod tests {
             .map(|it| it.name.as_str())
             .collect();
         assert_eq!(children, ["ROUGHING", "T0101", "N10", "N20"]);
+    }
+
+    #[test]
+    fn blocks_named_by_comments_are_found() {
+        let text = TextDocument::new(
+            "O0001 (shaft)\n(ROUGHING)\nN10 T0101\nN20 G00 X5 (near)\nN30 X6\nM30\n",
+        );
+        let found = named_symbols(&text, &Structure::read(&text));
+        let names: Vec<&str> = found.iter().map(|it| it.name.as_str()).collect();
+        assert_eq!(names, ["O0001 shaft", "N10 ROUGHING", "N20 near"]);
     }
 }

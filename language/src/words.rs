@@ -104,6 +104,17 @@ pub fn spans(line: &str) -> Vec<Span> {
     spans
 }
 
+/// Returns the spans of the block that contains the byte `byte` of its line.
+pub(crate) fn block_at(spans: &[Span], line: &str, byte: usize) -> Vec<Span> {
+    let ends = |it: &Span| {
+        it.kind == SpanKind::Mark && matches!(line.get(it.range.clone()), Some(";" | "*" | "%"))
+    };
+    let mut blocks = spans.split_inclusive(ends);
+    let around = blocks.find(|block| block.last().is_some_and(|it| byte <= it.range.start));
+    let last = || spans.rsplit(ends).next().unwrap_or(&[]);
+    around.unwrap_or_else(last).to_vec()
+}
+
 /// Returns the word in a span; `None` if the span is not a word.
 pub fn word_of<'a>(line: &'a str, span: &Span) -> Option<ParsedWord<'a>> {
     let text = line.get(span.range.clone())?;

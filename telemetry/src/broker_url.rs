@@ -3,9 +3,12 @@
 use core::fmt;
 
 use gsk_messages::{Message, say};
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
 
 /// Port of a broker without encryption.
 const PLAIN_PORT: u16 = 1883;
+/// The bytes of a user name that an address encodes: all but letters, digits and `-_.`.
+const ENCODED_IN_USER: &AsciiSet = &NON_ALPHANUMERIC.remove(b'-').remove(b'_').remove(b'.');
 /// Longest prefix of topics, bytes.
 const MAX_PREFIX: usize = 200;
 
@@ -74,7 +77,10 @@ impl BrokerUrl {
         let address = self.to_string();
         match (&self.user, address.split_once("://")) {
             (Some(user), Some((scheme, rest))) => {
-                format!("{scheme}://{}@{rest}", encode_percent(user))
+                format!(
+                    "{scheme}://{}@{rest}",
+                    utf8_percent_encode(user, ENCODED_IN_USER)
+                )
             }
             _ => address,
         }
@@ -161,31 +167,15 @@ fn split_port(address: &str) -> Option<(&str, u16)> {
     Some((host, port))
 }
 
-/// Encodes a user name for an address.
-fn encode_percent(text: &str) -> String {
-    let encode = |byte: u8| match byte {
-        b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'_' | b'.' => {
-            char::from(byte).to_string()
-        }
-        _ => format!("%{byte:02X}"),
-    };
-    text.bytes().map(encode).collect()
-}
-
 /// Decodes `%41`; `None` for a malformed text.
 fn decode_percent(text: &str) -> Option<String> {
-    let mut decoded = Vec::new();
-    let mut bytes = text.bytes();
-    while let Some(byte) = bytes.next() {
-        if byte != b'%' {
-            decoded.push(byte);
-            continue;
-        }
-        let digit = |byte: u8| char::from(byte).to_digit(16);
-        let (high, low) = (digit(bytes.next()?)?, digit(bytes.next()?)?);
-        decoded.push((high * 16 + low) as u8);
+    let is_hex = |byte: Option<&u8>| byte.is_some_and(u8::is_ascii_hexdigit);
+    let mut escapes = text.split('%').skip(1).map(str::as_bytes);
+    if !escapes.all(|it| is_hex(it.first()) && is_hex(it.get(1))) {
+        return None;
     }
-    String::from_utf8(decoded).ok()
+    let decoded = percent_decode_str(text).decode_utf8().ok()?;
+    Some(decoded.into_owned())
 }
 
 /// Whether topics may begin with a text: no wildcard, no empty level, not reserved by brokers.

@@ -177,6 +177,29 @@ async def all_requests(program, editor):
         edits = edit.changes[session.uri("main.CNC")]
         check("rename", sorted((it.range.start.line, it.new_text) for it in edits), [(4, "55"), (5, "55")])
         await refused("a number that is there", client.text_document_rename_async(lsp.RenameParams(document, lsp.Position(4, 9), "60")), -32803)
+        help = await client.text_document_signature_help_async(lsp.SignatureHelpParams(*at(4, 12)))
+        check("signature", (help.signatures[help.active_signature].label, help.active_parameter), ("G71 P Q U W F S T", 1))
+        tokens = await client.text_document_semantic_tokens_full_async(lsp.SemanticTokensParams(document))
+        legend = result.capabilities.semantic_tokens_provider.legend
+        kinds = {legend.token_types[kind] for kind in tokens.data[3::5]}
+        check("kinds of words", {"type", "keyword", "function", "parameter", "property", "comment"} <= kinds, True)
+        lines_of = lsp.Range(lsp.Position(7, 0), lsp.Position(7, 7))
+        params = lsp.InlayHintParams(document, lines_of)
+        check("no hints", list(await client.text_document_inlay_hint_async(params)), [])
+        settings = {"gsk980td": {"hints": {"modal": True}}}
+        client.workspace_did_change_configuration(lsp.DidChangeConfigurationParams(settings))
+        hints = await client.text_document_inlay_hint_async(params)
+        check("modal codes", [hint.label for hint in hints], ["G01"])
+        found = await client.workspace_symbol_async(lsp.WorkspaceSymbolParams("o"))
+        check("programs of the folder", [it.name for it in found], ["O0001 轴", "O0031"])
+        published = await session.change("main.CNC", 4, 8, (11, 11), " L3")
+        check("a word without effect", [it.code for it in published.diagnostics], ["ignored-word"])
+        context = lsp.CodeActionContext(diagnostics=list(published.diagnostics))
+        if result.capabilities.code_action_provider:
+            place = published.diagnostics[0].range
+            actions = await client.text_document_code_action_async(lsp.CodeActionParams(document, place, context))
+            check("quick fix", [it.title for it in actions], ["Write P30031"])
+        await session.change("main.CNC", 5, 8, (11, 14), "")
         options = lsp.FormattingOptions(tab_size=4, insert_spaces=True)
         settings = {"gsk980td": {"format": {"numbers": "all", "start": 1, "step": 1}}}
         client.workspace_did_change_configuration(lsp.DidChangeConfigurationParams(settings))

@@ -227,6 +227,39 @@ def everything(options):
                 " for _, a in pairs(r) do return a.result[1].name end"
             )
             check("symbols", symbols, "O0001 轴")
+
+            # A quick fix by Neovim's own menu, which takes the only action at once.
+            editor.at(8, 0)
+            editor.keys("A L3<Esc>")
+            editor.until("a word without effect", editor.diagnostics)
+            editor.at(8, 12)
+            editor.lua("vim.lsp.buf.code_action({ apply = true })")
+            editor.until("the fix", lambda: "M98 P30031" in editor.line(8) and "L3" not in editor.line(8))
+            editor.until("no warning", lambda: not editor.diagnostics())
+            editor.keys("u")
+
+            editor.at(4, 15)
+            editor.lua("vim.lsp.buf.signature_help()")
+            editor.until("the words of G71", lambda: any("G71 P Q U W F S T" in it for it in editor.floats()))
+            editor.keys("<Esc>l")
+            kinds = lambda: editor.lua(
+                "return vim.tbl_map(function(t) return t.type end, vim.lsp.semantic_tokens.get_at_pos(0, 2, 8) or {})"
+            )
+            editor.until("the kind of X62", lambda: kinds() == ["property"])
+            rapid = editor.lua("return vim.lsp.semantic_tokens.get_at_pos(0, 2, 8)[1].modifiers.rapid")
+            check("a rapid", rapid, True)
+            editor.lua(
+                "local c = vim.lsp.get_clients({ bufnr = 0 })[1]"
+                " c:notify('workspace/didChangeConfiguration', { settings = { gsk980td = { hints = { modal = true } } } })"
+                " vim.lsp.inlay_hint.enable(true)"
+            )
+            hints = lambda: editor.lua("return vim.tbl_map(function(h) return h.inlay_hint.label end, vim.lsp.inlay_hint.get({ bufnr = 0 }))")
+            editor.until("modal codes in the text", lambda: "G01" in hints())
+            found = editor.lua(
+                "local r = vim.lsp.buf_request_sync(0, 'workspace/symbol', { query = 'O0031' }, 10000)"
+                " for _, a in pairs(r) do return a.result[1].name end"
+            )
+            check("a program of the folder", found, "O0031")
         print(f"{options.version}: {checked} answers as wanted")
 
 

@@ -8,17 +8,22 @@
 //! The server answers at once what it can read from the text. Diagnostics and times need a
 //! preview of the program: a checker thread makes it and cancels it if the text changes.
 
+mod actions;
 mod answers;
+mod capabilities;
 mod checker;
 mod convert;
 mod diagnostics;
 mod documents;
 mod folder;
 pub mod framing;
+mod hints;
+mod request;
 mod server;
 mod server_state;
 mod settings;
 mod streams;
+mod workspace;
 
 use gsk_core::setup::Setup;
 use gsk_host::loading;

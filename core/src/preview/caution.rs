@@ -50,7 +50,10 @@ pub enum CautionKind {
         needed: f64,
     },
     /// A thread is cut at constant surface speed (G96).
-    ThreadSurfaceSpeed,
+    ThreadSurfaceSpeed {
+        /// Speed of the spindle where the thread begins, r/min.
+        rpm: u32,
+    },
     /// The speed changes between two passes of the same thread.
     ThreadSpeedChanged {
         /// S word of the pass before.
@@ -64,6 +67,8 @@ pub enum CautionKind {
     NoseUncompensated(f64),
     /// No block leads to this one.
     UnreachableBlock,
+    /// A cut under this code, G41 or G42, with a tool whose nose radius is 0.
+    NoseRadiusZero(u8),
 }
 
 /// Greatest number of cautions of one kind in the list.
@@ -108,11 +113,12 @@ impl CautionKind {
             Self::AfterEnd => Lint::AfterEnd,
             Self::ColonName(_) => Lint::ColonName,
             Self::ThreadRunIn { .. } => Lint::ThreadRunIn,
-            Self::ThreadSurfaceSpeed => Lint::ThreadSurfaceSpeed,
+            Self::ThreadSurfaceSpeed { .. } => Lint::ThreadSurfaceSpeed,
             Self::ThreadSpeedChanged { .. } => Lint::ThreadSpeedChanged,
             Self::ShortDwell(_) => Lint::ShortDwell,
             Self::NoseUncompensated(_) => Lint::NoseUncompensated,
             Self::UnreachableBlock => Lint::UnreachableBlock,
+            Self::NoseRadiusZero(_) => Lint::NoseRadiusZero,
         }
     }
 
@@ -134,13 +140,14 @@ impl CautionKind {
                 format_args!("{programmed:.2}"),
                 format_args!("{needed:.2}"),
             ),
-            Self::ThreadSurfaceSpeed => say::caution_thread_surface_speed(),
+            Self::ThreadSurfaceSpeed { .. } => say::caution_thread_surface_speed(),
             Self::ThreadSpeedChanged { before, now } => {
                 say::caution_thread_speed_changed(before, now)
             }
             Self::ShortDwell(ms) => say::caution_short_dwell(ms, u64::from(*ms) * 1000),
             Self::NoseUncompensated(radius) => say::caution_nose_uncompensated(radius),
             Self::UnreachableBlock => say::caution_unreachable_block(),
+            Self::NoseRadiusZero(code) => say::caution_nose_radius_zero(code),
         }
     }
 }
@@ -198,7 +205,7 @@ impl PreviewRun<'_> {
     }
 
     /// Adds cautions about a cut before it is executed: slow feed, stopped spindle, no offset,
-    /// no nose radius compensation. `is_sloped`: the cut is a taper or an arc.
+    /// no nose radius compensation, or none to compensate. `is_sloped`: the cut is a taper or an arc.
     pub(super) fn check_cut(
         &mut self,
         command: &ControlCommand,
@@ -225,8 +232,23 @@ impl PreviewRun<'_> {
         {
             self.add_caution(CautionKind::NoOffset, source);
         }
-        if is_sloped && command.modal.nose_compensation == 40 {
-            self.check_nose(command);
+        match command.modal.nose_compensation {
+            40 if is_sloped => self.check_nose(command),
+            40 => {}
+            code => self.check_nose_radius(code, command),
+        }
+    }
+
+    /// Adds a caution about a cut under G41 or G42 (`code`) with a tool whose nose radius is 0,
+    /// if the offsets of other tools have radii: without any the radii are unknown.
+    fn check_nose_radius(&mut self, code: u8, command: &ControlCommand) {
+        let facts = ProgramFacts::TOOL.union(ProgramFacts::COMPENSATION);
+        if self.has_nose_radii
+            && self.offsets.get(command.modal.offset).r == 0.0
+            && !self.has_caution(Lint::NoseRadiusZero)
+            && self.is_certain(facts)
+        {
+            self.add_caution(CautionKind::NoseRadiusZero(code), command.source);
         }
     }
 

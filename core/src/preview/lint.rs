@@ -35,6 +35,8 @@ pub enum Lint {
     NoseUncompensated,
     /// No block leads to this one.
     UnreachableBlock,
+    /// G41 or G42 with a tool whose nose radius is 0.
+    NoseRadiusZero,
     /// A cut needs more power than the spindle has.
     SpindlePower,
     /// A cut needs more torque than the spindle has.
@@ -53,7 +55,7 @@ pub enum Lint {
 
 impl Lint {
     /// All kinds in the order of their codes.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 23] = [
         Self::SlowFeed,
         Self::SpindleStopped,
         Self::NoOffset,
@@ -69,6 +71,7 @@ impl Lint {
         Self::ShortDwell,
         Self::NoseUncompensated,
         Self::UnreachableBlock,
+        Self::NoseRadiusZero,
         Self::SpindlePower,
         Self::SpindleTorque,
         Self::InsertEdge,
@@ -96,6 +99,7 @@ impl Lint {
             Self::ShortDwell => ("W13", "short-dwell"),
             Self::NoseUncompensated => ("W14", "nose-uncompensated"),
             Self::UnreachableBlock => ("W15", "unreachable-block"),
+            Self::NoseRadiusZero => ("W16", "nose-radius-zero"),
             Self::SpindlePower => ("W21", "spindle-power"),
             Self::SpindleTorque => ("W22", "spindle-torque"),
             Self::InsertEdge => ("W23", "insert-edge"),
@@ -134,6 +138,7 @@ impl Lint {
             Self::ShortDwell => say::lint_short_dwell(),
             Self::NoseUncompensated => say::lint_nose_uncompensated(),
             Self::UnreachableBlock => say::lint_unreachable_block(),
+            Self::NoseRadiusZero => say::lint_nose_radius_zero(),
             Self::SpindlePower => say::lint_spindle_power(),
             Self::SpindleTorque => say::lint_spindle_torque(),
             Self::InsertEdge => say::lint_insert_edge(),

@@ -31,7 +31,7 @@ use crate::interpreter::ImmediateHost;
 use crate::interpreter::Interpreter;
 use crate::interpreter::MachineCodes;
 use crate::interpreter::ModalState;
-use crate::memory::{ControlParameters, Offsets, Registers};
+use crate::memory::{ControlParameters, OFFSET_ROWS, Offsets, Registers};
 use crate::motion::{CutChain, MotionLimits};
 use crate::program::ProgramMemory;
 use crate::setup::Setup;
@@ -255,6 +255,8 @@ struct PreviewRun<'a> {
     programs: &'a ProgramMemory,
     /// Tool offsets before the program.
     offsets: Offsets,
+    /// Whether one of them has a nose radius.
+    has_nose_radii: bool,
     /// The last pass of a thread; `None` before the first one of the tool.
     last_pass: Option<ThreadPass>,
     position_check: StartPositionCheck,
@@ -297,6 +299,7 @@ impl<'a> PreviewRun<'a> {
             ended: false,
             programs,
             offsets: setup.memory.offsets.clone(),
+            has_nose_radii: (1..OFFSET_ROWS as u8).any(|it| setup.memory.offsets.get(it).r > 0.0),
             last_pass: None,
             position_check: StartPositionCheck::new(setup),
             alarm_search: None,

@@ -1,6 +1,8 @@
 //! Results of a preview besides the path: further alarms, cautions, the work zero.
 
-use super::{CautionKind, MAX_FURTHER_ALARMS, Preview, preview_beyond_alarms, preview_explained};
+use super::{
+    Caution, CautionKind, MAX_FURTHER_ALARMS, Preview, preview_beyond_alarms, preview_explained,
+};
 use crate::command::{ExecutedMove, ProgramId};
 use crate::interpreter::Explanation;
 use crate::program::{Program, ProgramMemory};
@@ -43,6 +45,30 @@ fn every_wrong_block_is_found() {
     let text = "M03 S500\nG54\nG00 X50 Z2 C1\nG01 Z-5 F100\nM77\nT0199\nG00 X60 Z2\nG02 X62 Z-20 R1\nM30\n";
     let expected = vec![(10, 2), (9, 3), (19, 5), (30, 6), (13, 8)];
     assert_eq!(alarms(text), (expected, None));
+}
+
+#[test]
+fn all_foreign_words_of_a_block_are_reported_and_the_rest_is_checked() {
+    // The text of the block, its alarm, and what its message names.
+    let cases: [(&str, u16, &[&str]); 4] = [
+        ("G21 G54 G00 X5", 10, &["G21", "G54"]),
+        ("G53 X0 Z0 D1 M07", 9, &["D is", "G53", "M07"]),
+        ("G01 X5 ,C2 G64", 6, &["','", "C is", "G64"]),
+        ("T0101 M06 M01", 18, &["M"]),
+    ];
+    for (block, number, named) in cases {
+        let text = format!("M03 S500\nG00 X50 Z2\n{block}\nG00 X60 Z2\nG55\nM30\n");
+        let (preview, _) = run_preview(&Setup::default(), &text);
+        let alarms = preview.alarm.iter().chain(&preview.further.alarms);
+        let found: Vec<u16> = alarms.map(|it| it.number).collect();
+        assert_eq!(found, [number, 10], "{block}");
+        let detail = preview.alarm.and_then(|it| it.detail);
+        let detail = detail.map(|it| it.text(gsk_messages::Language::En));
+        let detail = detail.unwrap_or_default();
+        for word in named {
+            assert!(detail.contains(word), "{block}: {word} in {detail}");
+        }
+    }
 }
 
 #[test]
@@ -382,4 +408,22 @@ fn threads_dwells_and_noses_are_looked_at() {
             "{text}"
         );
     }
+}
+
+#[test]
+fn compensation_without_a_radius_is_reported_where_radii_are_known() {
+    let lines = |setup: &Setup, text: &str| -> Vec<u32> {
+        let (preview, _) = run_preview(setup, text);
+        let of_kind = |caution: &&Caution| caution.kind == CautionKind::NoseRadiusZero(42);
+        let found = preview.cautions.iter().filter(of_kind);
+        found.map(|caution| caution.source.line).collect()
+    };
+    let contour =
+        "M03 S500\nG00 X50 Z2\nG42 G98 G01 X30 Z0 F100\nZ-10\nX60\nG40 G00 X100 Z50\nM30\n";
+    let program = |tool: &str| format!("{tool}\n{contour}");
+    assert!(lines(&with_nose(), &program("T0101")).is_empty());
+    assert_eq!(lines(&with_nose(), &program("T0202")), [4]);
+    let mut unknown = Setup::default();
+    assert!(unknown.memory.parameters.set_bit(2, 1, true).is_ok());
+    assert!(lines(&unknown, &program("T0202")).is_empty());
 }

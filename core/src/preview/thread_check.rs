@@ -49,7 +49,8 @@ impl PreviewRun<'_> {
             return;
         }
         if command.modal.surface_speed {
-            self.add_caution(CautionKind::ThreadSurfaceSpeed, source);
+            let rpm = libm::round(rpm.clamp(1.0, 99_999.0)) as u32;
+            self.add_caution(CautionKind::ThreadSurfaceSpeed { rpm }, source);
         }
         if thread.lead_axis != Axis::Z {
             return;

@@ -142,13 +142,14 @@ fn to_micrometres(number: &str) -> Option<i64> {
     Some(libm::round(millimetres * 1000.0) as i64)
 }
 
-/// Messages about the unknown words of a block, except the one for which the block is already
-/// refused: the first unknown address, otherwise the first unknown code. `has_m` returns
-/// whether an M code exists.
+/// Messages about the unknown words of a block. If the block is refused for one of them
+/// (`is_one_reported`), that one is left out: the first unknown address, otherwise the first
+/// unknown code. `has_m` returns whether an M code exists.
 pub(crate) fn further_foreign_words(
     text: &str,
     record: &ModelRecord,
     has_m: &dyn Fn(u8) -> bool,
+    is_one_reported: bool,
 ) -> Vec<Message> {
     let words = loose_words(text);
     let mut seen: Vec<&LooseWord> = Vec::new();
@@ -181,9 +182,10 @@ pub(crate) fn further_foreign_words(
             break;
         }
     }
-    if !found.is_empty() {
+    if is_one_reported && !found.is_empty() {
         found.remove(first_address.unwrap_or(0));
     }
+    found.truncate(MAX_MESSAGES);
     found
 }
 
@@ -221,14 +223,17 @@ mod tests {
     #[test]
     fn every_foreign_word_of_a_block_is_found_once() {
         let record = Syntax::default().model.record();
-        let found = |text: &str| further_foreign_words(text, record, &|code| code != 6).len();
+        let found = |text: &str| further_foreign_words(text, record, &|code| code != 6, true).len();
         assert_eq!(found("G21 G17 G40 G80 M06 T0101"), 3);
         assert_eq!(found("G00 X5 Y1 Y2 A5"), 2);
         assert_eq!(found("G21 G21"), 0);
         let text = "G53 X0 Z0 D1";
-        let also = further_foreign_words(text, record, &|_| true);
+        let also = further_foreign_words(text, record, &|_| true, true);
         assert!(also[0].text(Language::En).starts_with("G53"), "{also:?}");
         assert_eq!(found("G01 X5"), 0);
+        // The block is refused for its comma: both codes are further ones.
+        let also = further_foreign_words("G21 G01 X5,C2 M06", record, &|code| code != 6, false);
+        assert_eq!(also.len(), 3, "{also:?}");
         assert!(found(&"G21 G17 Y1 A1 B1 C1 D1 E1 V1 ".repeat(9)) <= MAX_MESSAGES);
     }
 }

@@ -11,9 +11,11 @@ use gsk_language::{
 use gsk_messages::{Message, say};
 use lsp_server::{ErrorCode, Request, Response};
 use lsp_types::request::{
-    CodeLensRequest, Completion, DocumentHighlightRequest, DocumentSymbolRequest,
-    FoldingRangeRequest, Formatting, GotoDefinition, HoverRequest, PrepareRenameRequest,
-    RangeFormatting, References, Rename, Request as _,
+    CodeActionRequest, CodeLensRequest, Completion, DocumentHighlightRequest,
+    DocumentSymbolRequest, FoldingRangeRequest, Formatting, GotoDefinition, HoverRequest,
+    InlayHintRequest, PrepareRenameRequest, RangeFormatting, References, Rename, Request as _,
+    SemanticTokensFullRequest, SemanticTokensRangeRequest, SignatureHelpRequest,
+    WorkspaceSymbolRequest,
 };
 use lsp_types::{
     CodeLens, Command, CompletionItem, CompletionItemKind, CompletionTextEdit, DocumentHighlight,
@@ -21,29 +23,17 @@ use lsp_types::{
     MarkupKind, PrepareRenameResponse, Range, TextDocumentPositionParams, TextEdit, Uri,
     WorkspaceEdit,
 };
-use serde::Serialize;
-use serde::de::DeserializeOwned;
-use serde_json::Value;
 
+use super::actions;
 use super::convert::{ColumnEncoding, path_to_uri};
 use super::documents::OpenDocument;
 use super::folder;
+use super::hints;
+use super::request::{
+    RequestAnswer, RequestRefusal, document_position, find_document, parse_params, to_answer,
+};
 use super::server_state::ServerState;
-
-/// The result of a request as JSON and a notice for the user, or the refusal.
-type RequestAnswer = Result<(Value, Option<Message>), RequestRefusal>;
-
-/// The reason why a request is refused.
-enum RequestRefusal {
-    /// The parameters do not fit the method; the value is the reason.
-    Params(String),
-    NotOpen,
-    /// The operation would change the meaning of the program, or does not apply at the
-    /// position; holds the reason for the user.
-    Failed(Message),
-    /// The server does not support this method; the value is its name.
-    Method(String),
-}
+use super::workspace;
 
 /// The open document that a request names; `None` if it names none or the document is not
 /// open.
@@ -126,6 +116,29 @@ fn dispatch_request(desk: &mut ServerState, request: Request) -> RequestAnswer {
             let params = parse_params::<Rename>(request)?;
             on_rename(desk, &params.text_document_position, &params.new_name)
         }
+        CodeActionRequest::METHOD => {
+            actions::on_code_action(desk, &parse_params::<CodeActionRequest>(request)?)
+        }
+        SignatureHelpRequest::METHOD => {
+            let params = parse_params::<SignatureHelpRequest>(request)?;
+            hints::on_signature(desk, &params.text_document_position_params)
+        }
+        InlayHintRequest::METHOD => {
+            hints::on_inlay_hints(desk, &parse_params::<InlayHintRequest>(request)?)
+        }
+        SemanticTokensFullRequest::METHOD => {
+            let params = parse_params::<SemanticTokensFullRequest>(request)?;
+            hints::on_tokens(desk, &params.text_document.uri, None)
+        }
+        SemanticTokensRangeRequest::METHOD => {
+            let params = parse_params::<SemanticTokensRangeRequest>(request)?;
+            let lines = params.range.start.line..params.range.end.line.saturating_add(1);
+            hints::on_tokens(desk, &params.text_document.uri, Some(lines))
+        }
+        WorkspaceSymbolRequest::METHOD => {
+            let params = parse_params::<WorkspaceSymbolRequest>(request)?;
+            workspace::on_workspace_symbols(desk, &params.query)
+        }
         CodeLensRequest::METHOD => {
             let params = parse_params::<CodeLensRequest>(request)?;
             let document = find_document(desk, &params.text_document.uri)?;
@@ -137,41 +150,6 @@ fn dispatch_request(desk: &mut ServerState, request: Request) -> RequestAnswer {
         }
         _ => Err(RequestRefusal::Method(request.method)),
     }
-}
-
-fn parse_params<R>(request: Request) -> Result<R::Params, RequestRefusal>
-where
-    R: lsp_types::request::Request,
-    R::Params: DeserializeOwned,
-{
-    let params = serde_json::from_value(request.params);
-    params.map_err(|error| RequestRefusal::Params(error.to_string()))
-}
-
-fn to_answer(answer: &impl Serialize) -> RequestAnswer {
-    let value = serde_json::to_value(answer);
-    let value = value.map_err(|error| RequestRefusal::Failed(say::as_written(error)))?;
-    Ok((value, None))
-}
-
-fn find_document<'a>(desk: &'a ServerState, uri: &Uri) -> Result<&'a OpenDocument, RequestRefusal> {
-    desk.documents
-        .get(uri.as_str())
-        .ok_or(RequestRefusal::NotOpen)
-}
-
-/// Returns the document of a request and the position in its text; an error if the document is not
-/// open.
-fn document_position<'a>(
-    desk: &'a ServerState,
-    params: &TextDocumentPositionParams,
-) -> Result<(&'a OpenDocument, Position), RequestRefusal> {
-    let document = find_document(desk, &params.text_document.uri)?;
-    let position = desk
-        .editor
-        .encoding
-        .to_text(&document.text, params.position);
-    Ok((document, position))
 }
 
 /// Lists the programs in the folder of the document `uri`, by program number.
@@ -418,7 +396,7 @@ fn on_format(desk: &ServerState, uri: &Uri, range: Option<Range>) -> RequestAnsw
     };
     let outside = document.external_return_targets();
     let site = (&outside[..], desk.editor.reading.model);
-    let done = format(text, document.structure(), desk.style, lines, site);
+    let done = format(text, document.structure(), desk.settings.style, lines, site);
     let encoding = desk.editor.encoding;
     let edits: Vec<TextEdit> = done
         .edits

@@ -118,6 +118,7 @@ fn analyse_job(control: &CheckedControl, job: &AnalysisJob, language: Language) 
             severity: Severity::Warning,
             code: notice.id().name().to_owned(),
             text: notice.text(language),
+            fixes: Vec::new(),
         }));
     analysis
 }
@@ -136,6 +137,7 @@ fn load_error_analysis(message: &Message, language: Language) -> Analysis {
             severity: Severity::Error,
             code: message.id().name().to_owned(),
             text: message.text(language),
+            fixes: Vec::new(),
         }],
         end: PreviewEnd::Alarm,
         time_s: 0.0,

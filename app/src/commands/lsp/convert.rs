@@ -6,6 +6,7 @@ use std::str::FromStr;
 
 use gsk_language::{Position, TextChange, TextDocument, TextRange};
 use lsp_types::{PositionEncodingKind, Range, TextEdit, Uri};
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, percent_encode};
 
 /// The unit in which the protocol counts columns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -94,7 +95,8 @@ impl ColumnEncoding {
 pub fn uri_to_path(uri: &Uri) -> Option<PathBuf> {
     let rest = uri.as_str().strip_prefix("file://")?;
     let path = rest.strip_prefix("localhost").unwrap_or(rest);
-    let decoded = decode_percent(path.strip_prefix('/').map(|_| path)?)?;
+    let path = path.starts_with('/').then_some(path)?;
+    let decoded = percent_decode_str(path).decode_utf8().ok()?;
     // Windows: `/c:/parts` is `c:/parts`.
     let has_drive = matches!(decoded.as_bytes(), [b'/', letter, b':', b'/', ..] if letter.is_ascii_alphabetic());
     Some(PathBuf::from(if has_drive {
@@ -104,39 +106,22 @@ pub fn uri_to_path(uri: &Uri) -> Option<PathBuf> {
     }))
 }
 
-fn decode_percent(text: &str) -> Option<String> {
-    let mut bytes = Vec::with_capacity(text.len());
-    let mut rest = text.bytes();
-    while let Some(byte) = rest.next() {
-        let byte = match byte {
-            b'%' => {
-                let digit = |byte: u8| char::from(byte).to_digit(16);
-                let (high, low) = (digit(rest.next()?)?, digit(rest.next()?)?);
-                u8::try_from(high * 16 + low).ok()?
-            }
-            other => other,
-        };
-        bytes.push(byte);
-    }
-    String::from_utf8(bytes).ok()
-}
+/// The bytes of a path that a URI encodes: all but letters, digits, `-._~` and the slash.
+const ENCODED_IN_PATH: &AsciiSet = &NON_ALPHANUMERIC
+    .remove(b'-')
+    .remove(b'.')
+    .remove(b'_')
+    .remove(b'~')
+    .remove(b'/');
 
 pub fn path_to_uri(path: &Path) -> Option<Uri> {
-    let mut uri = String::from("file://");
-    let bytes = path.as_os_str().as_encoded_bytes();
-    if !bytes.starts_with(b"/") {
-        uri.push('/');
-    }
-    for byte in bytes {
-        match byte {
-            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' | b'/' => {
-                uri.push(char::from(*byte));
-            }
-            b'\\' => uri.push('/'),
-            other => uri.push_str(&format!("%{other:02X}")),
-        }
-    }
-    Uri::from_str(&uri).ok()
+    // Windows: the separators of a URI are slashes.
+    let bytes: Vec<u8> = (path.as_os_str().as_encoded_bytes().iter())
+        .map(|byte| if *byte == b'\\' { b'/' } else { *byte })
+        .collect();
+    let root = if bytes.starts_with(b"/") { "" } else { "/" };
+    let encoded = percent_encode(&bytes, ENCODED_IN_PATH);
+    Uri::from_str(&format!("file://{root}{encoded}")).ok()
 }
 
 #[cfg(test)]

@@ -1,38 +1,57 @@
 //! Converts the findings of an analysis to diagnostics with their positions.
 
 use gsk_core::command::ProgramId;
+use gsk_core::preview::Lint;
 use gsk_language::{
     Analysis, ProgramFinding, ReferenceTarget, Severity, Structure, TextDocument, TextRange,
 };
 use gsk_messages::{Language, say};
 use lsp_types::{
-    Diagnostic, DiagnosticRelatedInformation, DiagnosticSeverity, Location, NumberOrString, Range,
+    Diagnostic, DiagnosticRelatedInformation, DiagnosticSeverity, DiagnosticTag, Location,
+    NumberOrString, Range,
 };
 
 use super::convert::{ColumnEncoding, path_to_uri};
 use super::documents::OpenDocument;
+use super::server_state::EditorCapabilities;
 
 /// The name that the editor shows as the source of a diagnostic.
 const SOURCE: &str = "gsk980td";
 
+/// Findings about text that has no effect: an editor shows it faded.
+const WITHOUT_EFFECT: [Lint; 4] = [
+    Lint::IgnoredWord,
+    Lint::AfterEnd,
+    Lint::UnreachableBlock,
+    Lint::MillWord,
+];
+
 pub fn diagnostics(
     document: &OpenDocument,
     analysis: &Analysis,
-    encoding: ColumnEncoding,
-    language: Language,
+    editor: &EditorCapabilities,
 ) -> Vec<Diagnostic> {
     let findings = analysis.findings.iter();
     findings
-        .map(|it| diagnostic(document, it, encoding, language))
+        .map(|it| to_diagnostic(document, it, editor))
         .collect()
 }
 
-fn diagnostic(
+/// Whether a finding is in the text of the document, and not in a program that it calls.
+pub fn is_finding_in_text(document: &OpenDocument, finding: &ProgramFinding) -> bool {
+    match finding.program {
+        ProgramId::Stored(number) => is_part_of_text(document.structure(), number),
+        _ => true,
+    }
+}
+
+pub fn to_diagnostic(
     document: &OpenDocument,
     finding: &ProgramFinding,
-    encoding: ColumnEncoding,
-    language: Language,
+    editor: &EditorCapabilities,
 ) -> Diagnostic {
+    let (encoding, language) = (editor.encoding, editor.reading.language);
+    let fades = editor.tags && WITHOUT_EFFECT.iter().any(|lint| lint.id() == finding.code);
     let (text, structure) = (&*document.text, &**document.structure());
     let mut message = finding.text.clone();
     let (text_range, related) = match (finding.program, &finding.at) {
@@ -59,6 +78,7 @@ fn diagnostic(
         source: Some(SOURCE.to_owned()),
         message,
         related_information: related.map(|it| vec![it]),
+        tags: fades.then(|| vec![DiagnosticTag::UNNECESSARY]),
         ..Diagnostic::default()
     }
 }

@@ -6,8 +6,6 @@ use std::sync::Arc;
 use crossbeam::channel::{Receiver, SendError, Sender};
 use crossbeam::select;
 use gsk_core::model::ControlModel;
-use gsk_core::setup::Setup;
-use gsk_language::ReadingContext;
 use gsk_messages::{Language, say};
 use lsp_server::{Connection, ErrorCode, Message, Notification, ProtocolError, Request, Response};
 use lsp_types::notification::{
@@ -17,23 +15,20 @@ use lsp_types::notification::{
 };
 use lsp_types::request::{CodeLensRequest, Request as _, Shutdown};
 use lsp_types::{
-    CodeLensOptions, CompletionOptions, FoldingRangeProviderCapability, HoverProviderCapability,
-    InitializeParams, InitializeResult, MarkupKind, MessageType, OneOf, PublishDiagnosticsParams,
-    RenameOptions, SaveOptions, ServerCapabilities, ServerInfo, ShowMessageParams,
-    TextDocumentSyncCapability, TextDocumentSyncKind, TextDocumentSyncOptions,
-    TextDocumentSyncSaveOptions, Uri, WorkDoneProgressOptions,
+    InitializeParams, InitializeResult, MessageType, PublishDiagnosticsParams, ServerInfo,
+    ShowMessageParams, Uri,
 };
 use serde::de::DeserializeOwned;
 
 use super::CheckedControl;
 use super::answers;
+use super::capabilities::{provided_functions, read_capabilities};
 use super::checker::{self, AnalysisJob, AnalysisResult};
-use super::convert::{ColumnEncoding, uri_to_path};
+use super::convert::uri_to_path;
 use super::documents::OpenDocument;
 use super::folder::{self, FolderIndexes};
 use super::server_state::{EditorCapabilities, ServerState};
 use super::{diagnostics, settings};
-use crate::cli::is_chinese;
 
 /// Whether the editor ended the server regularly or disconnected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,12 +93,12 @@ pub fn serve(
         }
     };
     let editor = read_capabilities(&params, &control.setup, language);
-    let style = params
+    let settings = params
         .initialization_options
         .as_ref()
-        .and_then(settings::read_style);
+        .and_then(settings::read_settings);
     let result = InitializeResult {
-        capabilities: capabilities(editor.encoding),
+        capabilities: provided_functions(&editor),
         server_info: Some(ServerInfo {
             name: "gsk980td".to_owned(),
             version: Some(env!("CARGO_PKG_VERSION").to_owned()),
@@ -118,7 +113,7 @@ pub fn serve(
         connection,
         desk: ServerState {
             editor,
-            style: style.unwrap_or_default(),
+            settings: settings.unwrap_or_default(),
             documents: BTreeMap::new(),
             folders: FolderIndexes::default(),
         },
@@ -128,77 +123,6 @@ pub fn serve(
         shut_down: false,
     };
     server.run()
-}
-
-/// Reads from the initialization message what the editor supports.
-fn read_capabilities(
-    params: &InitializeParams,
-    setup: &Setup,
-    language: Option<Language>,
-) -> EditorCapabilities {
-    let general = params.capabilities.general.as_ref();
-    let offered = general.and_then(|it| it.position_encodings.as_deref());
-    let text_document = params.capabilities.text_document.as_ref();
-    let item = text_document
-        .and_then(|it| it.completion.as_ref())
-        .and_then(|it| it.completion_item.as_ref());
-    let hover = text_document.and_then(|it| it.hover.as_ref());
-    let formats = [
-        hover.and_then(|it| it.content_format.as_deref()),
-        item.and_then(|it| it.documentation_format.as_deref()),
-    ];
-    let [hover, proposal] =
-        formats.map(|it| it.is_some_and(|it| it.contains(&MarkupKind::Markdown)));
-    let chinese = params.locale.as_deref().is_some_and(is_chinese);
-    let by_locale = if chinese { Language::Zh } else { Language::En };
-    EditorCapabilities {
-        encoding: ColumnEncoding::select(offered),
-        snippets: item.and_then(|it| it.snippet_support).unwrap_or(false),
-        markdown: (hover, proposal),
-        reading: ReadingContext {
-            model: setup.memory.model.id(),
-            macro_b: setup.memory.settings.macro_b || setup.memory.model.id().is_mill(),
-            language: language.unwrap_or(by_locale),
-        },
-    }
-}
-
-/// Returns the list of functions that this server supports.
-fn capabilities(encoding: ColumnEncoding) -> ServerCapabilities {
-    let triggers = ["G", "M", "T", "P", "Q", " "];
-    ServerCapabilities {
-        position_encoding: Some(encoding.to_protocol()),
-        text_document_sync: Some(TextDocumentSyncCapability::Options(
-            TextDocumentSyncOptions {
-                open_close: Some(true),
-                change: Some(TextDocumentSyncKind::INCREMENTAL),
-                save: Some(TextDocumentSyncSaveOptions::SaveOptions(
-                    SaveOptions::default(),
-                )),
-                ..TextDocumentSyncOptions::default()
-            },
-        )),
-        hover_provider: Some(HoverProviderCapability::Simple(true)),
-        completion_provider: Some(CompletionOptions {
-            trigger_characters: Some(triggers.map(str::to_owned).to_vec()),
-            ..CompletionOptions::default()
-        }),
-        definition_provider: Some(OneOf::Left(true)),
-        references_provider: Some(OneOf::Left(true)),
-        document_highlight_provider: Some(OneOf::Left(true)),
-        document_symbol_provider: Some(OneOf::Left(true)),
-        folding_range_provider: Some(FoldingRangeProviderCapability::Simple(true)),
-        document_formatting_provider: Some(OneOf::Left(true)),
-        document_range_formatting_provider: Some(OneOf::Left(true)),
-        rename_provider: Some(OneOf::Right(RenameOptions {
-            prepare_provider: Some(true),
-            work_done_progress_options: WorkDoneProgressOptions::default(),
-        })),
-        code_lens_provider: Some(CodeLensOptions {
-            resolve_provider: Some(false),
-        }),
-        ..ServerCapabilities::default()
-    }
 }
 
 /// Whether the main loop continues after a message.
@@ -324,8 +248,9 @@ impl Server<'_> {
             }
             DidChangeConfiguration::METHOD => {
                 let params = parse_params::<DidChangeConfiguration>(notification);
-                if let Some(style) = params.and_then(|it| settings::read_style(&it.settings)) {
-                    self.desk.style = style;
+                let settings = params.and_then(|it| settings::read_settings(&it.settings));
+                if let Some(settings) = settings {
+                    self.desk.settings = settings;
                 }
             }
             "$/cancelRequest" => self.cancel(&notification)?,
@@ -454,7 +379,7 @@ impl Server<'_> {
             return Ok(());
         }
         document.store_analysis(result.structure, Arc::clone(&result.analysis));
-        let all = diagnostics::diagnostics(document, &result.analysis, encoding, reader.language);
+        let all = diagnostics::diagnostics(document, &result.analysis, &self.desk.editor);
         let lenses = answers::code_lenses(document, encoding, reader);
         let waiting = core::mem::take(&mut document.waiting_requests);
         self.publish(result.uri, Some(result.version), all)?;

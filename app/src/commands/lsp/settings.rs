@@ -1,4 +1,4 @@
-//! Reads the format style from an editor's settings.
+//! Reads the settings that an editor has for this server.
 
 use gsk_language::{Casing, Numbering, Spacing, Style};
 use serde::Deserialize;
@@ -7,11 +7,27 @@ use serde_json::Value;
 /// The section of this program in an editor's settings.
 pub const SECTION: &str = "gsk980td";
 
+/// The settings for this server.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ServerSettings {
+    /// The style in which programs are formatted.
+    pub style: Style,
+    /// Whether modal codes in force are shown in the text.
+    pub modal_hints: bool,
+}
+
 /// The settings as the editor sends them. A missing field has its default.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
 struct EditorSettings {
     format: StyleSettings,
+    hints: HintSettings,
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(default)]
+struct HintSettings {
+    modal: bool,
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -54,16 +70,16 @@ impl Default for StyleSettings {
     }
 }
 
-/// Reads the format style from the section of this program, or from a value that contains the
+/// Reads the settings from the section of this program, or from a value that contains the
 /// section. `None` if the settings cannot be parsed.
-pub fn read_style(settings: &Value) -> Option<Style> {
+pub fn read_settings(settings: &Value) -> Option<ServerSettings> {
     let section = settings.get(SECTION).unwrap_or(settings);
     if section.is_null() {
         return None;
     }
-    let EditorSettings { format } = EditorSettings::deserialize(section).ok()?;
+    let EditorSettings { format, hints } = EditorSettings::deserialize(section).ok()?;
     let (start, step) = (format.start, format.step.max(1));
-    Some(Style {
+    let style = Style {
         numbering: match format.numbers {
             NumberSetting::Keep => Numbering::Unchanged,
             NumberSetting::Present => Numbering::Present { start, step },
@@ -78,6 +94,10 @@ pub fn read_style(settings: &Value) -> Option<Style> {
             true => Casing::Upper,
             false => Casing::Unchanged,
         },
+    };
+    Some(ServerSettings {
+        style,
+        modal_hints: hints.modal,
     })
 }
 
@@ -89,7 +109,7 @@ mod tests {
     #[test]
     fn settings_are_read_with_their_defaults() {
         let all = json!({ "gsk980td": { "format": { "numbers": "all", "start": 5, "step": 0 } } });
-        let style_of = |value: &Value| read_style(value).expect("settings");
+        let style_of = |value: &Value| read_settings(value).expect("settings").style;
         let numbering = Numbering::All { start: 5, step: 1 };
         assert_eq!(
             style_of(&all),
@@ -101,13 +121,15 @@ mod tests {
         let none = json!({ "format": { "spaces": "none", "uppercase": false } });
         assert_eq!(style_of(&none).spacing, Spacing::None);
         assert_eq!(style_of(&none).casing, Casing::Unchanged);
-        assert_eq!(read_style(&json!({})), Some(Style::default()));
+        assert_eq!(read_settings(&json!({})), Some(ServerSettings::default()));
+        let hints = json!({ "hints": { "modal": true } });
+        assert!(read_settings(&hints).is_some_and(|it| it.modal_hints));
         for wrong in [
             json!(null),
             json!({ "format": { "numbers": "some" } }),
             json!(7),
         ] {
-            assert_eq!(read_style(&wrong), None, "{wrong}");
+            assert_eq!(read_settings(&wrong), None, "{wrong}");
         }
     }
 }

@@ -21,7 +21,7 @@ impl Interpreter {
             None => host.programs().get(position.program),
         };
         let further =
-            program.map(|program| self.find_further_foreign_words(program, position.block));
+            program.map(|program| self.find_further_foreign_words(program, position.block, true));
         alarm.detail = match (alarm.detail, further) {
             (Some(detail), Some(also)) => Some(append_further(detail, also)),
             (detail, _) => detail,
@@ -29,13 +29,18 @@ impl Interpreter {
         alarm
     }
 
-    /// Messages about the words of a block, after the first such word, that the model does not
-    /// have.
+    /// Messages about the words of a block that the model does not have. If the block is refused
+    /// for one of them (`is_one_reported`), that one is left out.
     #[cold]
-    fn find_further_foreign_words(&self, program: &Program, block: u32) -> Vec<Message> {
+    fn find_further_foreign_words(
+        &self,
+        program: &Program,
+        block: u32,
+        is_one_reported: bool,
+    ) -> Vec<Message> {
         let record = self.record();
         let has_m = |code| self.machine_codes.contains(code) || record.m_function(code).is_some();
-        further_foreign_words(program.block(block), record, &has_m)
+        further_foreign_words(program.block(block), record, &has_m, is_one_reported)
     }
 
     /// Returns the source position of a block that cannot be parsed, if block skip skips the
@@ -53,12 +58,22 @@ impl Interpreter {
         if pending.is_unparsed_skipped() {
             return Ok(pending.source);
         }
-        if error.alarm == number::BAD_ADDRESS {
-            let further = self.find_further_foreign_words(pending.program, pending.position.block);
+        // Formulas of macro B that the control does not have are no words.
+        if matches!(error.alarm, number::BAD_ADDRESS | number::BAD_CHARACTER)
+            && !has_formula(pending.program.block(pending.position.block))
+        {
+            let is_one_reported = error.alarm == number::BAD_ADDRESS;
+            let (program, block) = (pending.program, pending.position.block);
+            let further = self.find_further_foreign_words(program, block, is_one_reported);
             error.detail = append_further(error.detail, further);
         }
         Err(Alarm::from(error).with_source(pending.source))
     }
+}
+
+/// Whether a block has a formula or an assignment of macro B.
+fn has_formula(block: &str) -> bool {
+    block.contains(['[', '='])
 }
 
 /// Appends the messages about other errors of the block, if any, to the message of the first

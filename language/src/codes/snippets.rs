@@ -1,6 +1,8 @@
-//! Contains the snippets of cycles and the addresses that each code takes.
+//! Contains the snippets of cycles and the letters that each code takes.
 
 use gsk_core::model::GCode;
+
+use super::word_table::code_forms;
 
 /// Returns the blocks of a cycle as an editor snippet. `${1:2}` is the first field with the
 /// default 2. `None` for codes with one word.
@@ -82,11 +84,25 @@ pub(crate) const fn is_hole_cycle(code: GCode) -> bool {
     )
 }
 
-/// Returns the addresses that a G code takes besides M, S and T (manual I-3.2).
-pub(crate) const fn letters(code: GCode, is_mill: bool) -> &'static str {
-    if !is_mill {
-        return lathe_letters(code);
+/// Returns the letters that a G code takes besides M, S and T (manual I-3.2).
+pub(crate) fn letters(code: GCode, is_mill: bool) -> Vec<char> {
+    if is_mill {
+        return mill_letters(code).chars().collect();
     }
+    let mut letters: Vec<char> = Vec::new();
+    for word in code_forms(code).iter().copied().flatten() {
+        if !letters.contains(&word.letter) {
+            letters.push(word.letter);
+        }
+    }
+    match letters.is_empty() {
+        true => "XZUWF".chars().collect(),
+        false => letters,
+    }
+}
+
+/// The letters that a G code of a mill takes besides M, S and T.
+const fn mill_letters(code: GCode) -> &'static str {
     match code {
         _ if is_hole_cycle(code) => "XYZRQPFKL",
         GCode::Rapid | GCode::Reference | GCode::ReferenceCheck | GCode::ReferenceBack => "XYZ",
@@ -101,40 +117,5 @@ pub(crate) const fn letters(code: GCode, is_mill: bool) -> &'static str {
         GCode::MacroCall | GCode::ModalMacroCall => "PLABCDEFHIJKMQRSTUVWXYZ",
         GCode::FeedPerMinute | GCode::FeedPerRevolution => "F",
         _ => "XYZF",
-    }
-}
-
-/// The addresses that a G code of a lathe takes besides M, S and T.
-const fn lathe_letters(code: GCode) -> &'static str {
-    match code {
-        GCode::Rapid
-        | GCode::StraightRapid
-        | GCode::Reference
-        | GCode::ReferenceByParameter
-        | GCode::ReferenceDirect => "XZUW",
-        GCode::Line => "XZUWFIKR",
-        GCode::ArcClockwise
-        | GCode::ArcCounterclockwise
-        | GCode::LongArcClockwise
-        | GCode::LongArcCounterclockwise
-        | GCode::DiameterArcClockwise
-        | GCode::DiameterArcCounterclockwise => "XZUWRIKF",
-        GCode::Dwell | GCode::DwellSecondsFirst => "PXU",
-        GCode::Thread => "XZUWFIJK",
-        GCode::VariableThread => "XZUWFIJKR",
-        GCode::Tapping => "ZWFIL",
-        GCode::Coordinates => "XZUWS",
-        GCode::MacroCommand => "HPQR",
-        GCode::Finishing => "PQ",
-        GCode::TurningRough => "URPQWFST",
-        GCode::FacingRough => "WRPQUFST",
-        GCode::Pattern => "UWRPQFST",
-        GCode::FacePecking | GCode::Grooving => "RXZUWPQF",
-        GCode::CompoundThread => "PQRXZUWFI",
-        GCode::TurningCycle | GCode::FacingCycle => "XZUWRF",
-        GCode::ThreadCycle => "XZUWRFIJKL",
-        GCode::SurfaceSpeed | GCode::SpindleSpeed => "S",
-        GCode::FeedPerMinute | GCode::FeedPerRevolution => "F",
-        _ => "XZUWF",
     }
 }
