@@ -510,16 +510,13 @@ fn job_of_basis(basis: &PreviewInputs) -> (Option<SelectedJob>, Option<Message>)
     (changed.or(read), trouble)
 }
 
-/// Reads the job file beside the program, or the built-in job of a sample; `None` if there is
-/// neither. The second value is the error in the file.
+/// Reads the job file beside the program, or takes the built-in job of a sample, or that of the
+/// forms in the program; `None` if there is none. The second value is the error in the file.
 fn read_job(basis: &PreviewInputs) -> (Option<SelectedJob>, Option<Message>) {
     let job_file = basis.file.as_deref().map(job::job_path);
     let Some(path) = job_file.filter(|path| path.exists()) else {
         let program = basis.program.as_ref();
-        return (
-            program.and_then(|(_, program)| samples::job_of(program)),
-            None,
-        );
+        return (program.and_then(|(_, program)| job_of_text(program)), None);
     };
     match job::read(&path) {
         Ok(job) => {
@@ -528,6 +525,14 @@ fn read_job(basis: &PreviewInputs) -> (Option<SelectedJob>, Option<Message>) {
         }
         Err(error) => (None, Some(error.message())),
     }
+}
+
+/// The built-in job of a sample, or the stock and the tools of the forms in a program.
+fn job_of_text(program: &Program) -> Option<SelectedJob> {
+    samples::job_of(program).or_else(|| {
+        let job = gsk_forms::program_job(program.text())?;
+        Some(SelectedJob { job, file: None })
+    })
 }
 
 /// The shift from program to part coordinates of a move, mm. It is zero without a job that
