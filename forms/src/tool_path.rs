@@ -7,7 +7,7 @@
 
 use gsk_messages::{Message, say};
 use gsk_outline::{
-    ArcWords, CutRule, OutlineBlocks, ProfilePiece, end_clearance, find_gouge, follow_outline,
+    ArcFormat, CutRule, OutlineBlocks, ProfilePiece, end_clearance, find_gouge, follow_outline,
 };
 use gsk_units::Point;
 use libm::fabs;
@@ -148,7 +148,7 @@ impl ContourCut {
     /// The blocks of a path, with X mirrored back.
     pub(crate) fn blocks(&self, path: &[ProfilePiece]) -> Result<OutlineBlocks, Message> {
         let one_way = self.insert.is_none();
-        let blocks = OutlineBlocks::from_pieces(path, ArcWords::RadiusOrCenter, one_way);
+        let blocks = OutlineBlocks::from_pieces(path, ArcFormat::RadiusOrCenter, one_way);
         let blocks = blocks.map_err(|index| {
             let at = path[index].start;
             let x = Thousandths::round(at.x * self.side.sign() * 2.0);

@@ -90,7 +90,7 @@ pub struct OutlineBlocks {
 
 /// The words that an arc may have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ArcWords {
+pub enum ArcFormat {
     /// R, or I and K where they are nearer to the arc.
     RadiusOrCenter,
     /// R alone; an arc that R does not keep is split.
@@ -105,7 +105,7 @@ impl OutlineBlocks {
     /// The index of an arc that cannot be written within 0.001 mm.
     pub fn from_pieces(
         pieces: &[ProfilePiece],
-        words: ArcWords,
+        words: ArcFormat,
         one_way: bool,
     ) -> Result<Self, usize> {
         let first = pieces.first().map(|piece| piece.start);
@@ -161,7 +161,7 @@ impl TurnedProfile {
     ///
     /// # Errors
     /// An arc cannot be written within 0.001 mm.
-    pub fn write_blocks(&self, words: ArcWords, one_way: bool) -> Result<OutlineBlocks, Message> {
+    pub fn write_blocks(&self, words: ArcFormat, one_way: bool) -> Result<OutlineBlocks, Message> {
         let pieces: Vec<ProfilePiece> = self.pieces().copied().collect();
         OutlineBlocks::from_pieces(&pieces, words, one_way).map_err(|index| {
             let traced = &self.traced[index];
@@ -173,7 +173,7 @@ impl TurnedProfile {
 
 struct BlockWriter {
     at: GridEnd,
-    words: ArcWords,
+    words: ArcFormat,
     one_way: bool,
     blocks: Vec<OutlineBlock>,
 }
@@ -221,8 +221,8 @@ impl BlockWriter {
             return Some(shape);
         }
         let by_center = match self.words {
-            ArcWords::RadiusOnly => None,
-            ArcWords::RadiusOrCenter => best_center(start, end, piece, center, clockwise),
+            ArcFormat::RadiusOnly => None,
+            ArcFormat::RadiusOrCenter => best_center(start, end, piece, center, clockwise),
         };
         let forms = by_radius.into_iter().chain(by_center);
         let nearest = forms.min_by(|a, b| a.1.total_cmp(&b.1));

@@ -40,7 +40,7 @@ mod tests;
 
 use gsk_messages::{Message, say};
 
-pub use blocks::{ArcWords, BlockShape, GridEnd, OutlineBlock, OutlineBlocks};
+pub use blocks::{ArcFormat, BlockShape, GridEnd, OutlineBlock, OutlineBlocks};
 pub use crossing::meeting_points;
 pub use drawing::{Drawing, DrawingFault, DrawingFormat, DrawingLayer, DrawingUnit};
 pub use nose::{find_gouge, follow_outline};

@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn an_arc_that_falls_behind_its_top_is_cut_there() {
+    fn an_arc_that_falls_after_its_top_is_cut_there() {
         let ball = ProfilePiece {
             start: Point::new(0.0, 0.0),
             end: Point::new(0.0, -20.0),

@@ -5,7 +5,7 @@ use core::fmt::Write as _;
 use gsk_messages::{Language, Message, say};
 
 use crate::block_words::pointed;
-use crate::blocks::{ArcWords, BlockShape, GridEnd, OutlineBlock, OutlineBlocks};
+use crate::blocks::{ArcFormat, BlockShape, GridEnd, OutlineBlock, OutlineBlocks};
 use crate::profile::TurnedProfile;
 use crate::rules::CutRule;
 
@@ -114,7 +114,7 @@ impl TurnedProfile {
         };
         self.check_directions(rule)?;
         let blocks = self.write_blocks(
-            ArcWords::RadiusOrCenter,
+            ArcFormat::RadiusOrCenter,
             options.format == OutlineFormat::G71,
         )?;
         if options.format == OutlineFormat::Contour {

@@ -3,8 +3,8 @@
 use gsk_messages::{Message, say};
 use gsk_outline::{ProfilePiece, meeting_points};
 
+use super::path::SolvedPiece;
 use super::points::CornerShape;
-use super::solve::SolvedPiece;
 use crate::thousandths::Thousandths;
 
 /// Angle below which two pieces are tangent, as its sine.

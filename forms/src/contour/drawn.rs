@@ -1,7 +1,7 @@
 //! The outline of a drawing as points of a contour form.
 
 use gsk_messages::Message;
-use gsk_outline::{ArcWords, BlockShape, GridEnd, TurnedProfile};
+use gsk_outline::{ArcFormat, BlockShape, GridEnd, TurnedProfile};
 
 use super::points::{TurnedArc, TurnedOutline, TurnedPoint};
 use crate::thousandths::Thousandths;
@@ -12,7 +12,7 @@ use crate::thousandths::Thousandths;
 /// # Errors
 /// An arc cannot be written within 0.001 mm, or the outline has too many points.
 pub fn outline_of_profile(profile: &TurnedProfile) -> Result<TurnedOutline, Message> {
-    let blocks = profile.write_blocks(ArcWords::RadiusOnly, false)?;
+    let blocks = profile.write_blocks(ArcFormat::RadiusOnly, false)?;
     let point = |end: GridEnd, arc: Option<TurnedArc>| TurnedPoint {
         diameter: Some(Thousandths(end.x)),
         z: Some(Thousandths(end.z)),

@@ -4,10 +4,12 @@
 mod corners;
 mod drawn;
 mod open_end;
+mod path;
 mod points;
 mod solve;
 
 pub(crate) use corners::round_corners;
 pub use drawn::outline_of_profile;
+pub use path::SolvedPiece;
 pub use points::{CornerShape, TurnedArc, TurnedOutline, TurnedPoint};
-pub use solve::{OutlineSolution, SolvedPiece};
+pub use solve::OutlineSolution;

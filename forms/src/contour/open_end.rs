@@ -13,8 +13,8 @@ use gsk_outline::ProfilePiece;
 use gsk_units::Point;
 use libm::{acos, cos, fabs, sin, sqrt};
 
+use super::path::{OutlinePath, PointWords, TOLERANCE_MM, arc_about, arc_center};
 use super::points::{CornerShape, TurnedArc};
-use super::solve::{OutlineSolver, PointWords, TOLERANCE_MM, arc_about, arc_center};
 use crate::thousandths::Thousandths;
 
 /// A line with a direction and without an end.
@@ -54,26 +54,24 @@ impl OpenEnd {
             Self::Arc(arc) => arc.number,
         }
     }
-}
 
-impl OutlineSolver {
     /// Closes an open end with the next point.
     pub(super) fn close(
-        &mut self,
-        open: &OpenEnd,
+        &self,
+        path: &mut OutlinePath,
         words: &PointWords,
         arc: Option<TurnedArc>,
     ) -> Result<(), Message> {
-        let missing = || say::form_point_not_closed(open.number(), words.number);
+        let missing = || say::form_point_not_closed(self.number(), words.number);
         let end = words.x.zip(words.z).map(|(x, z)| Point::new(x, z));
         let Some(arc) = arc else {
-            return match (open, words.angle, end) {
-                (OpenEnd::Line(line), Some(angle), Some(end)) if !words.is_tangent => {
-                    self.meet_lines(line, self.direction(angle), end, words)
+            return match (self, words.angle, end) {
+                (Self::Line(line), Some(angle), Some(end)) if !words.is_tangent => {
+                    path.meet_lines(line, path.direction(angle), end, words)
                 }
-                (OpenEnd::Arc(arc), Some(angle), _) => self.end_arc(arc, angle, words),
-                (OpenEnd::Arc(arc), None, Some(end)) if words.is_tangent => {
-                    self.touch_arc(arc, end, words)
+                (Self::Arc(arc), Some(angle), _) => path.end_arc(arc, angle, words),
+                (Self::Arc(arc), None, Some(end)) if words.is_tangent => {
+                    path.touch_arc(arc, end, words)
                 }
                 _ => Err(missing()),
             };
@@ -88,22 +86,24 @@ impl OutlineSolver {
             radius,
             is_clockwise: arc.is_clockwise,
         };
-        let found = match open {
-            OpenEnd::Line(line) => self.line_into_arc(line, &closing),
-            OpenEnd::Arc(arc) => self.arc_into_arc(arc, &closing),
+        let found = match self {
+            Self::Line(line) => path.line_into_arc(line, &closing),
+            Self::Arc(arc) => path.arc_into_arc(arc, &closing),
         };
         let (first, second) = found.ok_or_else(|| say::form_point_unsolvable(words.number))?;
-        let corner = match open {
-            OpenEnd::Line(line) => line.corner,
-            OpenEnd::Arc(arc) => arc.corner,
+        let corner = match self {
+            Self::Line(line) => line.corner,
+            Self::Arc(arc) => arc.corner,
         };
         if first.length() > TOLERANCE_MM {
-            self.push(first, open.number(), corner);
+            path.push(first, self.number(), corner);
         }
-        self.push(second, words.number, words.corner);
+        path.push(second, words.number, words.corner);
         Ok(())
     }
+}
 
+impl OutlinePath {
     /// Two lines with angles: the second one has an end.
     fn meet_lines(
         &mut self,
@@ -153,7 +153,7 @@ impl OutlineSolver {
         if distance <= arc.radius {
             return Err(unsolvable());
         }
-        // From the contact to the end the line goes on in the sense of the arc.
+        // From the contact to the end the line continues in the sense of the arc.
         let angle = acos(arc.radius / distance) * if arc.is_clockwise { 1.0 } else { -1.0 };
         let spoke = between * (arc.radius / distance);
         let contact = center + spoke * cos(angle) + spoke.left() * sin(angle);

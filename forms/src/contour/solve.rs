@@ -9,27 +9,15 @@
 use gsk_messages::{Message, say};
 use gsk_outline::{ProfilePiece, meeting_points};
 use gsk_units::Point;
-use libm::{asin, atan2, cos, fabs, sin, tan};
+use libm::{asin, atan2, fabs, tan};
 
 use super::open_end::{OpenArc, OpenEnd, OpenLine};
+use super::path::{OutlinePath, PointWords, SolvedPiece, TOLERANCE_MM, arc_about, arc_center};
 use super::points::{CornerShape, TurnedArc, TurnedOutline, TurnedPoint};
 use crate::thousandths::Thousandths;
 
-/// Lengths below this are rounding, mm.
-pub(super) const TOLERANCE_MM: f64 = 1e-9;
 /// How much half a chord may exceed the radius of its arc through rounding, mm.
 const RADIUS_ROUNDING_MM: f64 = 0.001;
-
-/// A line or an arc of an outline, before its corners are rounded. X is a radius.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SolvedPiece {
-    /// The line or arc.
-    pub piece: ProfilePiece,
-    /// The corner at its end.
-    pub corner: CornerShape,
-    /// The number of its point in the outline, from 1.
-    pub number: usize,
-}
 
 /// What follows from the points of an outline.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,44 +37,31 @@ impl TurnedOutline {
     /// angle, and −1 inside.
     pub fn solve(&self, side: f64) -> OutlineSolution {
         let first = self.points.first().copied().unwrap_or_default();
+        let start = Point::new(
+            first.diameter.unwrap_or_default().value() / 2.0,
+            first.z.unwrap_or_default().value(),
+        );
         let mut solver = OutlineSolver {
-            side,
-            at: Point::new(
-                first.diameter.unwrap_or_default().value() / 2.0,
-                first.z.unwrap_or_default().value(),
-            ),
+            path: OutlinePath {
+                side,
+                at: start,
+                pieces: Vec::new(),
+            },
             open: None,
-            pieces: Vec::new(),
         };
-        let start = solver.at;
         let fault = solver.solve_points(&self.points).err();
         OutlineSolution {
             start,
             first_corner: first.corner,
-            pieces: solver.pieces,
+            pieces: solver.path.pieces,
             fault,
         }
     }
 }
 
-/// The words of a point, as numbers; X is a radius.
-#[derive(Clone, Copy)]
-pub(super) struct PointWords {
-    pub(super) number: usize,
-    pub(super) x: Option<f64>,
-    pub(super) z: Option<f64>,
-    pub(super) length: Option<f64>,
-    /// Degrees.
-    pub(super) angle: Option<f64>,
-    pub(super) is_tangent: bool,
-    pub(super) corner: CornerShape,
-}
-
-pub(super) struct OutlineSolver {
-    side: f64,
-    pub(super) at: Point,
+struct OutlineSolver {
+    path: OutlinePath,
     open: Option<OpenEnd>,
-    pieces: Vec<SolvedPiece>,
 }
 
 impl OutlineSolver {
@@ -125,57 +100,21 @@ impl OutlineSolver {
             corner: point.corner,
         };
         match (self.open.take(), point.arc) {
-            (None, None) => self.add_line(self.placed(words)),
-            (None, Some(arc)) => self.add_arc(self.placed(words), arc),
-            (Some(open), arc) => self.close(&open, &words, arc),
+            (None, None) => self.add_line(self.path.placed(words)),
+            (None, Some(arc)) => self.add_arc(self.path.placed(words), arc),
+            (Some(open), arc) => open.close(&mut self.path, &words, arc),
         }
-    }
-
-    /// The words with Z from the length.
-    pub(super) fn placed(&self, words: PointWords) -> PointWords {
-        let z = words.z.or(words.length.map(|length| self.at.z - length));
-        PointWords { z, ..words }
-    }
-
-    /// The direction with an angle to the axis, towards the chuck.
-    pub(super) fn direction(&self, angle: f64) -> Point {
-        let radians = angle.to_radians();
-        Point::new(self.side * sin(radians), -cos(radians))
-    }
-
-    /// The direction at the end of the last piece.
-    fn last_direction(&self, number: usize) -> Result<Point, Message> {
-        let last = self.pieces.last().map(|it| it.piece.direction_at(1.0));
-        last.ok_or_else(|| say::form_point_no_tangent(number))
-    }
-
-    pub(super) fn push(&mut self, piece: ProfilePiece, number: usize, corner: CornerShape) {
-        self.at = piece.end;
-        self.pieces.push(SolvedPiece {
-            piece,
-            corner,
-            number,
-        });
-    }
-
-    pub(super) fn push_line_to(&mut self, end: Point, words: &PointWords) -> Result<(), Message> {
-        if (end - self.at).length() <= TOLERANCE_MM {
-            return Err(say::form_point_unsolvable(words.number));
-        }
-        let line = ProfilePiece::line(self.at, end);
-        self.push(line, words.number, words.corner);
-        Ok(())
     }
 
     fn add_line(&mut self, words: PointWords) -> Result<(), Message> {
         let number = words.number;
         let direction = match (words.angle, words.is_tangent) {
             (Some(_), true) => return Err(say::form_point_over(number)),
-            (Some(angle), false) => Some(self.direction(angle)),
-            (None, true) => Some(self.last_direction(number)?),
+            (Some(angle), false) => Some(self.path.direction(angle)),
+            (None, true) => Some(self.path.last_direction(number)?),
             (None, false) => None,
         };
-        let at = self.at;
+        let at = self.path.at;
         let end = match (words.x, words.z, direction) {
             (Some(_), Some(_), Some(_)) => return Err(say::form_point_over(number)),
             (None, None, None) => return Err(say::form_point_missing(number)),
@@ -198,32 +137,9 @@ impl OutlineSolver {
                 }
                 Point::new(x, at.z + fabs(x - at.x) * direction.z / rise)
             }
-            (x, z, Some(direction)) => self.along(direction, x, z, number)?,
+            (x, z, Some(direction)) => self.path.along(direction, x, z, number)?,
         };
-        self.push_line_to(end, &words)
-    }
-
-    /// The point in a direction with one of the coordinates.
-    pub(super) fn along(
-        &self,
-        direction: Point,
-        x: Option<f64>,
-        z: Option<f64>,
-        number: usize,
-    ) -> Result<Point, Message> {
-        let (distance, rate) = match (x, z) {
-            (Some(x), None) => (x - self.at.x, direction.x),
-            (None, Some(z)) => (z - self.at.z, direction.z),
-            _ => return Err(say::form_point_over(number)),
-        };
-        let length = distance / rate;
-        // A comparison that is false for NaN, too.
-        let is_ahead = length > TOLERANCE_MM && length < 1e6;
-        if !is_ahead {
-            return Err(say::form_point_unsolvable(number));
-        }
-        let end = self.at + direction * length;
-        Ok(Point::new(x.unwrap_or(end.x), z.unwrap_or(end.z)))
+        self.path.push_line_to(end, &words)
     }
 
     fn add_arc(&mut self, words: PointWords, arc: TurnedArc) -> Result<(), Message> {
@@ -234,32 +150,33 @@ impl OutlineSolver {
         if !words.is_tangent {
             return match (end, radius, words.angle) {
                 (Some(end), Some(radius), None) => {
-                    let piece = arc_by_radius(self.at, end, radius, arc.is_clockwise);
-                    self.push(piece.ok_or_else(unsolvable)?, number, words.corner);
+                    let piece = arc_by_radius(self.path.at, end, radius, arc.is_clockwise);
+                    self.path
+                        .push(piece.ok_or_else(unsolvable)?, number, words.corner);
                     Ok(())
                 }
                 (Some(_), _, Some(_)) => Err(say::form_point_over(number)),
                 _ => Err(say::form_point_arc_missing(number)),
             };
         }
-        let direction = self.last_direction(number)?;
+        let direction = self.path.last_direction(number)?;
         let piece = match (end, radius, words.angle) {
             (Some(end), None, None) => {
-                let chord = end - self.at;
+                let chord = end - self.path.at;
                 let half = atan2(direction.cross(chord), direction.dot(chord));
                 let turns_right = (half < 0.0) == arc.is_clockwise;
                 let bulge = tan(half / 2.0);
                 (turns_right && fabs(bulge) <= 1.0 && chord.length() > TOLERANCE_MM).then(|| {
                     ProfilePiece {
-                        start: self.at,
+                        start: self.path.at,
                         end,
                         bulge,
                     }
                 })
             }
             (None, Some(radius), Some(angle)) if words.x.is_none() && words.z.is_none() => {
-                let directions = (direction, self.direction(angle));
-                ProfilePiece::turning(self.at, directions, radius, !arc.is_clockwise)
+                let directions = (direction, self.path.direction(angle));
+                ProfilePiece::turning(self.path.at, directions, radius, !arc.is_clockwise)
             }
             (None, Some(radius), None) if words.x.is_none() && words.z.is_none() => {
                 self.open = Some(OpenEnd::Arc(OpenArc {
@@ -277,7 +194,8 @@ impl OutlineSolver {
             (None, None, _) => return Err(say::form_point_arc_missing(number)),
             _ => return Err(say::form_point_over(number)),
         };
-        self.push(piece.ok_or_else(unsolvable)?, number, words.corner);
+        self.path
+            .push(piece.ok_or_else(unsolvable)?, number, words.corner);
         Ok(())
     }
 
@@ -289,7 +207,7 @@ impl OutlineSolver {
         (radius, is_clockwise): (f64, bool),
         words: PointWords,
     ) -> Option<ProfilePiece> {
-        let center = arc_center(self.at, direction, radius, is_clockwise);
+        let center = arc_center(self.path.at, direction, radius, is_clockwise);
         let through = Point::new(words.x.unwrap_or(center.x), words.z.unwrap_or(center.z));
         let along = match words.x {
             Some(_) => Point::new(0.0, 1.0),
@@ -306,38 +224,9 @@ impl OutlineSolver {
             // The given coordinate is kept exactly.
             Point::new(words.x.unwrap_or(end.x), words.z.unwrap_or(end.z))
         });
-        let arcs = ends.filter_map(|end| arc_about(self.at, end, center, is_clockwise));
+        let arcs = ends.filter_map(|end| arc_about(self.path.at, end, center, is_clockwise));
         arcs.min_by(|a, b| fabs(a.bulge).total_cmp(&fabs(b.bulge)))
     }
-}
-
-/// The centre of an arc that leaves a point along a direction.
-pub(super) fn arc_center(start: Point, direction: Point, radius: f64, is_clockwise: bool) -> Point {
-    let side = if is_clockwise { -radius } else { radius };
-    start + direction.left() * side
-}
-
-/// The arc of at most half a turn about a centre; `None` if it would be longer or has no
-/// length.
-pub(super) fn arc_about(
-    start: Point,
-    end: Point,
-    center: Point,
-    is_clockwise: bool,
-) -> Option<ProfilePiece> {
-    let (from, to) = (start - center, end - center);
-    let side = if is_clockwise { -1.0 } else { 1.0 };
-    let sweep = atan2(from.cross(to), from.dot(to)) * side;
-    // Half a turn may come out with either sign.
-    let sweep = match sweep < -core::f64::consts::PI + 1e-9 {
-        true => core::f64::consts::PI,
-        false => sweep,
-    };
-    (sweep > 1e-9).then(|| ProfilePiece {
-        start,
-        end,
-        bulge: tan(sweep / 4.0) * side,
-    })
 }
 
 /// The arc of at most half a turn between two points.

@@ -6,7 +6,7 @@ use core::f64::consts::FRAC_PI_2;
 use gsk_units::Point;
 
 use super::*;
-use crate::blocks::{ArcWords, BlockShape, GridEnd, OutlineBlocks};
+use crate::blocks::{ArcFormat, BlockShape, GridEnd, OutlineBlocks};
 
 /// Number of outlines.
 const ROUNDS: u64 = 400;
@@ -172,7 +172,7 @@ fn blocks_keep_the_outline_within_a_micrometre() {
         let file = random_file(&drawn, &mut numbers);
         let profile = profile_of(&file).expect("an outline");
         let blocks = profile
-            .write_blocks(ArcWords::RadiusOrCenter, true)
+            .write_blocks(ArcFormat::RadiusOrCenter, true)
             .expect("blocks");
         let path = path_of(&blocks);
         for (points, others) in [(sample(&path), &drawn), (sample(&drawn), &path)] {
@@ -214,7 +214,7 @@ fn long_flat_and_half_arcs_are_exact() {
                 notes: Vec::new(),
             };
             let blocks = profile
-                .write_blocks(ArcWords::RadiusOrCenter, false)
+                .write_blocks(ArcFormat::RadiusOrCenter, false)
                 .expect("blocks");
             let path = path_of(&blocks);
             let distances = sample(&path)

@@ -52,7 +52,7 @@ struct ReadFile {
 }
 
 /// The drawing of the contour form.
-pub struct DrawingPane {
+pub struct ContourDrawing {
     notices: Sender<Notice>,
     sender: Sender<ReadFile>,
     receiver: Receiver<ReadFile>,
@@ -61,7 +61,7 @@ pub struct DrawingPane {
     refusal: Option<Message>,
 }
 
-impl DrawingPane {
+impl ContourDrawing {
     pub fn new(console: &Console) -> Self {
         let (sender, receiver) = unbounded();
         Self {

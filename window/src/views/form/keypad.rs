@@ -25,12 +25,14 @@ struct KeyTargets {
     wanted: Option<Id>,
     /// Whether the field gets the keyboard back from a number key, with its cursor.
     returns: bool,
+    /// Whether the first number key replaces the value of the field.
+    replaces: bool,
     /// What the field gets once it has the keyboard.
     pending: Vec<Event>,
 }
 
 fn change<T>(context: &Context, with: impl FnOnce(&mut KeyTargets) -> T) -> T {
-    let id = Id::unique("form number keys");
+    let id = Id::unique("form_number_keys");
     context.data_mut(|data| with(data.get_temp_mut_or_default::<KeyTargets>(id)))
 }
 
@@ -55,6 +57,7 @@ pub fn register_field(ui: &Ui, field: &Response) -> bool {
     change(ui.ctx(), |targets| {
         targets.fields.push(field.id);
         if has_focus {
+            targets.replaces |= targets.last != Some(field.id);
             targets.last = Some(field.id);
         }
         gained_focus && std::mem::take(&mut targets.returns)
@@ -79,7 +82,7 @@ pub fn show_keys(ui: &mut Ui, language: Language) {
             let size = vec2(KEY_SIZE.x * 1.8, KEY_SIZE.y);
             if ui.add_sized(size, Button::new(special)).clicked() {
                 match special == &names[0] {
-                    true => type_event(ui.ctx(), backspace()),
+                    true => type_event(ui.ctx(), press(Key::Backspace, Modifiers::NONE)),
                     false => focus_next(ui.ctx()),
                 }
             }
@@ -87,13 +90,13 @@ pub fn show_keys(ui: &mut Ui, language: Language) {
     }
 }
 
-const fn backspace() -> Event {
+const fn press(key: Key, modifiers: Modifiers) -> Event {
     Event::Key {
-        key: Key::Backspace,
+        key,
         physical_key: None,
         pressed: true,
         repeat: false,
-        modifiers: Modifiers::NONE,
+        modifiers,
     }
 }
 
@@ -101,6 +104,9 @@ const fn backspace() -> Event {
 fn type_event(context: &Context, event: Event) {
     change(context, |targets| {
         targets.returns = targets.last.is_some();
+        if std::mem::take(&mut targets.replaces) || targets.last.is_none() {
+            targets.pending.push(press(Key::A, Modifiers::COMMAND));
+        }
         targets.pending.push(event);
         targets.last = targets.last.or_else(|| targets.shown.first().copied());
         targets.wanted = targets.last;

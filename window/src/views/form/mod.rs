@@ -21,7 +21,7 @@ use gsk_messages::{Language, Message, say};
 use crate::focus;
 use crate::theme;
 use crate::views::{bar_frame, side_frame};
-use drawing::{DrawingPane, ReadOutline};
+use drawing::{ContourDrawing, ReadOutline};
 use fields::FieldDrafts;
 use preview::{FormPreview, FormPreviewer, PreviewOrder};
 
@@ -67,7 +67,7 @@ pub struct FormPane {
     kept: BTreeMap<FormKind, FormValues>,
     drafts: FieldDrafts,
     /// The drawing from which the contour is read.
-    drawing: DrawingPane,
+    drawing: ContourDrawing,
     /// The outline of the values, as it is drawn.
     outline: DrawnOutline,
     shows_keys: bool,
@@ -96,7 +96,7 @@ impl FormPane {
             is_open: false,
             written: write_form(&values),
             drafts: FieldDrafts::new(&values),
-            drawing: DrawingPane::new(console),
+            drawing: ContourDrawing::new(console),
             outline: drawn_outline(&values),
             shows_keys: false,
             values,

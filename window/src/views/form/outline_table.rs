@@ -290,3 +290,17 @@ impl TableRow<'_> {
         self.is_changed |= combo.inner.unwrap_or(false);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_keep_the_words_of_their_points() {
+        let text = "X20Z0C2/L20/X30A45R1/X50Z-50CW20/X60CCWT/Z-80A-5CCW3T";
+        let outline = TurnedOutline::parse(text).unwrap();
+        let table = OutlineTable::new(&outline);
+        let rows: Vec<String> = table.points.iter().map(PointDraft::text).collect();
+        assert_eq!(rows.join("/"), text);
+    }
+}

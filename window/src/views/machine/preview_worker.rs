@@ -56,6 +56,8 @@ pub struct PreviewResult {
     pub is_trial: bool,
     /// Whether the job is a practice job, because no program determines the part.
     pub is_practice_job: bool,
+    /// Whether stock and tools are those of the forms in the program.
+    pub is_form_job: bool,
     /// The reason why the program's job file cannot be used; `None` if it can or does not exist.
     pub job_file_error: Option<Message>,
     /// The file of the program; `None` without one.
@@ -323,6 +325,9 @@ impl PreviewThread {
             is_trial: tried,
             job_file_error: trouble,
             program_file: inputs.file.clone(),
+            // Jobs of files and of samples have a name.
+            is_form_job: inputs.changed_job.is_none()
+                && chosen.as_ref().is_some_and(|it| it.file.is_none()),
             rear_tool_post: setup.lathe.rear_tool_post,
             program_count: self.program_count,
             ..PreviewResult::default()
