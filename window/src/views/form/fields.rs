@@ -152,7 +152,8 @@ impl FieldDrafts {
         tip: &str,
     ) -> bool {
         let id = egui::Id::unique(("form field", field.id));
-        let is_typed = ui.memory(|memory| memory.has_focus(id));
+        let has_focus = ui.memory(|memory| memory.has_focus(id));
+        let is_typed = has_focus || keypad::is_typed(ui, id);
         let draft = self.texts.entry(field.id).or_default();
         if !is_typed && !self.errors.contains_key(field.id) {
             *draft = values.text(field);

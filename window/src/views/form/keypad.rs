@@ -20,6 +20,8 @@ struct KeyTargets {
     /// The fields of the last frame.
     shown: Vec<Id>,
     last: Option<Id>,
+    /// Whether the keys are shown in this frame.
+    has_keys: bool,
     /// The field that gets the keyboard in the next frame: in the frame of a click it would
     /// lose it again, because the click is outside of it.
     wanted: Option<Id>,
@@ -41,6 +43,7 @@ fn change<T>(context: &Context, with: impl FnOnce(&mut KeyTargets) -> T) -> T {
 pub fn begin_frame(ui: &Ui) {
     let (wanted, typed) = change(ui.ctx(), |targets| {
         targets.shown = std::mem::take(&mut targets.fields);
+        targets.has_keys = false;
         let typed = std::mem::take(&mut targets.pending);
         (targets.wanted.take(), typed)
     });
@@ -48,6 +51,13 @@ pub fn begin_frame(ui: &Ui) {
         ui.memory_mut(|memory| memory.request_focus(field));
         ui.input_mut(|input| input.events.extend(typed));
     }
+}
+
+/// Whether the number keys type into this field, which may not have the keyboard meanwhile.
+pub fn is_typed(ui: &Ui, field: Id) -> bool {
+    change(ui.ctx(), |targets| {
+        targets.has_keys && targets.last == Some(field)
+    })
 }
 
 /// Registers a field in which numbers are typed. Returns whether it gets the keyboard back
@@ -66,6 +76,7 @@ pub fn register_field(ui: &Ui, field: &Response) -> bool {
 
 /// Draws the keys.
 pub fn show_keys(ui: &mut Ui, language: Language) {
+    change(ui.ctx(), |targets| targets.has_keys = true);
     let names = [
         say::form_keypad_erase().text(language),
         say::form_keypad_next().text(language),
