@@ -166,13 +166,13 @@ impl OutlineSolver {
                 let half = atan2(direction.cross(chord), direction.dot(chord));
                 let turns_right = (half < 0.0) == arc.is_clockwise;
                 let bulge = tan(half / 2.0);
-                (turns_right && fabs(bulge) <= 1.0 && chord.length() > TOLERANCE_MM).then(|| {
+                (turns_right && fabs(bulge) <= 1.0 && chord.length() > TOLERANCE_MM).then_some(
                     ProfilePiece {
                         start: self.path.at,
                         end,
                         bulge,
-                    }
-                })
+                    },
+                )
             }
             (None, Some(radius), Some(angle)) if words.x.is_none() && words.z.is_none() => {
                 let directions = (direction, self.path.direction(angle));
