@@ -173,3 +173,33 @@ fn every_form_is_previewed_and_becomes_a_program() {
         "{text}"
     );
 }
+
+#[test]
+fn number_keys_replace_the_value_of_the_field_and_go_to_the_next_one() {
+    let mut bench = open_view();
+    click(&mut bench, "Form");
+    click(&mut bench, "Turn");
+    click(&mut bench, "Number keys");
+    bench.harness.get_by_label("Diameter").focus();
+    bench.run(2);
+    for key in ["3", "6", "1", "Erase", "Next", "3", "5", ".", "5"] {
+        click(&mut bench, key);
+        bench.run(2);
+    }
+    wait_for_text(&mut bench, "Check: no alarm, no collision");
+    assert!(is_shown(&bench, "STOCK=50 D=36 DF=35.5"));
+}
+
+#[test]
+fn a_row_of_a_contour_without_a_solution_is_named() {
+    let mut bench = open_view();
+    click(&mut bench, "Form");
+    click(&mut bench, "Contour");
+    wait_for_text(&mut bench, "Check: no alarm, no collision");
+    set_field(&mut bench, "Point 3: angle", "95");
+    assert!(is_shown(&bench, "point 3: the angle must be"));
+    set_field(&mut bench, "Point 3: angle", "40");
+    wait_for_text(&mut bench, "Check: no alarm, no collision");
+    assert!(is_shown(&bench, "X30A40R2"));
+    assert!(is_shown(&bench, "Outline with its dimensions"));
+}

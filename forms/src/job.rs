@@ -1,13 +1,17 @@
 //! Stock and tool of a form, for its preview and for the file beside the program.
 
+use gsk_outline::ENTERING_DEGREES;
 use gsk_units::Diameter;
 use gsk_workpiece::job::Job;
 use gsk_workpiece::stock::{Stock, StockForm};
 use gsk_workpiece::tool::{Holder, Insert, InsertLetter, Tool};
 
-use crate::blocks::{chosen_thread, deepest_z, drill_end_z, outside_diameter, side};
+use crate::blocks::{
+    chosen_thread, deepest_z, drill_end_z, is_compensated, outside_diameter, side, undercut_insert,
+};
 use crate::kind::FormKind;
-use crate::nose_path::CutSide;
+use crate::section::find_sections;
+use crate::tool_path::CutSide;
 use crate::values::FormValues;
 
 /// Length between the deepest cut and the jaws, mm.
@@ -48,6 +52,50 @@ pub fn form_job(values: &FormValues) -> Job {
     let number = (values.number("TOOL").0 / 1000).clamp(1, 99) as u8;
     job.tools.insert(number, tool(values, -deepest));
     job
+}
+
+/// What the offset table must have for G41 or G42.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NoseOffset {
+    /// The number of the offset.
+    pub number: u8,
+    /// R, the nose radius, mm.
+    pub radius: f64,
+    /// T, the number of the imaginary tip.
+    pub tip: u8,
+}
+
+/// What the offset table must have; `None` if the blocks allow for the nose radius.
+pub fn nose_offset(values: &FormValues) -> Option<NoseOffset> {
+    if !is_compensated(values) {
+        return None;
+    }
+    let job = form_job(values);
+    let (number, tool) = job.tools.iter().next()?;
+    Some(NoseOffset {
+        number: *number,
+        radius: values.value("NOSE"),
+        tip: tool.tip,
+    })
+}
+
+/// The stock and the tools of the forms in a program; `None` without a form that can be read.
+/// The first form gives the shape of the stock. The stock is long enough for all forms.
+pub fn program_job(text: &str) -> Option<Job> {
+    let sections = find_sections(text).into_iter();
+    let jobs = sections.filter_map(|section| section.values.ok());
+    jobs.map(|values| form_job(&values))
+        .reduce(|mut job, next| {
+            let overhang = job.stock.overhang.max(next.stock.overhang);
+            let face = job.stock.face.max(next.stock.face);
+            job.stock.length = overhang + face + CLAMPED_MM;
+            job.stock.overhang = overhang;
+            job.stock.face = face;
+            for (number, tool) in next.tools {
+                job.tools.entry(number).or_insert(tool);
+            }
+            job
+        })
 }
 
 /// The form of a stock that is not a bar.
@@ -97,10 +145,20 @@ fn tool(values: &FormValues, depth: f64) -> Tool {
 
 fn turning_tool(values: &FormValues) -> Tool {
     let mut tool = Tool::turning();
-    if let Insert::Turning { nose, .. } = &mut tool.insert {
+    if let Insert::Turning { nose, letter, .. } = &mut tool.insert {
         *nose = values.value("NOSE");
+        if let Some(insert) = undercut_insert(values) {
+            *letter = insert_letter(insert);
+        }
     }
     tool
+}
+
+/// The sharpest insert whose corner has at least this angle, degrees.
+fn insert_letter(angle: f64) -> InsertLetter {
+    let letters = [InsertLetter::V, InsertLetter::D, InsertLetter::T];
+    let mut fitting = letters.into_iter().filter(|it| it.corner() >= angle);
+    fitting.next().unwrap_or(InsertLetter::C)
 }
 
 fn boring_tool(values: &FormValues, depth: f64) -> Tool {
@@ -109,8 +167,8 @@ fn boring_tool(values: &FormValues, depth: f64) -> Tool {
     let size = (6.35 * hole / 15.0).clamp(2.0, 6.35).max(4.0 * nose);
     Tool {
         insert: Insert::Turning {
-            letter: InsertLetter::D,
-            entering: 93.0,
+            letter: undercut_insert(values).map_or(InsertLetter::D, insert_letter),
+            entering: ENTERING_DEGREES,
             size,
             nose,
         },

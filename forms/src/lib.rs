@@ -15,26 +15,30 @@
 
 mod blocks;
 mod common_fields;
+mod contour;
 mod error;
 mod fields;
 mod form_table;
 mod job;
 mod kind;
-mod nose_path;
-mod outline;
 mod proposal;
 mod section;
 mod shape_fields;
 mod thousandths;
 mod thread_table;
+mod tool_path;
 mod values;
 
+pub use blocks::{DrawnOutline, drawn_outline};
+pub use contour::{
+    CornerShape, OutlineSolution, SolvedPiece, TurnedArc, TurnedOutline, TurnedPoint,
+    outline_of_profile,
+};
 pub use error::FormError;
 pub use fields::{FieldInput, FieldOption, FieldRow, FieldUnit};
 pub use form_table::form_fields;
-pub use job::form_job;
+pub use job::{NoseOffset, form_job, nose_offset, program_job};
 pub use kind::FormKind;
-pub use outline::{CornerShape, TurnedOutline, TurnedPoint};
 pub use section::{FormSection, find_sections, free_sequence_number, whole_program, write_form};
 pub use thousandths::Thousandths;
 pub use thread_table::{

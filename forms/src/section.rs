@@ -25,6 +25,8 @@ const MORE: &str = "(FORM+ ";
 const END: &str = "(FORM END";
 /// Distance between the sequence numbers that sections begin with.
 const NUMBER_STEP: u32 = 10;
+/// Greatest count of sequence numbers of a section.
+const NUMBERS: u32 = 4;
 
 /// A section of a form that was found in a program.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -169,7 +171,7 @@ pub fn free_sequence_number(text: &str) -> u16 {
             digits.parse().ok()
         })
         .collect();
-    let is_free = |first: u32| !numbers.contains(&first) && !numbers.contains(&(first + 1));
+    let is_free = |first: u32| (first..first + NUMBERS).all(|it| !numbers.contains(&it));
     let mut candidates = (100..9_990).step_by(NUMBER_STEP as usize);
     candidates.find(|it| is_free(*it)).unwrap_or(100) as u16
 }

@@ -254,3 +254,40 @@ pub(crate) static DWELL: FormField = FormField::number(
     (0, 10_000),
     |_| Thousandths(200),
 );
+pub(crate) static COMPENSATION: FormField = FormField::choice(
+    "COMP",
+    (say::form_field_comp, say::form_field_comp_tip),
+    &[
+        FieldOption {
+            word: "BLOCKS",
+            name: say::form_option_comp_blocks,
+        },
+        FieldOption {
+            word: "G41",
+            name: say::form_option_comp_codes,
+        },
+    ],
+)
+.shown_if(|values| values.number("NOSE").0 > 0);
+pub(crate) static UNDERCUTS: FormField = FormField::choice(
+    "UNDER",
+    (say::form_field_under, say::form_field_under_tip),
+    &[
+        FieldOption {
+            word: "NO",
+            name: say::form_option_under_no,
+        },
+        FieldOption {
+            word: "YES",
+            name: say::form_option_under_yes,
+        },
+    ],
+);
+pub(crate) static INSERT_ANGLE: FormField = FormField::number(
+    "INSERT",
+    (say::form_field_insert, say::form_field_insert_tip),
+    FieldUnit::Angle,
+    (35_000, 80_000),
+    |_| mm(35),
+)
+.shown_if(|values| values.has("UNDER", "YES"));

@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 
 use gsk_messages::{Message, say};
 
+use crate::contour::TurnedOutline;
 use crate::error::FormError;
 use crate::fields::{FieldInput, FieldRow, FieldUnit};
 use crate::kind::FormKind;
-use crate::outline::TurnedOutline;
 use crate::thousandths::Thousandths;
 use crate::thread_table;
 

@@ -88,36 +88,92 @@ pub struct OutlineBlocks {
     pub blocks: Vec<OutlineBlock>,
 }
 
-impl TurnedProfile {
-    /// The blocks of the outline. With `one_way` rounding never makes X smaller or Z greater
-    /// than before.
+/// The words that an arc may have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ArcFormat {
+    /// R, or I and K where they are nearer to the arc.
+    RadiusOrCenter,
+    /// R alone; an arc that R does not keep is split.
+    RadiusOnly,
+}
+
+impl OutlineBlocks {
+    /// The blocks of pieces of which each begins where the last one ends. With `one_way`
+    /// rounding never makes X smaller or Z greater than before.
     ///
     /// # Errors
-    /// An arc cannot be written within 0.001 mm.
-    pub fn write_blocks(&self, one_way: bool) -> Result<OutlineBlocks, Message> {
-        let first = self.traced.first().map(|it| it.piece.start);
+    /// The index of an arc that cannot be written within 0.001 mm.
+    pub fn from_pieces(
+        pieces: &[ProfilePiece],
+        words: ArcFormat,
+        one_way: bool,
+    ) -> Result<Self, usize> {
+        let first = pieces.first().map(|piece| piece.start);
         let start = GridEnd::round(first.unwrap_or_default());
         let mut writer = BlockWriter {
             at: start,
+            words,
             one_way,
             blocks: Vec::new(),
         };
-        for traced in &self.traced {
-            if !writer.add_piece(&traced.piece, MAX_DEPTH) {
-                let at = traced.piece.start;
-                let name = self.entity_name(traced);
-                return Err(say::outline_arc_not_exact(name, at.x * 2.0, at.z));
+        for (index, piece) in pieces.iter().enumerate() {
+            if !writer.add_piece(piece, MAX_DEPTH) {
+                return Err(index);
             }
         }
-        Ok(OutlineBlocks {
+        Ok(Self {
             start,
             blocks: writer.blocks,
         })
     }
 }
 
+impl OutlineBlocks {
+    /// The blocks mirrored in the spindle axis.
+    #[must_use]
+    pub fn mirrored(&self) -> Self {
+        let mirror = |end: GridEnd| GridEnd { x: -end.x, ..end };
+        let blocks = self.blocks.iter().map(|block| OutlineBlock {
+            end: mirror(block.end),
+            shape: match block.shape {
+                BlockShape::Line => BlockShape::Line,
+                BlockShape::Radius { clockwise, r } => BlockShape::Radius {
+                    clockwise: !clockwise,
+                    r,
+                },
+                BlockShape::Center { clockwise, i, k } => BlockShape::Center {
+                    clockwise: !clockwise,
+                    i: -i,
+                    k,
+                },
+            },
+        });
+        Self {
+            start: mirror(self.start),
+            blocks: blocks.collect(),
+        }
+    }
+}
+
+impl TurnedProfile {
+    /// The blocks of the outline. With `one_way` rounding never makes X smaller or Z greater
+    /// than before.
+    ///
+    /// # Errors
+    /// An arc cannot be written within 0.001 mm.
+    pub fn write_blocks(&self, words: ArcFormat, one_way: bool) -> Result<OutlineBlocks, Message> {
+        let pieces: Vec<ProfilePiece> = self.pieces().copied().collect();
+        OutlineBlocks::from_pieces(&pieces, words, one_way).map_err(|index| {
+            let traced = &self.traced[index];
+            let at = traced.piece.start;
+            say::outline_arc_not_exact(self.entity_name(traced), at.x * 2.0, at.z)
+        })
+    }
+}
+
 struct BlockWriter {
     at: GridEnd,
+    words: ArcFormat,
     one_way: bool,
     blocks: Vec<OutlineBlock>,
 }
@@ -135,7 +191,7 @@ impl BlockWriter {
         if end == self.at && piece.length() < 0.002 {
             return true;
         }
-        if let Some(shape) = best_shape(self.at, end, piece) {
+        if let Some(shape) = self.best_shape(end, piece) {
             self.blocks.push(OutlineBlock { end, shape });
             self.at = end;
             return true;
@@ -143,32 +199,36 @@ impl BlockWriter {
         let (first, second) = piece.split_at(0.5);
         depth > 0 && self.add_piece(&first, depth - 1) && self.add_piece(&second, depth - 1)
     }
-}
 
-/// The form of a block that is nearest to the piece; `None` if an arc must be halved.
-fn best_shape(start: GridEnd, end: GridEnd, piece: &ProfilePiece) -> Option<BlockShape> {
-    let Some(center) = piece.center() else {
-        return Some(BlockShape::Line);
-    };
-    let sagitta = piece.radius() * (1.0 - libm::cos(piece.sweep() / 2.0));
-    if sagitta < ARC_TOLERANCE_MM / 4.0 {
-        return Some(BlockShape::Line);
+    /// The form of a block that is nearest to the piece; `None` if an arc must be halved.
+    fn best_shape(&self, end: GridEnd, piece: &ProfilePiece) -> Option<BlockShape> {
+        let start = self.at;
+        let Some(center) = piece.center() else {
+            return Some(BlockShape::Line);
+        };
+        let sagitta = piece.radius() * (1.0 - libm::cos(piece.sweep() / 2.0));
+        if sagitta < ARC_TOLERANCE_MM / 4.0 {
+            return Some(BlockShape::Line);
+        }
+        if start == end {
+            return None;
+        }
+        let clockwise = piece.bulge < 0.0;
+        let by_radius = best_radius(start, end, piece, clockwise);
+        if let Some((shape, distance)) = by_radius
+            && distance <= GOOD_ARC_MM
+        {
+            return Some(shape);
+        }
+        let by_center = match self.words {
+            ArcFormat::RadiusOnly => None,
+            ArcFormat::RadiusOrCenter => best_center(start, end, piece, center, clockwise),
+        };
+        let forms = by_radius.into_iter().chain(by_center);
+        let nearest = forms.min_by(|a, b| a.1.total_cmp(&b.1));
+        let (shape, distance) = nearest?;
+        (distance <= ARC_TOLERANCE_MM).then_some(shape)
     }
-    if start == end {
-        return None;
-    }
-    let clockwise = piece.bulge < 0.0;
-    let by_radius = best_radius(start, end, piece, clockwise);
-    if let Some((shape, distance)) = by_radius
-        && distance <= GOOD_ARC_MM
-    {
-        return Some(shape);
-    }
-    let by_center = best_center(start, end, piece, center, clockwise);
-    let forms = by_radius.into_iter().chain(by_center);
-    let nearest = forms.min_by(|a, b| a.1.total_cmp(&b.1));
-    let (shape, distance) = nearest?;
-    (distance <= ARC_TOLERANCE_MM).then_some(shape)
 }
 
 fn best_radius(
@@ -179,8 +239,11 @@ fn best_radius(
 ) -> Option<(BlockShape, f64)> {
     let (from, to) = (start.to_point(), end.to_point());
     let rounded = libm::round(piece.radius() * 1000.0) as i64;
-    let candidates = (rounded - 1..=rounded + 1).filter(|r| (1..=MAX_VALUE).contains(r));
-    let arcs = candidates.filter_map(|r| {
+    let candidates = [rounded, rounded - 1, rounded + 1];
+    let candidates = candidates
+        .into_iter()
+        .filter(|r| (1..=MAX_VALUE).contains(r));
+    let mut arcs = candidates.filter_map(|r| {
         let radius = r as f64 / 1000.0;
         let half = (to - from).length() / 2.0;
         let square = radius * radius - half * half;
@@ -193,7 +256,22 @@ fn best_radius(
         let distance = greatest_distance(piece, center, (radius, radius));
         Some((BlockShape::Radius { clockwise, r }, distance))
     });
-    arcs.min_by(|a, b| a.1.total_cmp(&b.1))
+    let first = arcs.next();
+    if first.is_some_and(|(shape, distance)| {
+        // The radius of the drawing is what a reader looks for.
+        shape
+            == (BlockShape::Radius {
+                clockwise,
+                r: rounded,
+            })
+            && distance <= GOOD_ARC_MM
+    }) {
+        return first;
+    }
+    first
+        .into_iter()
+        .chain(arcs)
+        .min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 fn best_center(

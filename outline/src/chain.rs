@@ -7,10 +7,10 @@
 //!                                                     |
 //! ```
 
-use gsk_messages::{Message, say};
+use gsk_messages::say;
 use gsk_units::Point;
 
-use crate::drawing::{Drawing, TracedPiece};
+use crate::drawing::{Drawing, DrawingFault, MAX_FAULTS, TracedPiece};
 
 /// Greatest number of pieces of an outline.
 pub(crate) const MAX_OUTLINE_PIECES: usize = 5_000;
@@ -35,12 +35,12 @@ struct JoinedPiece {
 /// Joins the pieces, which are above the axis, into one chain.
 ///
 /// # Errors
-/// A branch, a gap greater than `tolerance`, or several outlines.
+/// The branches, the gaps greater than `tolerance`, or several outlines.
 pub(crate) fn join_pieces(
     drawing: &Drawing,
     pieces: &[TracedPiece],
     tolerance: f64,
-) -> Result<PieceChain, Message> {
+) -> Result<PieceChain, Vec<DrawingFault>> {
     let corners = Corners::new(pieces, tolerance);
     let mut joined: Vec<JoinedPiece> = (pieces.iter().enumerate())
         .map(|(index, traced)| JoinedPiece {
@@ -52,16 +52,21 @@ pub(crate) fn join_pieces(
     remove_doubles(&mut joined, tolerance);
     let edge_lines = remove_edge_lines(&mut joined, &corners, tolerance);
     let degrees = corners.degrees(&joined);
-    if let Some(corner) = degrees.iter().position(|degree| *degree > 2) {
-        return Err(branch_message(drawing, &joined, corner, corners.at[corner]));
+    let branches = (degrees.iter().enumerate()).filter(|(_, degree)| **degree > 2);
+    let branches: Vec<DrawingFault> = branches
+        .take(MAX_FAULTS)
+        .map(|(corner, _)| branch_fault(drawing, &joined, corner, corners.at[corner]))
+        .collect();
+    if !branches.is_empty() {
+        return Err(branches);
     }
     let mut chains = walk_chains(&joined, &corners, &degrees);
     let Some(mut chain) = chains.pop() else {
-        return Err(say::outline_empty());
+        return Err(vec![say::outline_empty().into()]);
     };
     if !chains.is_empty() {
         chains.push(chain);
-        return Err(separate_message(drawing, &chains));
+        return Err(separate_faults(drawing, &chains));
     }
     chain.edge_lines = edge_lines;
     Ok(chain)
@@ -196,43 +201,71 @@ fn walk_chains(joined: &[JoinedPiece], corners: &Corners, degrees: &[usize]) -> 
     chains
 }
 
-fn branch_message(drawing: &Drawing, joined: &[JoinedPiece], corner: usize, at: Point) -> Message {
+fn branch_fault(
+    drawing: &Drawing,
+    joined: &[JoinedPiece],
+    corner: usize,
+    at: Point,
+) -> DrawingFault {
     let here = joined.iter().filter(|it| it.corners.contains(&corner));
     let names = here.take(3).map(|it| drawing.entity_name(it.traced.entity));
-    say::outline_branch(at.x * 2.0, at.z, say::several(names))
+    let message = say::outline_branch(at.x * 2.0, at.z, say::several(names));
+    DrawingFault::new(message, at)
 }
 
-/// The message for several chains: the smallest gap between ends of two of them, or else two
-/// outlines.
-fn separate_message(drawing: &Drawing, chains: &[PieceChain]) -> Message {
-    let open_ends: Vec<(usize, Point, usize)> = (chains.iter().enumerate())
-        .filter(|(_, chain)| !chain.is_closed)
+/// An end of an open chain.
+#[derive(Clone, Copy)]
+struct OpenChainEnd {
+    chain: usize,
+    at: Point,
+    entity: usize,
+}
+
+/// The faults of several chains: the smallest gaps that would join the open ones, smallest
+/// first, or else several outlines.
+fn separate_faults(drawing: &Drawing, chains: &[PieceChain]) -> Vec<DrawingFault> {
+    let open = (chains.iter().enumerate()).filter(|(_, chain)| !chain.is_closed);
+    let ends: Vec<OpenChainEnd> = open
         .flat_map(|(index, chain)| {
-            let first = chain
-                .pieces
-                .first()
-                .map(|it| (index, it.piece.start, it.entity));
-            let last = chain
-                .pieces
-                .last()
-                .map(|it| (index, it.piece.end, it.entity));
+            let end = |at: Point, it: &TracedPiece| OpenChainEnd {
+                chain: index,
+                at,
+                entity: it.entity,
+            };
+            let first = chain.pieces.first().map(|it| end(it.piece.start, it));
+            let last = chain.pieces.last().map(|it| end(it.piece.end, it));
             first.into_iter().chain(last)
         })
         .take(1000)
         .collect();
-    let pairs = open_ends.iter().flat_map(|one| {
-        let others = open_ends.iter().filter(|other| one.0 < other.0);
-        others.map(move |other| ((one.1 - other.1).length(), one, other))
+    let pairs = ends.iter().flat_map(|one| {
+        let others = ends.iter().filter(|other| one.chain < other.chain);
+        others.map(move |other| ((one.at - other.at).length(), *one, *other))
     });
-    let nearest = pairs.min_by(|a, b| a.0.total_cmp(&b.0));
-    if let Some((gap, one, other)) = nearest {
-        let names = [one.2, other.2].map(|entity| drawing.entity_name(entity));
-        return say::outline_gap(gap, one.1.x * 2.0, one.1.z, say::several(names));
+    let mut pairs: Vec<(f64, OpenChainEnd, OpenChainEnd)> = pairs.collect();
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // The group of each chain, which a gap joins with another one.
+    let mut groups: Vec<usize> = (0..chains.len()).collect();
+    let mut faults = Vec::new();
+    for (gap, one, other) in pairs {
+        let (keep, join) = (groups[one.chain], groups[other.chain]);
+        if keep == join {
+            continue;
+        }
+        for group in groups.iter_mut().filter(|group| **group == join) {
+            *group = keep;
+        }
+        let names = [one.entity, other.entity].map(|entity| drawing.entity_name(entity));
+        let message = say::outline_gap(gap, one.at.x * 2.0, one.at.z, say::several(names));
+        faults.push(DrawingFault::new(message, one.at));
+        if faults.len() == MAX_FAULTS {
+            break;
+        }
     }
-    let names = chains
-        .iter()
-        .take(3)
-        .filter_map(|chain| chain.pieces.first());
-    let names = names.map(|it| drawing.entity_name(it.entity));
-    say::outline_separate(chains.len(), say::several(names))
+    if faults.is_empty() {
+        let firsts = chains.iter().take(3).filter_map(|it| it.pieces.first());
+        let names = firsts.map(|it| drawing.entity_name(it.entity));
+        faults.push(say::outline_separate(chains.len(), say::several(names)).into());
+    }
+    faults
 }

@@ -1,4 +1,4 @@
-//! Finds where an outline crosses itself.
+//! Finds where two pieces meet, and where an outline crosses itself.
 
 use gsk_units::Point;
 
@@ -47,8 +47,9 @@ fn cross_pieces(one: &ProfilePiece, other: &ProfilePiece, gap: f64) -> Option<Po
         .find(|point| is_inside(one, *point) && is_inside(other, *point) && !is_common_end(*point))
 }
 
-/// The points that the whole lines or circles of two pieces share.
-fn meeting_points(one: &ProfilePiece, other: &ProfilePiece) -> Vec<Point> {
+/// The points that the whole lines or circles of two pieces share; of two parallel lines the
+/// middle of the common part.
+pub fn meeting_points(one: &ProfilePiece, other: &ProfilePiece) -> Vec<Point> {
     match (one.center(), other.center()) {
         (None, None) => {
             let (along, across) = (one.chord(), other.chord());

@@ -10,6 +10,9 @@ pub(crate) const MAX_PIECES: usize = 100_000;
 /// Greatest coordinate of a drawing, mm.
 pub(crate) const MAX_SIZE_MM: f64 = 10_000.0;
 
+/// Greatest number of faults of one kind that are reported.
+pub(crate) const MAX_FAULTS: usize = 20;
+
 /// A unit of length of a drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DrawingUnit {
@@ -87,6 +90,31 @@ pub(crate) struct TracedPiece {
 impl TracedPiece {
     pub(crate) const fn with(self, piece: ProfilePiece) -> Self {
         Self { piece, ..self }
+    }
+}
+
+/// A rule that a drawing breaks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DrawingFault {
+    /// The rule, with entity, layer and position.
+    pub message: Message,
+    /// Where it is broken: X from the axis, a radius, and Z of the drawing, mm; `None` if it
+    /// concerns the whole drawing.
+    pub at: Option<Point>,
+}
+
+impl DrawingFault {
+    pub(crate) const fn new(message: Message, at: Point) -> Self {
+        Self {
+            message,
+            at: Some(at),
+        }
+    }
+}
+
+impl From<Message> for DrawingFault {
+    fn from(message: Message) -> Self {
+        Self { message, at: None }
     }
 }
 

@@ -1,21 +1,21 @@
 //! Takes the half of a drawing above its axis.
 
-use gsk_messages::{Message, say};
+use gsk_messages::say;
 use gsk_units::Point;
 
-use crate::drawing::{Drawing, TracedPiece};
+use crate::drawing::{Drawing, DrawingFault, MAX_FAULTS, TracedPiece};
 use crate::piece::ProfilePiece;
 
 /// The pieces above the axis; those on it are left out. Pieces below it must be the mirror
 /// image of those above, or there are none above: then they are mirrored.
 ///
 /// # Errors
-/// A piece below the axis has no counterpart above.
+/// The pieces below the axis without a counterpart above.
 pub(crate) fn take_upper_half(
     drawing: &Drawing,
     pieces: &[TracedPiece],
     gap: f64,
-) -> Result<Vec<TracedPiece>, Message> {
+) -> Result<Vec<TracedPiece>, Vec<DrawingFault>> {
     let parts = pieces.iter().flat_map(|it| {
         let parts = split_at_axis(&it.piece, gap);
         parts.into_iter().map(|part| it.with(part))
@@ -34,16 +34,17 @@ pub(crate) fn take_upper_half(
     if upper.is_empty() {
         return Ok(lower);
     }
-    let unmatched = lower
-        .iter()
-        .find(|below| !has_counterpart(below, &upper, gap));
-    match unmatched {
-        Some(below) => {
-            let at = below.piece.point_at(0.5);
-            let name = drawing.entity_name(below.entity);
-            Err(say::outline_not_symmetric(name, at.x * 2.0, at.z))
-        }
-        None => Ok(upper),
+    let unmatched = (lower.iter()).filter(|below| !has_counterpart(below, &upper, gap));
+    let faults = unmatched.map(|below| {
+        let at = below.piece.point_at(0.5);
+        let name = drawing.entity_name(below.entity);
+        let message = say::outline_not_symmetric(name, at.x * 2.0, at.z);
+        DrawingFault::new(message, Point::new(-at.x, at.z))
+    });
+    let faults: Vec<DrawingFault> = faults.take(MAX_FAULTS).collect();
+    match faults.is_empty() {
+        true => Ok(upper),
+        false => Err(faults),
     }
 }
 

@@ -17,9 +17,10 @@
 //!     .expect("an outline");
 //! assert_eq!(profile.largest_diameter(), 30.0);
 //! let program = profile.write_program(&ProgramOptions::default()).expect("a program");
-//! assert!(program.contains("N10 G00 X0\nG01 Z0 F0.1\nX20\nZ-20\nX30\nN20 Z-50\n"));
+//! assert!(program.contains("N10 G00 X0.\nG01 Z0. F0.1\nX20.\nZ-20.\nX30.\nN20 Z-50.\n"));
 //! ```
 
+mod block_words;
 mod blocks;
 mod chain;
 mod crossing;
@@ -27,7 +28,9 @@ mod curve_fit;
 mod drawing;
 mod dxf;
 mod half;
+mod nose;
 mod piece;
+mod pocket;
 mod profile;
 mod program;
 mod rules;
@@ -37,12 +40,15 @@ mod tests;
 
 use gsk_messages::{Message, say};
 
-pub use blocks::{BlockShape, GridEnd, OutlineBlock, OutlineBlocks};
-pub use drawing::{Drawing, DrawingFormat, DrawingLayer, DrawingUnit};
+pub use blocks::{ArcFormat, BlockShape, GridEnd, OutlineBlock, OutlineBlocks};
+pub use crossing::meeting_points;
+pub use drawing::{Drawing, DrawingFault, DrawingFormat, DrawingLayer, DrawingUnit};
+pub use nose::{find_gouge, follow_outline};
 pub use piece::ProfilePiece;
+pub use pocket::{CoveredOutline, cover_pockets};
 pub use profile::{DEFAULT_GAP_MM, ProfileOptions, ProfileZero, TurnedProfile};
 pub use program::{OutlineFormat, ProgramOptions, RoughingValues};
-pub use rules::{CutRule, ENTERING_DEGREES, end_clearance};
+pub use rules::{CutRule, DirectionFault, ENTERING_DEGREES, end_clearance};
 
 /// Reads a drawing file, DXF or SVG.
 ///

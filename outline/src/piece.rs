@@ -161,6 +161,50 @@ impl ProfilePiece {
         }
     }
 
+    /// The piece moved to the right of its travel by a distance, mm, or to the left if it is
+    /// negative. `None` for an arc that vanishes.
+    pub fn moved_right(&self, distance: f64) -> Option<Self> {
+        let Some(center) = self.center() else {
+            let right = self.chord().unit().unwrap_or_default().left() * -distance;
+            return Some(Self::line(self.start + right, self.end + right));
+        };
+        let own = self.radius();
+        let moved = own
+            + if self.bulge > 0.0 {
+                distance
+            } else {
+                -distance
+            };
+        (moved > 0.0).then(|| Self {
+            start: center + (self.start - center) * (moved / own),
+            end: center + (self.end - center) * (moved / own),
+            bulge: self.bulge,
+        })
+    }
+
+    /// The arc from a point that touches the direction of travel there and ends where it
+    /// points along another one, counter-clockwise or clockwise; `None` for more than half a
+    /// turn.
+    pub fn turning(
+        start: Point,
+        (from, to): (Point, Point),
+        radius: f64,
+        counter_clockwise: bool,
+    ) -> Option<Self> {
+        let side = if counter_clockwise { 1.0 } else { -1.0 };
+        let angle = libm::atan2(from.cross(to), from.dot(to)) * side;
+        if angle <= 0.0 {
+            return None;
+        }
+        let center = start + from.left() * (side * radius);
+        let spoke = start - center;
+        Some(Self {
+            start,
+            end: center + turn(spoke, angle * side),
+            bulge: libm::tan(angle / 4.0) * side,
+        })
+    }
+
     /// The two pieces before and after a fraction.
     pub fn split_at(&self, fraction: f64) -> (Self, Self) {
         let middle = self.point_at(fraction);

@@ -14,7 +14,9 @@ use gsk_units::Point;
 
 use crate::chain::{MAX_OUTLINE_PIECES, PieceChain, join_pieces};
 use crate::crossing::find_crossing;
-use crate::drawing::{Drawing, DrawingFormat, DrawingUnit, EntityUse, MAX_SIZE_MM, TracedPiece};
+use crate::drawing::{
+    Drawing, DrawingFault, DrawingFormat, DrawingUnit, EntityUse, MAX_SIZE_MM, TracedPiece,
+};
 use crate::half::take_upper_half;
 use crate::piece::ProfilePiece;
 
@@ -94,30 +96,44 @@ impl Drawing {
     /// # Errors
     /// The first rule that the drawing breaks, with entity, layer and position.
     pub fn find_profile(&self, options: &ProfileOptions) -> Result<TurnedProfile, Message> {
+        self.find_profile_or_faults(options).map_err(|faults| {
+            let mut messages = faults.into_iter().map(|fault| fault.message);
+            messages.next().unwrap_or_else(say::outline_empty)
+        })
+    }
+
+    /// Finds the outline to be turned.
+    ///
+    /// # Errors
+    /// The faults of the drawing; faults of a kind that is found later are not among them.
+    pub fn find_profile_or_faults(
+        &self,
+        options: &ProfileOptions,
+    ) -> Result<TurnedProfile, Vec<DrawingFault>> {
+        let one = |message: Message| vec![DrawingFault::from(message)];
         let mut notes = Vec::new();
-        let layers = self.select_layers(&options.layers)?;
-        self.check_supported(&layers)?;
-        let pieces = self.scale_pieces(&layers, options, &mut notes)?;
-        let axis = self.find_axis(&pieces, &layers, options, &mut notes);
-        let shifted: Vec<TracedPiece> = (pieces.iter())
-            .filter(|it| self.is_outline(it))
-            .map(|it| it.with(it.piece.placed(1.0, Point::new(-axis, 0.0))))
-            .collect();
+        let layers = self.select_layers(&options.layers).map_err(one)?;
+        self.check_supported(&layers).map_err(one)?;
+        let shifted = self
+            .placed_outline(&layers, options, &mut notes)
+            .map_err(one)?;
         if shifted.is_empty() {
-            return Err(self.nothing_found(&layers));
+            return Err(one(self.nothing_found(&layers)));
         }
         if shifted.len() > MAX_OUTLINE_PIECES {
-            return Err(say::outline_too_many_pieces(MAX_OUTLINE_PIECES));
+            return Err(one(say::outline_too_many_pieces(MAX_OUTLINE_PIECES)));
         }
         let upper = take_upper_half(self, &shifted, options.gap)?;
         let chain = join_pieces(self, &upper, options.gap)?;
         if chain.edge_lines > 0 {
             notes.push(say::outline_note_edges(chain.edge_lines));
         }
-        let outline = orient_chain(self, chain, options.gap, &mut notes)?;
+        let outline =
+            orient_chain(self, chain, options.gap, &mut notes).map_err(|fault| vec![fault])?;
         if let Some((first, second, at)) = find_crossing(&outline, options.gap) {
             let names = [first, second].map(|entity| self.entity_name(entity));
-            return Err(say::outline_crossing(at.x * 2.0, at.z, say::several(names)));
+            let message = say::outline_crossing(at.x * 2.0, at.z, say::several(names));
+            return Err(vec![DrawingFault::new(message, at)]);
         }
         let zero = zero_position(&outline, options.zero);
         let traced = (outline.iter())
@@ -131,6 +147,31 @@ impl Drawing {
                 .collect(),
             notes,
         })
+    }
+
+    /// The lines and arcs of the selected layers, with X from the axis and Z of the drawing,
+    /// mm; none if a layer is unknown or a coordinate is too large.
+    pub fn selected_pieces(&self, options: &ProfileOptions) -> Vec<ProfilePiece> {
+        let layers = self.select_layers(&options.layers);
+        let placed =
+            layers.and_then(|layers| self.placed_outline(&layers, options, &mut Vec::new()));
+        let placed = placed.unwrap_or_default();
+        placed.iter().map(|it| it.piece).collect()
+    }
+
+    /// The pieces of the outline in the selected layers, with X from the axis.
+    fn placed_outline(
+        &self,
+        layers: &[bool],
+        options: &ProfileOptions,
+        notes: &mut Vec<Message>,
+    ) -> Result<Vec<TracedPiece>, Message> {
+        let pieces = self.scale_pieces(layers, options, notes)?;
+        let axis = self.find_axis(&pieces, layers, options, notes);
+        Ok((pieces.iter())
+            .filter(|it| self.is_outline(it))
+            .map(|it| it.with(it.piece.placed(1.0, Point::new(-axis, 0.0))))
+            .collect())
     }
 
     fn is_outline(&self, traced: &TracedPiece) -> bool {
@@ -289,7 +330,7 @@ fn orient_chain(
     chain: PieceChain,
     gap: f64,
     notes: &mut Vec<Message>,
-) -> Result<Vec<TracedPiece>, Message> {
+) -> Result<Vec<TracedPiece>, DrawingFault> {
     let mut pieces = match chain.is_closed {
         true => {
             let (outside, bore) = open_section(chain.pieces, gap);
@@ -300,7 +341,7 @@ fn orient_chain(
     };
     let ends = pieces.first().zip(pieces.last());
     let Some((first, last)) = ends.map(|(first, last)| (first.piece.start, last.piece.end)) else {
-        return Err(say::outline_empty());
+        return Err(say::outline_empty().into());
     };
     if last.z > first.z {
         pieces.reverse();
@@ -331,7 +372,8 @@ fn orient_chain(
     match open_side {
         Some((at, entity, extreme)) => {
             let name = drawing.entity_name(entity);
-            Err(say::outline_open_side(name, at.x * 2.0, at.z, extreme))
+            let message = say::outline_open_side(name, at.x * 2.0, at.z, extreme);
+            Err(DrawingFault::new(message, at))
         }
         None => Ok(pieces),
     }

@@ -4,7 +4,8 @@ use core::fmt::Write as _;
 
 use gsk_messages::{Language, Message, say};
 
-use crate::blocks::{BlockShape, OutlineBlock, OutlineBlocks};
+use crate::block_words::pointed;
+use crate::blocks::{ArcFormat, BlockShape, GridEnd, OutlineBlock, OutlineBlocks};
 use crate::profile::TurnedProfile;
 use crate::rules::CutRule;
 
@@ -112,7 +113,10 @@ impl TurnedProfile {
             },
         };
         self.check_directions(rule)?;
-        let blocks = self.write_blocks(options.format == OutlineFormat::G71)?;
+        let blocks = self.write_blocks(
+            ArcFormat::RadiusOrCenter,
+            options.format == OutlineFormat::G71,
+        )?;
         if options.format == OutlineFormat::Contour {
             return Ok(contour_text(&blocks, &options.values));
         }
@@ -169,103 +173,16 @@ fn check_values(options: &ProgramOptions) -> Result<(), Message> {
     Ok(())
 }
 
-/// A number without needless zeros.
-fn plain(value: f64) -> String {
-    thousandths(libm::round(value * 1000.0) as i64)
-}
-
-/// Thousandths as a decimal number.
-fn thousandths(value: i64) -> String {
-    let sign = if value < 0 { "-" } else { "" };
-    let (whole, rest) = (value.unsigned_abs() / 1000, value.unsigned_abs() % 1000);
-    let rest = format!("{rest:03}");
-    match rest.trim_end_matches('0') {
-        "" => format!("{sign}{whole}"),
-        rest => format!("{sign}{whole}.{rest}"),
-    }
-}
-
 /// The characters of a name that a comment of a program may have.
 fn comment_name(name: &str) -> String {
     let plain = |letter: &char| !letter.is_control() && !matches!(letter, '(' | ')' | '%' | ';');
     name.chars().filter(plain).take(40).collect()
 }
 
-/// Writes blocks with the words that change.
-struct WordWriter {
-    text: String,
-    code: &'static str,
-    x: Option<i64>,
-    z: Option<i64>,
-}
-
-impl WordWriter {
-    fn new() -> Self {
-        Self {
-            text: String::new(),
-            code: "",
-            x: None,
-            z: None,
-        }
-    }
-
-    /// Writes a block of the outline; `feed` is written after it.
-    fn add(&mut self, prefix: &str, block: &OutlineBlock, feed: Option<f64>) {
-        let (code, center) = match block.shape {
-            BlockShape::Line => ("G01", String::new()),
-            BlockShape::Radius { clockwise, r } => (arc_code(clockwise), word("R", r)),
-            BlockShape::Center { clockwise, i, k } => {
-                let words = [("I", i), ("K", k)].map(|(letter, value)| match value {
-                    0 => String::new(),
-                    _ => word(letter, value),
-                });
-                (arc_code(clockwise), words.concat())
-            }
-        };
-        let mut words = String::new();
-        if self.code != code {
-            words.push_str(code);
-            self.code = code;
-        }
-        for (letter, last, value) in [
-            ("X", &mut self.x, block.end.x),
-            ("Z", &mut self.z, block.end.z),
-        ] {
-            if *last != Some(value) {
-                words.push_str(&word(letter, value));
-                *last = Some(value);
-            }
-        }
-        words.push_str(&center);
-        if let Some(feed) = feed {
-            words.push_str(&format!(" F{}", plain(feed)));
-        }
-        self.text.push_str(prefix);
-        self.text.push_str(words.trim_start());
-        self.text.push('\n');
-    }
-}
-
-const fn arc_code(clockwise: bool) -> &'static str {
-    if clockwise { "G02" } else { "G03" }
-}
-
-fn word(letter: &str, value: i64) -> String {
-    format!(" {letter}{}", thousandths(value))
-}
-
 /// The blocks of the outline alone: from its start, at the finishing feed.
 fn contour_text(outline: &OutlineBlocks, values: &RoughingValues) -> String {
-    let mut writer = WordWriter::new();
-    let start = OutlineBlock {
-        end: outline.start,
-        shape: BlockShape::Line,
-    };
-    writer.add("", &start, Some(values.finishing_feed));
-    for block in &outline.blocks {
-        writer.add("", block, None);
-    }
-    writer.text
+    let lines = outline.contour_lines(&pointed(values.finishing_feed));
+    lines.iter().map(|line| format!("{line}\n")).collect()
 }
 
 fn roughing_text(outline: &OutlineBlocks, stock: f64, options: &ProgramOptions) -> String {
@@ -273,14 +190,14 @@ fn roughing_text(outline: &OutlineBlocks, stock: f64, options: &ProgramOptions) 
     let start_z = outline.start.z as f64 / 1000.0 + CLEARANCE_MM;
     let change_x = libm::ceil((stock + 60.0) / 10.0) * 10.0;
     let change_z = libm::ceil((start_z + 100.0) / 10.0) * 10.0;
-    let change = format!("X{} Z{}", plain(change_x), plain(change_z));
+    let change = format!("X{} Z{}", pointed(change_x), pointed(change_z));
     let comment = |message: Message| format!("({})", message.text(options.language));
     let mut text = format!("O{:04}", options.number);
     let name = comment_name(&options.name);
     if !name.is_empty() {
         let _ = write!(text, " ({name})");
     }
-    let stock_comment = comment(say::outline_comment_stock(plain(stock)));
+    let stock_comment = comment(say::outline_comment_stock(pointed(stock)));
     let change_comment = comment(say::outline_comment_change());
     let tool = format!("T{:02}{:02}", values.tool, values.tool);
     let _ = write!(
@@ -291,40 +208,38 @@ fn roughing_text(outline: &OutlineBlocks, stock: f64, options: &ProgramOptions) 
     let _ = writeln!(
         text,
         "G00 X{} Z{}",
-        plain(stock + CLEARANCE_MM),
-        plain(start_z)
+        pointed(stock + CLEARANCE_MM),
+        pointed(start_z)
     );
     let _ = writeln!(
         text,
         "G71 U{} R{}\nG71 P10 Q20 U{} W{} F{}",
-        plain(values.depth),
-        plain(values.retract),
-        plain(values.allowance_x),
-        plain(values.allowance_z),
-        plain(values.feed)
+        pointed(values.depth),
+        pointed(values.retract),
+        pointed(values.allowance_x),
+        pointed(values.allowance_z),
+        pointed(values.feed)
     );
-    text.push_str(&profile_text(outline, values.finishing_feed));
+    // The profile begins at the Z of the start point.
+    let first = OutlineBlock {
+        end: outline.start,
+        shape: BlockShape::Line,
+    };
+    let profile = OutlineBlocks {
+        start: GridEnd {
+            z: outline.start.z + libm::round(CLEARANCE_MM * 1000.0) as i64,
+            ..outline.start
+        },
+        blocks: [&[first], &outline.blocks[..]].concat(),
+    };
+    for line in profile.cycle_lines((10, 20), &pointed(values.finishing_feed)) {
+        text.push_str(&line);
+        text.push('\n');
+    }
     let _ = write!(
         text,
         "G70 P10 Q20\nG00 {change}\nT{:02}00\nM05\nM30\n%\n",
         values.tool
     );
     text
-}
-
-/// The blocks from P to Q: the diameter of the start, its Z, and the outline.
-fn profile_text(outline: &OutlineBlocks, feed: f64) -> String {
-    let mut writer = WordWriter::new();
-    writer.text = format!("N10 G00{}\n", word("X", outline.start.x));
-    writer.x = Some(outline.start.x);
-    let start = OutlineBlock {
-        end: outline.start,
-        shape: BlockShape::Line,
-    };
-    writer.add("", &start, Some(feed));
-    for (index, block) in outline.blocks.iter().enumerate() {
-        let is_last = index + 1 == outline.blocks.len();
-        writer.add(if is_last { "N20 " } else { "" }, block, None);
-    }
-    writer.text
 }

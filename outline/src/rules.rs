@@ -56,39 +56,67 @@ pub fn end_clearance(insert: f64) -> f64 {
     (180.0 - ENTERING_DEGREES - insert).max(0.0)
 }
 
+/// Where an outline breaks a [`CutRule`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DirectionFault {
+    /// The index of the piece.
+    pub piece: usize,
+    /// The point of the piece with the wrong direction.
+    pub at: Point,
+    /// The descent towards the axis, degrees; `None` if the piece turns back towards Z+.
+    pub descent: Option<f64>,
+}
+
+impl CutRule {
+    /// The first piece that turns back or descends more than the rule permits; `None` if none
+    /// does.
+    pub fn find_fault(self, pieces: &[ProfilePiece]) -> Option<DirectionFault> {
+        let (least, greatest) = self.limits();
+        (pieces.iter().enumerate()).find_map(|(index, piece)| {
+            let (low, high) = direction_range(piece);
+            let below = excess_depth(piece, least - low.angle);
+            let above = excess_depth(piece, high.angle - greatest);
+            if above > TOLERANCE_MM {
+                return Some(DirectionFault {
+                    piece: index,
+                    at: high.at,
+                    descent: None,
+                });
+            }
+            (below > TOLERANCE_MM).then(|| DirectionFault {
+                piece: index,
+                at: low.at,
+                descent: Some(-low.angle.to_degrees()),
+            })
+        })
+    }
+}
+
 impl TurnedProfile {
     /// Checks the direction of each piece.
     ///
     /// # Errors
     /// The first piece that turns back or descends more than the rule permits.
     pub fn check_directions(&self, rule: CutRule) -> Result<(), Message> {
-        let (least, greatest) = rule.limits();
-        for traced in &self.traced {
-            let (low, high) = direction_range(&traced.piece);
-            let below = excess_depth(&traced.piece, least - low.angle);
-            let above = excess_depth(&traced.piece, high.angle - greatest);
-            if below <= TOLERANCE_MM && above <= TOLERANCE_MM {
-                continue;
-            }
-            let name = self.entity_name(traced);
-            if above > TOLERANCE_MM {
-                let Point { x, z } = high.at;
-                return Err(say::outline_turns_back(name, x * 2.0, z));
-            }
-            let Point { x, z } = low.at;
-            let descent = -low.angle.to_degrees();
-            return Err(match rule {
-                CutRule::Roughing => say::outline_descends(name, x * 2.0, z),
+        let pieces: Vec<ProfilePiece> = self.pieces().copied().collect();
+        let Some(fault) = rule.find_fault(&pieces) else {
+            return Ok(());
+        };
+        let name = self.entity_name(&self.traced[fault.piece]);
+        let Point { x, z } = fault.at;
+        Err(match (rule, fault.descent) {
+            (CutRule::Roughing, Some(_)) => say::outline_descends(name, x * 2.0, z),
+            (
                 CutRule::Finishing {
                     insert: Some(insert),
-                } => {
-                    let clears = end_clearance(insert);
-                    say::outline_undercut(name, x * 2.0, z, descent, insert, clears)
-                }
-                CutRule::Finishing { insert: None } => say::outline_turns_back(name, x * 2.0, z),
-            });
-        }
-        Ok(())
+                },
+                Some(descent),
+            ) => {
+                let clears = end_clearance(insert);
+                say::outline_undercut(name, x * 2.0, z, descent, insert, clears)
+            }
+            _ => say::outline_turns_back(name, x * 2.0, z),
+        })
     }
 }
 

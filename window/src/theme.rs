@@ -354,6 +354,8 @@ pub const BIT_NAME_SIZE: f32 = SMALL;
 pub const ANNOTATION_SIZE: f32 = BODY;
 /// Text size of addresses and values in drawings and of line numbers, points.
 pub const LABEL_SIZE: f32 = BODY;
+/// Text size of the number keys of a form, points.
+pub const KEY_TEXT_SIZE: f32 = LARGE;
 /// Text size of the titles of rungs, points.
 pub const TITLE_SIZE: f32 = BODY;
 /// Text size of part programs, and of sentences that are read at a distance, points.

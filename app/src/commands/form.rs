@@ -102,7 +102,7 @@ fn fields(values: &FormValues, language: Option<Language>) -> String {
                 ("", words.join("|"))
             }
             FieldInput::Thread { .. } => ("", "form --threads".to_owned()),
-            FieldInput::Outline { .. } => ("mm", "X Z L A R C".to_owned()),
+            FieldInput::Outline { .. } => ("mm", "X Z L A CW CCW T R C".to_owned()),
         };
         let (name, tip) = (localize(&(field.name)()), localize(&(field.tip)()));
         let value = values.text(field);

@@ -1,7 +1,6 @@
 //! Holes on the spindle axis: G74, and a feed with a dwell.
 
 use super::{BlockText, FRONT_MM, micrometres};
-use crate::nose_path::cone_length_factor;
 use crate::thousandths::Thousandths;
 use crate::values::FormValues;
 
@@ -43,4 +42,9 @@ pub(super) fn center(text: &mut BlockText, values: &FormValues) {
 
 fn approach(text: &mut BlockText) {
     text.rapid(Some(Thousandths(0)), Some(Thousandths::round(FRONT_MM)));
+}
+
+/// Half the cotangent of half an angle, degrees: length of a cone for each mm of its diameter.
+fn cone_length_factor(angle: f64) -> f64 {
+    0.5 / libm::tan((angle / 2.0).to_radians())
 }

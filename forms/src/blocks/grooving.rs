@@ -4,8 +4,8 @@ use gsk_messages::say;
 
 use super::{BlockText, CLEARANCE_MM, FRONT_MM, RETRACT_MM, micrometres, side};
 use crate::error::FormError;
-use crate::nose_path::CutSide;
 use crate::thousandths::Thousandths;
+use crate::tool_path::CutSide;
 use crate::values::FormValues;
 
 /// Overlap of neighbouring plunges, mm.

@@ -7,14 +7,15 @@ mod turning;
 
 use crate::error::FormError;
 use crate::kind::FormKind;
-use crate::nose_path::CutSide;
 use crate::thousandths::Thousandths;
+use crate::tool_path::CutSide;
 use crate::values::FormValues;
 use gsk_messages::say;
 
 pub(crate) use drilling::end_z as drill_end_z;
 pub(crate) use threading::{chosen_thread, default_run_in};
-pub(crate) use turning::deepest_z;
+pub use turning::{DrawnOutline, drawn_outline};
+pub(crate) use turning::{deepest_z, is_compensated, undercut_insert};
 
 /// Distance between the tool and the surface before a cut, mm; of diameters twice.
 pub(crate) const CLEARANCE_MM: f64 = 1.0;

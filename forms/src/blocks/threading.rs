@@ -5,9 +5,9 @@ use libm::ceil;
 
 use super::{BlockText, CLEARANCE_MM, micrometres, side};
 use crate::error::FormError;
-use crate::nose_path::CutSide;
 use crate::thousandths::Thousandths;
 use crate::thread_table::{ThreadPitch, ThreadRow, thread_rows};
+use crate::tool_path::CutSide;
 use crate::values::{FormValue, FormValues};
 
 /// Lead-in for each mm/s of the feed, mm: table 3-11 of the manual, time constant 100 ms.

@@ -1,10 +1,11 @@
 //! Checks the program of a form as `check --part` does, and cuts its part.
 
 use gsk_core::command::{ExecutedMove, ProgramId};
+use gsk_core::memory::ToolOffset;
 use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
 use gsk_core::units::Point;
-use gsk_forms::{FormValues, form_job, whole_program};
+use gsk_forms::{FormValues, form_job, nose_offset, whole_program};
 use gsk_runner::curves::RapidRates;
 use gsk_runner::machining::Machining;
 use gsk_runner::report::check_program;
@@ -27,6 +28,15 @@ impl CutPart {
         programs.open_external(Program::new(whole_program(1, &section)));
         programs.select(ProgramId::External);
         setup.memory.programs = programs;
+        if let Some(nose) = nose_offset(&values) {
+            let offset = ToolOffset {
+                r: nose.radius,
+                t: nose.tip,
+                ..ToolOffset::default()
+            };
+            setup.memory.offsets.set(nose.number, offset).unwrap();
+            setup.memory.parameters.set_bit(2, 1, true).unwrap();
+        }
         let job = form_job(&values);
         job.check()
             .unwrap_or_else(|error| panic!("{values:?}: {error:?}"));

@@ -87,7 +87,7 @@ fn a_circle_is_a_ball() {
         ..ProgramOptions::default()
     };
     let text = profile.write_program(&contour).expect("a contour");
-    assert_eq!(text, "G01 X0 Z0 F0.1\nG03 Z-20 R10\n");
+    assert_eq!(text, "G01 X0. Z0. F0.1\nG03 Z-20. R10.\n");
 }
 
 #[test]
@@ -252,13 +252,16 @@ fn a_whole_program_is_written() {
     assert_eq!(lines[0], "O0001 (pin 1.dxf)");
     let begin = lines
         .iter()
-        .position(|line| *line == "N10 G00 X0")
+        .position(|line| *line == "N10 G00 X0.")
         .expect("N10");
-    assert_eq!(lines[begin - 3], "G00 X24 Z2");
+    assert_eq!(lines[begin - 3], "G00 X24. Z2.");
     assert_eq!(lines[begin - 2], "G71 U1.5 R0.5");
     assert_eq!(lines[begin - 1], "G71 P10 Q20 U0.4 W0.1 F0.2");
-    assert_eq!(lines[begin + 1], "G01 Z0 F0.1");
-    assert_eq!(lines[begin + 2..begin + 4], ["X10", "Z-15"]);
-    assert_eq!(lines[begin + 4], "G03 X20 Z-18 R7.58");
-    assert_eq!(lines[begin + 5..begin + 7], ["N20 G01 Z-40", "G70 P10 Q20"]);
+    assert_eq!(lines[begin + 1], "G01 Z0. F0.1");
+    assert_eq!(lines[begin + 2..begin + 4], ["X10.", "Z-15."]);
+    assert_eq!(lines[begin + 4], "G03 X20. Z-18. R7.58");
+    assert_eq!(
+        lines[begin + 5..begin + 7],
+        ["N20 G01 Z-40.", "G70 P10 Q20"]
+    );
 }

@@ -6,7 +6,7 @@ use core::f64::consts::FRAC_PI_2;
 use gsk_units::Point;
 
 use super::*;
-use crate::blocks::{BlockShape, GridEnd, OutlineBlocks};
+use crate::blocks::{ArcFormat, BlockShape, GridEnd, OutlineBlocks};
 
 /// Number of outlines.
 const ROUNDS: u64 = 400;
@@ -171,7 +171,9 @@ fn blocks_keep_the_outline_within_a_micrometre() {
         let drawn = random_outline(&mut numbers);
         let file = random_file(&drawn, &mut numbers);
         let profile = profile_of(&file).expect("an outline");
-        let blocks = profile.write_blocks(true).expect("blocks");
+        let blocks = profile
+            .write_blocks(ArcFormat::RadiusOrCenter, true)
+            .expect("blocks");
         let path = path_of(&blocks);
         for (points, others) in [(sample(&path), &drawn), (sample(&drawn), &path)] {
             let distances = points.into_iter().map(|point| distance_to(others, point));
@@ -211,7 +213,9 @@ fn long_flat_and_half_arcs_are_exact() {
                 names: Vec::new(),
                 notes: Vec::new(),
             };
-            let blocks = profile.write_blocks(false).expect("blocks");
+            let blocks = profile
+                .write_blocks(ArcFormat::RadiusOrCenter, false)
+                .expect("blocks");
             let path = path_of(&blocks);
             let distances = sample(&path)
                 .into_iter()

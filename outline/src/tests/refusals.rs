@@ -195,3 +195,42 @@ fn values_outside_their_range() {
     let refused = program_refusal(&steps, &ProgramOptions::default());
     assert!(refused.is_some(), "more than 100 blocks");
 }
+
+#[test]
+fn all_gaps_and_branches_are_reported_with_their_place() {
+    // Three pieces with two gaps, the smaller one first.
+    let mut pieces = lines(&[(0.0, 0.0), (0.0, 5.0), (-15.0, 5.0)]);
+    pieces.extend(lines(&[(-15.2, 5.0), (-15.2, 8.0), (-30.0, 8.0)]));
+    pieces.extend(lines(&[(-30.1, 8.0), (-50.0, 8.0)]));
+    let faults_of = |pieces: &[ProfilePiece]| {
+        let drawing = read_drawing(dxf_of_pieces(pieces).as_bytes()).expect("a drawing");
+        let found = drawing.find_profile_or_faults(&ProfileOptions::default());
+        let faults = found.expect_err("faults");
+        let position = |at: Point| (at.x, libm::round(at.z * 1e6) / 1e6);
+        faults
+            .iter()
+            .map(|fault| (fault.message.id().name().to_owned(), fault.at.map(position)))
+            .collect::<Vec<_>>()
+    };
+    let gap = "outline_gap".to_owned();
+    let found = faults_of(&pieces);
+    assert_eq!(found.len(), 2);
+    for (fault, at) in found.iter().zip([[-30.0, -30.1], [-15.0, -15.2]]) {
+        assert_eq!(fault.0, gap);
+        let z = fault.1.expect("a place").1;
+        assert!(at.contains(&z), "{z}");
+    }
+    // Two lines from corners of the outline upwards.
+    let mut branched = lines(&[
+        (0.0, 0.0),
+        (0.0, 5.0),
+        (-15.0, 5.0),
+        (-15.0, 8.0),
+        (-30.0, 8.0),
+    ]);
+    branched.extend(lines(&[(-15.0, 5.0), (-17.0, 4.0)]));
+    branched.extend(lines(&[(-15.0, 8.0), (-12.0, 12.0)]));
+    let mut places: Vec<_> = faults_of(&branched).into_iter().map(|it| it.1).collect();
+    places.sort_by(|a, b| a.partial_cmp(b).expect("numbers"));
+    assert_eq!(places, [Some((5.0, -15.0)), Some((8.0, -15.0))]);
+}

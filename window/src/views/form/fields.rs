@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use egui::text::{CCursor, CCursorRange};
-use egui::{Align, ComboBox, Layout, RichText, TextEdit, Ui, vec2};
+use egui::{Align, Align2, ComboBox, Layout, RichText, TextEdit, Ui, vec2};
 use gsk_forms::{FieldInput, FormError, FormField, FormValue, FormValues, thread_rows};
 use gsk_messages::{Language, say};
 
+use super::keypad;
 use super::outline_table::OutlineTable;
 use crate::theme;
 
@@ -64,9 +65,9 @@ impl FieldDrafts {
             if field.id == FIRST_MACHINE_FIELD {
                 ui.separator();
             }
-            is_changed |= self.show_field(ui, field, values, language);
-            let error = self.errors.get(field.id);
-            let error = error.or(broken.filter(|it| it.field == field.id));
+            let broken = broken.filter(|it| it.field == field.id);
+            is_changed |= self.show_field(ui, field, values, broken, language);
+            let error = self.errors.get(field.id).or(broken);
             if let Some(error) = error {
                 let text = RichText::new(error.rule.text(language)).color(theme::ERROR_TEXT);
                 ui.label(text);
@@ -82,12 +83,15 @@ impl FieldDrafts {
         ui: &mut Ui,
         field: &'static FormField,
         values: &mut FormValues,
+        broken: Option<&FormError>,
         language: Language,
     ) -> bool {
         let tip = (field.tip)().text(language);
         if matches!(field.input, FieldInput::Outline { .. }) {
             ui.label((field.name)().text(language)).on_hover_text(tip);
-            let text = self.outline.show(ui, language);
+            let point = broken.and_then(|error| error.rule.find_value("number"));
+            let point = point.and_then(|number| number.parse().ok());
+            let text = self.outline.show(ui, point, language);
             return text.is_some_and(|text| self.set(field, values, &text));
         }
         ui.horizontal(|ui| {
@@ -148,7 +152,8 @@ impl FieldDrafts {
         tip: &str,
     ) -> bool {
         let id = egui::Id::unique(("form field", field.id));
-        let is_typed = ui.memory(|memory| memory.has_focus(id));
+        let has_focus = ui.memory(|memory| memory.has_focus(id));
+        let is_typed = has_focus || keypad::is_typed(ui, id);
         let draft = self.texts.entry(field.id).or_default();
         if !is_typed && !self.errors.contains_key(field.id) {
             *draft = values.text(field);
@@ -156,6 +161,7 @@ impl FieldDrafts {
         let length = draft.chars().count();
         let edit = TextEdit::singleline(draft)
             .id(id)
+            .align(Align2::LEFT_CENTER)
             .desired_width(FIELD_WIDTH);
         let mut output = edit.show(ui);
         let response = output.response.response.clone();
@@ -164,7 +170,8 @@ impl FieldDrafts {
         if is_first {
             response.request_focus();
         }
-        if is_first || response.gained_focus() {
+        let is_back_from_key = keypad::register_field(ui, &response);
+        if is_first || (response.gained_focus() && !is_back_from_key) {
             // What is typed next replaces the value.
             let all = CCursorRange::two(CCursor::new(0), CCursor::new(length));
             output.state.cursor.set_char_range(Some(all));

@@ -1,15 +1,19 @@
 //! The form pane in the program view: cards, fields, the part that the form cuts, its text.
 
 mod cards;
+mod drawing;
 mod fields;
+mod keypad;
+mod outline_picture;
 mod outline_table;
 mod preview;
 
 use std::collections::BTreeMap;
 
-use egui::{Button, ComboBox, Panel, RichText, ScrollArea, Sense, Ui, WidgetInfo, vec2};
+use egui::{Button, ComboBox, Panel, Rect, RichText, ScrollArea, Sense, Ui, WidgetInfo, vec2};
 use gsk_forms::{
-    FormError, FormKind, FormSection, FormValues, find_sections, free_sequence_number, write_form,
+    DrawnOutline, FormError, FormKind, FormSection, FormValues, drawn_outline, find_sections,
+    free_sequence_number, write_form,
 };
 use gsk_host::kernel::Console;
 use gsk_messages::{Language, Message, say};
@@ -18,6 +22,7 @@ use gsk_workpiece::cutting::CuttingMaterial;
 use crate::focus;
 use crate::theme;
 use crate::views::{bar_frame, side_frame};
+use drawing::{ContourDrawing, ReadOutline};
 use fields::FieldDrafts;
 use preview::{FormPreview, FormPreviewer, PreviewOrder};
 
@@ -27,8 +32,14 @@ const WIDE: f32 = 620.0;
 const FIELDS_WIDTH: f32 = 345.0;
 /// Width of the choice of a material, points.
 const PROPOSAL_WIDTH: f32 = 200.0;
+/// Width of the fields of a contour with its table, points.
+const CONTOUR_WIDTH: f32 = 440.0;
 /// Height of the picture above the fields in a narrow pane, points.
 const NARROW_PICTURE_HEIGHT: f32 = 190.0;
+/// Least width at which outline and part are side by side, points.
+const PICTURES_WIDTH: f32 = 640.0;
+/// Space between stock and outline when a drawing is read, mm of the diameter.
+const STOCK_ALLOWANCE_MM: f64 = 2.0;
 /// Height below which the forms are a list that opens and the picture scrolls, points.
 const LOW: f32 = 430.0;
 /// Share of the height that the picture has beside the fields.
@@ -58,6 +69,11 @@ pub struct FormPane {
     /// The values of the other forms, kept while one is shown.
     kept: BTreeMap<FormKind, FormValues>,
     drafts: FieldDrafts,
+    /// The drawing from which the contour is read.
+    drawing: ContourDrawing,
+    /// The outline of the values, as it is drawn.
+    outline: DrawnOutline,
+    shows_keys: bool,
     /// The text of the form, or why there is none.
     written: Result<String, FormError>,
     /// Incremented by each change.
@@ -83,6 +99,9 @@ impl FormPane {
             is_open: false,
             written: write_form(&values),
             drafts: FieldDrafts::new(&values),
+            drawing: ContourDrawing::new(console),
+            outline: drawn_outline(&values),
+            shows_keys: false,
             values,
             kept: BTreeMap::new(),
             revision: 1,
@@ -153,6 +172,27 @@ impl FormPane {
             Some(error) => Err(error.clone()),
             None => write_form(&self.values),
         };
+        self.outline = drawn_outline(&self.values);
+    }
+
+    /// Fills the points of the contour with the outline of a drawing.
+    fn use_outline(&mut self, read: &ReadOutline) {
+        let stock = (read.largest_diameter + STOCK_ALLOWANCE_MM - 1e-6).ceil();
+        let undercuts = if read.has_undercut { "YES" } else { "NO" };
+        for (id, text) in [
+            ("SIDE", "OUT".to_owned()),
+            ("POINTS", read.outline.to_string()),
+            ("UNDER", undercuts.to_owned()),
+            ("STOCK", format!("{stock}")),
+        ] {
+            if let Err(error) = self.values.set_text(id, &text) {
+                self.notice = Some(error.message());
+                return;
+            }
+        }
+        self.drafts = FieldDrafts::new(&self.values);
+        self.asks_to_replace = false;
+        self.rewrite();
     }
 
     /// Closes the pane.
@@ -165,6 +205,7 @@ impl FormPane {
         if let Some(preview) = self.previewer.take_result() {
             self.preview = Some(preview);
         }
+        keypad::begin_frame(ui);
         let is_low = ui.available_height() < LOW;
         let mut chosen = None;
         Panel::top("form cards").frame(bar_frame()).show(ui, |ui| {
@@ -183,14 +224,22 @@ impl FormPane {
             .frame(bar_frame())
             .show(ui, |ui| {
                 request = self.show_buttons(ui, language);
+                if self.shows_keys {
+                    keypad::show_keys(ui, language);
+                }
             });
-        if ui.available_width() >= WIDE {
-            focus::skip_resize_edge(ui, "form fields");
-            Panel::left("form fields")
+        let is_contour = self.values.form() == FormKind::Contour;
+        let (id, width) = match is_contour {
+            true => ("contour fields", CONTOUR_WIDTH),
+            false => ("form fields", FIELDS_WIDTH),
+        };
+        if ui.available_width() >= WIDE + width - FIELDS_WIDTH {
+            focus::skip_resize_edge(ui, id);
+            Panel::left(id)
                 .frame(side_frame())
                 .resizable(true)
-                .default_size(FIELDS_WIDTH)
-                .min_size(FIELDS_WIDTH)
+                .default_size(width)
+                .min_size(width)
                 .show(ui, |ui| {
                     let area = ScrollArea::vertical().auto_shrink([false, false]);
                     area.show(ui, |ui| self.show_fields(ui, language));
@@ -208,7 +257,9 @@ impl FormPane {
             egui::CentralPanel::default()
                 .frame(side_frame())
                 .show(ui, |ui| {
-                    let picture = (NARROW_PICTURE_HEIGHT, language);
+                    // A contour has two pictures.
+                    let height = NARROW_PICTURE_HEIGHT * if is_contour { 1.5 } else { 1.0 };
+                    let picture = (height, language);
                     if !is_low {
                         self.show_picture(ui, picture.0, picture.1);
                     }
@@ -253,7 +304,15 @@ impl FormPane {
     }
 
     fn show_fields(&mut self, ui: &mut Ui, language: Language) {
+        if self.shows_keys {
+            ui.spacing_mut().interact_size.y = keypad::TOUCH_HEIGHT;
+        }
         ui.label(self.values.form().purpose().text(language));
+        if self.values.form() == FormKind::Contour
+            && let Some(read) = self.drawing.show(ui, language)
+        {
+            self.use_outline(&read);
+        }
         if self.opened.as_ref().is_some_and(|it| it.is_edited) {
             let text = say::form_edited_hint().text(language);
             ui.label(RichText::new(text).color(theme::WARNING));
@@ -292,16 +351,41 @@ impl FormPane {
         };
     }
 
-    /// Draws the last part that could be cut.
+    /// Draws the last part that could be cut, and the outline of a contour beside or above it.
     fn show_picture(&mut self, ui: &mut Ui, height: f32, language: Language) {
         let size = vec2(ui.available_width(), height.max(60.0));
         let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
         let name = say::form_picture_name().text(language);
         response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, &name));
         ui.painter().rect_filled(rect, 0.0, theme::DRAWING_GROUND);
+        let part = match self.values.form() {
+            FormKind::Contour => {
+                let (outline, part) = match rect.width() >= PICTURES_WIDTH {
+                    true => rect.split_left_right_at_fraction(0.5),
+                    false => rect.split_top_bottom_at_fraction(0.5),
+                };
+                self.draw_outline(ui, outline.shrink(1.0), language);
+                part.shrink(1.0)
+            }
+            _ => rect,
+        };
         if let Some(preview) = &mut self.preview {
             let rear = preview.rear;
-            preview.picture.draw(ui.painter(), rect, rear);
+            preview.picture.draw(ui.painter(), part, rear);
+        }
+    }
+
+    /// Draws the outline of the points, or a drawing that has faults.
+    fn draw_outline(&self, ui: &Ui, rect: Rect, language: Language) {
+        let id = ui.scope_id().with("outline picture");
+        let response = ui.interact(rect, id, Sense::hover());
+        let name = say::form_outline_name().text(language);
+        response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, &name));
+        match self.drawing.faulty_pieces() {
+            Some((pieces, marks)) => {
+                outline_picture::draw_faults(ui.painter(), rect, &pieces, &marks);
+            }
+            None => outline_picture::draw_outline(ui.painter(), rect, &self.outline),
         }
     }
 
@@ -383,6 +467,8 @@ impl FormPane {
             if ui.button(say::form_close().text(language)).clicked() {
                 self.is_open = false;
             }
+            let keys = say::form_keypad().text(language);
+            ui.toggle_value(&mut self.shows_keys, keys);
         });
         request
     }

@@ -7,12 +7,12 @@ use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, unbounded};
 use crossbeam::queue::ArrayQueue;
 use egui::Context;
 use gsk_core::command::{ExecutedMove, ProgramId};
-use gsk_core::memory::Offsets;
+use gsk_core::memory::{Offsets, ToolOffset};
 use gsk_core::preview::WorkBudget;
 use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
 use gsk_core::units::Point;
-use gsk_forms::{FormValues, form_job, whole_program};
+use gsk_forms::{FormValues, form_job, nose_offset, whole_program};
 use gsk_host::kernel::Console;
 use gsk_host::platform;
 use gsk_host::preview::work_limit::WorkLimit;
@@ -120,11 +120,20 @@ impl FormWorker {
 }
 
 /// Checks and cuts a section on its stock, with the parameters of the control `live`. Offsets
-/// are zero, and the tool starts far from the part.
+/// are zero but for R and T of G41 and G42, and the tool starts far from the part.
 fn preview(order: &PreviewOrder, live: &Setup, is_newest: &dyn Fn() -> bool) -> FormPreview {
     let mut setup = Setup::default().with_chuck();
     setup.memory = live.memory.clone();
     setup.memory.offsets = Offsets::default();
+    if let Some(nose) = nose_offset(&order.values) {
+        let offset = ToolOffset {
+            r: nose.radius,
+            t: nose.tip,
+            ..ToolOffset::default()
+        };
+        // A number that the table lacks is an alarm of the program.
+        let _ = setup.memory.offsets.set(nose.number, offset);
+    }
     let mut programs = ProgramMemory::default();
     programs.open_external(Program::new(whole_program(PROGRAM_NUMBER, &order.section)));
     programs.select(ProgramId::External);

@@ -57,6 +57,8 @@ pub struct PreviewResult {
     pub is_trial: bool,
     /// Whether the job is a practice job, because no program determines the part.
     pub is_practice_job: bool,
+    /// Whether stock and tools are those of the forms in the program.
+    pub is_form_job: bool,
     /// The reason why the program's job file cannot be used; `None` if it can or does not exist.
     pub job_file_error: Option<Message>,
     /// The file of the program; `None` without one.
@@ -342,6 +344,9 @@ impl PreviewThread {
             is_trial: tried,
             job_file_error: trouble,
             program_file: inputs.file.clone(),
+            // Jobs of files and of samples have a name.
+            is_form_job: inputs.changed_job.is_none()
+                && chosen.as_ref().is_some_and(|it| it.file.is_none()),
             rear_tool_post: setup.lathe.rear_tool_post,
             program_count: self.program_count,
             ..PreviewResult::default()
@@ -545,16 +550,13 @@ fn job_of_basis(basis: &PreviewInputs) -> (Option<SelectedJob>, Option<Message>)
     (changed.or(read), trouble)
 }
 
-/// Reads the job file beside the program, or the built-in job of a sample; `None` if there is
-/// neither. The second value is the error in the file.
+/// Reads the job file beside the program, or takes the built-in job of a sample, or that of the
+/// forms in the program; `None` if there is none. The second value is the error in the file.
 fn read_job(basis: &PreviewInputs) -> (Option<SelectedJob>, Option<Message>) {
     let job_file = basis.file.as_deref().map(job::job_path);
     let Some(path) = job_file.filter(|path| path.exists()) else {
         let program = basis.program.as_ref();
-        return (
-            program.and_then(|(_, program)| samples::job_of(program)),
-            None,
-        );
+        return (program.and_then(|(_, program)| job_of_text(program)), None);
     };
     match job::read(&path) {
         Ok(job) => {
@@ -563,6 +565,14 @@ fn read_job(basis: &PreviewInputs) -> (Option<SelectedJob>, Option<Message>) {
         }
         Err(error) => (None, Some(error.message())),
     }
+}
+
+/// The built-in job of a sample, or the stock and the tools of the forms in a program.
+fn job_of_text(program: &Program) -> Option<SelectedJob> {
+    samples::job_of(program).or_else(|| {
+        let job = gsk_forms::program_job(program.text())?;
+        Some(SelectedJob { job, file: None })
+    })
 }
 
 /// The shift from program to part coordinates of a move, mm. It is zero without a job that

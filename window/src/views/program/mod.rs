@@ -392,6 +392,7 @@ impl ProgramView {
                 self.set_document(ProgramDocument::new(TextOrigin::New, ""), context);
                 self.document.text = text;
                 self.document.update_after_change();
+                self.message = Some(EditorMessage::Good(say::form_in_lathe()));
             }
             TextToLoad::Choose => self.document_store.choose_file(self.bar.language, context),
             TextToLoad::File(path) => self.document_store.load_file(path, context),
