@@ -195,8 +195,8 @@ impl ModalCodes {
             }
         }
         let settings = spans.iter().filter(|it| it.kind == SpanKind::Setting);
-        let words = settings.filter_map(|it| word_of(line, it));
-        if let Some(tool) = words.filter(|word| word.address == 'T').last() {
+        let mut words = settings.filter_map(|it| word_of(line, it));
+        if let Some(tool) = words.rfind(|word| word.address == 'T') {
             self.tool = Some((tool.value.into_owned(), index));
         }
     }

@@ -18,7 +18,7 @@ pub(crate) fn alarm_fixes(
     language: Language,
 ) -> Vec<QuickFix> {
     let line = EditedLine::new(number, text);
-    let fixes = match alarm.number {
+    match alarm.number {
         number::BAD_CHARACTER => decimal_point(alarm, &line, language).into_iter().collect(),
         number::BAD_ADDRESS | number::BAD_G | number::BAD_M => {
             match two_blocks(alarm, &line, language) {
@@ -27,8 +27,7 @@ pub(crate) fn alarm_fixes(
             }
         }
         _ => Vec::new(),
-    };
-    fixes
+    }
 }
 
 /// The fixes of the words of a line that the model does not have.

@@ -48,10 +48,6 @@ fn overlap(one: Range, other: Range) -> bool {
     one.start <= other.end && other.start <= one.end
 }
 
-#[expect(
-    clippy::mutable_key_type,
-    reason = "the map of the protocol; its keys are not changed"
-)]
 fn workspace_edit(
     document: &OpenDocument,
     fix: &QuickFix,
