@@ -124,12 +124,17 @@ const CASES: &[FixCase] = &[
 ];
 
 /// Warnings without a fix, because more than one edit may be right.
-const UNFIXED: [&str; 6] = [
+const UNFIXED: [&str; 11] = [
     "end-elsewhere",
+    "insert-edge",
+    "insert-feed",
     "ladder-code",
+    "long-overhang",
     "machine-zero",
     "nose-radius-zero",
     "nose-uncompensated",
+    "spindle-power",
+    "spindle-torque",
     "unreachable-block",
 ];
 
