@@ -2811,6 +2811,7 @@ message_rows! {
     port_open PortOpen();
     port_refused PortRefused(port, error: message);
     port_take_over PortTakeOver();
+    port_taken_over PortTakenOver();
     port_terminal PortTerminal(error);
     port_terminal_nameless PortTerminalNameless();
     port_terminal_refused PortTerminalRefused(error);

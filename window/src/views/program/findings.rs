@@ -87,7 +87,8 @@ impl ProgramView {
     /// program: the foreign file stays as it is.
     pub(super) fn show_port(&mut self, ui: &mut Ui, language: Language) {
         if let Some(text) = self.port.show(ui, language) {
-            self.text_to_load = Some(TextToLoad::NewProgram(text));
+            let notice = say::port_taken_over();
+            self.text_to_load = Some(TextToLoad::NewProgram { text, notice });
         }
     }
 

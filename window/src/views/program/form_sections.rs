@@ -62,7 +62,8 @@ impl ProgramView {
                 let stored = stored.map_or(&[][..], |checked| &checked.stored_programs);
                 let number = (1..9_000).find(|number| !stored.contains(number));
                 let text = whole_program(number.unwrap_or(1), &section);
-                self.text_to_load = Some(TextToLoad::NewProgram(text));
+                let notice = say::form_in_lathe();
+                self.text_to_load = Some(TextToLoad::NewProgram { text, notice });
                 self.form.close();
             }
             None => {}

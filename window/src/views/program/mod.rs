@@ -44,7 +44,10 @@ enum TextToLoad {
     /// Load an empty new text.
     New,
     /// A new text with this content.
-    NewProgram(String),
+    NewProgram {
+        text: String,
+        notice: Message,
+    },
     /// The file that the user chooses in a dialog.
     Choose,
     File(PathBuf),
@@ -388,11 +391,11 @@ impl ProgramView {
             TextToLoad::New => {
                 self.set_document(ProgramDocument::new(TextOrigin::New, ""), context);
             }
-            TextToLoad::NewProgram(text) => {
+            TextToLoad::NewProgram { text, notice } => {
                 self.set_document(ProgramDocument::new(TextOrigin::New, ""), context);
                 self.document.text = text;
                 self.document.update_after_change();
-                self.message = Some(EditorMessage::Good(say::form_in_lathe()));
+                self.message = Some(EditorMessage::Good(notice));
             }
             TextToLoad::Choose => self.document_store.choose_file(self.bar.language, context),
             TextToLoad::File(path) => self.document_store.load_file(path, context),

@@ -131,7 +131,7 @@ impl PortPane {
             .min_size(60.0)
             .show(ui, |ui| show_findings(ui, &open.ported, language));
         egui::CentralPanel::default()
-            .frame(plain_frame())
+            .frame(plain_frame().inner_margin(egui::Margin::symmetric(8, 0)))
             .show(ui, |ui| show_rows(ui, open));
         if is_closed || taken.is_some() {
             self.open = None;
@@ -208,8 +208,11 @@ fn show_rows(ui: &mut Ui, open: &OpenPort) {
                 };
                 let cell = |ui: &mut Ui, width: f32, text: RichText| {
                     let size = egui::vec2(width, height);
-                    let label = egui::Label::new(text.monospace()).truncate();
-                    ui.add_sized(size, label.halign(egui::Align::Min));
+                    let layout = egui::Layout::left_to_right(egui::Align::Center);
+                    ui.allocate_ui_with_layout(size, layout, |ui| {
+                        ui.set_min_size(size);
+                        ui.add(egui::Label::new(text.monospace()).truncate());
+                    });
                 };
                 cell(ui, NUMBER_WIDTH, RichText::new(number).weak());
                 cell(ui, column, RichText::new(foreign));
