@@ -110,7 +110,7 @@ impl InsertLetter {
 
 impl Insert {
     /// Greatest length of a turning insert's edge that may cut in roughing, mm; `None` for other
-    /// inserts. The shares are those of Sandvik Coromant, Modern Metal Cutting (1994).
+    /// inserts. The shares are a common rule of thumb for roughing; a maker's catalogue may differ.
     pub fn greatest_edge_mm(&self) -> Option<f64> {
         let Self::Turning { letter, size, .. } = *self else {
             return None;
@@ -125,8 +125,8 @@ impl Insert {
     }
 
     /// Greatest feed per revolution of a turning insert with a nose, mm; `None` for other
-    /// inserts: two thirds of the nose radius (Sandvik Coromant, Modern Metal Cutting, 1994:
-    /// 0.25 mm for 0.4 mm, 0.5 mm for 0.8 mm).
+    /// inserts: two thirds of the nose radius, a common rule of thumb. Some makers allow less:
+    /// 1/1.6 of the radius for C and S, 1/2.5 for D and T.
     pub fn greatest_feed_mm(&self) -> Option<f64> {
         match *self {
             Self::Turning { letter, nose, .. } if letter != InsertLetter::R && nose > 0.0 => {

@@ -70,6 +70,10 @@ impl LoadDisplay {
             return;
         }
         let Some(curve) = self.curve.clone() else {
+            // The load of a path that ends at the limit of the work is never requested.
+            if self.requested.is_none() {
+                return;
+            }
             let words = say::lathe_load_pending().text(language);
             ui.label(RichText::new(words).color(theme::STATE_TEXT));
             return;
