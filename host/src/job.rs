@@ -24,7 +24,7 @@ pub struct JobArgs {
     /// beside the program (shaft.CNC: shaft.job.ron), else they are guessed
     #[arg(long)]
     pub part: bool,
-    /// The same with this job file (RON)
+    /// Cut the part with this job file (RON)
     #[arg(long, value_name = "FILE")]
     pub job: Option<PathBuf>,
 }
@@ -34,10 +34,10 @@ pub struct JobArgs {
 pub struct PartArgs {
     #[command(flatten)]
     pub job: JobArgs,
-    /// The same, and measure the part: cylinders, cones, faces, arcs, threads from front to back
+    /// Cut the part and measure it: cylinders, cones, faces, arcs, threads from front to back
     #[arg(long)]
     pub measure: bool,
-    /// The same, and write the half section of the part as CSV: polygon, X (diameter), Z
+    /// Cut the part and write its half section as CSV: polygon, X (diameter), Z
     #[arg(long, value_name = "FILE")]
     pub section: Option<PathBuf>,
 }

@@ -15,7 +15,8 @@ pub struct ClassArgs {
     /// Code of the class: 3 to 24 letters and digits
     #[arg(long, value_name = "CODE", value_parser = parse_code)]
     pub code: ClassCode,
-    /// File with the password for the broker [default: the environment variable GSK980TD_MQTT_PASSWORD]
+    /// File with the password for the broker [default: the environment variable
+    /// GSK980TD_MQTT_PASSWORD]
     #[arg(long, value_name = "FILE")]
     pub mqtt_password_file: Option<PathBuf>,
     /// Folder for the results that seats hand in [default: class-results]
@@ -35,7 +36,8 @@ pub struct ClassArgs {
 /// Whether this window is a seat of a class.
 #[derive(Args, Clone, Debug, Default)]
 pub struct SeatArgs {
-    /// Show this seat to the instructor of a class, CODE@BROKER; nothing is operated from there [default: nothing is sent]
+    /// Show this seat to the instructor of a class, CODE@BROKER; the instructor cannot operate it
+    /// [default: nothing is sent]
     #[arg(long, value_name = "CODE@BROKER", value_parser = parse_class)]
     pub class: Option<ClassAddress>,
     /// Name of the learner that the instructor sees [default: the name on results of exercises]

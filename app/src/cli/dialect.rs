@@ -13,10 +13,10 @@ pub struct DialectArgs {
     /// The program
     #[arg(value_name = "FILE", required_unless_present = "codes")]
     pub file: Option<PathBuf>,
-    /// The model that it was written for, or the dialect of another control
+    /// Model for which the program was written, or the dialect of another control
     #[arg(long, value_name = "MODEL", value_parser = origin_parser(), required_unless_present = "codes")]
     pub from: Option<ProgramOrigin>,
-    /// The model that is to read it [default: gsk980td, for a dialect]
+    /// Model that will read the program [default: gsk980td, for a dialect]
     #[arg(long, value_name = "MODEL", value_parser = gsk_host::setup_args::model_parser())]
     pub to: Option<ModelId>,
     /// Write the program for the other model into this file
@@ -31,7 +31,7 @@ pub struct DialectArgs {
     /// Dialects: lengths are inches before the first G20 or G21
     #[arg(long)]
     pub inch: bool,
-    /// Print the table of foreign codes and what they become here
+    /// Print the table of foreign codes with their equivalents
     #[arg(long, conflicts_with_all = ["from", "to", "output", "json", "numbers", "inch", "file"])]
     pub codes: bool,
 }

@@ -10,9 +10,10 @@ use gsk_host::setup_args::SetupArgs;
 pub enum ExerciseCommand {
     /// List the exercises: name, criteria, points, time, title
     List(ExerciseListArgs),
-    /// Check an exercise: its reference solution gets all points, its wrong solutions fail as they state
+    /// Check an exercise: its reference solution gets all points, its wrong solutions fail as they
+    /// state
     Check(ExerciseCheckArgs),
-    /// Play an operator script as the solution of an exercise and write the result
+    /// Run an operator script as the solution of an exercise and write the result
     Solve(ExerciseSolveArgs),
     /// Replay every result in a folder and print a table of the marks
     ///
@@ -23,7 +24,7 @@ pub enum ExerciseCommand {
     New(ExerciseNewArgs),
     /// Draw the part of an exercise with the dimensions that are marked, as SVG
     Drawing(ExerciseDrawingArgs),
-    /// Play the reference solution of an exercise and print the outline of its part, for task.ron
+    /// Run the reference solution of an exercise and print the outline of its part, for task.ron
     Outline(ExerciseOutlineArgs),
     /// Pack exercises for a learning platform: a SCORM 1.2 package of the page for browsers
     ///
@@ -66,7 +67,8 @@ pub struct ExerciseSolveArgs {
     /// Number of a hint that the learner read (may be repeated)
     #[arg(long, value_name = "N")]
     pub hint: Vec<u32>,
-    /// Data folder with a teacher's exercises in its folder `exercises`, and with the key that seals results
+    /// Data folder with a teacher's exercises in its folder `exercises`, and with the key that
+    /// seals results
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
 }
@@ -77,7 +79,7 @@ pub struct ExerciseMarkArgs {
     /// The folder with the results (.gskresult)
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// How the table is written
+    /// Format of the table
     #[arg(long, value_enum, default_value_t, value_name = "FORMAT")]
     pub format: MarkTableFormat,
     /// File of the table [default: standard output]
@@ -97,7 +99,8 @@ pub struct ExerciseNewArgs {
     /// Folder of the new exercise
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
-    /// The job file (RON) with stock and tools [default: beside the program (shaft.CNC: shaft.job.ron), else guessed]
+    /// The job file (RON) with stock and tools [default: beside the program (shaft.CNC:
+    /// shaft.job.ron), else guessed]
     #[arg(long, value_name = "FILE")]
     pub job: Option<PathBuf>,
     #[command(flatten)]
@@ -159,7 +162,7 @@ pub enum MarkTableFormat {
     Csv,
     /// All criteria with their evidence
     Json,
-    /// A page with all criteria and their evidence
+    /// HTML page with all criteria and their evidence
     Html,
     /// Statements for a learning record store (xAPI)
     Xapi,

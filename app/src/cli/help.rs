@@ -6,13 +6,14 @@ use gsk_core::model::ModelId;
 /// Arguments of the command `help`.
 #[derive(Args, Debug)]
 pub struct HelpArgs {
-    /// A command, or what is to be explained: `alarm 31`, `022`, `004.3`, `G71`, `key CS`, `page oft`, `X0.5`, or words
+    /// A command or a symbol: `alarm 31`, `022`, `004.3`, `G71`, `key CS`, `page oft`, `X0.5`, or
+    /// words to search for
     #[arg(value_name = "TOPIC")]
     pub topic: Vec<String>,
     /// List the topics
     #[arg(long, conflicts_with = "topic")]
     pub list: bool,
-    /// Print everything as one HTML page, to be read or printed
+    /// Print all topics as one HTML page
     #[arg(long, conflicts_with_all = ["topic", "list"])]
     pub document: bool,
     /// The control model [default: gsk980td]

@@ -9,7 +9,7 @@ use super::TransferPortArgs;
 /// Subcommands of the command `ladder`.
 #[derive(Debug, Subcommand)]
 pub enum LadderCommand {
-    /// Compile a ladder and say whether it is right
+    /// Compile a ladder and report its errors
     Check(LadderArgs),
     /// Print a ladder as it was compiled
     List(LadderArgs),
@@ -44,7 +44,7 @@ pub struct LadderRunArgs {
     /// Number of 8 ms slots to scan
     #[arg(long, default_value_t = 1000, value_name = "N")]
     pub slots: u32,
-    /// Hold a bit, for instance X20.1=1
+    /// Force a bit to a value, for instance X20.1=1
     #[arg(long = "set", value_name = "ADDRESS=0|1", value_parser = gsk_host::setup_args::parse_input_bit)]
     pub bits: Vec<gsk_host::setup_args::InputBit>,
 }
@@ -68,7 +68,7 @@ pub struct LadderFindArgs {
     pub text: String,
     #[command(flatten)]
     pub ladder: LadderArgs,
-    /// Which part of the ladder to search
+    /// Section of the ladder to search
     #[arg(long, value_enum, default_value_t = FindDirection::All)]
     pub direction: FindDirection,
     /// The row from which to search up or down
@@ -100,7 +100,7 @@ pub struct LadderSendArgs {
 pub struct LadderReadArgs {
     #[command(flatten)]
     pub port: TransferPortArgs,
-    /// The file for the ladder; `-`: standard output
+    /// File for the ladder; `-`: standard output
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
 }

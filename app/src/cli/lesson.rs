@@ -11,7 +11,7 @@ pub enum LessonCommand {
     List(LessonListArgs),
     /// Check the file of a lesson, its solution included
     Check(LessonCheckArgs),
-    /// Play the solution of a lesson and say of every step whether it comes true
+    /// Run the solution of a lesson and report the result of each step
     Run(LessonRunArgs),
 }
 
@@ -34,7 +34,7 @@ pub struct LessonCheckArgs {
 /// Arguments of the command `lesson run`.
 #[derive(Args, Debug)]
 pub struct LessonRunArgs {
-    /// Its name, as `lesson list` says it, or its file
+    /// Name of the lesson, as `lesson list` prints it, or its file
     #[arg(value_name = "NAME|FILE")]
     pub lesson: PathBuf,
     /// Data folder with a teacher's lessons in its folder `lessons`

@@ -17,17 +17,17 @@ pub struct LinkArgs {
 pub enum LinkCommand {
     /// List the serial ports
     List,
-    /// Identify a board, check its settings, measure its answers
+    /// Identify a board, check its settings, measure its response times
     ///
-    /// Nothing moves unless --travel is given. The settings come from the machine
-    /// file (--machine, section `link`) and the parameters (--data, --param).
+    /// Without --travel nothing moves. The settings come from the machine file (--machine, section
+    /// `link`) and the parameters (--data, --param).
     Test(LinkTestArgs),
-    /// Open a board and print everything said, with the time in seconds
+    /// Open a board and print all traffic, with the time in seconds
     Monitor(LinkMonitorArgs),
     /// Copy firmware to a Raspberry Pi Pico in boot mode
     ///
-    /// Hold the button BOOTSEL of the board and plug it in: it is a drive then. File and
-    /// board are checked before anything is copied.
+    /// Hold the button BOOTSEL while plugging the board in; it then appears as a drive. The command
+    /// checks file and board before it copies.
     Flash(LinkFlashArgs),
     /// Simulate a board on a pseudo terminal or a network address; its name is printed first
     Twin(LinkTwinArgs),
@@ -46,10 +46,11 @@ pub struct LinkBoardArgs {
 /// Arguments of the command `link test`.
 #[derive(Args, Debug)]
 pub struct LinkTestArgs {
-    /// Write settings that differ into the board
+    /// Write the settings that differ to the board
     #[arg(long)]
     pub write_settings: bool,
-    /// MOVES Z by this distance in mm and back, with ten feed holds; drives unpowered, or the way clear
+    /// MOVES Z by this distance in mm and back, with ten feed holds; switch the drives off or clear
+    /// the travel
     #[arg(long, value_name = "MM", allow_hyphen_values = true, value_parser = setup_args::parse_distance)]
     pub travel: Option<f64>,
     /// Feed of that move, mm/min
@@ -82,22 +83,23 @@ pub struct LinkFlashArgs {
 /// `link twin`.
 #[derive(Args, Debug)]
 pub struct LinkTwinArgs {
-    /// Firmware of the board
+    /// Firmware that the board runs
     #[arg(long, value_enum, default_value_t = TwinBoard::Grbl)]
     pub firmware: TwinBoard,
-    /// Offer it at this address as the port `tcp:HOST:PORT`; port 0 lets the system choose [default: a pseudo terminal; on Windows 127.0.0.1:0]
+    /// Listen at this address; the port is then `tcp:HOST:PORT`. Port 0 lets the system choose
+    /// [default: a pseudo terminal; on Windows 127.0.0.1:0]
     #[arg(long, value_name = "HOST:PORT")]
     pub tcp: Option<String>,
     /// Print a machine file with the wiring of this board, and end
     #[arg(long)]
     pub print_machine: bool,
-    /// Lose every Nth byte from the PC to the board
+    /// Drop every Nth byte from the PC to the board
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub lose_every: Option<u64>,
     /// Delay all bytes to the board by this time, ms
     #[arg(long, default_value_t = 0, value_name = "MS")]
     pub delay_ms: u64,
-    /// Speed of the simulated spindle at full output, r/min
+    /// Speed of the simulated spindle at the full output voltage, r/min
     #[arg(long, default_value_t = 9999.0, value_name = "RPM", value_parser = setup_args::parse_number)]
     pub spindle_top: f64,
     /// Klipper, Pico: ripple of the spindle speed, percent

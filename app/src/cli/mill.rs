@@ -10,13 +10,13 @@ use gsk_host::setup_args::{OptionValueError, parse_number};
 pub enum MillCommand {
     /// The electronic gear of an axis: parameters 015 and 016
     Gear(GearArgs),
-    /// What the table of pitch errors makes of positions: parameters 3620 to 3624
+    /// Corrections of positions by the pitch error table: parameters 3620 to 3624
     Pitch(PitchArgs),
-    /// How fast backlash is taken up: parameter 010
+    /// Speed of backlash compensation: parameter 010
     Backlash(BacklashArgs),
-    /// Which keys are pressed, by the diagnosis numbers 016 to 024; without numbers all keys
+    /// Decode the pressed keys from diagnosis numbers 016 to 024; without numbers list all keys
     Keys(MillKeysArgs),
-    /// How an axis is sent to machine zero: absolute encoder, method D, switches
+    /// Homing method of an axis: absolute encoder, method D, switches
     Homing(HomingArgs),
     /// The pins of CN15 to CN78 with their addresses, or the rows with certain words
     Io(MillSearchArgs),
@@ -31,7 +31,7 @@ pub enum MillCommand {
 /// Arguments of the commands that show a table of the machine.
 #[derive(Args, Debug)]
 pub struct MillSearchArgs {
-    /// Words that the row has: X0.5, CN61, DECX, 3741, brake
+    /// Words to search for: X0.5, CN61, DECX, 3741, brake
     #[arg(value_name = "TEXT")]
     pub words: Vec<String>,
 }
@@ -39,13 +39,13 @@ pub struct MillSearchArgs {
 /// Arguments of the command `mill gear`.
 #[derive(Args, Debug)]
 pub struct GearArgs {
-    /// Counts of the encoder in a turn: its lines, of an incremental encoder four times those
+    /// Counts of the encoder per turn; for an incremental encoder four times its lines
     #[arg(long, value_name = "COUNTS")]
     pub counts: u32,
-    /// Lead of the screw, mm
+    /// Lead of the ball screw, mm
     #[arg(long, value_name = "MM", required_unless_present = "pulses", value_parser = parse_number)]
     pub lead: Option<f64>,
-    /// Of a rotary axis or a spindle instead: pulses in a turn
+    /// Pulses per turn, for a rotary axis or a spindle
     #[arg(long, value_name = "PULSES", conflicts_with = "lead")]
     pub pulses: Option<u32>,
     /// Output increment, mm: 0.001, or 0.0001 (001.1 = 1)
@@ -65,13 +65,13 @@ pub struct PitchArgs {
     /// The axis of the table: X, Y, Z, A, B or C; a file that names another one is refused
     #[arg(long, value_name = "AXIS", value_parser = parse_axis)]
     pub axis: Option<char>,
-    /// 3620: the number at the reference point
+    /// 3620: point number at the reference point
     #[arg(long, value_name = "N")]
     pub origin: i64,
-    /// 3624: the interval, mm (degrees)
+    /// 3624: interval between points, mm (degrees)
     #[arg(long, value_name = "MM", value_parser = parse_number)]
     pub interval: f64,
-    /// 3621, 3622: the least and the greatest number
+    /// 3621, 3622: smallest and greatest point number
     #[arg(long, value_name = "N,N", default_value = "0,1023", value_parser = parse_window)]
     pub window: (i64, i64),
     /// Values of the table, 0.001 mm: 58=-7 (may be repeated)
@@ -84,7 +84,7 @@ pub struct PitchArgs {
     /// Write the table to a file in the same form
     #[arg(long, value_name = "FILE")]
     pub export: Option<PathBuf>,
-    /// 1260: a turn of a rotary axis, degrees; whether the table comes out even
+    /// 1260: one turn of a rotary axis, degrees; checks that the intervals of the table divide it
     #[arg(long, value_name = "DEGREES", value_parser = parse_number)]
     pub turn: Option<f64>,
 }
@@ -95,7 +95,7 @@ pub struct BacklashArgs {
     /// Parameter 010, its bits CPF7 to CPF0: 00001010
     #[arg(value_name = "BITS", value_parser = parse_bits)]
     pub bits: u8,
-    /// 011.6 = 1: an eighth of it
+    /// 011.6 = 1: an eighth of the backlash at a time
     #[arg(long)]
     pub eighth: bool,
 }
@@ -121,11 +121,12 @@ fn parse_key_bits(word: &str) -> Result<(u16, u8), OptionValueError> {
 /// Arguments of the command `mill homing`.
 #[derive(Args, Debug)]
 pub struct HomingArgs {
-    /// The parameters of a machine, one a line: N=V, N=00001000 or N.B=0|1, those of an axis
-    /// with 10000 (X) to 50000 (the fifth) more; how each of its axes goes home then
+    /// File with the parameters of a machine, one per line: N=V, N=00001000 or N.B=0|1; add 10000
+    /// (X) to 50000 (fifth axis) to the number of an axis parameter. Prints the homing method of
+    /// each axis
     #[arg(long, value_name = "FILE")]
     pub params: Option<PathBuf>,
-    /// One of them, instead of the file or over it (may be repeated)
+    /// One parameter, instead of the file or in addition to it (may be repeated)
     #[arg(long = "param", value_name = "N=V")]
     pub values: Vec<String>,
 }

@@ -92,33 +92,33 @@ use gsk_host::setup_args::{self, SetupArgs};
 
 const EXAMPLES: &str = "\
 Examples:
-  gsk980td                                  the panel in a window
-  gsk980td --program shaft.CNC              the panel with a program opened
-  gsk980td check shaft.CNC                  is the program right? how long does it take?
-  gsk980td run shaft.CNC --spindle 800      execute it on the simulated lathe, headless
-  gsk980td plot shaft.CNC -o shaft.png      its toolpath as a picture
+  gsk980td                                  open the panel in a window
+  gsk980td --program shaft.CNC              open the panel with a program
+  gsk980td check shaft.CNC                  check the program: alarms, tools, time
+  gsk980td run shaft.CNC --spindle 800      execute it on the simulated lathe
+  gsk980td plot shaft.CNC -o shaft.png      draw its toolpath
   gsk980td operate lesson.txt               press keys from a script
 
-Exit codes: 0 all right, 1 the control raised an alarm (or a script failed, or a run did not come \
-to its end), 2 wrong call or file, 3 a tool hit something (--part), 130 ended by Ctrl-C or a signal at a real machine.";
+Exit codes: 0 success, 1 alarm of the control (also: a failed script, an unfinished run), 2 invalid \
+arguments or file, 3 collision (--part), 130 ended by Ctrl-C or a signal on a real machine.";
 
 /// The control of a GSK980TD lathe on a PC: panel, control and simulated lathe.
 ///
-/// Without a command the operator panel opens in a window. Every command does
-/// its job without a window and without a display.
+/// Without a command the operator panel opens in a window. The commands need neither a window nor a
+/// display.
 #[derive(Debug, Parser)]
 #[command(name = "gsk980td", version, after_help = EXAMPLES, args_conflicts_with_subcommands = true, disable_help_subcommand = true)]
 pub struct CommandLine {
     /// The command to execute; `None` opens the window.
     #[command(subcommand)]
     pub command: Option<CliCommand>,
-    /// How much is written into the log: off, error, warn, info, debug or trace [default: info
-    /// in the window, into `log` of the data folder; off for commands, else on standard error]
+    /// Level of the log: off, error, warn, info, debug or trace. The window logs into `log` of the
+    /// data folder, a command to standard error [default: info in the window, off for commands]
     #[arg(long, global = true, value_name = "LEVEL", value_parser = gsk_host::log::parse_level)]
     pub log: Option<LevelFilter>,
-    /// Language of messages; the panel itself is always as printed [default: zh on a Chinese
-    /// system, else English with the Chinese texts of the screen; the window as it was, `lsp`
-    /// as the editor says]
+    /// Language of messages; the panel keeps its printed legends [default: zh on a Chinese system,
+    /// else English with the Chinese texts of the screen; the window keeps its last choice, `lsp`
+    /// follows the editor]
     #[arg(long, global = true, value_parser = language_parser(), value_name = "LANG")]
     pub lang: Option<Language>,
     /// Options with which the window is opened.
@@ -146,10 +146,10 @@ pub struct WindowArgs {
     /// The machine's ladder instead of the standard one (instruction list)
     #[arg(long, value_name = "FILE")]
     pub ladder: Option<PathBuf>,
-    /// What sends programs in DNC mode: a file, a serial port, or `-` for standard input [default: transfer/DNC.CNC in the data folder]
+    /// Source of the programs in DNC mode: a file, a serial port, or `-` for standard input
+    /// [default: transfer/DNC.CNC in the data folder]
     ///
-    /// Unless --ladder is given, the ladder with keys for DNC and teach-in runs: 自动 pressed
-    /// twice is DNC.
+    /// Without --ladder the ladder with keys for DNC and teach-in runs: press 自动 twice for DNC.
     #[arg(long, value_name = "SOURCE")]
     pub dnc: Option<PathBuf>,
     #[command(flatten)]
@@ -157,15 +157,16 @@ pub struct WindowArgs {
     /// The simulated lathe (travel, turret, dogs …) from a RON file
     #[arg(long, value_name = "FILE")]
     pub machine: Option<PathBuf>,
-    /// Macro B: formulas, IF, WHILE, GOTO and calls with arguments (G65 P) in programs; the data
-    /// folder keeps it [default: as it was, off at first]
+    /// Macro B: formulas, IF, WHILE, GOTO and calls with arguments (G65 P) in programs; stored in
+    /// the data folder [default: the stored setting, at first off]
     #[arg(long, value_name = "on|off", value_parser = setup_args::parse_switch)]
     pub macro_b: Option<bool>,
-    /// The control model; each has a separate memory in the data folder, which keeps the
-    /// choice [default: as it was, gsk980td at first]
+    /// Control model; each has a separate memory in the data folder, which stores the choice
+    /// [default: the stored choice, at first gsk980td]
     #[arg(long, value_name = "MODEL", value_parser = setup_args::model_parser())]
     pub model: Option<ModelId>,
-    /// A pulse board at this port moves the slides: REAL MOTION [default: the port in the machine file, if it names one]
+    /// A pulse board at this port moves the slides: REAL MOTION [default: the port in the machine
+    /// file, if it names one]
     #[arg(long, value_name = "PORT")]
     pub link: Option<String>,
     /// Record the session into this file as well, for `replay`
@@ -188,10 +189,10 @@ pub struct WindowArgs {
 pub enum CliCommand {
     /// Execute a program on the simulated lathe, as fast as the PC can
     ///
-    /// The first file is executed to its end in the complete control: ladder,
-    /// acceleration, spindle, turret. Subprograms come from the other files and
-    /// from the folder of the first one. M00 is answered with cycle start. With
-    /// --link a real machine executes it, and nothing is answered by itself.
+    /// Executes the first file to its end in the complete control: ladder, acceleration, spindle,
+    /// turret. Subprograms come from the other files and from the folder of the first one. After
+    /// M00 the command presses cycle start. With --link a real machine executes the program, and
+    /// M00 waits for the operator.
     Run(DeferredArgs<RunArgs>),
     /// Check programs without executing them: alarms, path, tools, time
     ///
@@ -209,11 +210,11 @@ pub enum CliCommand {
     /// Part with dimensions, stock and clamping, tools with offsets, zero, times, warnings, the
     /// program, and its hash as a QR code. A browser prints it, also as PDF.
     Sheet(DeferredArgs<SheetArgs>),
-    /// List what means something else when another control model reads a program
+    /// List the words of a program that another control model reads differently
     ///
-    /// Block by block: codes that the other model does not have, that mean something else
-    /// there, or that have another number. With -o the program is written with the numbers of
-    /// the other model where they say the same; all else stands as it is, and is listed.
+    /// Lists for each block the codes that the other model lacks, reads differently, or numbers
+    /// differently. With -o it writes the program with the numbers of the other model where the
+    /// meaning is the same; it lists all other differences and leaves those words unchanged.
     ///
     /// From the dialect of another control (`fanuc0t`, `fanuc-10t`, `haas`, `fusion`, `mach3`,
     /// `linuxcnc`) the program is ported: printed or, with -o, written, and checked. Lines
@@ -232,8 +233,8 @@ pub enum CliCommand {
     Load(LoadCommand),
     /// Write the program that turns the outline of a drawing (DXF or SVG)
     ///
-    /// The outline of the part above the axis, from its right end to its left one: lines and
-    /// arcs, joined and checked. The program has G71 and G70, or only the blocks of the outline.
+    /// Reads the outline above the axis from its right end to its left end, joins its lines and
+    /// arcs and checks them. The program contains G71 and G70, or only the blocks of the outline.
     Outline(DeferredArgs<OutlineArgs>),
     /// Operate the panel by a script of key presses and expectations
     #[command(after_help = script_help())]
@@ -248,11 +249,11 @@ pub enum CliCommand {
     /// write one.
     #[command(subcommand)]
     Exercise(ExerciseCommand),
-    /// Show the seats of a class to the instructor: the one that needs help first
+    /// Show the seats of a class to the instructor, the most urgent first
     ///
     /// A seat joins in the window (Views, Network) or with --class CODE@BROKER. The instructor
-    /// opens an LCD live, offers exercises, sets faults where the seat allows it, and collects
-    /// results. No key can be pressed from here. docs/network.md describes it.
+    /// watches an LCD live, offers exercises, sets faults where the seat allows it, and collects
+    /// results. The view cannot press keys. docs/network.md describes it.
     Class(DeferredArgs<ClassArgs>),
     /// Replay a recording of the window and compare the states in it
     ///
@@ -266,42 +267,42 @@ pub enum CliCommand {
     Keys(DeferredArgs<ModelTableArgs>),
     /// Print the parameter table
     ///
-    /// With `--model` that of another control model: the whole table of the GSK980MDi mill,
-    /// with a column that says what acts in `check` and `plot`.
+    /// With `--model` the table of another control model; that of the GSK980MDi mill has a column
+    /// with the effect in `check` and `plot`.
     Parameters(DeferredArgs<ModelTableArgs>),
-    /// Print the alarm table: number, text, meaning, cause, cure
+    /// Print the alarm table: number, text, meaning, cause, remedy
     Alarms(DeferredArgs<TableArgs>),
     /// Print the PLC signal table
     Signals(DeferredArgs<TableArgs>),
-    /// Print the faults of the simulated lathe: name for `fault NAME on`, what it does
+    /// Print the faults of the simulated lathe: name for `fault NAME on`, and effect
     Faults(DeferredArgs<TableArgs>),
     /// Check, print, search or scan a ladder (instruction list), move it to and from a control
     #[command(subcommand)]
     Ladder(LadderCommand),
-    /// Pitch errors of the screws: measurements into the table of the control, and the table itself
+    /// Import measured pitch errors, print and export the pitch error table
     #[command(subcommand)]
     Pitch(PitchCommand),
-    /// All that the control holds as one folder of readable text
+    /// Export the memory of the control as a folder of text files, import it, compare two
     ///
-    /// Programs, parameters, offsets, variables, pitch errors, ladder and the rest, a value a
-    /// line, for a version control system or another machine; what differs is listed by
-    /// meaning. docs/project.md describes the folder.
+    /// The folder holds programs, parameters, offsets, variables, pitch errors, ladder and
+    /// settings, one value per line, for version control or another machine. Differences are listed
+    /// by meaning. docs/project.md describes the folder.
     #[command(subcommand)]
     Project(ProjectSubcommand),
-    /// What is worked out when a GSK980MDi mill is set up: gears, pitch errors, backlash, keys, homing
+    /// Compute the settings of a GSK980MDi mill: gears, pitch errors, backlash, keys, homing
     #[command(subcommand)]
     Mill(MillCommand),
-    /// Find, try, watch or play a pulse board
+    /// Find, test, monitor or simulate a pulse board
     Link(DeferredArgs<LinkArgs>),
-    /// Files to and from a control through its serial port: the PC's side
+    /// Send files to a control and receive them, through its serial port
     Transfer(DeferredArgs<TransferArgs>),
     /// Explain a symbol of the control, or a command
     ///
-    /// Alarms, parameters and their bits, G and M codes, keys, lamps, pages and their fields,
-    /// PLC signals, diagnosis numbers: what each is for, its range, cause and way out, an
-    /// example. Words are looked for in all of them.
+    /// Explains alarms, parameters and their bits, G and M codes, keys, lamps, pages and their
+    /// fields, PLC signals and diagnosis numbers: purpose, range, cause, remedy and an example.
+    /// Other words are searched for in all topics.
     Help(DeferredArgs<HelpArgs>),
-    /// Serve an editor: alarms while a program is typed, what words mean, where they lead
+    /// Serve an editor (language server): alarms while typing, meanings of words, targets of calls
     ///
     /// Speaks the language server protocol on standard input and output; an editor starts it.
     Lsp(DeferredArgs<LspArgs>),
@@ -312,7 +313,7 @@ pub enum CliCommand {
     Dap(DeferredArgs<DapArgs>),
     /// Print the licences of this program and of the packages it contains
     Notices,
-    /// Print what a shell needs to complete this command line
+    /// Print the script by which a shell completes this command line
     ///
     /// For bash: `gsk980td completions bash > ~/.local/share/bash-completion/completions/gsk980td`;
     /// the packages for Linux bring it along.
@@ -355,10 +356,12 @@ pub struct OperateArgs {
     /// Program to open before the script starts
     #[arg(long, value_name = "FILE")]
     pub program: Option<PathBuf>,
-    /// A pulse board at this port moves the slides: REAL MOTION. Press RESET and make the machine zero return in the script [default: the simulated lathe, also where the machine file names a port]
+    /// A pulse board at this port moves the slides: REAL MOTION. Press RESET and make the machine
+    /// zero return in the script [default: the simulated lathe, also where the machine file names a
+    /// port]
     #[arg(long, value_name = "PORT")]
     pub link: Option<String>,
-    /// Write what happened as a script with the time of every key
+    /// Write the session as a script with the time of every key
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
     #[command(flatten)]
@@ -389,7 +392,7 @@ pub struct ScreenArgs {
 /// Options of the commands that print a table.
 #[derive(Args, Debug)]
 pub struct TableArgs {
-    /// Only lines that contain this text (capital or small letters alike)
+    /// Only lines that contain this text, in upper or lower case
     #[arg(value_name = "TEXT")]
     pub filter: Option<String>,
     /// Print as JSON

@@ -23,7 +23,7 @@ pub struct OutlineArgs {
     /// The unit of the drawing [default: as the drawing states]
     #[arg(long, value_name = "UNIT", value_parser = unit_parser())]
     pub unit: Option<DrawingUnit>,
-    /// Ends closer than this are one corner
+    /// Join ends that are closer than this distance, mm
     #[arg(long, value_name = "MM", default_value_t = gsk_outline::DEFAULT_GAP_MM)]
     pub gap: f64,
     /// Diameter of the stock [default: the largest diameter and 2 mm, rounded up]
@@ -32,7 +32,7 @@ pub struct OutlineArgs {
     /// Corner angle of the finishing insert: refuse what its end edge does not clear
     #[arg(long, value_name = "DEGREES")]
     pub insert: Option<f64>,
-    /// What is written
+    /// Kind of output
     #[arg(long, value_name = "FORMAT", default_value = "g71")]
     pub format: OutlineTextFormat,
     /// Write the program into this file and check it

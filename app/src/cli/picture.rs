@@ -12,10 +12,12 @@ pub struct PictureArgs {
     /// Fit the picture to the whole path; without it the cuts fill it and rapids end at its frame
     #[arg(long)]
     pub whole: bool,
-    /// Write the number of each block where it ends: its N word, or its line where it has none; numbers that would cover others are left out
+    /// Label the end of each block with its N word or, without one, its line number; labels that
+    /// would overlap are omitted
     #[arg(long)]
     pub labels: bool,
-    /// Write the dimensions of the part: diameters, radii, angles, pitches, and the positions of its shoulders; draws the part under the path
+    /// Write the dimensions of the part: diameters, radii, angles, pitches, and the positions of
+    /// its shoulders; draws the part under the path
     #[arg(long)]
     pub dimensions: bool,
     /// Draw each tool at its last cut; draws the part under the path

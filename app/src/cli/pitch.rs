@@ -10,13 +10,15 @@ use gsk_core::units::Axis;
 /// Commands about pitch error tables.
 #[derive(Debug, Subcommand)]
 pub enum PitchCommand {
-    /// Write measured pitch errors into the table of the control, with the control's rights
+    /// Import measured pitch errors into the table of the control, with the rights of its operation
+    /// level
     ///
     /// A CSV file has a heading with `target` (mm) and `deviation` (µm) or `measured` (mm), and
-    /// if need be `run` and `direction`; runs in both directions give the backlash as well. The
-    /// text of a calibration (REN) has values that are added to those of the table, or runs of
-    /// readings; a linear measurement of Renishaw (RTL) has runs. docs/commissioning.md describes both. What the control held before is kept as a
-    /// project in `backups` of the data folder.
+    /// optionally `run` and `direction`; runs in both directions also give the backlash. A
+    /// calibration text (REN) contains values that are added to those of the table, or runs of
+    /// readings; a linear measurement of Renishaw (RTL) contains runs. docs/commissioning.md
+    /// describes both. The previous memory of the control is kept as a project in `backups` of the
+    /// data folder.
     Import(PitchImportArgs),
     /// Print the table of the control with its corrections
     Show(PitchShowArgs),
@@ -42,22 +44,22 @@ pub struct PitchImportArgs {
     /// The data folder of the control [default: the one of the window]
     #[arg(long, value_name = "DIR", alias = "data")]
     pub into: Option<PathBuf>,
-    /// The control model whose memory is written [default: as the data folder says]
+    /// Control model whose memory is written [default: the model stored in the data folder]
     #[arg(long, value_name = "MODEL", value_parser = gsk_host::setup_args::lathe_model_parser())]
     pub model: Option<ModelId>,
     /// Slide travel from point to point, mm [default: the coarsest that leaves 0.8 µm or less]
     #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = gsk_host::setup_args::parse_number)]
     pub interval: Option<f64>,
-    /// The table was empty when it was measured: what stands in it is dropped, not added to
+    /// The table was empty during the measurement: replace its values instead of adding to them
     #[arg(long)]
     pub clear: bool,
-    /// Targets are programmed diameters (X)
+    /// The targets are diameters (X)
     #[arg(long)]
     pub diameter: bool,
-    /// A password of the control: the rights of its operation level, for this once
+    /// Password of the control: use the rights of its operation level for this command
     #[arg(long, value_name = "PASSWORD")]
     pub password: Option<String>,
-    /// Only say what would be written, beside the corrections in force
+    /// Print the new values beside the current ones, and write nothing
     #[arg(long)]
     pub dry_run: bool,
     /// Print as JSON
@@ -74,10 +76,10 @@ pub struct PitchShowArgs {
     /// The data folder of the control [default: the one of the window]
     #[arg(long, value_name = "DIR", alias = "into")]
     pub data: Option<PathBuf>,
-    /// The control model whose memory is read [default: as the data folder says]
+    /// Control model whose memory is read [default: the model stored in the data folder]
     #[arg(long, value_name = "MODEL", value_parser = gsk_host::setup_args::lathe_model_parser())]
     pub model: Option<ModelId>,
-    /// How the table is written
+    /// Format of the table
     #[arg(long, value_enum, default_value_t = PitchFormat::Human)]
     pub format: PitchFormat,
 }
@@ -85,12 +87,12 @@ pub struct PitchShowArgs {
 /// Output format of a pitch error table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum PitchFormat {
-    /// A line for each point with a value
+    /// One line for each point with a value
     Human,
     /// Position in mm and correction in µm, as CSV
     Csv,
     /// The text of a calibration, which `pitch import` reads
     Ren,
-    /// A JSON array
+    /// JSON array
     Json,
 }

@@ -17,13 +17,14 @@ use super::PictureArgs;
 /// Limits at which `check` and `plot` cancel a preview.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct LimitArgs {
-    /// Give a program up after this number of moves
+    /// Stop checking a program after this number of moves
     #[arg(long, default_value_t = WorkBudget::FULL.moves, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub most_moves: u64,
-    /// Give a program up after this number of blocks; those of loops and subprograms count each time
+    /// Stop checking a program after this number of blocks; blocks of loops and subprograms count
+    /// each time
     #[arg(long, default_value_t = WorkBudget::FULL.work, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub most_blocks: u64,
-    /// Give a program up after this time as well, for instance 90s, 10m [default: no limit]
+    /// Stop checking a program after this time as well, for instance 90s, 10m [default: no limit]
     #[arg(long, value_name = "TIME", value_parser = setup_args::parse_duration_ms)]
     pub give_up: Option<u64>,
 }
@@ -43,11 +44,12 @@ impl LimitArgs {
 /// Options of the preview of `check` and `plot`.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct LookArgs {
-    /// Where the work zero lies in machine coordinates: X (diameter), Z in mm; --start is then counted from it [default: at the machine zero]
+    /// Work zero in machine coordinates: X (diameter), Z in mm; --start is then relative to it
+    /// [default: at the machine zero]
     ///
-    /// G28 goes to the machine zero: with this option it is drawn, and so is the rest of the
-    /// program, at its true position. A program that begins with G50 needs --start as well:
-    /// the position of its tool at the start.
+    /// With this option, G28 and the rest of the program are drawn at their true position relative
+    /// to the machine zero. A program that begins with G50 also needs --start, the position of its
+    /// tool at the start.
     #[arg(long, value_name = "X,Z", allow_hyphen_values = true, value_parser = setup_args::parse_xz)]
     pub work_zero: Option<(f64, f64)>,
     #[command(flatten)]
@@ -64,28 +66,32 @@ pub struct CheckArgs {
     pub look: LookArgs,
     #[command(flatten)]
     pub part: PartArgs,
-    /// Compute force, power, torque and roughness of every cut, and warn where lathe or insert allow less
+    /// Compute force, power, torque and roughness of every cut, and warn where lathe or insert
+    /// allow less
     #[arg(long)]
     pub load: bool,
-    /// The same, and write the load along every move as CSV; one program only
+    /// Compute the load and write it along every move as CSV; one program only
     #[arg(long, value_name = "FILE")]
     pub load_csv: Option<PathBuf>,
     /// Write every move as one JSON object a line (`-`: standard output); one program only
     #[arg(long, value_name = "FILE")]
     pub moves: Option<PathBuf>,
-    /// Print one JSON object for each file; `times` are its seconds by kind (rapid, feed, thread, dwell, other), `tool_times` the same for each tool
+    /// Print one JSON object for each file; `times` are its seconds by kind (rapid, feed, thread,
+    /// dwell, other), `tool_times` the same for each tool
     #[arg(long)]
     pub json: bool,
-    /// Do not report this kind of warning: a name or number of --lints, or `all`; commas separate several
+    /// Do not report this kind of warning: a name or number of --lints, or `all`; commas separate
+    /// several
     #[arg(long, value_name = "LINT", value_delimiter = ',', hide_possible_values = true, value_parser = lint_parser())]
     pub allow: Vec<LintChoice>,
-    /// Make this kind of warning an error (exit code 1): a name or number of --lints, or `all`; commas separate several
+    /// Make this kind of warning an error (exit code 1): a name or number of --lints, or `all`;
+    /// commas separate several
     #[arg(long, value_name = "LINT", value_delimiter = ',', hide_possible_values = true, value_parser = lint_parser())]
     pub deny: Vec<LintChoice>,
     /// Print all kinds of warnings with number and name
     #[arg(long, conflicts_with_all = ["files", "json", "format"])]
     pub lints: bool,
-    /// How the results are written
+    /// Format of the results
     #[arg(
         long,
         value_enum,
@@ -152,12 +158,13 @@ impl CheckArgs {
 /// Output format of `check`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum CheckFormat {
-    /// For people; of several programs with a summary at the end
+    /// Text, with a summary after several programs
     #[default]
     Human,
     /// One JSON object for each file
     Json,
-    /// A line for each alarm, collision and warning, that a GitHub workflow shows beside the block
+    /// One line for each alarm, collision and warning, which a GitHub workflow shows beside the
+    /// block
     Github,
     /// One SARIF 2.1.0 log, for editors and code scanning
     Sarif,
@@ -195,7 +202,8 @@ pub struct SceneArgs {
     /// Draw the program from beginning to end in N pictures, as an animation (APNG)
     #[arg(long, requires = "scene", value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1000))]
     pub frames: Option<u32>,
-    /// Camera of the lathe in space; `tool` follows the tool, `section` shows the plane of the machine view
+    /// Camera of the lathe in space; `tool` follows the tool, `section` shows the plane of the
+    /// machine view
     #[arg(
         long,
         requires = "scene",

@@ -10,35 +10,35 @@ use gsk_project::ProjectSection;
 /// Commands about projects.
 #[derive(Debug, Subcommand)]
 pub enum ProjectSubcommand {
-    /// Write the project of a control as it is delivered
+    /// Write the project of a control with its delivered settings
     New(ProjectNewArgs),
-    /// Write all that the control holds into a folder
+    /// Export the memory of the control into a folder
     ///
-    /// A folder that is a project already is brought up to date: files that are the same stay
-    /// untouched, those of programs that are gone are removed, its machine file, jobs and
-    /// whatever else its owner keeps at its top are left alone.
+    /// An existing project is updated: equal files stay untouched, and the files of deleted
+    /// programs are removed. The machine file, the jobs and other files at the top of the folder
+    /// are kept.
     Export(ProjectExportArgs),
-    /// Take over what a project says, with the rights of the control
+    /// Import a project into the control, with the rights of its operation level
     ///
-    /// Nothing is changed when one line of the folder is wrong, or one value is refused. What
-    /// the control held before is kept as a project in `backups` of the data folder.
+    /// If a line of the folder is invalid or a value is refused, nothing changes. The previous
+    /// memory of the control is kept as a project in `backups` of the data folder.
     Import(ProjectImportArgs),
-    /// List what differs between two projects, data folders or the control
+    /// List the differences between two projects, data folders or the control
     ///
-    /// Exit code 0: nothing differs, 1: something does.
+    /// Exit code 0: no difference; 1: at least one.
     Diff(ProjectDiffArgs),
 }
 
 /// Arguments of the command `project new`.
 #[derive(Args, Debug)]
 pub struct ProjectNewArgs {
-    /// The folder: a new one, or an empty one
+    /// Folder: new or empty
     #[arg(value_name = "FOLDER")]
     pub folder: PathBuf,
     /// The control model [default: gsk980td]
     #[arg(long, value_name = "MODEL", value_parser = gsk_host::setup_args::lathe_model_parser())]
     pub model: Option<ModelId>,
-    /// The lathe from a RON file, which becomes the machine file of the project
+    /// Lathe from a RON file; it is copied into the project as its machine file
     #[arg(long, value_name = "FILE")]
     pub machine: Option<PathBuf>,
 }
@@ -46,16 +46,16 @@ pub struct ProjectNewArgs {
 /// Arguments of the command `project export`.
 #[derive(Args, Debug)]
 pub struct ProjectExportArgs {
-    /// The folder: a new one, an empty one, or a project
+    /// Folder: new, empty, or a project
     #[arg(value_name = "FOLDER")]
     pub folder: PathBuf,
     /// The data folder of the control [default: the one of the window]
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
-    /// The control model whose memory is written [default: as the data folder says]
+    /// Control model whose memory is written [default: the model stored in the data folder]
     #[arg(long, value_name = "MODEL", value_parser = gsk_host::setup_args::lathe_model_parser())]
     pub model: Option<ModelId>,
-    /// The lathe from a RON file, which becomes the machine file of the project
+    /// Lathe from a RON file; it is copied into the project as its machine file
     #[arg(long, value_name = "FILE")]
     pub machine: Option<PathBuf>,
 }
@@ -69,13 +69,13 @@ pub struct ProjectImportArgs {
     /// The data folder of the control [default: the one of the window]
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
-    /// Take over these parts alone, for instance parameters,offsets
+    /// Import only these sections, for instance parameters,offsets
     #[arg(long, value_name = "PART", value_delimiter = ',', value_parser = section_parser(ProjectSection::is_in_control))]
     pub only: Vec<ProjectSection>,
-    /// A password of the control: the rights of its operation level, for this once
+    /// Password of the control: use the rights of its operation level for this command
     #[arg(long, value_name = "PASSWORD")]
     pub password: Option<String>,
-    /// Only say what would be taken over
+    /// Print what would be imported, and change nothing
     #[arg(long)]
     pub dry_run: bool,
 }
@@ -83,22 +83,22 @@ pub struct ProjectImportArgs {
 /// Arguments of the command `project diff`.
 #[derive(Args, Debug)]
 pub struct ProjectDiffArgs {
-    /// A project or a data folder: what there was
+    /// The old state: a project or a data folder
     #[arg(value_name = "OLD")]
     pub old: PathBuf,
-    /// Another one: what there is [default: the control of the data folder]
+    /// The new state: a project or a data folder [default: the control of the data folder]
     #[arg(value_name = "NEW")]
     pub new: Option<PathBuf>,
     /// The data folder of the control, without a second folder [default: the one of the window]
     #[arg(long, value_name = "DIR", conflicts_with = "new")]
     pub data: Option<PathBuf>,
-    /// The control model whose memory is compared, of data folders [default: as they say]
+    /// Control model whose memory is compared, in data folders [default: the model stored in them]
     #[arg(long, value_name = "MODEL", value_parser = gsk_host::setup_args::lathe_model_parser())]
     pub model: Option<ModelId>,
-    /// Compare these parts alone, for instance parameters,offsets
+    /// Compare only these sections, for instance parameters,offsets
     #[arg(long, value_name = "PART", value_delimiter = ',', value_parser = section_parser(|_| true))]
     pub only: Vec<ProjectSection>,
-    /// How the list is written
+    /// Format of the list
     #[arg(long, value_enum, default_value_t = DiffFormat::Human)]
     pub format: DiffFormat,
 }
@@ -106,9 +106,9 @@ pub struct ProjectDiffArgs {
 /// Output format of `project diff`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum DiffFormat {
-    /// A line each
+    /// One line for each difference
     Human,
-    /// A JSON array
+    /// JSON array
     Json,
 }
 

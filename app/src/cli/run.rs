@@ -21,10 +21,13 @@ pub struct RunArgs {
     /// The program, then files of subprograms
     #[arg(required_unless_present = "dnc", value_name = "FILE")]
     pub files: Vec<PathBuf>,
-    /// Execute what comes in through the serial line instead (DNC): a file, a serial port, or `-` for standard input; files are then subprograms
+    /// Execute the program from this source (DNC): a file, a serial port, or `-` for standard
+    /// input; FILES are then subprograms
     #[arg(long, value_name = "SOURCE")]
     pub dnc: Option<PathBuf>,
-    /// A pulse board at this port moves the slides: REAL MOTION. M00 and the next part wait for Enter at the terminal; without one M00 ends the run [default: the simulated lathe, also where the machine file names a port]
+    /// A pulse board at this port moves the slides: REAL MOTION. M00 and the next part wait for
+    /// Enter at the terminal; without one M00 ends the run [default: the simulated lathe, also
+    /// where the machine file names a port]
     #[arg(long, value_name = "PORT")]
     pub link: Option<String>,
     /// Both axes of the real machine make their machine zero return first, X then Z: they MOVE
@@ -36,7 +39,8 @@ pub struct RunArgs {
     /// Stop after this machine time, for instance 90s, 30m, 2h
     #[arg(long, default_value = "24h", value_name = "TIME", value_parser = setup_args::parse_duration_ms)]
     pub limit: u64,
-    /// Say what each block leaves in force, what each move does, and why each pass of a cycle is where it is
+    /// Explain the modal state after each block, each move, and the position of each pass of a
+    /// cycle
     #[arg(long)]
     pub explain: bool,
     /// Write every move as one JSON object a line (`-`: standard output)

@@ -9,10 +9,14 @@ use gsk_transfer::{FileName, Partition, TextLineEnd};
 /// Options of the control's serial port.
 #[derive(Args, Clone, Debug, Default)]
 pub struct SerialArgs {
-    /// The control's serial port is this port, at the speed of parameter 044: a device, `tcp:HOST:PORT`, `listen:HOST:PORT`, or `pty` for a new pseudo terminal, whose name is printed
+    /// The control's serial port is this port, at the speed of parameter 044: a device,
+    /// `tcp:HOST:PORT`, `listen:HOST:PORT`, or `pty` for a new pseudo terminal, whose name is
+    /// printed
     #[arg(long, value_name = "PORT")]
     pub serial: Option<String>,
-    /// Programs go through it as plain text between `%`, their lines ending so, as DNC programs read them [default: frames for `gsk980td transfer`; a text that comes in is taken all the same]
+    /// Send programs through this port as plain text between `%` with this line ending, as DNC
+    /// software expects [default: frames for `gsk980td transfer`; plain text is received in both
+    /// cases]
     #[arg(long, value_enum, value_name = "LINE-END", requires = "serial", num_args = 0..=1, default_missing_value = "crlf")]
     pub serial_text: Option<TextEnd>,
 }
@@ -66,13 +70,13 @@ pub enum TransferCommand {
     Backup(TransferBackupArgs),
     /// Send all files of a folder into the control: programs first, parameters last
     Restore(TransferRestoreArgs),
-    /// Take what the control sends by its key OUT, until Ctrl-C
+    /// Receive the files that the control sends by its key OUT, until Ctrl-C
     Wait(TransferWaitArgs),
     /// Send programs as plain text between `%`, to a control that is set to receive
     SendText(TransferSendTextArgs),
-    /// Receive one plain text between `%`: the programs that a control punches out
+    /// Receive one plain text between `%`: the programs that a control sends by its key OUT
     ReceiveText(TransferReceiveTextArgs),
-    /// Be the control at the other end, without a window, until Ctrl-C; its port is printed first
+    /// Simulate the control on the other end of the line until Ctrl-C; prints its port first
     Control(Box<TransferControlArgs>),
 }
 
@@ -82,7 +86,8 @@ pub struct TransferPortArgs {
     /// The port: a device, or `tcp:HOST:PORT` [default: that of the view *Transfer* of the window]
     #[arg(long, value_name = "PORT")]
     pub port: Option<String>,
-    /// Its speed, bits a second: that of parameter 044 of the control [default: 115200; without --port that of the view]
+    /// Baud rate of the port, equal to parameter 044 of the control [default: 115200; without
+    /// --port that of the view]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(50..=115_200))]
     pub baud: Option<u32>,
 }
@@ -90,13 +95,13 @@ pub struct TransferPortArgs {
 /// Policy for a file whose name is already used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ExistingFile {
-    /// Ask at the terminal
+    /// Ask at the terminal whether to replace it
     Ask,
-    /// It is replaced
+    /// Replace it
     Overwrite,
-    /// The one that is there gets the next free program number
+    /// Rename the file on the control to the next free program number
     Rename,
-    /// It stays, and the new one is not sent
+    /// Keep it, and do not send the new file
     Skip,
 }
 
@@ -129,7 +134,7 @@ pub struct TransferListArgs {
 pub struct TransferSendArgs {
     #[command(flatten)]
     pub port: TransferPortArgs,
-    /// A file, or FILE=NAME where it has another name at the control
+    /// A file, or FILE=NAME to give it another name on the control
     #[arg(required = true, value_name = "FILE[=NAME]")]
     pub files: Vec<String>,
     /// USER, USER1 or USER2
@@ -145,10 +150,10 @@ pub struct TransferSendArgs {
 pub struct TransferReceiveArgs {
     #[command(flatten)]
     pub port: TransferPortArgs,
-    /// A file at the control: O0001.CNC, ParaW.par, Tofs.ofs, Wcomp.wmp, Main.ldx
+    /// File on the control: O0001.CNC, ParaW.par, Tofs.ofs, Wcomp.wmp, Main.ldx
     #[arg(required = true, value_name = "NAME", value_parser = parse_file_name)]
     pub names: Vec<FileName>,
-    /// The folder it comes into
+    /// Folder to receive into
     #[arg(long, default_value = ".", value_name = "FOLDER")]
     pub into: PathBuf,
     /// Replace files of the folder
@@ -164,7 +169,7 @@ pub struct TransferReceiveArgs {
 pub struct TransferDeleteArgs {
     #[command(flatten)]
     pub port: TransferPortArgs,
-    /// A program at the control: O0001.CNC
+    /// Program on the control: O0001.CNC
     #[arg(required = true, value_name = "NAME", value_parser = parse_file_name)]
     pub names: Vec<FileName>,
     /// USER, USER1 or USER2
@@ -177,10 +182,10 @@ pub struct TransferDeleteArgs {
 pub struct TransferRenameArgs {
     #[command(flatten)]
     pub port: TransferPortArgs,
-    /// A program at the control: O0001.CNC
+    /// Program on the control: O0001.CNC
     #[arg(value_name = "NAME", value_parser = parse_file_name)]
     pub from: FileName,
-    /// Its new name
+    /// New name of the program
     #[arg(value_name = "NEW-NAME", value_parser = parse_file_name)]
     pub to: FileName,
     /// USER, USER1 or USER2
@@ -193,7 +198,7 @@ pub struct TransferRenameArgs {
 pub struct TransferBackupArgs {
     #[command(flatten)]
     pub port: TransferPortArgs,
-    /// The folder the files come into
+    /// Folder to receive the files into
     #[arg(value_name = "FOLDER")]
     pub folder: PathBuf,
     /// Replace files of the folder
@@ -219,7 +224,7 @@ pub struct TransferRestoreArgs {
 pub struct TransferWaitArgs {
     #[command(flatten)]
     pub port: TransferPortArgs,
-    /// The folder the files come into
+    /// Folder to receive the files into
     #[arg(value_name = "FOLDER")]
     pub folder: PathBuf,
     /// Replace files of the folder [default: the new file gets a number after its name]
@@ -238,10 +243,10 @@ pub struct TransferSendTextArgs {
     /// The programs
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
-    /// How lines end on the wire
+    /// Line ending on the serial line
     #[arg(long, value_enum, default_value_t = TextEnd::Crlf)]
     pub line_end: TextEnd,
-    /// Give up when the other end holds the line (DC3) for this number of seconds
+    /// Stop if the other end holds the line (DC3) for this number of seconds
     #[arg(long, default_value_t = 120, value_name = "S")]
     pub wait: u64,
 }
@@ -251,13 +256,13 @@ pub struct TransferSendTextArgs {
 pub struct TransferReceiveTextArgs {
     #[command(flatten)]
     pub port: TransferPortArgs,
-    /// The folder the programs come into, each under its number
+    /// Folder to receive the programs into, each under its number
     #[arg(value_name = "FOLDER")]
     pub folder: PathBuf,
     /// Replace files of the folder
     #[arg(long)]
     pub overwrite: bool,
-    /// Give up when nothing has been received for this number of seconds
+    /// Stop if nothing is received for this number of seconds
     #[arg(long, default_value_t = 120, value_name = "S")]
     pub wait: u64,
 }
@@ -265,19 +270,21 @@ pub struct TransferReceiveTextArgs {
 /// Arguments of the command `transfer control`.
 #[derive(Args, Debug)]
 pub struct TransferControlArgs {
-    /// The control's port: a device, `tcp:HOST:PORT`, `listen:HOST:PORT`, or `pty` for a new pseudo terminal
+    /// The control's port: a device, `tcp:HOST:PORT`, `listen:HOST:PORT`, or `pty` for a new pseudo
+    /// terminal
     #[arg(long, default_value = "pty", value_name = "PORT")]
     pub port: String,
-    /// Programs go out as plain text between `%`, their lines ending so
+    /// Send programs as plain text between `%`, with this line ending
     #[arg(long, value_enum, value_name = "LINE-END", num_args = 0..=1, default_missing_value = "crlf")]
     pub text: Option<TextEnd>,
-    /// The parameter switch is on, in edit mode: parameters, offsets, pitch errors and the ladder come and go, too
+    /// Switch the parameter switch on, in edit mode: parameters, offsets, pitch errors and the
+    /// ladder can be transferred as well
     #[arg(long)]
     pub parameter_switch: bool,
-    /// Load this program and send it by the key OUT
+    /// Load this program and send it with the key OUT
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Delay after the port is open, s: a text receiver must be listening by then
+    /// Delay after the port is open, s; the receiver of a text must be ready by then
     #[arg(long, default_value_t = 3, value_name = "S", requires = "out", value_parser = clap::value_parser!(u64).range(..=3600))]
     pub out_after: u64,
     #[command(flatten)]

@@ -27,17 +27,17 @@ use words::{
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Control and lathe")]
 pub struct SetupArgs {
-    /// Where the tool stands before the first block: X (diameter), Z in mm [default: 300,300;
-    /// with --machine where its file says]
+    /// Position of the tool before the first block: X (diameter), Z in mm [default: 300,300; with
+    /// --machine the position in its file]
     #[arg(long, value_name = "X,Z", allow_hyphen_values = true, value_parser = parse_xz)]
     pub start: Option<(f64, f64)>,
-    /// The spindle already turns forward at this speed, r/min [default: it stands]
+    /// The spindle already turns forward at this speed, r/min [default: it is stopped]
     #[arg(long, value_name = "RPM", value_parser = parse_spindle_speed)]
     pub spindle: Option<f64>,
     /// A parameter: 22=3800, or one bit of it: 1.4=1 (may be repeated)
     #[arg(long = "param", value_name = "N=V|N.B=0|1", allow_hyphen_values = true, value_parser = parse_parameter)]
     pub parameters: Vec<ParameterOption>,
-    /// A tool offset: NN=X,Z,R,T; omitted values at the end are 0 (may be repeated)
+    /// Tool offset: NN=X,Z,R,T; omitted values at the end are 0 (may be repeated)
     #[arg(long = "offset", value_name = "NN=X,Z,R,T", allow_hyphen_values = true, value_parser = parse_offset)]
     pub offsets: Vec<OffsetOption>,
     /// Hold a machine input at a value, for instance X0.4=1 (may be repeated)
@@ -49,22 +49,22 @@ pub struct SetupArgs {
     /// The machine's ladder instead of the standard one (instruction list)
     #[arg(long, value_name = "FILE")]
     pub ladder: Option<PathBuf>,
-    /// Macro B: formulas, IF, WHILE, GOTO and calls with arguments (G65 P) in programs
-    /// [default: as the data directory says, else off]
+    /// Macro B: formulas, IF, WHILE, GOTO and calls with arguments (G65 P) in programs [default:
+    /// the setting in the data folder, else off]
     #[arg(long, value_name = "on|off", value_parser = parse_switch)]
     pub macro_b: Option<bool>,
-    /// The control model whose programs are read; each has a separate memory in the data
-    /// directory [default: as the data directory says, else gsk980td]
+    /// Control model that reads the programs; each has a separate memory in the data folder
+    /// [default: the model stored in the data folder, else gsk980td]
     #[arg(long, value_name = "MODEL", value_parser = model_parser())]
     pub model: Option<ModelId>,
     /// A parameter that only this model has, for instance 17=6000 (may be repeated)
     #[arg(long = "model-param", value_name = "N=V", allow_hyphen_values = true, value_parser = parse_model_parameter)]
     pub model_parameters: Vec<(u16, i32)>,
-    /// Date and time of day with which the control's clock begins (#3011, #3012 of macro B),
-    /// for instance 1993-03-28T15:34:56 [default: the computer's]
+    /// Date and time at which the clock of the control starts (#3011, #3012 of macro B), for
+    /// instance 1993-03-28T15:34:56 [default: the computer's]
     #[arg(long, value_name = "DATETIME", value_parser = parse_moment)]
     pub clock: Option<DayTime>,
-    /// Take parameters, offsets and programs from this data directory, and write them back
+    /// Use the memory of this data folder (parameters, offsets, programs), and store changes in it
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
     /// Options of the mill.
@@ -163,11 +163,11 @@ impl SetupArgs {
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Mill (--model gsk980mdi; check, plot, lsp)")]
 pub struct MillArgs {
-    /// Where the slides stand before the first block, machine coordinates [default: 0,0,100]
+    /// Position of the slides before the first block, machine coordinates [default: 0,0,100]
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     pub mill_start: Option<String>,
-    /// A zero of the work, machine coordinates: 54=X,Y,Z to 59, 54.1P1 to 54.1P48, 0 for the
-    /// external one (may be repeated)
+    /// Work zero in machine coordinates: 54=X,Y,Z to 59, 54.1P1 to 54.1P48, 0 for the external one
+    /// (may be repeated)
     #[arg(
         long = "mill-zero",
         value_name = "54=X,Y,Z",
@@ -186,9 +186,9 @@ pub struct MillArgs {
 /// The types of offset memory that `--mill-memory` selects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum OffsetMemoryType {
-    /// One value a number, for H and D: N=V, G10 P R
+    /// One value for each number, for H and D: N=V, G10 P R
     A,
-    /// A value and its wear a number, for H and D: N=V,W, G10 L10 and L11
+    /// One value and its wear for each number, for H and D: N=V,W, G10 L10 and L11
     B,
     /// Length and radius with their wear: N=H,D,W,W, G10 L10 to L13
     C,
