@@ -1,5 +1,5 @@
 //! Runs the program with virtual boards in separate processes, in real time. The tests mostly
-//! wait: two run per processor.
+//! wait: four run per processor.
 
 #![allow(
     clippy::expect_used,
@@ -40,11 +40,11 @@ macro_rules! trials {
 fn main() {
     let mut arguments = Arguments::from_args();
     let processors = available_parallelism().map_or(1, usize::from);
-    arguments.test_threads.get_or_insert(2 * processors);
+    arguments.test_threads.get_or_insert(4 * processors);
     run(&arguments, weave_exclusive_trials(trials())).exit()
 }
 
-/// Spreads the tests that run one at a time among the others: side by side in the queue they
+/// Spreads the tests that run two at a time among the others: side by side in the queue they
 /// would keep all threads waiting for each other.
 fn weave_exclusive_trials(trials: Vec<Trial>) -> Vec<Trial> {
     let is_exclusive = |trial: &Trial| trial.name().starts_with("partner_gone");
