@@ -1318,6 +1318,12 @@ message_rows! {
     g_unknown GUnknown(code: "{:02}");
     gear_speed_too_great GearSpeedTooGreat(axis, speed: "{:.0}", limit: "{:.0}");
     goto_out_of_range GotoOutOfRange(number);
+    handwheel_run_back HandwheelRunBack(time);
+    handwheel_run_hint HandwheelRunHint();
+    handwheel_run_name HandwheelRunName();
+    handwheel_run_not_in_lesson HandwheelRunNotInLesson();
+    handwheel_run_not_with_board HandwheelRunNotWithBoard();
+    handwheel_run_state HandwheelRunState();
     help_alarm HelpAlarm(number);
     help_as_delivered HelpAsDelivered(value);
     help_at_power_on HelpAtPowerOn();
@@ -2030,6 +2036,9 @@ message_rows! {
     lesson_not_by_hand LessonNotByHand(line);
     lesson_not_while_running LessonNotWhileRunning();
     lesson_not_with_board LessonNotWithBoard();
+    lesson_of_model LessonOfModel(model);
+    lesson_of_model_intro LessonOfModelIntro(model);
+    lesson_on_model LessonOnModel(model);
     lesson_picture_or_before LessonPictureOrBefore();
     lesson_power_off LessonPowerOff();
     lesson_practice LessonPractice();
@@ -2053,6 +2062,7 @@ message_rows! {
     lesson_stuck LessonStuck();
     lesson_text_missing LessonTextMissing();
     lesson_unknown LessonUnknown(name, names);
+    lesson_unknown_model LessonUnknownModel(name);
     lesson_without_end LessonWithoutEnd();
     lesson_word LessonWord(word);
     level_out_of_range LevelOutOfRange(level);
@@ -3250,6 +3260,7 @@ message_rows! {
     restart_block_ended RestartBlockEnded();
     restart_call RestartCall(program, line, runs);
     restart_confirm RestartConfirm();
+    restart_confirm_each RestartConfirmEach();
     restart_difference RestartDifference(name: message, now, then);
     restart_in_alarm RestartInAlarm();
     restart_machine_function RestartMachineFunction(code: "{:02}");
@@ -3268,7 +3279,6 @@ message_rows! {
     restart_needs_part RestartNeedsPart();
     restart_no_program RestartNoProgram();
     restart_not_reached RestartNotReached(hours);
-    restart_on_real_lathe RestartOnRealLathe();
     restart_pass_missing RestartPassMissing(pass);
     restart_path RestartPath(x: "{:.3}", z: "{:.3}");
     restart_planning RestartPlanning();

@@ -25,6 +25,12 @@ impl Kernel {
             self.notify(Notice::Message(say::key_came_late()));
             return;
         }
+        if let Command::Turn(graduations) = command
+            && self.turn_through_time(graduations)
+        {
+            return;
+        }
+        self.grant_key_ticks(&command);
         if self.is_refused_in_past(&command)
             || self.is_settled_in_exercise(&command)
             || self.is_settled_in_halt(&command)

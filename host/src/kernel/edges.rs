@@ -70,6 +70,13 @@ pub(super) const fn ends_motion(key: Key) -> bool {
     matches!(key, Key::Reset | Key::FeedHold | Key::SpindleStop)
 }
 
+/// Whether the ladder reads a key, so that its contact must stay closed for some of its slots.
+pub(super) const fn is_read_by_ladder(key: Key) -> bool {
+    matches!(release_timing(key), ReleaseTiming::Contact)
+        || ends_motion(key)
+        || matches!(key, Key::EmergencyStop)
+}
+
 /// Whether pressing a key can start a motion.
 pub(super) const fn starts_motion(key: Key) -> bool {
     matches!(

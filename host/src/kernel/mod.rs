@@ -10,6 +10,7 @@ mod edges;
 mod exercise;
 mod exercise_run;
 mod flight_recording;
+mod handwheel_run;
 pub mod headless_board;
 mod journal;
 mod key_refusals;
@@ -60,6 +61,7 @@ use drive::Drive;
 use edges::KeyEdgeQueue;
 pub use exercise::ExerciseAction;
 pub use exercise_run::{ExamTask, ExerciseState, HandedInSolution};
+use handwheel_run::HandwheelRun;
 use key_refusals::{KeyRefusals, RefusalReport};
 pub use lesson::LessonAction;
 use link_view::LinkView;
@@ -147,6 +149,8 @@ pub struct Kernel {
     part: KernelPart,
     /// The history of the learner's own machine, and the past moment that is shown.
     timeline: Timeline,
+    /// Whether and how far the program follows the handwheel.
+    handwheel_run: HandwheelRun,
     /// The recorders of the learner's own machine, outside exercises and lessons.
     recorders: Vec<FlightRecorder>,
     /// What passes the state of the machine to the network; off unless it is switched on.
@@ -207,6 +211,7 @@ impl Kernel {
             active_probe: None,
             part: KernelPart::new(Arc::clone(&part)),
             timeline: Timeline::new(Arc::clone(&timeline)),
+            handwheel_run: HandwheelRun::default(),
             recorders: Vec::new(),
             network: NetworkServices::default(),
             class_seat: ClassSeatState::default(),
@@ -285,7 +290,7 @@ impl Kernel {
             return;
         }
         for _ in 0..ticks {
-            if self.program_breakpoints.is_halted() {
+            if self.program_breakpoints.is_halted() || !self.take_handwheel_tick() {
                 return;
             }
             self.tick();

@@ -109,7 +109,8 @@ impl TimelineStrip {
             };
             let group = "timeline buttons";
             let space = ui.available_width() - right_aligned::last_width(ui, group, 360.0);
-            let words = state_text(past, snapshot.board.is_some()).text(language);
+            let follows_wheel = self.view.as_deref().is_some_and(|it| it.is_handwheel_run);
+            let words = state_text(past, snapshot.board.is_some(), follows_wheel).text(language);
             let text_size = vec2((space - 16.0).max(40.0), ROW_HEIGHT);
             ui.allocate_ui_with_layout(text_size, Layout::left_to_right(Align::Center), |ui| {
                 let mut text = RichText::new(&words).color(color);
@@ -158,6 +159,13 @@ impl TimelineStrip {
                 can_continue,
                 TimelineCommand::ReturnToBranch,
             );
+        }
+        let is_on = view.is_some_and(|view| view.is_handwheel_run);
+        let name = say::handwheel_run_name().text(language);
+        let toggle = ui.add(egui::Button::selectable(is_on, name));
+        let hint = say::handwheel_run_hint().text(language);
+        if toggle.on_hover_text(hint).clicked() {
+            self.send(TimelineCommand::RunByHandwheel(!is_on));
         }
         let menu = ui.menu_button(say::timeline_save().text(language), |ui| {
             for minutes in MINUTES {
@@ -232,13 +240,17 @@ impl TimelineStrip {
 }
 
 /// Returns a sentence about the moment that the strip shows.
-fn state_text(past: Option<PastMoment>, has_board: bool) -> Message {
+fn state_text(past: Option<PastMoment>, has_board: bool, follows_wheel: bool) -> Message {
     let Some(past) = past else {
-        return say::timeline_hint();
+        return match follows_wheel {
+            true => say::handwheel_run_state(),
+            false => say::timeline_hint(),
+        };
     };
     let time = clock(to_seconds(past.age_ms));
     match (has_board, past.is_part_pending) {
         (true, _) => say::timeline_banner_board(time),
+        (false, _) if follows_wheel => say::handwheel_run_back(time),
         (false, true) => say::timeline_banner_part(time),
         (false, false) => say::timeline_banner(time),
     }

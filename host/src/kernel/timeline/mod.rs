@@ -45,6 +45,8 @@ const SEEK_SLICE_TICKS: u64 = 2000;
 pub enum TimelineCommand {
     /// Start (`true`) or stop to publish the time line.
     Publish(bool),
+    /// Let the program of the simulated lathe follow the handwheel (`true`), or the clock.
+    RunByHandwheel(bool),
     /// Show the state of the machine at this tick of the session.
     LookAt(u64),
     /// Continue the machine from the moment that is shown, and abandon what followed.
@@ -75,6 +77,8 @@ pub struct TimelineView {
     pub marks: Arc<Vec<TimelineMark>>,
     /// Whether the machine may continue from a past moment: not with real drives.
     pub can_continue: bool,
+    /// Whether the program follows the handwheel.
+    pub is_handwheel_run: bool,
 }
 
 /// The past moment that a snapshot shows.
@@ -219,15 +223,18 @@ impl Timeline {
     }
 
     /// Publishes the time line if the window shows it and it has changed; returns `true` if so.
-    fn publish(&mut self, can_continue: bool) -> bool {
+    fn publish(&mut self, can_continue: bool, is_handwheel_run: bool) -> bool {
         let Some(history) = self.history.as_ref().filter(|_| self.is_published) else {
             return false;
         };
         let (start, end, branch) = (history.start(), history.end(), history.branch());
         if let Some(last) = &self.last_view {
             let is_soon = end >= last.end && end < last.end + VIEW_TICKS;
-            let is_same = last.start == start && last.branch == branch;
-            if is_soon && is_same && last.can_continue == can_continue {
+            let is_same = last.start == start
+                && last.branch == branch
+                && last.can_continue == can_continue
+                && last.is_handwheel_run == is_handwheel_run;
+            if is_soon && is_same {
                 return false;
             }
         }
@@ -237,6 +244,7 @@ impl Timeline {
             branch,
             marks: self.marks.shared(),
             can_continue,
+            is_handwheel_run,
         };
         self.views.force_push(Arc::new(view.clone()));
         self.last_view = Some(view);
@@ -259,7 +267,8 @@ impl Kernel {
             Some(is_shown) => is_shown,
             None => self.part.publish(&self.emulator),
         };
-        self.timeline.publish(can_continue) || part_shown
+        let is_handwheel_run = self.handwheel_run.is_on();
+        self.timeline.publish(can_continue, is_handwheel_run) || part_shown
     }
 
     /// Continues the computation of the past part for a short time.
@@ -271,7 +280,9 @@ impl Kernel {
     }
 
     pub(super) fn execute_timeline_command(&mut self, command: TimelineCommand) {
+        self.end_hidden_handwheel_run(&command);
         match command {
+            TimelineCommand::RunByHandwheel(on) => self.set_handwheel_run(on),
             TimelineCommand::Publish(on) => {
                 self.timeline.is_published = on;
                 self.timeline.last_view = None;

@@ -266,3 +266,60 @@ fn the_saved_minutes_replay_without_a_difference() {
     let ticks = replayed.replayed_ticks;
     assert!((60_000..71_000).contains(&ticks), "{ticks} ticks");
 }
+
+#[test]
+fn the_program_follows_the_handwheel_forwards_and_back() {
+    let (mut kernel, console) = cutting_kernel();
+    send(&mut kernel, &console, TimelineCommand::RunByHandwheel(true));
+    kernel.run(1000);
+    let start = kernel.emulator.ticks();
+    kernel.run(1000);
+    assert_eq!(kernel.emulator.ticks(), start, "the program waits");
+    assert!(kernel.emulator.cnc().is_moving(), "in the middle of a cut");
+    console.send(Command::Turn(20));
+    kernel.run(1000);
+    // The smallest increment: 5 ms a graduation.
+    assert_eq!(kernel.emulator.ticks(), start + 100);
+    let position = kernel.snapshot().screen;
+    console.send(Command::Turn(-100));
+    kernel.run(10);
+    let past = kernel.snapshot().past.expect("the past");
+    assert_eq!(past.tick, start - 400);
+    assert_ne!(kernel.snapshot().screen, position);
+    console.send(Command::Turn(150));
+    kernel.run(1);
+    assert_eq!(kernel.snapshot().past, None);
+    assert_eq!(kernel.snapshot().screen, position);
+    kernel.run(1000);
+    assert_eq!(kernel.emulator.ticks(), start + 100);
+    // Feed hold acts, and afterwards the clock runs as usual.
+    console.send(Command::Tap(Key::FeedHold));
+    kernel.run(1000);
+    assert!(!kernel.emulator.cnc().is_moving());
+    assert!(kernel.emulator.ticks() > start + 1000);
+}
+
+#[test]
+fn a_run_by_handwheel_equals_a_run_by_the_clock() {
+    let (mut by_clock, _) = cutting_kernel();
+    let (mut by_wheel, console) = cutting_kernel();
+    send(
+        &mut by_wheel,
+        &console,
+        TimelineCommand::RunByHandwheel(true),
+    );
+    by_wheel.run(200);
+    for turn in 1..=40 {
+        console.send(Command::Turn(30 + turn));
+        by_wheel.run(300);
+        console.send(Command::Turn(-turn));
+        by_wheel.run(30);
+        console.send(Command::Turn(2 * turn));
+        by_wheel.run(5);
+    }
+    let ticks = by_wheel.emulator.ticks() - by_clock.emulator.ticks();
+    assert!(ticks > 6000, "{ticks}");
+    by_clock.run(ticks);
+    assert!(by_clock.emulator == by_wheel.emulator);
+    assert!(cut_part(&by_clock) == cut_part(&by_wheel));
+}

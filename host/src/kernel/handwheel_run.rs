@@ -1,0 +1,125 @@
+//! Handwheel run: in automatic and MDI operation the time of the simulated lathe follows the
+//! handwheel, forwards and back.
+//!
+//! Forwards the machine makes the ticks that the wheel grants. Backwards the window sees the past
+//! of the session, and forwards again the same moments until the present is reached.
+
+use gsk_core::operation::{OperatingMode, RunState};
+use gsk_messages::say;
+
+use super::edges::is_read_by_ladder;
+use super::timeline::TimelineCommand;
+use super::{Command, Kernel, Notice};
+
+/// Machine time of one graduation of the handwheel at the smallest increment, ticks.
+const TICKS_PER_INCREMENT: u64 = 5;
+/// Greatest machine time of one graduation, ticks.
+const MAX_GRADUATION_TICKS: u64 = 500;
+/// Greatest machine time that the wheel may be ahead of the machine, ticks. Beyond it the program
+/// runs at the speed of the lathe.
+const MAX_DUE_TICKS: u64 = 1000;
+/// Machine time that passes for a key of the machine while the program waits for the wheel, ticks:
+/// the shortest press and five slots of the ladder.
+const MACHINE_KEY_TICKS: u64 = 90;
+/// Machine time that passes for any other key, ticks.
+const PAGE_KEY_TICKS: u64 = 2;
+
+/// State of the handwheel run.
+#[derive(Debug, Default)]
+pub(super) struct HandwheelRun {
+    is_on: bool,
+    /// Ticks that the wheel or a key has granted and that the machine has not made yet.
+    due_ticks: u64,
+}
+
+impl HandwheelRun {
+    pub const fn is_on(&self) -> bool {
+        self.is_on
+    }
+}
+
+impl Kernel {
+    /// Switches the handwheel run. It is refused with real drives and in lessons and exercises.
+    pub(super) fn set_handwheel_run(&mut self, on: bool) {
+        if on && self.has_real_slides {
+            return self.notify(Notice::Message(say::handwheel_run_not_with_board()));
+        }
+        if on && self.lesson.is_some() {
+            return self.notify(Notice::Message(say::handwheel_run_not_in_lesson()));
+        }
+        self.handwheel_run = HandwheelRun {
+            is_on: on,
+            due_ticks: 0,
+        };
+    }
+
+    /// Grants machine time for a key, so that the control sees it while the program waits for
+    /// the wheel.
+    pub(super) fn grant_key_ticks(&mut self, command: &Command) {
+        let ticks = match command {
+            Command::Key { key, .. } | Command::Tap(key) if is_read_by_ladder(*key) => {
+                MACHINE_KEY_TICKS
+            }
+            Command::Key { .. } | Command::Tap(_) | Command::Type(_) => PAGE_KEY_TICKS,
+            _ => return,
+        };
+        let due = &mut self.handwheel_run.due_ticks;
+        *due = ticks.max(*due);
+    }
+
+    /// Returns whether the next tick may be made; the wheel or a key must have granted it if the
+    /// program follows the wheel.
+    pub(super) fn take_handwheel_tick(&mut self) -> bool {
+        if !self.follows_handwheel() {
+            return true;
+        }
+        let is_due = self.handwheel_run.due_ticks > 0;
+        self.handwheel_run.due_ticks = self.handwheel_run.due_ticks.saturating_sub(1);
+        is_due
+    }
+
+    /// Moves the machine through its time by a turn of the handwheel; returns `false` if the turn
+    /// is for the axes.
+    pub(super) fn turn_through_time(&mut self, graduations: i32) -> bool {
+        if !self.can_run_by_handwheel() {
+            return false;
+        }
+        let cnc = self.shown_machine().cnc();
+        let shows_past = self.timeline.shows_past();
+        if !shows_past && !matches!(cnc.mode(), OperatingMode::Auto | OperatingMode::Mdi) {
+            return false;
+        }
+        let per_graduation = u64::from(cnc.step_increments()) * TICKS_PER_INCREMENT;
+        let per_graduation = per_graduation.min(MAX_GRADUATION_TICKS);
+        let ticks = u64::from(graduations.unsigned_abs()) * per_graduation;
+        let now = self.shown_machine().ticks();
+        match (graduations > 0, shows_past) {
+            (true, true) => self.look_at(now.saturating_add(ticks)),
+            (true, false) => {
+                let due = &mut self.handwheel_run.due_ticks;
+                *due = due.saturating_add(ticks).min(MAX_DUE_TICKS);
+            }
+            (false, _) => {
+                self.handwheel_run.due_ticks = 0;
+                self.look_at(now.saturating_sub(ticks));
+            }
+        }
+        true
+    }
+
+    /// Returns whether the program waits for the wheel now.
+    fn follows_handwheel(&self) -> bool {
+        self.can_run_by_handwheel() && self.emulator.cnc().run_state() == RunState::Run
+    }
+
+    fn can_run_by_handwheel(&self) -> bool {
+        self.handwheel_run.is_on && !self.has_real_slides && self.lesson.is_none()
+    }
+
+    /// Switches the handwheel run off if the time line, which shows its state, is closed.
+    pub(super) fn end_hidden_handwheel_run(&mut self, command: &TimelineCommand) {
+        if matches!(command, TimelineCommand::Publish(false)) {
+            self.set_handwheel_run(false);
+        }
+    }
+}
