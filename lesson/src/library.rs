@@ -8,8 +8,9 @@ macro_rules! lessons {
     };
 }
 
-/// File names and texts of the built-in lessons, in the order in which a learner takes them.
-pub static LESSONS: [(&str, &str); 11] = lessons![
+/// File names and texts of the built-in lessons of all control models, in the order in which a
+/// learner takes them.
+pub static LESSONS: [(&str, &str); 15] = lessons![
     "01-power-on.ron",
     "02-jog-and-handwheel.ron",
     "03-mdi.ron",
@@ -21,6 +22,10 @@ pub static LESSONS: [(&str, &str); 11] = lessons![
     "09-threads.ron",
     "10-nose-radius.ron",
     "11-find-out-why.ron",
+    "ncb08-1-keys-and-outputs.ron",
+    "ncb08-2-teach-in.ron",
+    "hx31-1-main-functions.ron",
+    "hx31-2-programs.ron",
 ];
 
 /// Parses the built-in lessons. A test checks that every one of them is valid.

@@ -3,6 +3,7 @@
 
 use gsk_core::command::ProgramId;
 use gsk_core::memory::ToolOffset;
+use gsk_core::model::{ControlModel, ModelId};
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::units::{Diameter, Point};
@@ -24,6 +25,9 @@ const MAX_PREPARATION_MS: u64 = 600_000;
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LessonStartFile {
+    /// Control model of the practice machine, by its word on the command line; `None` for the
+    /// GSK980TD.
+    model: Option<String>,
     /// Whether both axes are referenced.
     referenced: bool,
     /// Position of the slides: X as a diameter and Z, machine coordinates, mm; `None` for the usual
@@ -59,6 +63,11 @@ impl LessonStart {
     /// The rule that is broken.
     pub fn read(raw: LessonStartFile) -> Result<Self, Message> {
         let mut setup = Setup::delivered().with_chuck();
+        if let Some(word) = &raw.model {
+            let id = ModelId::from_command_word(word).filter(|id| !id.is_mill());
+            let id = id.ok_or_else(|| say::lesson_unknown_model(word))?;
+            setup.memory.set_model(ControlModel::new(id));
+        }
         setup.referenced = raw.referenced;
         let point = |(x, z): (f64, f64)| Point::from_diameter(Diameter(x), z);
         let positions = raw.slides.iter().chain(&raw.absolute);
@@ -114,6 +123,11 @@ impl LessonStart {
             shows_power_on_picture: raw.picture,
             preparation: before,
         })
+    }
+
+    /// Control model of the practice machine.
+    pub const fn model(&self) -> ModelId {
+        self.setup.memory.model.id()
     }
 
     /// Position of the slides, machine coordinates, at which the tip of a tool of length 0 is at

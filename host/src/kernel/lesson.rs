@@ -116,6 +116,10 @@ impl Kernel {
             Err(why) => return self.notify(Notice::Message(why)),
         };
         let lesson = practice.lesson();
+        let model = lesson.start.model();
+        if model != self.own_machine().cnc().model().id() {
+            self.notify(Notice::Message(say::lesson_on_model(model.name())));
+        }
         let chosen = SelectedJob {
             job: lesson.stock_and_tools(),
             file: Some(format!("{}.ron", lesson.name).into()),

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use egui::{CentralPanel, Panel, RichText, ScrollArea, Ui};
+use gsk_core::model::ModelId;
 use gsk_help::{Subject, article, topic};
 use gsk_host::kernel::part::PartView;
 use gsk_host::kernel::{Command, Console, LessonAction, LessonState, PanelSnapshot};
@@ -36,6 +37,8 @@ pub struct LessonView {
     /// Names of the lessons that were completed.
     finished: BTreeSet<String>,
     state: Option<LessonState>,
+    /// Control model of the learner's own machine.
+    model: ModelId,
     /// Additional text of the active alarm; `None` without one.
     alarm_detail: Option<Message>,
     /// Start of the current step, seconds of the window's clock; `None` until the first frame
@@ -71,6 +74,7 @@ impl LessonView {
             load_errors: Vec::new(),
             finished: settings.lessons.clone(),
             state: None,
+            model: ModelId::default(),
             alarm_detail: None,
             step_start_s: None,
             hint_requested: false,
@@ -119,6 +123,9 @@ impl LessonView {
         let name = |state: &Option<LessonState>| state.as_ref().map(|state| state.name.clone());
         self.has_begun |= snapshot.lesson.is_some() && name(&self.state) != name(&snapshot.lesson);
         self.state.clone_from(&snapshot.lesson);
+        if snapshot.lesson.is_none() && snapshot.exercise.is_none() {
+            self.model = snapshot.model;
+        }
         let alarm = snapshot.alarm.as_ref();
         self.alarm_detail = alarm.and_then(|alarm| alarm.further_detail().cloned());
         self.has_begun |= self.exercises.take_snapshot(snapshot);
@@ -202,16 +209,43 @@ impl LessonView {
                 self.sample = Some(SampleRequest { sample, starts });
             }
         }
+        let mut models = ModelId::ALL;
+        // The lessons for the current control come first.
+        models.sort_by_key(|model| *model != self.model);
+        for model in models {
+            self.list_model(ui, language, model);
+        }
+        for error in &self.load_errors {
+            ui.add_space(4.0);
+            ui.label(RichText::new(error.text(language)).color(theme::ERROR_TEXT));
+        }
+        self.exercises.show_list(ui, language, part);
+    }
+
+    /// Lists the lessons whose practice machine has a control model, with the progress.
+    fn list_model(&self, ui: &mut Ui, language: Language, model: ModelId) {
+        let of_model = |lesson: &&Arc<Lesson>| lesson.start.model() == model;
+        let lessons: Vec<&Arc<Lesson>> = self.lessons.iter().filter(of_model).collect();
+        if lessons.is_empty() {
+            return;
+        }
         ui.add_space(8.0);
-        let heading = say::lesson_first_hour().text(language);
-        card::show_heading(ui, Icon::LESSON, &heading);
-        ui.label(say::lesson_intro().text(language));
+        let is_own = model == self.model;
+        let (heading, intro) = match (is_own, model.is_main()) {
+            (true, true) => (say::lesson_first_hour(), say::lesson_intro()),
+            (true, false) => (say::lesson_of_model(model.name()), say::lesson_intro()),
+            (false, _) => (
+                say::lesson_of_model(model.name()),
+                say::lesson_of_model_intro(model.name()),
+            ),
+        };
+        card::show_heading(ui, Icon::LESSON, &heading.text(language));
+        ui.label(intro.text(language));
         let is_done = |lesson: &Arc<Lesson>| self.finished.contains(&lesson.name);
-        let done = self.lessons.iter().filter(|it| is_done(it)).count();
-        let words = say::lesson_progress(done, self.lessons.len()).text(language);
-        card::show_progress(ui, done, self.lessons.len(), &words);
-        let cards: Vec<Card> = self
-            .lessons
+        let done = lessons.iter().filter(|it| is_done(it)).count();
+        let words = say::lesson_progress(done, lessons.len()).text(language);
+        card::show_progress(ui, done, lessons.len(), &words);
+        let cards: Vec<Card> = lessons
             .iter()
             .map(|lesson| Card {
                 picture: CardPicture::Icon(lesson_icon(lesson)),
@@ -220,17 +254,12 @@ impl LessonView {
                 is_marked: is_done(lesson),
             })
             .collect();
-        for (lesson, card) in self.lessons.iter().zip(card::show_cards(ui, &cards)) {
+        for (lesson, card) in lessons.into_iter().zip(card::show_cards(ui, &cards)) {
             let about = lesson.about.in_language(language);
             if card.on_hover_text(about).clicked() {
                 self.send_order(LessonAction::Begin(Arc::clone(lesson)));
             }
         }
-        for error in &self.load_errors {
-            ui.add_space(4.0);
-            ui.label(RichText::new(error.text(language)).color(theme::ERROR_TEXT));
-        }
-        self.exercises.show_list(ui, language, part);
     }
 
     fn show_lesson(&mut self, ui: &mut Ui, language: Language, lesson: &Arc<Lesson>) {
