@@ -116,6 +116,20 @@ impl Simulation {
         self.lathe.set_real_slides(false);
     }
 
+    /// A copy of the machine in which a program can be tried. Slides that a pulse board moves are
+    /// simulated in it: they are where they stand now, with the same reference.
+    pub fn trial_copy(&self) -> Self {
+        let mut copy = self.clone();
+        if copy.cnc.has_board() {
+            copy.inputs.board = None;
+            copy.board_orders = None;
+            copy.cnc.simulate_slides();
+            copy.lathe.set_real_slides(false);
+            copy.place_slides(self.cnc.position_machine());
+        }
+        copy
+    }
+
     /// Stores the reports of a pulse board as inputs of the next tick.
     pub(crate) fn set_board(&mut self, board: BoardInputs) {
         self.inputs.board = Some(Box::new(board));

@@ -201,7 +201,7 @@ pub fn find_block(
 /// The machine with its slides at the point where the program last set its coordinates (G50),
 /// from which a full run begins; without such a point the slides stay.
 fn place_at_program_zero(now: &Simulation) -> Simulation {
-    let mut copy = now.clone();
+    let mut copy = now.trial_copy();
     if let Some(zero) = now.cnc.program_zero() {
         copy.place_slides(zero);
     }

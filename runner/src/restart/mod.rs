@@ -41,6 +41,8 @@ pub struct RestartPlan {
     pub steps: Vec<Message>,
     /// Messages about effects that the restart does not repeat.
     pub remarks: Vec<Message>,
+    /// Whether a pulse board moves real slides: the operator confirms each difference then.
+    pub moves_real_slides: bool,
     /// The data with which the control executes the restart.
     pub restart: Box<PreparedRestart>,
 }
@@ -60,6 +62,8 @@ pub fn plan_restart(
     }
     let block = target.simulation.cnc.next_block();
     let block = block.ok_or_else(say::restart_block_ended)?;
+    let moves_real_slides = now.cnc.has_board();
+    let now = &now.trial_copy();
     let route = route::find_route(now, part, target)?;
     let mut remarks = target.remarks.clone();
     if part.is_none() {
@@ -75,6 +79,7 @@ pub fn plan_restart(
         differences: difference::find_differences(now, target),
         steps: route::step_messages(&route, &target.simulation),
         remarks,
+        moves_real_slides,
         restart: Box::new(route::prepare(now, target, &route)?),
     })
 }
@@ -82,13 +87,25 @@ pub fn plan_restart(
 impl RestartPlan {
     /// Returns the plan as lines for the operator. `program_name` names a program.
     pub fn lines(&self, program_name: impl Fn(ProgramId) -> String) -> Vec<Message> {
+        let mut lines = self.block_lines(program_name);
+        lines.extend(self.differences.iter().map(StateDifference::to_message));
+        lines.extend(self.way_lines());
+        lines
+    }
+
+    /// Returns the lines that name the block and the calls that lead to it.
+    pub fn block_lines(&self, program_name: impl Fn(ProgramId) -> String) -> Vec<Message> {
         let name = program_name(self.block.program);
         let mut lines = vec![say::restart_block(name, self.block.line, &self.block_text)];
         lines.extend(self.calls.iter().rev().map(|call| {
             say::restart_call(program_name(call.caller), call.caller_line, call.runs_left)
         }));
-        lines.extend(self.differences.iter().map(StateDifference::to_message));
-        lines.push(say::restart_same_state());
+        lines
+    }
+
+    /// Returns the lines after the differences: the way to the start point, and what follows.
+    pub fn way_lines(&self) -> Vec<Message> {
+        let mut lines = vec![say::restart_same_state()];
         lines.extend(self.steps.iter().cloned());
         lines.extend(self.remarks.iter().cloned());
         lines.push(say::restart_start_again());

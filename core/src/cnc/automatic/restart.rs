@@ -194,14 +194,14 @@ impl Cnc {
     /// any other state.
     pub fn restart_state_refusal(&self) -> Option<Message> {
         let locks = &self.plc.signals;
-        if self.has_board() {
-            return Some(say::restart_on_real_lathe());
-        }
         if self.is_alarm_active() || self.emergency_stop || self.is_resetting() {
             return Some(say::restart_in_alarm());
         }
         if self.run.automatic.is_operating() || self.is_moving() {
             return Some(say::restart_while_running());
+        }
+        if let Some(why) = self.board_restart_refusal() {
+            return Some(why);
         }
         let is_locked = locks.machine_lock.x || locks.machine_lock.z || locks.auxiliary_lock;
         is_locked.then(say::restart_under_lock)

@@ -9,7 +9,7 @@ use crate::cnc::{Cnc, Event};
 use crate::machine::pins;
 use crate::units::{Axis, PerAxis, Pulses};
 use gsk_link::{BoardOutputs, SpindleDirection, Uncertainty};
-use gsk_messages::say;
+use gsk_messages::{Message, say};
 
 const MM_PER_INCH: f64 = 25.4;
 
@@ -57,6 +57,24 @@ impl Cnc {
         self.drop_reference();
         self.drives.board = None;
         self.drives.board_alarms = Default::default();
+    }
+
+    /// Forgets the board, whose slides stand still; their position and reference remain. For a
+    /// copy of the machine.
+    pub(crate) fn simulate_slides(&mut self) {
+        self.drives.board = None;
+        self.drives.board_alarms = Default::default();
+    }
+
+    /// Message that explains why the slides of a board must not go to the start point of a
+    /// restart; `None` if they may, or without a board.
+    pub(crate) fn board_restart_refusal(&self) -> Option<Message> {
+        let board = self.drives.board?;
+        let referenced = self.coordinates.referenced;
+        if !(board.position_known && referenced.x && referenced.z) {
+            return Some(say::reference_return_needed());
+        }
+        (board.has_pending_motion || !board.takes_motion).then(say::restart_while_running)
     }
 
     fn handle_report(&mut self, report: &BoardReport) {

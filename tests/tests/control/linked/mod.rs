@@ -14,6 +14,7 @@ mod passes;
 mod path;
 mod programs;
 mod reference;
+mod restart;
 mod states;
 mod stop_position;
 mod stops;

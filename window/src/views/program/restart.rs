@@ -1,8 +1,10 @@
 //! Restart at the block of the cursor: plans it in a background thread, shows what it changes,
 //! and requests it once the user confirms.
 
+use std::collections::BTreeSet;
+
 use crossbeam::channel::{Receiver, Sender, unbounded};
-use egui::{Align2, Context, ScrollArea, Window};
+use egui::{Align2, Context, RichText, ScrollArea, Window};
 use gsk_core::cnc::ControlRequest;
 use gsk_core::command::ProgramId;
 use gsk_core::program::Program;
@@ -11,6 +13,7 @@ use gsk_messages::{Language, Message, say};
 use gsk_runner::restart::{self, LineWatcher, RestartPlan};
 
 use super::document::with_line_feeds;
+use crate::theme;
 use crate::widgets::files::run_in_thread;
 
 /// Size of the list of steps, points.
@@ -34,6 +37,8 @@ pub struct RestartDialog {
     receiver: Receiver<PlanResult>,
     /// What the dialog shows; `None` while it is closed.
     content: Option<DialogContent>,
+    /// The differences of the plan that the operator has confirmed; real slides need all of them.
+    confirmed: BTreeSet<usize>,
     /// Number of plans that were requested and have not arrived.
     pending: u32,
 }
@@ -47,6 +52,7 @@ impl RestartDialog {
             sender,
             receiver,
             content: None,
+            confirmed: BTreeSet::new(),
             pending: 0,
         }
     }
@@ -54,6 +60,7 @@ impl RestartDialog {
     /// Opens the dialog for the block in a line, from 1, of the program `text`.
     pub fn open(&mut self, text: String, line: u32, context: &Context) {
         self.content = Some(DialogContent::Planning);
+        self.confirmed.clear();
         self.pending += 1;
         let (console, to) = (self.console.clone(), self.sender.clone());
         run_in_thread(context, &self.console.notice_sender, move || {
@@ -77,6 +84,7 @@ impl RestartDialog {
         let Some(content) = &self.content else {
             return;
         };
+        let confirmed = &mut self.confirmed;
         let mut is_confirmed = false;
         let mut is_closed = false;
         Window::new(say::restart_title().text(language))
@@ -84,11 +92,15 @@ impl RestartDialog {
             .collapsible(false)
             .anchor(Align2::CENTER_CENTER, [0.0, -60.0])
             .show(context, |ui| {
-                show_content(ui, content, language);
+                show_content(ui, content, confirmed, language);
                 ui.horizontal(|ui| {
                     let confirm = say::restart_confirm().text(language);
-                    if matches!(content, DialogContent::Planned(_)) {
-                        is_confirmed = ui.button(confirm).clicked();
+                    if let DialogContent::Planned(plan) = content {
+                        let is_complete =
+                            !plan.moves_real_slides || confirmed.len() == plan.differences.len();
+                        let button = ui.add_enabled(is_complete, egui::Button::new(confirm));
+                        let refusal = say::restart_confirm_each().text(language);
+                        is_confirmed = button.on_disabled_hover_text(refusal).clicked();
                     }
                     is_closed = ui.button(say::window_cancel().text(language)).clicked();
                 });
@@ -103,19 +115,43 @@ impl RestartDialog {
     }
 }
 
-fn show_content(ui: &mut egui::Ui, content: &DialogContent, language: Language) {
-    let lines = match content {
-        DialogContent::Planning => vec![say::restart_planning()],
-        DialogContent::Planned(plan) => plan.lines(program_name),
-        DialogContent::Failed(why) => vec![why.clone()],
-    };
+fn show_content(
+    ui: &mut egui::Ui,
+    content: &DialogContent,
+    confirmed: &mut BTreeSet<usize>,
+    language: Language,
+) {
     let list = ScrollArea::vertical().max_height(LIST_SIZE[1]);
     list.show(ui, |ui| {
         ui.set_min_width(LIST_SIZE[0]);
-        for line in lines {
-            ui.label(line.text(language));
+        match content {
+            DialogContent::Planning => show_lines(ui, &[say::restart_planning()], language),
+            DialogContent::Failed(why) => show_lines(ui, core::slice::from_ref(why), language),
+            DialogContent::Planned(plan) if plan.moves_real_slides => {
+                let warning = say::restart_confirm_each().text(language);
+                ui.label(RichText::new(warning).color(theme::ALARM_TEXT).strong());
+                show_lines(ui, &plan.block_lines(program_name), language);
+                for (index, difference) in plan.differences.iter().enumerate() {
+                    let mut is_ticked = confirmed.contains(&index);
+                    let text = difference.to_message().text(language);
+                    if ui.checkbox(&mut is_ticked, text).changed() {
+                        match is_ticked {
+                            true => confirmed.insert(index),
+                            false => confirmed.remove(&index),
+                        };
+                    }
+                }
+                show_lines(ui, &plan.way_lines(), language);
+            }
+            DialogContent::Planned(plan) => show_lines(ui, &plan.lines(program_name), language),
         }
     });
+}
+
+fn show_lines(ui: &mut egui::Ui, lines: &[Message], language: Language) {
+    for line in lines {
+        ui.label(line.text(language));
+    }
 }
 
 fn program_name(program: ProgramId) -> String {
