@@ -2502,6 +2502,8 @@ message_rows! {
     mqtt_failed MqttFailed(url, reason);
     mqtt_malformed MqttMalformed();
     mqtt_mode MqttMode();
+    mqtt_no_handshake MqttNoHandshake();
+    mqtt_no_web_socket MqttNoWebSocket();
     mqtt_not_authorized MqttNotAuthorized();
     mqtt_password_unreadable MqttPasswordUnreadable(path, reason);
     mqtt_position MqttPosition(axis);
@@ -2509,8 +2511,9 @@ message_rows! {
     mqtt_rate_wrong MqttRateWrong(word);
     mqtt_refused MqttRefused();
     mqtt_silent MqttSilent();
-    mqtt_url_encrypted MqttUrlEncrypted(url);
     mqtt_url_wrong MqttUrlWrong(url);
+    mqtt_web_socket_on_computer MqttWebSocketOnComputer();
+    mqtt_web_socket_refused MqttWebSocketRefused();
     mtconnect_address_wrong MtconnectAddressWrong(word);
     mtconnect_listening MtconnectListening(url);
     mtconnect_not_listening MtconnectNotListening(address, reason);
@@ -2539,6 +2542,8 @@ message_rows! {
     network_broker NetworkBroker();
     network_broker_hint NetworkBrokerHint();
     network_by_option NetworkByOption();
+    network_ca NetworkCa();
+    network_ca_hint NetworkCaHint();
     network_class NetworkClass();
     network_class_hint NetworkClassHint();
     network_connected NetworkConnected(url);
@@ -3638,6 +3643,15 @@ message_rows! {
     tip_x_plus TipXPlus();
     tip_z_minus TipZMinus();
     tip_z_plus TipZPlus();
+    tls_ca_empty TlsCaEmpty(path);
+    tls_ca_unreadable TlsCaUnreadable(path, reason);
+    tls_expired TlsExpired();
+    tls_failed TlsFailed(error);
+    tls_missing TlsMissing();
+    tls_no_system_authorities TlsNoSystemAuthorities();
+    tls_not_valid_yet TlsNotValidYet();
+    tls_unknown_authority TlsUnknownAuthority();
+    tls_wrong_name TlsWrongName(host);
     tool_beyond_stations ToolBeyondStations(value: "{:04}", tool, stations);
     tool_holder_bar ToolHolderBar();
     tool_holder_none ToolHolderNone();

@@ -9,12 +9,15 @@ use gsk_host::network::mqtt::{BrokerUrl, parse_broker};
 /// `class`.
 #[derive(Args, Debug)]
 pub struct ClassArgs {
-    /// The MQTT broker of the class, mqtt://USER@HOST:PORT/PREFIX
+    /// The MQTT broker of the class, mqtt://USER@HOST:PORT/PREFIX, with TLS mqtts://
     #[arg(long, value_name = "URL", value_parser = parse_broker)]
     pub broker: BrokerUrl,
     /// Code of the class: 3 to 24 letters and digits
     #[arg(long, value_name = "CODE", value_parser = parse_code)]
     pub code: ClassCode,
+    /// File with the certificates of the authorities that TLS trusts, for mqtts:// [default: those of the system]
+    #[arg(long, value_name = "FILE")]
+    pub mqtt_ca: Option<PathBuf>,
     /// File with the password for the broker [default: the environment variable GSK980TD_MQTT_PASSWORD]
     #[arg(long, value_name = "FILE")]
     pub mqtt_password_file: Option<PathBuf>,

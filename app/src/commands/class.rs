@@ -30,6 +30,7 @@ const POLL_INTERVAL: Duration = Duration::from_millis(50);
 /// be read or the window cannot be opened.
 pub fn show_class(args: &ClassArgs) -> Result<u8, CommandError> {
     let mut broker = args.broker.clone();
+    broker.ca_file.clone_from(&args.mqtt_ca);
     mqtt::read_password(&mut broker, args.mqtt_password_file.as_deref())?;
     let class = ClassAddress {
         code: args.code.clone(),

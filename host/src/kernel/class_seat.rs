@@ -361,6 +361,7 @@ mod tests {
                     is_on: true,
                     code: "abc".to_owned(),
                     broker: address.to_string(),
+                    ca: String::new(),
                     name: "Ann".to_owned(),
                     allows_faults,
                     password: String::new(),

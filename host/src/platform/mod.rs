@@ -23,6 +23,7 @@
 //! | `course` | the exercises of a learning platform that opened the page, and its store |
 //! | `log_file` | the file of the log |
 //! | `panic` | the action before a panic of the window |
+//! | `broker_stream` | the connection to an MQTT broker: TCP and TLS, or a WebSocket |
 //!
 //! `day_time` is the local time of day; one library reads it on all systems.
 
@@ -63,6 +64,15 @@ pub fn refuse_device(path: &Path) -> io::Result<()> {
     }
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     Err(io::Error::other(DeviceName(name.into_owned())))
+}
+
+/// What a read from a broker has brought.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BrokerBytes {
+    /// This number of bytes; none if nothing has arrived yet.
+    Received(usize),
+    /// The broker has closed the connection.
+    Closed,
 }
 
 /// Type and length of the file or folder at a path.

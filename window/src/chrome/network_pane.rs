@@ -4,7 +4,7 @@
 use egui::{Context, Key as PcKey, RichText, ScrollArea, TextEdit, Ui, Vec2};
 use gsk_host::kernel::SeatAction;
 use gsk_host::kernel::{Command, Console};
-use gsk_host::network::mqtt::parse_broker;
+use gsk_host::network::mqtt::{BrokerTransport, BrokerUrl, parse_broker};
 use gsk_host::network::service_state::{ServiceState, SharedServiceState};
 use gsk_host::network::{ClassSettings, NetworkSettings, page_url};
 use gsk_messages::{Language, Message, say};
@@ -186,6 +186,7 @@ impl NetworkPane {
         );
         let example = "mqtt://192.168.1.5/gsk980td/lathe";
         section.show_field(ui, &mut draft.url, &say::network_address(), example);
+        section.show_ca(ui, &draft.url, &mut draft.ca);
         section.show_password(ui, &mut draft.password);
         ui.checkbox(
             &mut draft.has_discovery,
@@ -218,6 +219,7 @@ impl NetworkPane {
             &say::network_broker(),
             "mqtt://192.168.1.5",
         );
+        section.show_ca(ui, &draft.broker, &mut draft.ca);
         section.show_password(ui, &mut draft.password);
         ui.checkbox(
             &mut draft.allows_faults,
@@ -330,6 +332,16 @@ impl<'a> SectionForm<'a> {
             let enter = ui.input(|input| input.key_pressed(PcKey::Enter));
             self.is_confirmed |= field.lost_focus() && enter;
         });
+    }
+
+    /// Draws the field for the file of the authority, if the address requests TLS.
+    fn show_ca(&mut self, ui: &mut Ui, address: &str, file: &mut String) {
+        let has_tls = |url: &BrokerUrl| url.transport == BrokerTransport::Tls;
+        if parse_broker(address.trim()).is_ok_and(|url| has_tls(&url)) {
+            let hint = say::network_ca_hint().text(self.language);
+            let row = ui.scope(|ui| self.show_field(ui, file, &say::network_ca(), "ca.crt"));
+            row.response.on_hover_text(hint);
+        }
     }
 
     fn show_password(&mut self, ui: &mut Ui, text: &mut String) {
