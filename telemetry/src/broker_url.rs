@@ -68,7 +68,7 @@ impl BrokerTransport {
 
     /// The port if the address has none: that of MQTT, for WebSocket that of Mosquitto's examples
     /// and that of HTTPS.
-    const fn default_port(self) -> u16 {
+    pub const fn default_port(self) -> u16 {
         match self {
             Self::Tcp => 1883,
             Self::Tls => 8883,

@@ -23,6 +23,7 @@
 //! | `course` | the exercises of a learning platform that opened the page, and its store |
 //! | `log_file` | the file of the log |
 //! | `panic` | the action before a panic of the window |
+//! | `browser` | opens a page in the browser of the user, prints a page as PDF |
 //! | `broker_stream` | the connection to an MQTT broker: TCP and TLS, or a WebSocket |
 //!
 //! `day_time` is the local time of day; one library reads it on all systems.

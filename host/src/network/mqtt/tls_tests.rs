@@ -123,7 +123,11 @@ fn every_refusal_has_its_own_sentence() {
     let no_certificate = certificates().join("README.md");
     let empty = say::tls_ca_empty(no_certificate.display());
     assert_refused(&broker, Some(no_certificate), empty);
-    assert_refused(&format!("ws://localhost:{}", 9), None, say::mqtt_web_socket_on_computer());
+    assert_refused(
+        &format!("ws://localhost:{}", 9),
+        None,
+        say::mqtt_web_socket_on_computer(),
+    );
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! What Linux and Windows share and a page in a browser does differently.
 
 mod broker_stream;
+mod browser;
 mod course;
 mod disk;
 mod log_file;
@@ -10,6 +11,7 @@ mod turns;
 mod view;
 
 pub use broker_stream::BrokerStream;
+pub use browser::{open_page_file, print_with_browser};
 pub use course::{course_page, report_course};
 pub use disk::{
     Lock, has_folders, is_link, is_persistent, is_taken, list, make_folder, path_facts, read,

@@ -7,9 +7,9 @@ use std::sync::Arc;
 
 use gsk_messages::{Message, say};
 use gsk_telemetry::BrokerUrl;
+use rustls::crypto::WebPkiSupportedAlgorithms;
 use rustls::crypto::ring::{cipher_suite as suite, kx_group};
 use rustls::crypto::{CryptoProvider, GetRandomFailed, KeyProvider, SecureRandom};
-use rustls::crypto::WebPkiSupportedAlgorithms;
 use rustls::pki_types::pem::PemObject;
 use rustls::pki_types::{CertificateDer, PrivateKeyDer, ServerName};
 use rustls::sign::SigningKey;

@@ -1,7 +1,8 @@
 //! Downloads of files from the page.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use gsk_messages::Message;
 use js_sys::{Array, Uint8Array};
 use wasm_bindgen::{JsCast, JsValue};
 use web_sys::{Blob, HtmlAnchorElement, Url};
@@ -27,4 +28,19 @@ fn hand_out(name: &str, bytes: &[u8]) -> Result<(), JsValue> {
     // The address stays valid: a browser may read it much later.
     link.click();
     Ok(())
+}
+
+/// Offers a page as a download, which the browser opens. Returns its name.
+///
+/// # Errors
+/// Never.
+pub fn open_page_file(name: &str, page: &[u8]) -> Result<PathBuf, Message> {
+    let path = PathBuf::from(name);
+    download(&path, page);
+    Ok(path)
+}
+
+/// Returns `None`: a page starts no program.
+pub fn print_with_browser(_page: &Path, _pdf: &Path, _profile: &Path) -> Option<String> {
+    None
 }

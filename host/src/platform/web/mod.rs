@@ -21,12 +21,13 @@ mod volumes;
 pub use broker_stream::BrokerStream;
 pub use clock::{shared_time, time_with_sleep};
 pub use course::{course_page, report_course};
-pub use desktop::{close_own_console, has_display, has_file_dialog};
+pub use desktop::{close_own_console, has_display, has_file_dialog, has_listeners};
 pub use disk::{
     Lock, has_folders, is_link, is_persistent, is_taken, list, make_folder, path_facts, read,
     remove, remove_folder, rename, sync_folder, write_new,
 };
 pub use display::{DisplayServer, display_server, watch_display};
+pub use download::{open_page_file, print_with_browser};
 pub use files::{is_device, is_serial_port, same_file};
 pub use log_file::{LogFile, LogGuard, log_file};
 pub use page::{PageParameters, open_page};
