@@ -298,7 +298,7 @@ fn the_window_of_a_class_shows_seats_and_requests_an_lcd() {
     // An exam for all: the seat with a board gets none.
     harness.get_by_label("Exam…").click();
     harness.run_steps(3);
-    harness.get_by_label("Jog an axis").click();
+    harness.get_by_label("Jog to a position").click();
     harness.get_by_label("PIN").focus();
     harness.run_steps(2);
     let pin = egui::Event::Text("4711".to_owned());
