@@ -4,7 +4,7 @@
     tests/oracles/home_assistant.py PROGRAM HASS
 
 PROGRAM is the built `gsk980td`, HASS the command of an environment in which `pip install
-homeassistant` was called; `mosquitto` is installed. Home Assistant installs what its integrations
+homeassistant` was called; `mosquitto` and the package `paho-mqtt` are installed. Home Assistant installs what its integrations
 need at its first start. It checks that
 - every discovery topic becomes an entity, and Home Assistant logs no error about MQTT;
 - state, mode, program, alarm and positions have values during the run;
@@ -18,7 +18,10 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
+
+import paho.mqtt.subscribe as subscribe
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SAMPLE = ROOT / "assets/programs/01-stepped-shaft.CNC"
@@ -109,10 +112,13 @@ def main():
             [program, "run", SAMPLE, "--spindle", "800", "--lang", "en", "--mqtt", url, "--mqtt-discovery"],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         try:
-            topics = subprocess.run(
-                ["mosquitto_sub", "-p", str(port), "-t", "homeassistant/#", "-W", "8", "-F", "%t"],
-                capture_output=True, text=True).stdout.split()
-            count = len(set(topics))
+            topics = set()
+            threading.Thread(
+                target=subscribe.callback, daemon=True, args=(
+                    lambda _client, _data, message: topics.add(message.topic), "homeassistant/#"),
+                kwargs={"port": port}).start()
+            time.sleep(8)
+            count = len(topics)
             print(f"{count} discovery topics")
             states = wait_for(configuration, lambda it: len(it) >= count > 0, 400)
             check(len(states) == count > 0, f"{len(states)} entities of {count} topics")
