@@ -198,7 +198,7 @@ message_rows! {
     class_address_wrong ClassAddressWrong(word);
     class_all_seats ClassAllSeats();
     class_answer_accepted ClassAnswerAccepted(seat, request);
-    class_answer_refused ClassAnswerRefused(seat, request, reason);
+    class_answer_refused ClassAnswerRefused(seat, request, reason: message);
     class_clear_faults ClassClearFaults();
     class_close_lcd ClassCloseLcd();
     class_code ClassCode();
@@ -241,7 +241,7 @@ message_rows! {
     class_offer_title ClassOfferTitle();
     class_page_listening ClassPageListening(url);
     class_page_lost ClassPageLost();
-    class_page_not_listening ClassPageNotListening(address, reason);
+    class_page_not_listening ClassPageNotListening(address, reason: message);
     class_page_read_only ClassPageReadOnly();
     class_privacy ClassPrivacy();
     class_refused_board ClassRefusedBoard();
@@ -2521,7 +2521,7 @@ message_rows! {
     mqtt_cutting_time MqttCuttingTime();
     mqtt_emergency_stop MqttEmergencyStop();
     mqtt_execution MqttExecution();
-    mqtt_failed MqttFailed(url, reason);
+    mqtt_failed MqttFailed(url, reason: message);
     mqtt_malformed MqttMalformed();
     mqtt_mode MqttMode();
     mqtt_no_handshake MqttNoHandshake();
@@ -2579,7 +2579,7 @@ message_rows! {
     network_password NetworkPassword();
     network_password_hint NetworkPasswordHint();
     network_title NetworkTitle();
-    network_trouble NetworkTrouble(reason);
+    network_trouble NetworkTrouble(reason: message);
     nose_arc_misses_line NoseArcMissesLine();
     nose_arcs_do_not_meet NoseArcsDoNotMeet();
     nose_cancel_on_arc NoseCancelOnArc();
@@ -3468,7 +3468,7 @@ message_rows! {
     sheet_no_pdf SheetNoPdf(browser, file);
     sheet_no_warnings SheetNoWarnings();
     sheet_nose SheetNose(nose, tip);
-    sheet_not_opened SheetNotOpened(file, reason);
+    sheet_not_opened SheetNotOpened(file, reason: message);
     sheet_offset SheetOffset();
     sheet_offset_values SheetOffsetValues();
     sheet_part SheetPart();
@@ -3672,7 +3672,7 @@ message_rows! {
     tip_z_minus TipZMinus();
     tip_z_plus TipZPlus();
     tls_ca_empty TlsCaEmpty(path);
-    tls_ca_unreadable TlsCaUnreadable(path, reason);
+    tls_ca_unreadable TlsCaUnreadable(path, reason: message);
     tls_expired TlsExpired();
     tls_failed TlsFailed(error);
     tls_missing TlsMissing();

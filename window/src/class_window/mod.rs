@@ -32,6 +32,10 @@ use seat_pane::SeatPane;
 const INITIAL_SIZE: [f32; 2] = [1100.0, 720.0];
 /// Width of the pane of the selected seat, points.
 const PANE_WIDTH: f32 = 348.0;
+/// Distance of the panes for an exam and for joining from the right edge, points.
+const PANE_MARGIN: f32 = 2.0 * PANE_WIDTH + 48.0;
+/// Height of the bar with its margin, points.
+const BAR_HEIGHT: f32 = 44.0;
 /// Time between two frames while seats report.
 const FRAME_INTERVAL: Duration = Duration::from_millis(100);
 /// Number of messages that the line at the bottom keeps.
@@ -195,6 +199,7 @@ impl ClassWindow {
         let (form, start) = (&mut self.exam, &self.start);
         egui::Window::new(say::exam_heading().text(language))
             .id(egui::Id::unique("class exam"))
+            .default_pos(pane_position(ui))
             .open(&mut self.is_exam_open)
             .collapsible(false)
             .default_width(PANE_WIDTH)
@@ -213,6 +218,7 @@ impl ClassWindow {
         let (pane, start, page) = (&mut self.join, &self.start, &self.page);
         egui::Window::new(say::class_join_title().text(language))
             .id(egui::Id::unique("class join"))
+            .default_pos(pane_position(ui))
             .open(&mut self.is_join_open)
             .collapsible(false)
             .default_width(PANE_WIDTH)
@@ -293,4 +299,11 @@ impl ClassWindow {
         ui.label(newest.text(language))
             .on_hover_text(all.join("\n"));
     }
+}
+
+/// Where a pane opens: below the bar, beside the first tiles.
+fn pane_position(ui: &Ui) -> egui::Pos2 {
+    let room = ui.ctx().content_rect();
+    let left = (room.right() - PANE_MARGIN).max(room.left());
+    egui::pos2(left, room.top() + BAR_HEIGHT)
 }

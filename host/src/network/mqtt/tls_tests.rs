@@ -95,8 +95,11 @@ fn authority() -> Option<PathBuf> {
 
 fn assert_refused(address: &str, ca_file: Option<PathBuf>, reason: Message) {
     let (url, state) = connect(address, ca_file);
+    let sentence = reason.text(Language::Zh);
     let expected = ServiceState::Failed(say::mqtt_failed(&url, reason));
     assert_eq!(state, expected, "{address}");
+    let shown = state.message().text(Language::Zh);
+    assert!(shown.contains(&sentence), "{shown}");
 }
 
 #[test]
