@@ -316,7 +316,7 @@ fn the_window_of_a_class_shows_seats_and_requests_an_lcd() {
     assert!(!sent.contains("4711"), "{sent}");
     harness.get_by_label("Join…").click();
     harness.run_steps(3);
-    // Without a network nobody can join a broker of this computer.
+    // Without a network no seat can join a broker of this computer.
     let texts = [
         "A seat joins with K7M2@mqtt://",
         "Other computers cannot reach",

@@ -4,10 +4,12 @@ use std::path::{Path, PathBuf};
 
 use gsk_core::units::Diameter;
 use gsk_host::files::overwrite_guard::{CommandInputs, check_overwrites};
-use gsk_host::files::{pdf_printer, program_file};
+use gsk_host::files::program_file;
 use gsk_host::job::{self, JobArgs};
 use gsk_host::loading::{self, LoadError};
-use gsk_messages::{Language, say};
+use gsk_host::output::WriteError;
+use gsk_host::platform::{self, PdfPrint};
+use gsk_messages::{Language, Message, say};
 use gsk_plot::setup_sheet::{SheetSource, make_setup_sheet};
 use gsk_runner::report;
 use gsk_workpiece::job::DiameterPoint;
@@ -95,10 +97,21 @@ fn write_sheet(target: &Path, text: &str, language: Option<Language>) -> Result<
         return Ok(());
     }
     match is_pdf(target) {
-        true => pdf_printer::print_page(text, target)?,
+        true => print_pdf(target, text)?,
         false => output::reserve_file(target)?.write(text.as_bytes())?,
     }
     let written = report::message_text(&say::sheet_written(target.display()), language);
     output::print(&format!("{written}\n"));
     Ok(())
+}
+
+/// Prints a sheet as PDF by an installed browser. Returns an error if there is none or the file
+/// is not written.
+fn print_pdf(target: &Path, text: &str) -> Result<(), Message> {
+    let printed = platform::print_page_as_pdf(text.as_bytes(), target);
+    match printed.map_err(|error| WriteError::new(target, error).message())? {
+        PdfPrint::Written => Ok(()),
+        PdfPrint::NoBrowser => Err(say::sheet_no_browser()),
+        PdfPrint::Failed(browser) => Err(say::sheet_no_pdf(browser, target.display())),
+    }
 }

@@ -12,7 +12,6 @@ mod manifest;
 pub mod mirrored_files;
 pub mod models;
 pub mod overwrite_guard;
-pub mod pdf_printer;
 pub mod pitch;
 pub mod program_file;
 pub mod subprograms;

@@ -31,7 +31,7 @@
 use std::io;
 use std::path::Path;
 
-use gsk_messages::say;
+use gsk_messages::{Message, say};
 
 #[cfg(any(unix, windows))]
 mod computer;
@@ -65,6 +65,38 @@ pub fn refuse_device(path: &Path) -> io::Result<()> {
     }
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     Err(io::Error::other(DeviceName(name.into_owned())))
+}
+
+/// Why a connection to a broker is not opened, or ends.
+#[derive(Debug)]
+pub enum BrokerFailure {
+    /// The system reports this error.
+    Io(io::Error),
+    /// The connection is refused for this reason.
+    Refused(Message),
+}
+
+impl From<io::Error> for BrokerFailure {
+    fn from(error: io::Error) -> Self {
+        Self::Io(error)
+    }
+}
+
+impl From<Message> for BrokerFailure {
+    fn from(reason: Message) -> Self {
+        Self::Refused(reason)
+    }
+}
+
+/// The outcome of printing a page as a PDF file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum PdfPrint {
+    /// The file is written.
+    Written,
+    /// No browser that prints without a window is installed.
+    NoBrowser,
+    /// The browser of this name has not written the file.
+    Failed(String),
 }
 
 /// What a read from a broker has brought.

@@ -12,8 +12,9 @@ use gsk_telemetry::{
 use tracing::{info, warn};
 use web_time::{Duration, Instant};
 
+use crate::message_format::describe_io_error;
 use crate::network::service_state::{ServiceState, SharedServiceState};
-use crate::platform::{self, BrokerBytes, BrokerStream};
+use crate::platform::{self, BrokerBytes, BrokerFailure, BrokerStream};
 
 /// Longest time for which the thread waits for bytes of the broker: the delay of a message.
 const POLL_INTERVAL: Duration = Duration::from_millis(20);
@@ -169,7 +170,8 @@ impl<C: BrokerClient> LineLoop<C> {
     fn connect(&mut self) -> Result<BrokerLink, Message> {
         // The queues stay empty while several addresses do not answer.
         let client = &mut self.client;
-        let stream = BrokerStream::open(&self.url, POLL_INTERVAL, || client.collect())?;
+        let stream = BrokerStream::open(&self.url, POLL_INTERVAL, || client.collect());
+        let stream = stream.map_err(describe_failure)?;
         let mut options = SessionOptions::new(self.client_id.clone(), &self.url);
         self.client.announce(&mut options);
         let session = BrokerSession::new(options, self.now_ms());
@@ -179,7 +181,7 @@ impl<C: BrokerClient> LineLoop<C> {
     /// Reads what the broker has sent, and writes what is due. Returns why the connection ends.
     fn exchange(&mut self, link: &mut BrokerLink) -> Result<(), Message> {
         self.write(link)?;
-        let received = match link.stream.read(&mut self.buffer)? {
+        let received = match (link.stream.read(&mut self.buffer)).map_err(describe_failure)? {
             BrokerBytes::Closed => return Err(say::mqtt_silent()),
             BrokerBytes::Received(count) => &self.buffer[..count],
         };
@@ -213,7 +215,8 @@ impl<C: BrokerClient> LineLoop<C> {
                 link.session.publish(&message, now_ms);
             }
         }
-        link.stream.write(&link.session.take_output())
+        let written = link.stream.write(&link.session.take_output());
+        written.map_err(describe_failure)
     }
 
     /// Publishes the last state and the farewell, and disconnects.
@@ -234,5 +237,13 @@ impl<C: BrokerClient> LineLoop<C> {
         // The broker may be gone; then it publishes the last will.
         let _ = link.stream.write(&link.session.take_output());
         link.stream.close();
+    }
+}
+
+/// The reason in one sentence.
+fn describe_failure(failure: BrokerFailure) -> Message {
+    match failure {
+        BrokerFailure::Io(error) => describe_io_error(&error),
+        BrokerFailure::Refused(reason) => reason,
     }
 }

@@ -3,13 +3,12 @@
 use std::io::{self, Read, Write};
 use std::net::{Shutdown, TcpStream, ToSocketAddrs};
 
-use gsk_messages::{Message, say};
+use gsk_messages::say;
 use gsk_telemetry::{BrokerTransport, BrokerUrl};
 use web_time::Duration;
 
 use super::tls::TlsSession;
-use crate::message_format::describe_io_error;
-use crate::platform::BrokerBytes;
+use crate::platform::{BrokerBytes, BrokerFailure};
 
 /// Longest time of an attempt to connect to one of the addresses of a name.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
@@ -34,18 +33,17 @@ impl BrokerStream {
         url: &BrokerUrl,
         poll_interval: Duration,
         mut before_attempt: impl FnMut(),
-    ) -> Result<Self, Message> {
+    ) -> Result<Self, BrokerFailure> {
         let tls = match url.transport {
             BrokerTransport::Tcp => None,
             BrokerTransport::Tls => Some(TlsSession::new(url)?),
             BrokerTransport::WebSocket | BrokerTransport::SecureWebSocket => {
-                return Err(say::mqtt_web_socket_on_computer());
+                return Err(say::mqtt_web_socket_on_computer().into());
             }
         };
-        let described = |error: io::Error| describe_io_error(&error);
         let addresses = (url.host.as_str(), url.port).to_socket_addrs();
         let mut error = io::Error::from(io::ErrorKind::AddrNotAvailable);
-        for address in addresses.map_err(described)? {
+        for address in addresses? {
             before_attempt();
             match TcpStream::connect_timeout(&address, CONNECT_TIMEOUT) {
                 Ok(stream) => {
@@ -53,13 +51,13 @@ impl BrokerStream {
                         .set_nodelay(true)
                         .and_then(|()| stream.set_read_timeout(Some(poll_interval)))
                         .and_then(|()| stream.set_write_timeout(Some(WRITE_TIMEOUT)));
-                    set_up.map_err(described)?;
+                    set_up?;
                     return Ok(Self { stream, tls });
                 }
                 Err(failed) => error = failed,
             }
         }
-        Err(described(error))
+        Err(error.into())
     }
 
     /// Whether the broker can receive bytes: always without TLS, with it after the handshake.
@@ -71,7 +69,7 @@ impl BrokerStream {
     ///
     /// # Errors
     /// The connection is lost, or TLS refuses the broker.
-    pub fn read(&mut self, buffer: &mut [u8]) -> Result<BrokerBytes, Message> {
+    pub fn read(&mut self, buffer: &mut [u8]) -> Result<BrokerBytes, BrokerFailure> {
         if let Some(tls) = &mut self.tls {
             return tls.read(&mut self.stream, buffer);
         }
@@ -79,7 +77,7 @@ impl BrokerStream {
             Ok(0) => Ok(BrokerBytes::Closed),
             Ok(count) => Ok(BrokerBytes::Received(count)),
             Err(error) if is_timeout(&error) => Ok(BrokerBytes::Received(0)),
-            Err(error) => Err(describe_io_error(&error)),
+            Err(error) => Err(error.into()),
         }
     }
 
@@ -87,12 +85,12 @@ impl BrokerStream {
     ///
     /// # Errors
     /// The connection is lost.
-    pub fn write(&mut self, bytes: &[u8]) -> Result<(), Message> {
+    pub fn write(&mut self, bytes: &[u8]) -> Result<(), BrokerFailure> {
         match &mut self.tls {
             Some(tls) => tls.write(&mut self.stream, bytes),
             None => {
-                let written = self.stream.write_all(bytes);
-                written.map_err(|error| describe_io_error(&error))
+                self.stream.write_all(bytes)?;
+                Ok(())
             }
         }
     }

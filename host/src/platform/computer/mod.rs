@@ -11,7 +11,7 @@ mod turns;
 mod view;
 
 pub use broker_stream::BrokerStream;
-pub use browser::{open_page_file, print_with_browser};
+pub use browser::{open_page_file, print_page_as_pdf};
 pub use course::{course_page, report_course};
 pub use disk::{
     Lock, has_folders, is_link, is_persistent, is_taken, list, make_folder, path_facts, read,

@@ -18,8 +18,7 @@ use rustls::{RootCertStore, SignatureScheme};
 use webpki::ring as signature;
 
 use super::broker_stream::is_timeout;
-use crate::message_format::describe_io_error;
-use crate::platform::{self, BrokerBytes};
+use crate::platform::{self, BrokerBytes, BrokerFailure};
 
 /// Greatest size of a file with certificates, bytes.
 const MAX_CA_BYTES: u64 = 4 * 1024 * 1024;
@@ -127,7 +126,7 @@ fn trusted_authorities(file: Option<&Path>) -> Result<RootCertStore, Message> {
         };
     };
     let bytes = platform::read(path, MAX_CA_BYTES)
-        .map_err(|error| say::tls_ca_unreadable(path.display(), describe_io_error(&error)))?;
+        .map_err(|error| say::tls_ca_unreadable(path.display(), say::as_written(error)))?;
     let certificates = CertificateDer::pem_slice_iter(&bytes).filter_map(Result::ok);
     authorities.add_parsable_certificates(certificates);
     match authorities.is_empty() {
@@ -148,7 +147,7 @@ impl TlsSession {
     ///
     /// # Errors
     /// No authorities are found, or the host can have no certificate.
-    pub(super) fn new(url: &BrokerUrl) -> Result<Self, Message> {
+    pub(super) fn new(url: &BrokerUrl) -> Result<Self, BrokerFailure> {
         let authorities = trusted_authorities(url.ca_file.as_deref())?;
         let failed = |error: TlsError| say::tls_failed(error);
         let config = ClientConfig::builder_with_provider(Arc::new(algorithms()))
@@ -174,7 +173,7 @@ impl TlsSession {
         &mut self,
         stream: &mut TcpStream,
         buffer: &mut [u8],
-    ) -> Result<BrokerBytes, Message> {
+    ) -> Result<BrokerBytes, BrokerFailure> {
         self.flush(stream)?;
         // The library takes no further bytes before these are read.
         match self.connection.reader().read(buffer) {
@@ -182,17 +181,17 @@ impl TlsSession {
             _ => {}
         }
         match self.connection.read_tls(stream) {
-            Ok(0) if !self.is_established() => return Err(say::tls_missing()),
+            Ok(0) if !self.is_established() => return Err(say::tls_missing().into()),
             Ok(_) => {}
             Err(error) if is_timeout(&error) => return Ok(BrokerBytes::Received(0)),
             // A server that understands no TLS closes the connection in its own way.
-            Err(_) if !self.is_established() => return Err(say::tls_missing()),
-            Err(error) => return Err(describe_io_error(&error)),
+            Err(_) if !self.is_established() => return Err(say::tls_missing().into()),
+            Err(error) => return Err(error.into()),
         }
         if let Err(error) = self.connection.process_new_packets() {
             // The broker learns why; it may be gone.
             let _ = self.flush(stream);
-            return Err(self.describe(&error));
+            return Err(self.describe(&error).into());
         }
         match self.connection.reader().read(buffer) {
             Ok(0) => Ok(BrokerBytes::Closed),
@@ -207,12 +206,11 @@ impl TlsSession {
         &mut self,
         stream: &mut TcpStream,
         mut bytes: &[u8],
-    ) -> Result<(), Message> {
-        let described = |error| describe_io_error(&error);
+    ) -> Result<(), BrokerFailure> {
         while !bytes.is_empty() {
-            let count = self.connection.writer().write(bytes).map_err(described)?;
+            let count = self.connection.writer().write(bytes)?;
             if count == 0 && !self.connection.wants_write() {
-                return Err(say::mqtt_silent());
+                return Err(say::mqtt_silent().into());
             }
             bytes = &bytes[count..];
             self.flush(stream)?;
@@ -221,12 +219,12 @@ impl TlsSession {
     }
 
     /// Sends the encrypted bytes that are ready.
-    fn flush(&mut self, stream: &mut TcpStream) -> Result<(), Message> {
+    fn flush(&mut self, stream: &mut TcpStream) -> Result<(), BrokerFailure> {
         while self.connection.wants_write() {
             match self.connection.write_tls(stream) {
                 Ok(_) => {}
-                Err(_) if !self.is_established() => return Err(say::tls_missing()),
-                Err(error) => return Err(describe_io_error(&error)),
+                Err(_) if !self.is_established() => return Err(say::tls_missing().into()),
+                Err(error) => return Err(error.into()),
             }
         }
         Ok(())

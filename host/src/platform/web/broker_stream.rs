@@ -4,7 +4,7 @@ use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::rc::Rc;
 
-use gsk_messages::{Message, say};
+use gsk_messages::say;
 use gsk_telemetry::BrokerUrl;
 use js_sys::{Array, ArrayBuffer, Uint8Array};
 use wasm_bindgen::closure::Closure;
@@ -12,7 +12,7 @@ use wasm_bindgen::{JsCast, JsValue};
 use web_sys::{BinaryType, MessageEvent, WebSocket};
 use web_time::Duration;
 
-use crate::platform::BrokerBytes;
+use crate::platform::{BrokerBytes, BrokerFailure};
 
 /// Name of MQTT among the protocols of WebSocket.
 const PROTOCOL: &str = "mqtt";
@@ -49,9 +49,9 @@ impl BrokerStream {
         url: &BrokerUrl,
         _poll_interval: Duration,
         mut before_attempt: impl FnMut(),
-    ) -> Result<Self, Message> {
+    ) -> Result<Self, BrokerFailure> {
         if !url.transport.is_web_socket() {
-            return Err(say::mqtt_no_web_socket());
+            return Err(say::mqtt_no_web_socket().into());
         }
         before_attempt();
         let without_prefix = BrokerUrl {
@@ -95,7 +95,7 @@ impl BrokerStream {
     ///
     /// # Errors
     /// The connection was refused.
-    pub fn read(&mut self, buffer: &mut [u8]) -> Result<BrokerBytes, Message> {
+    pub fn read(&mut self, buffer: &mut [u8]) -> Result<BrokerBytes, BrokerFailure> {
         self.send_waiting()?;
         let mut received = self.received.borrow_mut();
         if received.is_empty() && self.is_lost.get() {
@@ -112,21 +112,21 @@ impl BrokerStream {
     ///
     /// # Errors
     /// The connection is lost, or the broker takes nothing.
-    pub fn write(&mut self, bytes: &[u8]) -> Result<(), Message> {
+    pub fn write(&mut self, bytes: &[u8]) -> Result<(), BrokerFailure> {
         self.waiting.extend(bytes);
         self.send_waiting()
     }
 
-    fn send_waiting(&mut self) -> Result<(), Message> {
+    fn send_waiting(&mut self) -> Result<(), BrokerFailure> {
         if self.socket.buffered_amount() > MAX_BUFFERED_BYTES {
-            return Err(say::mqtt_silent());
+            return Err(say::mqtt_silent().into());
         }
         if self.waiting.is_empty() || !self.is_established() {
             return Ok(());
         }
         let sent = self.socket.send_with_u8_array(&self.waiting);
         self.waiting.clear();
-        sent.map_err(|_| say::mqtt_silent())
+        sent.map_err(|_| say::mqtt_silent().into())
     }
 
     /// Closes the connection after everything that was written.

@@ -27,7 +27,7 @@ pub use disk::{
     remove, remove_folder, rename, sync_folder, write_new,
 };
 pub use display::{DisplayServer, display_server, watch_display};
-pub use download::{open_page_file, print_with_browser};
+pub use download::{open_page_file, print_page_as_pdf};
 pub use files::{is_device, is_serial_port, same_file};
 pub use log_file::{LogFile, LogGuard, log_file};
 pub use page::{PageParameters, open_page};

@@ -7,11 +7,14 @@ use gsk_core::preview::WorkBudget;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_host::job::{self, JobArgs};
+use gsk_host::message_format::describe_io_error;
 use gsk_host::platform;
 use gsk_host::preview::work_limit::WorkLimit;
 use gsk_messages::{Language, Message, say};
 use gsk_plot::setup_sheet::{SheetSource, make_setup_sheet};
 
+/// Name of the sheet in the folder for temporary files.
+const SHEET_FILE: &str = "gsk980td-sheet.html";
 /// Limit of the work of the check.
 const WORK_BUDGET: WorkBudget = WorkBudget::interactive(50_000_000);
 
@@ -50,7 +53,9 @@ pub fn print_sheet(
     let limit = WorkLimit::new(WORK_BUDGET);
     let sheet = make_setup_sheet(source, language, &mut |progress| limit.allows(progress));
     let (page, _) = sheet?;
-    let path = platform::open_page_file("gsk980td-sheet.html", page.as_bytes())?;
+    let opened = platform::open_page_file(SHEET_FILE, page.as_bytes());
+    let path =
+        opened.map_err(|error| say::sheet_not_opened(SHEET_FILE, describe_io_error(&error)))?;
     Ok(say::program_print_opened(path.display()))
 }
 
