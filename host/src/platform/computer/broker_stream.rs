@@ -7,7 +7,7 @@ use gsk_messages::say;
 use gsk_telemetry::{BrokerTransport, BrokerUrl};
 use web_time::Duration;
 
-use super::tls::TlsSession;
+use super::tls::{TlsSession, is_timeout};
 use crate::platform::{BrokerBytes, BrokerFailure};
 
 /// Longest time of an attempt to connect to one of the addresses of a name.
@@ -103,10 +103,4 @@ impl BrokerStream {
         // A broker that is gone has closed it before.
         let _ = self.stream.shutdown(Shutdown::Write);
     }
-}
-
-/// Whether nothing has arrived in time.
-pub(super) fn is_timeout(error: &io::Error) -> bool {
-    use io::ErrorKind::{Interrupted, TimedOut, WouldBlock};
-    matches!(error.kind(), WouldBlock | TimedOut | Interrupted)
 }

@@ -1,6 +1,6 @@
 //! TLS to a broker: trusted authorities, algorithms, and what each refusal means.
 
-use std::io::{Read, Write};
+use std::io::{self, Read, Write};
 use std::net::TcpStream;
 use std::path::Path;
 use std::sync::Arc;
@@ -17,7 +17,6 @@ use rustls::{CertificateError, ClientConfig, ClientConnection, Error as TlsError
 use rustls::{RootCertStore, SignatureScheme};
 use webpki::ring as signature;
 
-use super::broker_stream::is_timeout;
 use crate::platform::{self, BrokerBytes, BrokerFailure};
 
 /// Greatest size of a file with certificates, bytes.
@@ -257,4 +256,10 @@ impl TlsSession {
             _ => say::tls_failed(TlsError::InvalidCertificate(reason.clone())),
         }
     }
+}
+
+/// Whether nothing has arrived in time.
+pub(super) fn is_timeout(error: &io::Error) -> bool {
+    use io::ErrorKind::{Interrupted, TimedOut, WouldBlock};
+    matches!(error.kind(), WouldBlock | TimedOut | Interrupted)
 }
