@@ -7,10 +7,11 @@ use std::time::{Duration, Instant};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use gsk_core::setup::Setup;
+use gsk_exercise::exam::ExamPin;
 use gsk_host::files::exercises;
 use gsk_host::kernel::Notice;
 use gsk_host::network::class::class_address::ClassAddress;
-use gsk_host::network::class::seat_request::SeatRequest;
+use gsk_host::network::class::seat_request::{SeatPin, SeatRequest};
 use gsk_host::network::{AgentSettings, BrokerSettings, NetworkSettings};
 use gsk_messages::Language;
 use gsk_tests::test_folder;
@@ -131,6 +132,95 @@ fn the_learner_decides_about_an_offered_task() {
     );
 }
 
+fn offer_exam(bench: &mut WindowBench, exercises: &[&str], pin: &SeatPin) {
+    let request = SeatRequest::BeginExam {
+        exercises: exercises.iter().map(|id| (*id).to_owned()).collect(),
+        pin: pin.clone(),
+    };
+    let notice = Notice::TaskOffered(Box::new(request));
+    bench.console.notice_sender.send(notice).unwrap();
+    bench.run(50);
+}
+
+#[test]
+fn the_learner_begins_an_exam_of_the_class_and_its_pin_ends_it() {
+    let mut bench = open_bench(NetworkSettings::default());
+    let folder = test_folder("offered-exam");
+    let found = exercises::load_exercises(None);
+    let window = bench.harness.state_mut();
+    window.set_exercises(found, folder.to_owned(), Ok(None));
+    let pin = |pin: &str| {
+        let pin = ExamPin::new(pin, 5).unwrap();
+        let (salt, hash) = pin.as_hash();
+        let hash = hash.to_owned();
+        SeatPin { salt, hash }
+    };
+    let question = "The instructor begins an exam. Exercises: 2";
+    offer_exam(&mut bench, &["02-jog", "no-such-exercise"], &pin("4711"));
+    assert!(
+        bench
+            .harness
+            .query_by_label_contains("begins an exam")
+            .is_none()
+    );
+    offer_exam(&mut bench, &["02-jog", "01-reference"], &pin("4711"));
+    assert!(bench.harness.query_by_label_contains(question).is_some());
+    bench.click("Not now");
+    assert!(bench.kernel.snapshot().exercise.is_none());
+    offer_exam(&mut bench, &["02-jog", "01-reference"], &pin("4711"));
+    bench.click("Begin");
+    bench.run(100);
+    let exercise = bench.kernel.snapshot().exercise.unwrap();
+    assert!(exercise.is_exam && exercise.id == "02-jog");
+    // Another exam waits for the end of this one.
+    offer_exam(&mut bench, &["01-reference"], &pin("4711"));
+    assert!(
+        bench
+            .harness
+            .query_by_label_contains("begins an exam")
+            .is_none()
+    );
+    let end = |bench: &mut WindowBench, pin: SeatPin| {
+        let notice = Notice::TaskOffered(Box::new(SeatRequest::EndExam { pin }));
+        bench.console.notice_sender.send(notice).unwrap();
+        bench.run(100);
+    };
+    end(&mut bench, pin("4712"));
+    assert!(!bench.kernel.snapshot().exercise.unwrap().is_handed_in);
+    end(&mut bench, pin("4711"));
+    wait_for(&mut bench, "The exam is over. The results are in");
+    assert!(bench.kernel.snapshot().exercise.unwrap().is_handed_in);
+    // The exercise that was under way is a sealed result.
+    let exam = folder.join("exams").read_dir().unwrap().next().unwrap();
+    let result = exam.unwrap().path().join("1-02-jog.gskresult");
+    assert!(result.exists(), "{}", result.display());
+}
+
+#[test]
+fn a_class_that_is_pasted_fills_code_and_broker() {
+    let mut bench = open_bench(NetworkSettings::default());
+    open_pane(&mut bench);
+    bench.harness.get_by_label("Code").focus();
+    bench.run(20);
+    let link = "http://pc:8080/?class=K7M2@mqtt://ann@192.168.1.5:1884/hall";
+    let paste = egui::Event::Text(link.to_owned());
+    bench.harness.input_mut().events.push(paste);
+    bench.run(20);
+    bench.harness.get_by_label("Name on the tile").focus();
+    bench.run(20);
+    let value = |bench: &WindowBench, name: &str| {
+        let fields = bench.harness.query_all_by_label(name);
+        let values: Vec<String> = fields.filter_map(|field| field.value()).collect();
+        values.join("|")
+    };
+    assert_eq!(value(&bench, "Code"), "K7M2");
+    let broker = value(&bench, "MQTT broker");
+    assert!(
+        broker.contains("mqtt://ann@192.168.1.5:1884/hall"),
+        "{broker}"
+    );
+}
+
 /// A packet with a message.
 fn publish(topic: &str, payload: &str) -> Vec<u8> {
     let mut body = (topic.len() as u16).to_be_bytes().to_vec();
@@ -149,6 +239,8 @@ fn the_window_of_a_class_shows_seats_and_requests_an_lcd() {
         results: test_folder("class-results").to_owned(),
         language: Language::En,
         exercises: exercises::load_exercises(None),
+        page_address: None,
+        seat_page: None,
     };
     let window = ClassWindow::start(start).map_err(|it| it.text(Language::En));
     let mut harness = Harness::builder()
@@ -199,13 +291,53 @@ fn the_window_of_a_class_shows_seats_and_requests_an_lcd() {
     );
     harness.get_by_label("Show the LCD").click();
     harness.run_steps(3);
+    await_request(
+        &mut broker,
+        &format!("{seats}/b2/request{{\"request\":\"lcd\""),
+    );
+    // An exam for all: the seat with a board gets none.
+    harness.get_by_label("Exam…").click();
+    harness.run_steps(3);
+    harness.get_by_label("Jog to a position").click();
+    harness.get_by_label("PIN").focus();
+    harness.run_steps(2);
+    let pin = egui::Event::Text("4711".to_owned());
+    harness.input_mut().events.push(pin);
+    harness.run_steps(3);
+    harness.get_by_label("Begin at all seats").click();
+    harness.run_steps(3);
+    let begin =
+        format!("{seats}/a1/request{{\"request\":\"begin_exam\",\"exercises\":[\"02-jog\"]");
+    let sent = await_request(&mut broker, &begin);
+    assert!(
+        !sent.contains("b2/request{\"request\":\"begin_exam"),
+        "{sent}"
+    );
+    assert!(!sent.contains("4711"), "{sent}");
+    harness.get_by_label("Join…").click();
+    harness.run_steps(3);
+    // Without a network no seat can join a broker of this computer.
+    let texts = [
+        "A seat joins with K7M2@mqtt://",
+        "Other computers cannot reach",
+    ];
+    let shown = |text: &&str| harness.query_all_by_label_contains(text).count() > 0;
+    assert!(texts.iter().any(shown));
+}
+
+/// Reads what the view sends until a request has arrived; returns all of it.
+fn await_request(broker: &mut TcpStream, request: &str) -> String {
+    let end = Instant::now() + WAIT;
     let mut received = Vec::new();
-    let request = format!("{seats}/b2/request{{\"request\":\"lcd\"");
-    while !String::from_utf8_lossy(&received).contains(&request) {
-        assert!(Instant::now() < end);
+    loop {
         let mut bytes = [0; 4096];
         if let Ok(count) = broker.read(&mut bytes) {
             received.extend(&bytes[..count]);
         }
+        let text = String::from_utf8_lossy(&received);
+        if text.contains(request) {
+            return text.into_owned();
+        }
+        assert!(Instant::now() < end, "{request}: {text}");
     }
 }

@@ -28,6 +28,16 @@ impl ExamPin {
         })
     }
 
+    /// Creates a PIN from its hash, as the view of a class sends it.
+    pub const fn from_hash(salt: u64, hash: String) -> Self {
+        Self { salt, hash }
+    }
+
+    /// Returns the salt and the hash.
+    pub fn as_hash(&self) -> (u64, &str) {
+        (self.salt, &self.hash)
+    }
+
     /// Returns whether a text has the form of a PIN: 4 to 12 digits.
     pub fn is_valid(pin: &str) -> bool {
         let is_long = (MIN_PIN_DIGITS..=MAX_PIN_DIGITS).contains(&pin.len());

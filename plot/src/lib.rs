@@ -18,6 +18,7 @@ mod pens;
 mod png_file;
 mod png_reader;
 mod scenery;
+pub mod setup_sheet;
 pub mod solid;
 mod solid_picture;
 mod svg;

@@ -1,12 +1,11 @@
 //! Parses the address of a broker: `mqtt://user:pass@host:1883/prefix`.
 
 use core::fmt;
+use std::path::PathBuf;
 
 use gsk_messages::{Message, say};
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
 
-/// Port of a broker without encryption.
-const PLAIN_PORT: u16 = 1883;
 /// The bytes of a user name that an address encodes: all but letters, digits and `-_.`.
 const ENCODED_IN_USER: &AsciiSet = &NON_ALPHANUMERIC.remove(b'-').remove(b'_').remove(b'.');
 /// Longest prefix of topics, bytes.
@@ -18,8 +17,6 @@ const MAX_PREFIX: usize = 200;
 pub enum BrokerUrlError {
     /// Not of the form `mqtt://HOST:PORT/PREFIX`.
     Malformed(String),
-    /// `mqtts`: the program does not encrypt.
-    Encrypted(String),
     /// The prefix has a wildcard, or an empty level.
     Prefix(String),
 }
@@ -29,15 +26,68 @@ impl BrokerUrlError {
     pub fn message(&self) -> Message {
         match self {
             Self::Malformed(word) => say::mqtt_url_wrong(word),
-            Self::Encrypted(word) => say::mqtt_url_encrypted(word),
             Self::Prefix(word) => say::mqtt_prefix_wrong(word),
         }
+    }
+}
+
+/// What carries the bytes to a broker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BrokerTransport {
+    /// TCP without encryption: `mqtt://`.
+    Tcp,
+    /// TLS: `mqtts://`.
+    Tls,
+    /// A WebSocket, the only connection that a page in a browser has: `ws://`.
+    WebSocket,
+    /// A WebSocket with TLS: `wss://`.
+    SecureWebSocket,
+}
+
+impl BrokerTransport {
+    /// The transport of a scheme; `None` for another word.
+    fn from_scheme(scheme: &str) -> Option<Self> {
+        match scheme {
+            "mqtt" | "tcp" => Some(Self::Tcp),
+            "mqtts" | "ssl" => Some(Self::Tls),
+            "ws" => Some(Self::WebSocket),
+            "wss" => Some(Self::SecureWebSocket),
+            _ => None,
+        }
+    }
+
+    /// The scheme in an address.
+    const fn scheme(self) -> &'static str {
+        match self {
+            Self::Tcp => "mqtt",
+            Self::Tls => "mqtts",
+            Self::WebSocket => "ws",
+            Self::SecureWebSocket => "wss",
+        }
+    }
+
+    /// The port if the address has none: that of MQTT, for WebSocket that of Mosquitto's examples
+    /// and that of HTTPS.
+    pub const fn default_port(self) -> u16 {
+        match self {
+            Self::Tcp => 1883,
+            Self::Tls => 8883,
+            Self::WebSocket => 9001,
+            Self::SecureWebSocket => 443,
+        }
+    }
+
+    /// Whether a page in a browser can use it; a program on a computer can use the others.
+    pub const fn is_web_socket(self) -> bool {
+        matches!(self, Self::WebSocket | Self::SecureWebSocket)
     }
 }
 
 /// The address of a broker, with user and prefix of the topics.
 #[derive(Clone, PartialEq, Eq)]
 pub struct BrokerUrl {
+    /// What carries the bytes.
+    pub transport: BrokerTransport,
     /// Name or IP address of the computer.
     pub host: String,
     /// Port of the broker.
@@ -48,6 +98,9 @@ pub struct BrokerUrl {
     pub password: Option<String>,
     /// Start of all topics, without a slash at its ends; empty if the address has none.
     pub prefix: String,
+    /// File with the certificates of the authorities that TLS trusts; `None`: those of the system.
+    /// It is not part of the address.
+    pub ca_file: Option<PathBuf>,
 }
 
 impl fmt::Debug for BrokerUrl {
@@ -60,9 +113,10 @@ impl fmt::Debug for BrokerUrl {
 impl fmt::Display for BrokerUrl {
     /// Writes the address without user and password.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let scheme = self.transport.scheme();
         match self.host.contains(':') {
-            true => write!(f, "mqtt://[{}]:{}", self.host, self.port)?,
-            false => write!(f, "mqtt://{}:{}", self.host, self.port)?,
+            true => write!(f, "{scheme}://[{}]:{}", self.host, self.port)?,
+            false => write!(f, "{scheme}://{}:{}", self.host, self.port)?,
         }
         if !self.prefix.is_empty() {
             write!(f, "/{}", self.prefix)?;
@@ -86,19 +140,19 @@ impl BrokerUrl {
         }
     }
 
-    /// Parses `mqtt://USER:PASSWORD@HOST:PORT/PREFIX`; everything but the host may be missing.
+    /// Parses `mqtt://USER:PASSWORD@HOST:PORT/PREFIX`, also with `mqtts`, `ws` and `wss`;
+    /// everything but the host may be missing.
     ///
     /// # Errors
-    /// The text is not an address, requests encryption, or has a wildcard in its prefix.
+    /// The text is not an address, or has a wildcard in its prefix.
     pub fn parse(text: &str) -> Result<Self, BrokerUrlError> {
         let malformed = || BrokerUrlError::Malformed(hide_password(text));
-        let rest = match text.split_once("://") {
-            Some(("mqtt" | "tcp", rest)) => rest,
-            Some(("mqtts" | "ssl", _)) => {
-                return Err(BrokerUrlError::Encrypted(hide_password(text)));
+        let (transport, rest) = match text.split_once("://") {
+            Some((scheme, rest)) => {
+                let transport = BrokerTransport::from_scheme(scheme);
+                (transport.ok_or_else(malformed)?, rest)
             }
-            Some(_) => return Err(malformed()),
-            None => text,
+            None => (BrokerTransport::Tcp, text),
         };
         let (authority, prefix) = rest.split_once('/').unwrap_or((rest, ""));
         let (user_info, address) = match authority.rsplit_once('@') {
@@ -114,17 +168,19 @@ impl BrokerUrl {
             }
             None => (None, None),
         };
-        let (host, port) = split_port(address).ok_or_else(malformed)?;
+        let (host, port) = split_port(address, transport).ok_or_else(malformed)?;
         let prefix = decode_percent(prefix.trim_end_matches('/')).ok_or_else(malformed)?;
         if !is_topic_prefix(&prefix) {
             return Err(BrokerUrlError::Prefix(prefix));
         }
         Ok(Self {
+            transport,
             host: host.to_owned(),
             port,
             user,
             password,
             prefix,
+            ca_file: None,
         })
     }
 }
@@ -140,7 +196,7 @@ fn hide_password(text: &str) -> String {
 }
 
 /// Host and port of `HOST`, `HOST:PORT`, `[IPV6]` or `[IPV6]:PORT`; `None` for another text.
-fn split_port(address: &str) -> Option<(&str, u16)> {
+fn split_port(address: &str, transport: BrokerTransport) -> Option<(&str, u16)> {
     let (host, port) = match address.strip_prefix('[') {
         Some(rest) => {
             let (host, port) = rest.split_once(']')?;
@@ -162,7 +218,7 @@ fn split_port(address: &str) -> Option<(&str, u16)> {
     }
     let port = match port {
         Some(port) => port.parse().ok().filter(|port| *port != 0)?,
-        None => PLAIN_PORT,
+        None => transport.default_port(),
     };
     Some((host, port))
 }
@@ -210,6 +266,10 @@ mod tests {
         assert_eq!(parse("tcp://10.0.0.7:2000"), plain("mqtt://10.0.0.7:2000"));
         assert_eq!(parse("[::1]"), plain("mqtt://[::1]:1883"));
         assert_eq!(parse("mqtt://[::1]:7/a"), plain("mqtt://[::1]:7/a"));
+        assert_eq!(parse("mqtts://broker/a"), plain("mqtts://broker:8883/a"));
+        assert_eq!(parse("ssl://[::1]:2"), plain("mqtts://[::1]:2"));
+        assert_eq!(parse("ws://broker"), plain("ws://broker:9001"));
+        assert_eq!(parse("wss://broker/a"), plain("wss://broker:443/a"));
         assert_eq!(
             parse("ann@broker"),
             ("mqtt://broker:1883".to_owned(), some("ann"), None)
@@ -241,11 +301,9 @@ mod tests {
             let parsed = BrokerUrl::parse(&format!("host/{prefix}"));
             assert_eq!(parsed, Err(BrokerUrlError::Prefix(prefix.to_owned())));
         }
-        let error = BrokerUrl::parse("mqtts://ann:secret@host").expect_err("TLS");
-        assert_eq!(
-            error,
-            BrokerUrlError::Encrypted("mqtts://ann:…@host".to_owned())
-        );
+        let error = BrokerUrl::parse("mqtts://ann:secret@host:0").expect_err("a port");
+        let shown = "mqtts://ann:…@host:0".to_owned();
+        assert_eq!(error, BrokerUrlError::Malformed(shown));
         let error = BrokerUrl::parse("ann:secret@host:0").expect_err("a port");
         assert_eq!(error, BrokerUrlError::Malformed("ann:…@host:0".to_owned()));
         let url = BrokerUrl::parse("a%40nn:secret@host").expect("an address");

@@ -27,7 +27,7 @@ mod reconnect_delay;
 pub use broker_session::{
     BrokerSession, KEEP_ALIVE_S, SessionEvent, SessionFailure, SessionOptions,
 };
-pub use broker_url::{BrokerUrl, BrokerUrlError};
+pub use broker_url::{BrokerTransport, BrokerUrl, BrokerUrlError};
 pub use discovery::{DEFAULT_DISCOVERY_PREFIX, DiscoveryOptions};
 pub use lathe_identity::LatheIdentity;
 pub use lathe_publisher::LathePublisher;

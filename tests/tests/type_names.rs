@@ -10,7 +10,8 @@ use gsk_tests::sources::{packages, rust_files};
 
 /// Names that each system defines for itself: the modules of `host/src/platform` have one
 /// interface.
-const SYSTEM_NAMES: [&str; 8] = [
+const SYSTEM_NAMES: [&str; 9] = [
+    "BrokerStream",
     "DisplayServer",
     "HolderConnection",
     "Lock",

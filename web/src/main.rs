@@ -8,8 +8,9 @@ fn main() {
 
 #[cfg(target_arch = "wasm32")]
 mod page {
-    use gsk_app::cli::WindowArgs;
+    use gsk_app::cli::{SeatArgs, WindowArgs};
     use gsk_app::commands::window;
+    use gsk_host::network::class::class_address::ClassAddress;
     use gsk_host::platform;
     use gsk_messages::Language;
 
@@ -27,7 +28,13 @@ mod page {
                 Some("off") => Some(false),
                 _ => None,
             };
+            let class = options.class.as_deref().map(ClassAddress::parse);
+            let class = class.transpose().map_err(|error| error.message())?;
             let args = WindowArgs {
+                seat: SeatArgs {
+                    class,
+                    class_name: None,
+                },
                 first_start,
                 program: options.program,
                 ..WindowArgs::default()

@@ -8,9 +8,12 @@ use gsk_host::network::mqtt::{BrokerUrl, DEFAULT_DISCOVERY_PREFIX, parse_broker,
 /// Whether and where the state of the machine is published.
 #[derive(Args, Clone, Debug, Default)]
 pub struct MqttArgs {
-    /// Publish the state of the machine to this MQTT broker, mqtt://USER@HOST:PORT/PREFIX; nothing is received [default: nothing is sent; PORT 1883, PREFIX gsk980td/lathe]
+    /// Publish the state of the machine to this MQTT broker, mqtt://USER@HOST:PORT/PREFIX, with TLS mqtts://; nothing is received [default: nothing is sent; PORT 1883, with TLS 8883, PREFIX gsk980td/lathe]
     #[arg(long, value_name = "URL", value_parser = parse_broker)]
     pub mqtt: Option<BrokerUrl>,
+    /// File with the certificates of the authorities that TLS trusts, for mqtts:// and --class [default: those of the system]
+    #[arg(long, value_name = "FILE")]
+    pub mqtt_ca: Option<PathBuf>,
     /// File with the password for the broker [default: the environment variable GSK980TD_MQTT_PASSWORD]
     #[arg(long, value_name = "FILE", requires = "mqtt")]
     pub mqtt_password_file: Option<PathBuf>,

@@ -13,7 +13,7 @@ pub struct SheetArgs {
     /// The program
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// The sheet (name ends in .html); `-`: standard output [default: beside the program, shaft.CNC: shaft.sheet.html]
+    /// The sheet (name ends in .html, or .pdf if Chromium, Chrome or Edge is installed); `-`: standard output [default: beside the program, shaft.CNC: shaft.sheet.html]
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// The job file (RON) with stock and tools [default: beside the program (shaft.CNC: shaft.job.ron), else guessed]

@@ -8,12 +8,12 @@ use gsk_host::message_format::describe_io_error;
 use gsk_host::network::class::class_address::ClassAddress;
 use gsk_host::network::class::class_table::write_table;
 use gsk_host::network::class::{ClassEvent, ClassLink};
-use gsk_host::network::mqtt;
+use gsk_host::network::mqtt::{self, BrokerTransport, BrokerUrl};
 use gsk_host::network::service_state::ServiceState;
 use gsk_host::platform;
 use gsk_host::termination::{TERMINATED_EXIT_CODE, TerminationFlag};
 use gsk_messages::say;
-use gsk_window::class_window::{self, ClassStart};
+use gsk_window::class_window::{self, ClassStart, SeatPage};
 use web_time::{Duration, Instant};
 
 use super::{CommandError, EXIT_OK, output};
@@ -30,6 +30,7 @@ const POLL_INTERVAL: Duration = Duration::from_millis(50);
 /// be read or the window cannot be opened.
 pub fn show_class(args: &ClassArgs) -> Result<u8, CommandError> {
     let mut broker = args.broker.clone();
+    broker.ca_file.clone_from(&args.mqtt_ca);
     mqtt::read_password(&mut broker, args.mqtt_password_file.as_deref())?;
     let class = ClassAddress {
         code: args.code.clone(),
@@ -38,12 +39,21 @@ pub fn show_class(args: &ClassArgs) -> Result<u8, CommandError> {
     let results = args.results.clone();
     let results = results.unwrap_or_else(|| PathBuf::from(RESULT_FOLDER));
     if args.text {
-        return print_tables(&class, results, args.seconds);
+        return print_tables(&class, results, args);
     }
     if !platform::has_display() {
         return Err(say::window_no_display("FILE").into());
     }
+    let seat_page = args.seat_page.clone().map(|url| SeatPage {
+        url,
+        class: ClassAddress {
+            code: class.code.clone(),
+            broker: web_broker(args),
+        },
+    });
     class_window::run(ClassStart {
+        page_address: args.page.clone(),
+        seat_page,
         class,
         results,
         language: output::language(),
@@ -52,16 +62,35 @@ pub fn show_class(args: &ClassArgs) -> Result<u8, CommandError> {
     Ok(EXIT_OK)
 }
 
+/// The broker as a page in a browser reaches it.
+fn web_broker(args: &ClassArgs) -> BrokerUrl {
+    let broker = &args.broker;
+    args.seat_broker.clone().unwrap_or_else(|| BrokerUrl {
+        transport: BrokerTransport::WebSocket,
+        port: BrokerTransport::WebSocket.default_port(),
+        password: None,
+        ca_file: None,
+        ..broker.clone()
+    })
+}
+
 /// Prints the table of the seats whenever it has changed.
 fn print_tables(
     class: &ClassAddress,
     results: PathBuf,
-    seconds: Option<u64>,
+    args: &ClassArgs,
 ) -> Result<u8, CommandError> {
     let ending = TerminationFlag::install_signal_handlers()?;
     let link = ClassLink::start(class, results, || {});
     let link = link.map_err(|error| describe_io_error(&error))?;
-    let end = seconds.map(|seconds| Instant::now() + Duration::from_secs(seconds));
+    let page = args.page.as_deref();
+    let page = page.map(|address| link.serve_page(address)).transpose()?;
+    if let Some(page) = &page {
+        output::report_error(&say::class_page_listening(page.url()));
+    }
+    let end = args
+        .seconds
+        .map(|seconds| Instant::now() + Duration::from_secs(seconds));
     let mut printed = String::new();
     let mut reported = ServiceState::Off;
     let mut next = Instant::now();

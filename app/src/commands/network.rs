@@ -39,6 +39,7 @@ pub fn start_broker_line(
         return Ok(None);
     };
     let mut url = url.clone();
+    url.ca_file.clone_from(&args.mqtt_ca);
     mqtt::read_password(&mut url, args.mqtt_password_file.as_deref())?;
     let options = LatheOptions {
         discovery_prefix: args.mqtt_discovery.clone(),

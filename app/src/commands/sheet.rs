@@ -2,20 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use gsk_core::setup::Setup;
 use gsk_core::units::Diameter;
 use gsk_host::files::overwrite_guard::{CommandInputs, check_overwrites};
 use gsk_host::files::program_file;
 use gsk_host::job::{self, JobArgs};
 use gsk_host::loading::{self, LoadError};
-use gsk_messages::{Language, say};
-use gsk_plot::{DrawingOptions, PathDrawing, PictureFormat, PictureSize};
-use gsk_runner::curves::RapidRates;
-use gsk_runner::machining::Machining;
-use gsk_runner::report::{self, PartReport, ProgramReport};
-use gsk_runner::sheet::SetupSheet;
+use gsk_host::output::WriteError;
+use gsk_host::platform::{self, PdfPrint};
+use gsk_messages::{Language, Message, say};
+use gsk_plot::setup_sheet::{SheetSource, make_setup_sheet};
+use gsk_runner::report;
 use gsk_workpiece::job::DiameterPoint;
-use sha2::{Digest, Sha256};
 
 use super::results::report_exit_code;
 use super::run::picture_title;
@@ -42,32 +39,24 @@ pub fn sheet(args: &SheetArgs, language: Option<Language>) -> Result<u8, Command
         .look
         .work_zero
         .map(|(x, z)| DiameterPoint { x: Diameter(x), z });
-    let mut machining = job_choice.create_machining();
-    let (mut report, path) = check_and_draw(args, &setup, &mut machining, language);
-    let name = job_choice.file_name();
-    report.part = Some(PartReport::new(&machining, name, true, language));
+    let file = program_file::read_bytes(main)?;
+    let source = SheetSource {
+        file_name: &picture_title(main),
+        program_name: &main.display().to_string(),
+        file: &file,
+        setup: &setup,
+        machining: job_choice.create_machining(),
+        job_file: job_choice.file_name(),
+        given_zero,
+        report_language: language,
+    };
+    let mut watch = output::watch_preview(&setup.memory.programs, args.look.limits.start(), true);
     let words = language.unwrap_or(Language::En);
-    let programs = &setup.memory.programs;
-    let selected = programs.selected().and_then(|id| programs.get(id));
-    let Some(program) = selected else {
-        return Err(say::file_not_there().into());
-    };
-    let file_name = picture_title(main);
-    let hash = hex(&Sha256::digest(program_file::read_bytes(main)?));
-    let part_picture = svg_text(&part_drawing(&machining), words)?;
-    let path_picture = svg_text(&path, words)?;
-    let sheet = SetupSheet {
-        file_name: &file_name,
-        program,
-        hash: &hash,
-        report: &report,
-        job: &job_choice.job,
-        offsets: &setup.memory.offsets,
-        zero: job_choice.job.zero.or(given_zero),
-        part_picture: &part_picture,
-        path_picture: &path_picture,
-    };
-    write_sheet(&target, &sheet.render(words), language)?;
+    let (page, report) = make_setup_sheet(source, words, &mut |progress| {
+        watch.update_progress(progress)
+    })?;
+    drop(watch);
+    write_sheet(&target, &page, language)?;
     Ok(report_exit_code(&report))
 }
 
@@ -76,13 +65,19 @@ fn default_path(program: &Path) -> PathBuf {
     program.with_extension("sheet.html")
 }
 
-/// Refuses a sheet that is no HTML file, or that overwrites a file which the command reads.
+/// Whether a sheet is written as PDF.
+fn is_pdf(target: &Path) -> bool {
+    let ending = target.extension();
+    ending.is_some_and(|ending| ending.eq_ignore_ascii_case("pdf"))
+}
+
+/// Refuses a sheet that is neither HTML nor PDF, or that overwrites a file which the command reads.
 fn check_target(args: &SheetArgs, target: &Path) -> Result<(), CommandError> {
     let ending = target
         .extension()
         .map(|it| it.to_string_lossy().to_ascii_lowercase());
     let is_html = matches!(ending.as_deref(), Some("html" | "htm"));
-    if !is_html && !output::is_standard_output(Some(target)) {
+    if !is_html && !is_pdf(target) && !output::is_standard_output(Some(target)) {
         return Err(say::sheet_ending(target.display()).into());
     }
     let inputs = CommandInputs {
@@ -96,67 +91,27 @@ fn check_target(args: &SheetArgs, target: &Path) -> Result<(), CommandError> {
     Ok(check_overwrites(&inputs, &[target])?)
 }
 
-/// Checks the program, cuts the part, and draws the path with the numbers of its blocks.
-fn check_and_draw(
-    args: &SheetArgs,
-    setup: &Setup,
-    machining: &mut Machining,
-    language: Option<Language>,
-) -> (ProgramReport, PathDrawing) {
-    let rates = RapidRates::from_memory(&setup.memory);
-    let options = DrawingOptions {
-        size: PictureSize::WIDE,
-        labels: true,
-        tools: true,
-        ..DrawingOptions::default()
-    };
-    let mut path = PathDrawing::new("", options);
-    let mut watch = output::watch_preview(&setup.memory.programs, args.look.limits.start(), true);
-    let name = args.file.display().to_string();
-    let report = report::check_program(
-        &name,
-        setup,
-        language,
-        &mut |executed| {
-            path.add_move(executed, rates);
-            machining.execute_move(executed, rates);
-        },
-        &mut |progress| watch.update_progress(progress),
-    );
-    path.end(report.time_s);
-    path.add_scenery(machining);
-    (report, path)
-}
-
-/// Returns a drawing of the finished part with its dimensions, without a path.
-fn part_drawing(machining: &Machining) -> PathDrawing {
-    let options = DrawingOptions {
-        size: PictureSize::WIDE,
-        dimensions: true,
-        ..DrawingOptions::default()
-    };
-    let mut drawing = PathDrawing::new("", options);
-    drawing.fit_to_part(machining);
-    drawing.add_scenery(machining);
-    drawing
-}
-
-fn svg_text(drawing: &PathDrawing, language: Language) -> Result<String, CommandError> {
-    let bytes = gsk_plot::encode(PictureFormat::Svg, drawing, language)?;
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
-}
-
 fn write_sheet(target: &Path, text: &str, language: Option<Language>) -> Result<(), CommandError> {
     if output::is_standard_output(Some(target)) {
         output::print(text);
         return Ok(());
     }
-    output::reserve_file(target)?.write(text.as_bytes())?;
+    match is_pdf(target) {
+        true => print_pdf(target, text)?,
+        false => output::reserve_file(target)?.write(text.as_bytes())?,
+    }
     let written = report::message_text(&say::sheet_written(target.display()), language);
     output::print(&format!("{written}\n"));
     Ok(())
 }
 
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+/// Prints a sheet as PDF by an installed browser. Returns an error if there is none or the file
+/// is not written.
+fn print_pdf(target: &Path, text: &str) -> Result<(), Message> {
+    let printed = platform::print_page_as_pdf(text.as_bytes(), target);
+    match printed.map_err(|error| WriteError::new(target, error).message())? {
+        PdfPrint::Written => Ok(()),
+        PdfPrint::NoBrowser => Err(say::sheet_no_browser()),
+        PdfPrint::Failed(browser) => Err(say::sheet_no_pdf(browser, target.display())),
+    }
 }

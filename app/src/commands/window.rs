@@ -367,6 +367,8 @@ fn seat_settings(class: ClassAddress, args: &WindowArgs) -> ClassSettings {
         is_on: true,
         code: class.code.to_string(),
         broker: class.broker.without_password(),
+        ca: (args.mqtt.mqtt_ca.as_ref())
+            .map_or_else(String::new, |path| path.display().to_string()),
         name: args.seat.class_name.clone().unwrap_or_default(),
         allows_faults: false,
         password: class.broker.password.unwrap_or_default(),

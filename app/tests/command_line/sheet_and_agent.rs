@@ -40,11 +40,11 @@ fn a_sheet_is_written_beside_its_program() {
 }
 
 #[test]
-fn a_sheet_is_html_and_keeps_its_inputs() {
+fn a_sheet_is_html_or_pdf_and_keeps_its_inputs() {
     let program = TempFile::new("ring.html", b"O0045;\nM30;\n");
-    let (code, _, err) = run_gsk(&["sheet", program.path(), "-o", "ring.pdf"]);
+    let (code, _, err) = run_gsk(&["sheet", program.path(), "-o", "ring.odt"]);
     assert_eq!(code, 2);
-    assert!(err.contains("ring.pdf") && err.contains(".html"), "{err}");
+    assert!(err.contains("ring.odt") && err.contains(".pdf"), "{err}");
     let (code, _, err) = run_gsk(&["sheet", program.path(), "-o", program.path()]);
     assert_eq!(code, 2, "{err}");
     assert_eq!(std::fs::read(program.path()).unwrap(), b"O0045;\nM30;\n");
@@ -88,7 +88,7 @@ fn a_broker_that_is_not_there_does_not_stop_a_run_and_wrong_addresses_are_refuse
             &["--mqtt", "http://host"][..],
             "not the address of an MQTT broker",
         ),
-        (&["--mqtt", "mqtts://host"], "does not encrypt"),
+        (&["--mqtt", "mqtts://host:0"], "mqtts:// with TLS"),
         (
             &["--mqtt", "host/a/#"],
             "cannot be the start of MQTT topics",

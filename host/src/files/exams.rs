@@ -128,6 +128,7 @@ impl ExamFolder {
     }
 
     /// Seals and writes the result of the current exercise, and continues with the next one.
+    /// Returns the bytes of the result.
     ///
     /// # Errors
     /// A file cannot be written.
@@ -136,7 +137,7 @@ impl ExamFolder {
         report: ExerciseReport,
         recording: &[u8],
         program: &str,
-    ) -> Result<(), Message> {
+    ) -> Result<Vec<u8>, Message> {
         let (key, _) = exercise_key::load_or_make(&self.data)?;
         let author = ResultAuthor {
             program: program.to_owned(),
@@ -148,7 +149,8 @@ impl ExamFolder {
         let path = self.current_file(RESULT_EXTENSION);
         atomic::write(&path, &bytes).map_err(|error| WriteError::new(&path, error).message())?;
         self.exam.finish_task();
-        self.save()
+        self.save()?;
+        Ok(bytes)
     }
 
     fn current_file(&self, ending: &str) -> PathBuf {

@@ -220,8 +220,11 @@ impl Kernel {
         }
         match request {
             SeatRequest::Lcd { .. } => {}
-            // The learner answers.
-            SeatRequest::Task { .. } | SeatRequest::TaskFile { .. } => {
+            // The learner answers; the window knows the exam.
+            SeatRequest::Task { .. }
+            | SeatRequest::TaskFile { .. }
+            | SeatRequest::BeginExam { .. }
+            | SeatRequest::EndExam { .. } => {
                 return self.notify(Notice::TaskOffered(Box::new(request)));
             }
             SeatRequest::Fault { fault } => {
@@ -361,6 +364,7 @@ mod tests {
                     is_on: true,
                     code: "abc".to_owned(),
                     broker: address.to_string(),
+                    ca: String::new(),
                     name: "Ann".to_owned(),
                     allows_faults,
                     password: String::new(),
@@ -440,6 +444,11 @@ mod tests {
         seat.kernel.has_real_slides = true;
         seat.request(fault);
         seat.wait_for(r#""refusal":"board""#);
+        let hash = "0f".repeat(32);
+        seat.request(&format!(
+            r#"{{"request":"begin_exam","exercises":["02-jog"],"pin":{{"salt":1,"hash":"{hash}"}}}}"#
+        ));
+        seat.wait_for(r#""subject":"exam","refusal":"board""#);
         assert!(!has_fault(&seat));
     }
 

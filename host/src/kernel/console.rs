@@ -260,7 +260,8 @@ pub enum Notice {
     Refused(Alarm),
     /// The preview of an opened program is finished; the values are its file name and the summary.
     Previewed(String, Box<ProgramSummary>),
-    /// The instructor of the class offers an exercise: the window asks the learner.
+    /// The instructor of the class offers an exercise or an exam, or ends an exam: the window asks
+    /// the learner, or answers.
     TaskOffered(Box<SeatRequest>),
     /// The learner has handed in, or the time of his exercise is over.
     HandedIn(Box<HandedInSolution>),

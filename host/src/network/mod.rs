@@ -2,6 +2,7 @@
 //! Everything is off unless it is switched on.
 
 pub mod class;
+mod http;
 pub mod mqtt;
 pub mod mtconnect;
 mod page_address;
@@ -9,6 +10,6 @@ pub mod service_state;
 mod services;
 mod settings;
 
-pub use page_address::page_url;
+pub use page_address::{page_url, reachable_broker};
 pub use services::{NetworkServices, NetworkStates};
 pub use settings::{AgentSettings, BrokerSettings, ClassSettings, NetworkSettings};

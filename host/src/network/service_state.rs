@@ -29,7 +29,7 @@ impl ServiceState {
             Self::Listening(url) => say::network_listening(url),
             Self::Connecting(url) => say::mqtt_connecting(url),
             Self::Connected(url) => say::network_connected(url),
-            Self::Failed(reason) => say::network_trouble(reason),
+            Self::Failed(reason) => say::network_trouble(reason.clone()),
         }
     }
 }

@@ -1,5 +1,7 @@
 //! The services that run: what feeds them, and their states.
 
+use std::path::PathBuf;
+
 use gsk_core::simulation::Simulation;
 use gsk_messages::{Language, Message, say};
 use gsk_workpiece::job::Job;
@@ -111,6 +113,7 @@ impl NetworkServices {
         }
         let code = ClassCode::parse(settings.code.trim()).map_err(|error| error.message())?;
         let mut broker = parse_broker(settings.broker.trim()).map_err(|error| error.message())?;
+        broker.ca_file = ca_file(&settings.ca);
         if !settings.password.is_empty() {
             broker.password = Some(settings.password.clone());
         }
@@ -161,6 +164,7 @@ impl NetworkServices {
         language: Language,
     ) -> Result<(), Message> {
         let mut url = parse_broker(settings.url.trim()).map_err(|error| error.message())?;
+        url.ca_file = ca_file(&settings.ca);
         if !settings.password.is_empty() {
             url.password = Some(settings.password.clone());
         }
@@ -191,4 +195,10 @@ impl NetworkServices {
             feed.follow_tick(simulation, job);
         }
     }
+}
+
+/// The file with authorities that a field names; `None` for an empty one.
+fn ca_file(field: &str) -> Option<PathBuf> {
+    let path = field.trim();
+    (!path.is_empty()).then(|| PathBuf::from(path))
 }

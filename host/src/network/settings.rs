@@ -31,6 +31,8 @@ pub struct BrokerSettings {
     pub is_on: bool,
     /// Address of the broker, without a password.
     pub url: String,
+    /// File with the authorities that TLS trusts; empty: those of the system.
+    pub ca: String,
     /// Whether discovery topics for Home Assistant are published.
     pub has_discovery: bool,
     /// Password; never stored.
@@ -48,6 +50,8 @@ pub struct ClassSettings {
     pub code: String,
     /// Address of the broker, without a password.
     pub broker: String,
+    /// File with the authorities that TLS trusts; empty: those of the system.
+    pub ca: String,
     /// Name of the learner on his tile.
     pub name: String,
     /// Whether the instructor may set faults of the simulated lathe.

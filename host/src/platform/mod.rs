@@ -23,13 +23,15 @@
 //! | `course` | the exercises of a learning platform that opened the page, and its store |
 //! | `log_file` | the file of the log |
 //! | `panic` | the action before a panic of the window |
+//! | `browser` | opens a page in the browser of the user, prints a page as PDF |
+//! | `broker_stream` | the connection to an MQTT broker: TCP and TLS, or a WebSocket |
 //!
 //! `day_time` is the local time of day; one library reads it on all systems.
 
 use std::io;
 use std::path::Path;
 
-use gsk_messages::say;
+use gsk_messages::{Message, say};
 
 #[cfg(any(unix, windows))]
 mod computer;
@@ -63,6 +65,47 @@ pub fn refuse_device(path: &Path) -> io::Result<()> {
     }
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     Err(io::Error::other(DeviceName(name.into_owned())))
+}
+
+/// Why a connection to a broker is not opened, or ends.
+#[derive(Debug)]
+pub enum BrokerFailure {
+    /// The system reports this error.
+    Io(io::Error),
+    /// The connection is refused for this reason.
+    Refused(Message),
+}
+
+impl From<io::Error> for BrokerFailure {
+    fn from(error: io::Error) -> Self {
+        Self::Io(error)
+    }
+}
+
+impl From<Message> for BrokerFailure {
+    fn from(reason: Message) -> Self {
+        Self::Refused(reason)
+    }
+}
+
+/// The outcome of printing a page as a PDF file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum PdfPrint {
+    /// The file is written.
+    Written,
+    /// No browser that prints without a window is installed.
+    NoBrowser,
+    /// The browser of this name has not written the file.
+    Failed(String),
+}
+
+/// What a read from a broker has brought.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BrokerBytes {
+    /// This number of bytes; none if nothing has arrived yet.
+    Received(usize),
+    /// The broker has closed the connection.
+    Closed,
 }
 
 /// Type and length of the file or folder at a path.

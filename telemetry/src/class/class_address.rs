@@ -3,9 +3,12 @@
 use core::fmt;
 
 use gsk_messages::{Message, say};
+use percent_encoding::{AsciiSet, CONTROLS, percent_decode_str, utf8_percent_encode};
 
 use crate::broker_url::{BrokerUrl, BrokerUrlError};
 
+/// The bytes of a class that a link encodes.
+const ENCODED_IN_LINK: &AsciiSet = &CONTROLS.add(b' ').add(b'%').add(b'+').add(b'&').add(b'#');
 /// Start of the topics of an address without a prefix.
 const DEFAULT_PREFIX: &str = "gsk980td/class";
 /// Shortest and longest code.
@@ -80,6 +83,34 @@ impl ClassAddress {
             code: ClassCode::parse(code)?,
             broker: BrokerUrl::parse(broker).map_err(ClassAddressError::Broker)?,
         })
+    }
+
+    /// Parses what a learner pastes: a class, or the link of a page for browsers that names one
+    /// after `class=`.
+    ///
+    /// # Errors
+    /// There is no class in the text.
+    pub fn from_pasted(text: &str) -> Result<Self, ClassAddressError> {
+        let text = text.trim();
+        let Some((_, class)) = text.split_once("class=") else {
+            return Self::parse(text);
+        };
+        let class = class.split(['&', '#']).next().unwrap_or_default();
+        let decoded = percent_decode_str(class).decode_utf8_lossy();
+        Self::parse(&decoded)
+    }
+
+    /// The class as a seat joins it, without the password.
+    pub fn join_text(&self) -> String {
+        format!("{}@{}", self.code, self.broker.without_password())
+    }
+
+    /// The link with which the page for browsers at `page` joins the class.
+    pub fn join_link(&self, page: &str) -> String {
+        let separator = if page.contains('?') { '&' } else { '?' };
+        let class = self.join_text();
+        let class = utf8_percent_encode(&class, ENCODED_IN_LINK);
+        format!("{page}{separator}class={class}")
     }
 
     /// The topics of the class.
@@ -182,6 +213,21 @@ mod tests {
         assert_eq!(topics.split("other/K7M2/seats/a1/state"), None);
         let subscribed = topics.subscriptions();
         assert!(subscribed.iter().all(|it| !it.ends_with("/request")));
+    }
+
+    #[test]
+    fn a_pasted_class_or_link_joins() {
+        let class = ClassAddress::parse("K7M2@ws://a%40nn:pw@host/school").expect("a class");
+        let text = class.join_text();
+        assert_eq!(text, "K7M2@ws://a%40nn@host:9001/school");
+        for page in ["http://pc:8080/", "http://pc/gsk/?lang=zh"] {
+            let link = class.join_link(page);
+            let read = ClassAddress::from_pasted(&format!(" {link}\n")).expect("a class");
+            assert_eq!(read.join_text(), text, "{link}");
+        }
+        let read = ClassAddress::from_pasted(&text).expect("a class");
+        assert_eq!(read.broker.user.as_deref(), Some("a@nn"));
+        assert!(ClassAddress::from_pasted("http://pc/?lang=zh").is_err());
     }
 
     #[test]

@@ -9,11 +9,13 @@
 //! | `part_outline` | the half section of the part, coarse |
 //! | `seat_publisher` | what a seat publishes, and when |
 //! | `class_roster` | all seats, the one that needs help first |
+//! | `class_page` | the seats as JSON for a page in a browser |
 //! | `class_table` | the seats as a table of text |
 //!
 //! No request presses a key: there is none for it.
 
 pub mod class_address;
+pub mod class_page;
 pub mod class_roster;
 pub mod class_table;
 pub mod lcd_picture;

@@ -8,6 +8,26 @@ use serde::{Deserialize, Serialize};
 pub const MAX_REQUEST_BYTES: usize = 128 * 1024;
 /// Longest time for which a request keeps the LCD live, s.
 const MAX_LCD_S: u16 = 60;
+/// Greatest number of exercises of an exam.
+const MAX_EXAM_TASKS: usize = 40;
+/// Length of the hash of a PIN, hexadecimal digits.
+const PIN_HASH_DIGITS: usize = 64;
+
+/// The PIN of an exam, as its salted hash.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SeatPin {
+    /// Number that the hash covers with the PIN.
+    pub salt: u64,
+    /// The hash, hexadecimal.
+    pub hash: String,
+}
+
+impl SeatPin {
+    fn is_valid(&self) -> bool {
+        self.hash.len() == PIN_HASH_DIGITS && self.hash.bytes().all(|it| it.is_ascii_hexdigit())
+    }
+}
 
 /// A request of the instructor. There is none that presses a key.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -29,6 +49,18 @@ pub enum SeatRequest {
         exercise: String,
         /// Its file `task.ron`.
         text: String,
+    },
+    /// Offer an exam to the learner.
+    BeginExam {
+        /// Names of its exercises, in their order.
+        exercises: Vec<String>,
+        /// The PIN with which the instructor ends it at the seat.
+        pin: SeatPin,
+    },
+    /// End the exam that is under way, with its PIN. An exercise in progress is handed in.
+    EndExam {
+        /// The PIN.
+        pin: SeatPin,
     },
     /// Set a fault of the simulated lathe.
     Fault {
@@ -62,6 +94,10 @@ pub enum SeatRefusal {
     Faults,
     /// An exam is under way.
     Exam,
+    /// No exam is under way.
+    NoExam,
+    /// The exam has another PIN.
+    Pin,
     /// An exercise is under way: its faults are its own.
     Exercise,
     /// The learner does not want to begin now.
@@ -79,6 +115,8 @@ impl SeatRefusal {
             Self::Board => say::class_refused_board(),
             Self::Faults => say::class_refused_faults(),
             Self::Exam => say::class_refused_exam(),
+            Self::NoExam => say::class_refused_no_exam(),
+            Self::Pin => say::class_refused_pin(),
             Self::Exercise => say::class_refused_exercise(),
             Self::Learner => say::class_refused_learner(),
             Self::Unknown => say::class_refused_unknown(),
@@ -100,6 +138,12 @@ impl SeatRequest {
         let is_valid = match &request {
             Self::Lcd { seconds } => *seconds <= MAX_LCD_S,
             Self::Task { exercise } | Self::TaskFile { exercise, .. } => is_name(exercise),
+            Self::BeginExam { exercises, pin } => {
+                (1..=MAX_EXAM_TASKS).contains(&exercises.len())
+                    && exercises.iter().all(|exercise| is_name(exercise))
+                    && pin.is_valid()
+            }
+            Self::EndExam { pin } => pin.is_valid(),
             Self::Fault { .. } | Self::ClearFaults | Self::Coming => true,
         };
         is_valid.then_some(request).ok_or(SeatRefusal::Malformed)
@@ -115,6 +159,8 @@ impl SeatRequest {
         match self {
             Self::Lcd { .. } | Self::Coming => None,
             Self::Task { exercise } | Self::TaskFile { exercise, .. } => Some(exercise.clone()),
+            Self::BeginExam { .. } => Some("exam".to_owned()),
+            Self::EndExam { .. } => Some("exam-end".to_owned()),
             Self::Fault { fault } => Some(fault.row().name.to_owned()),
             Self::ClearFaults => Some("clear-faults".to_owned()),
         }
@@ -125,6 +171,7 @@ impl SeatRequest {
         match self {
             Self::Lcd { .. } | Self::Coming => None,
             _ if rights.has_board => Some(SeatRefusal::Board),
+            Self::EndExam { .. } => None,
             _ if rights.is_in_exam => Some(SeatRefusal::Exam),
             Self::Fault { .. } | Self::ClearFaults if !rights.allows_faults => {
                 Some(SeatRefusal::Faults)
@@ -166,6 +213,13 @@ impl SeatAnswer {
 mod tests {
     use super::*;
 
+    fn pin() -> SeatPin {
+        SeatPin {
+            salt: u64::MAX,
+            hash: "0f".repeat(32),
+        }
+    }
+
     #[test]
     fn a_board_refuses_tasks_and_faults_and_no_request_presses_a_key() {
         let requests = [
@@ -175,6 +229,10 @@ mod tests {
             SeatRequest::TaskFile {
                 exercise: "own".to_owned(),
                 text: "()".to_owned(),
+            },
+            SeatRequest::BeginExam {
+                exercises: vec!["01-a".to_owned(), "b_2".to_owned()],
+                pin: pin(),
             },
             SeatRequest::Fault {
                 fault: LatheFault::TurretBlocked,
@@ -200,9 +258,27 @@ mod tests {
             };
             assert_eq!(request.refusal(in_exam), Some(SeatRefusal::Exam));
             let strict = request.refusal(SeatRights::default());
-            assert_eq!(strict, (index >= 2).then_some(SeatRefusal::Faults));
+            assert_eq!(strict, (index >= 3).then_some(SeatRefusal::Faults));
         }
+        let end = SeatRequest::EndExam { pin: pin() };
+        assert_eq!(
+            SeatRequest::parse(end.to_json().as_bytes()),
+            Ok(end.clone())
+        );
+        let in_exam = SeatRights {
+            is_in_exam: true,
+            ..SeatRights::default()
+        };
+        assert_eq!(end.refusal(in_exam), None);
+        let with_board = SeatRights {
+            has_board: true,
+            ..in_exam
+        };
+        assert_eq!(end.refusal(with_board), Some(SeatRefusal::Board));
         for text in [
+            r#"{"request":"begin_exam","exercises":[],"pin":{"salt":1,"hash":"00"}}"#,
+            r#"{"request":"end_exam","pin":{"salt":1,"hash":"4711"}}"#,
+            r#"{"request":"end_exam","pin":"4711"}"#,
             r#"{"request":"key","key":"CycleStart"}"#,
             r#"{"request":"task","exercise":"../../etc"}"#,
             r#"{"request":"task","exercise":"a","key":"x"}"#,

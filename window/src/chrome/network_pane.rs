@@ -4,9 +4,11 @@
 use egui::{Context, Key as PcKey, RichText, ScrollArea, TextEdit, Ui, Vec2};
 use gsk_host::kernel::SeatAction;
 use gsk_host::kernel::{Command, Console};
-use gsk_host::network::mqtt::parse_broker;
+use gsk_host::network::class::class_address::ClassAddress;
+use gsk_host::network::mqtt::{BrokerTransport, BrokerUrl, parse_broker};
 use gsk_host::network::service_state::{ServiceState, SharedServiceState};
 use gsk_host::network::{ClassSettings, NetworkSettings, page_url};
+use gsk_host::platform;
 use gsk_messages::{Language, Message, say};
 use web_time::Duration;
 
@@ -51,6 +53,8 @@ impl NetworkPane {
 
     /// Joins a class at the start, whatever the stored settings say.
     pub fn join_class(&mut self, class: ClassSettings) {
+        // Without a name the learner must enter one.
+        self.is_open |= class.name.trim().is_empty();
         self.class_option = Some(class);
     }
 
@@ -121,8 +125,10 @@ impl NetworkPane {
             .constrain_to(area)
             .show(context, |ui| {
                 ScrollArea::vertical().show(ui, |ui| {
-                    is_changed |= self.show_agent(ui, language, &console.network.agent);
-                    ui.separator();
+                    if platform::has_listeners() {
+                        is_changed |= self.show_agent(ui, language, &console.network.agent);
+                        ui.separator();
+                    }
                     is_changed |= self.show_broker(ui, language, &console.network.broker);
                     ui.separator();
                     is_changed |= self.show_class(ui, language, console, asks_help);
@@ -186,6 +192,7 @@ impl NetworkPane {
         );
         let example = "mqtt://192.168.1.5/gsk980td/lathe";
         section.show_field(ui, &mut draft.url, &say::network_address(), example);
+        section.show_ca(ui, &draft.url, &mut draft.ca);
         section.show_password(ui, &mut draft.password);
         ui.checkbox(
             &mut draft.has_discovery,
@@ -211,13 +218,16 @@ impl NetworkPane {
             &say::network_class_hint(),
         );
         section.show_field(ui, &mut draft.name, &say::class_name(), "");
-        section.show_field(ui, &mut draft.code, &say::class_code(), "K7M2");
+        if section.show_field(ui, &mut draft.code, &say::class_code(), "K7M2") {
+            take_pasted_class(draft);
+        }
         section.show_field(
             ui,
             &mut draft.broker,
             &say::network_broker(),
             "mqtt://192.168.1.5",
         );
+        section.show_ca(ui, &draft.broker, &mut draft.ca);
         section.show_password(ui, &mut draft.password);
         ui.checkbox(
             &mut draft.allows_faults,
@@ -279,6 +289,15 @@ impl Window {
     }
 }
 
+/// Splits a class that was pasted into the field of the code.
+fn take_pasted_class(draft: &mut ClassSettings) {
+    if let Ok(class) = ClassAddress::from_pasted(&draft.code) {
+        draft.code = class.code.to_string();
+        draft.broker = class.broker.without_password();
+        draft.password = class.broker.password.unwrap_or_default();
+    }
+}
+
 /// Moves a password out of an address: addresses are stored and shown.
 fn separate_password(address: &mut String, password: &mut String) {
     if let Ok(url) = parse_broker(address.trim())
@@ -320,16 +339,34 @@ impl<'a> SectionForm<'a> {
         }
     }
 
-    fn show_field(&mut self, ui: &mut Ui, text: &mut String, name: &Message, example: &str) {
-        ui.horizontal(|ui| {
+    /// Draws a field; returns whether the operator has left it.
+    fn show_field(
+        &mut self,
+        ui: &mut Ui,
+        text: &mut String,
+        name: &Message,
+        example: &str,
+    ) -> bool {
+        let row = ui.horizontal(|ui| {
             let name = ui.label(name.text(self.language));
             let field = TextEdit::singleline(text)
                 .desired_width(FIELD_WIDTH)
                 .hint_text(example);
-            let field = ui.add(field).labelled_by(name.id);
-            let enter = ui.input(|input| input.key_pressed(PcKey::Enter));
-            self.is_confirmed |= field.lost_focus() && enter;
+            ui.add(field).labelled_by(name.id).lost_focus()
         });
+        let enter = ui.input(|input| input.key_pressed(PcKey::Enter));
+        self.is_confirmed |= row.inner && enter;
+        row.inner
+    }
+
+    /// Draws the field for the file of the authority, if the address requests TLS.
+    fn show_ca(&mut self, ui: &mut Ui, address: &str, file: &mut String) {
+        let has_tls = |url: &BrokerUrl| url.transport == BrokerTransport::Tls;
+        if parse_broker(address.trim()).is_ok_and(|url| has_tls(&url)) {
+            let hint = say::network_ca_hint().text(self.language);
+            let row = ui.scope(|ui| self.show_field(ui, file, &say::network_ca(), "ca.crt"));
+            row.response.on_hover_text(hint);
+        }
     }
 
     fn show_password(&mut self, ui: &mut Ui, text: &mut String) {

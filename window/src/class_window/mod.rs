@@ -1,29 +1,41 @@
 //! The window of the instructor: all seats of a class as tiles, the one that needs help first, and
 //! what he requests of the selected one.
 
+mod exam_form;
+mod join_pane;
 mod part_drawing;
 mod seat_pane;
 mod tiles;
 
+use std::io;
 use std::path::PathBuf;
 
 use eframe::egui::{self, Frame, Margin, Panel, RichText, Ui};
 use gsk_host::files::exercises::AvailableExercises;
 use gsk_host::message_format::describe_io_error;
 use gsk_host::network::class::class_address::ClassAddress;
-use gsk_host::network::class::{ClassEvent, ClassLink};
+use gsk_host::network::class::class_roster::ClassRoster;
+use gsk_host::network::class::{ClassEvent, ClassLink, ClassPageServer};
+use gsk_host::network::page_url;
 use gsk_host::network::service_state::ServiceState;
 use gsk_host::platform;
 use gsk_messages::{Language, Message, say};
 use web_time::Duration;
 
 use crate::{fonts, theme};
+use exam_form::ExamForm;
+use join_pane::JoinPane;
+pub use join_pane::SeatPage;
 use seat_pane::SeatPane;
 
 /// Size of the window at the start, points.
 const INITIAL_SIZE: [f32; 2] = [1100.0, 720.0];
 /// Width of the pane of the selected seat, points.
 const PANE_WIDTH: f32 = 348.0;
+/// Distance of the panes for an exam and for joining from the right edge, points.
+const PANE_MARGIN: f32 = 2.0 * PANE_WIDTH + 48.0;
+/// Height of the bar with its margin, points.
+const BAR_HEIGHT: f32 = 44.0;
 /// Time between two frames while seats report.
 const FRAME_INTERVAL: Duration = Duration::from_millis(100);
 /// Number of messages that the line at the bottom keeps.
@@ -39,6 +51,10 @@ pub struct ClassStart {
     pub language: Language,
     /// The exercises that the instructor can send.
     pub exercises: AvailableExercises,
+    /// Where the page of the class is; `None` without one.
+    pub page_address: Option<String>,
+    /// The page for browsers with which a seat joins; `None` without one.
+    pub seat_page: Option<SeatPage>,
 }
 
 /// Opens the window and returns when it is closed. Returns a message as error if it cannot be
@@ -56,7 +72,10 @@ pub fn run(start: ClassStart) -> Result<(), Message> {
             fonts::set_up(&context);
             let wake = move || context.request_repaint_after(FRAME_INTERVAL);
             let link = ClassLink::start(&start.class, start.results.clone(), wake)?;
-            Ok(Box::new(ClassApp(ClassWindow::new(start, link))))
+            let window = ClassWindow::new(start, link);
+            Ok(Box::new(ClassApp(
+                window.map_err(|error| io::Error::other(error.to_string()))?,
+            )))
         }),
     )
 }
@@ -76,30 +95,48 @@ pub struct ClassWindow {
     /// Name in topics of the selected seat; `None` without one.
     selected: Option<String>,
     pane: SeatPane,
+    exam: ExamForm,
+    is_exam_open: bool,
+    join: JoinPane,
+    is_join_open: bool,
+    /// The page of the class; `None` without one.
+    page: Option<ClassPageServer>,
     /// The newest messages, the newest last.
     messages: Vec<Message>,
 }
 
 impl ClassWindow {
     /// A window on a class whose connection runs.
-    pub fn new(start: ClassStart, link: ClassLink) -> Self {
-        Self {
+    ///
+    /// # Errors
+    /// The page of the class cannot listen.
+    pub fn new(start: ClassStart, link: ClassLink) -> Result<Self, Message> {
+        let address = start.page_address.as_deref();
+        let page = address
+            .map(|address| link.serve_page(address))
+            .transpose()?;
+        Ok(Self {
             start,
             link,
             selected: None,
             pane: SeatPane::default(),
+            exam: ExamForm::default(),
+            is_exam_open: false,
+            join: JoinPane::default(),
+            is_join_open: false,
+            page,
             messages: Vec::new(),
-        }
+        })
     }
 
     /// Opens the window without a display server, for tests.
     ///
     /// # Errors
-    /// The system starts no thread.
+    /// The system starts no thread, or the page cannot listen.
     pub fn start(start: ClassStart) -> Result<Self, Message> {
         let link = ClassLink::start(&start.class, start.results.clone(), || {});
         let link = link.map_err(|error| describe_io_error(&error))?;
-        Ok(Self::new(start, link))
+        Self::new(start, link)
     }
 
     /// Draws one frame and handles its input.
@@ -135,6 +172,8 @@ impl ClassWindow {
             // The pane renews its request for the LCD.
             ui.ctx().request_repaint_after(Duration::from_secs(1));
         }
+        self.show_exam_form(ui, language, &roster);
+        self.show_join_pane(ui, language);
         let ground = Frame::new()
             .fill(theme::WINDOW_GROUND)
             .inner_margin(Margin::same(8));
@@ -151,6 +190,46 @@ impl ClassWindow {
             self.selected = (!is_same).then_some(clicked);
             self.pane = SeatPane::default();
         }
+    }
+
+    /// Draws the form of an exam, and sends its requests.
+    fn show_exam_form(&mut self, ui: &Ui, language: Language, roster: &ClassRoster) {
+        let mut requests = Vec::new();
+        let selected = self.selected.as_deref().and_then(|id| roster.seat(id));
+        let (form, start) = (&mut self.exam, &self.start);
+        egui::Window::new(say::exam_heading().text(language))
+            .id(egui::Id::unique("class exam"))
+            .default_pos(pane_position(ui))
+            .open(&mut self.is_exam_open)
+            .collapsible(false)
+            .default_width(PANE_WIDTH)
+            .show(ui.ctx(), |ui| {
+                let tasks = &start.exercises.tasks;
+                let seats = (roster, selected);
+                requests = form.show(ui, language, tasks, &start.class.code, seats);
+            });
+        for (seat, request) in requests {
+            self.link.request(&seat, request);
+        }
+    }
+
+    /// Draws how a seat joins.
+    fn show_join_pane(&mut self, ui: &Ui, language: Language) {
+        let (pane, start, page) = (&mut self.join, &self.start, &self.page);
+        egui::Window::new(say::class_join_title().text(language))
+            .id(egui::Id::unique("class join"))
+            .default_pos(pane_position(ui))
+            .open(&mut self.is_join_open)
+            .collapsible(false)
+            .default_width(PANE_WIDTH)
+            .show(ui.ctx(), |ui| {
+                pane.show(ui, language, &start.class, start.seat_page.as_ref());
+                if let Some(page) = page {
+                    ui.separator();
+                    let url = page_url(&page.url()).unwrap_or_else(|| page.url());
+                    ui.label(say::class_page_listening(url).text(language));
+                }
+            });
     }
 
     fn receive(&mut self) {
@@ -190,6 +269,14 @@ impl ClassWindow {
                 if ui.button(other).clicked() {
                     self.start.language = language.other();
                 }
+                ui.toggle_value(
+                    &mut self.is_exam_open,
+                    say::class_exam_button().text(language),
+                );
+                ui.toggle_value(
+                    &mut self.is_join_open,
+                    say::class_join_button().text(language),
+                );
                 let is_light = theme::is_light(ui.ctx());
                 let light = say::window_light().text(language);
                 if ui.add(egui::Button::selectable(is_light, light)).clicked() {
@@ -212,4 +299,11 @@ impl ClassWindow {
         ui.label(newest.text(language))
             .on_hover_text(all.join("\n"));
     }
+}
+
+/// Where a pane opens: below the bar, beside the first tiles.
+fn pane_position(ui: &Ui) -> egui::Pos2 {
+    let room = ui.ctx().content_rect();
+    let left = (room.right() - PANE_MARGIN).max(room.left());
+    egui::pos2(left, room.top() + BAR_HEIGHT)
 }

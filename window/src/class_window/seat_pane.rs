@@ -182,7 +182,7 @@ fn show_faults(ui: &mut Ui, language: Language, seat: &ClassSeat) -> Option<Seat
 }
 
 /// Why the seat would refuse a request, as its report says. The seat itself decides.
-fn refusal(
+pub fn refusal(
     seat: &ClassSeat,
     check: impl Fn(SeatRights) -> Option<SeatRefusal>,
 ) -> Option<SeatRefusal> {

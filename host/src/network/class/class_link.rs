@@ -6,19 +6,22 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crossbeam::channel::{Receiver, Sender, bounded};
 use gsk_messages::{Message, say};
-use gsk_telemetry::class::class_address::{ClassAddress, ClassTopics, SeatTopicKind};
+use gsk_telemetry::class::class_address::{ClassAddress, ClassCode, ClassTopics, SeatTopicKind};
 use gsk_telemetry::class::class_roster::{ClassRoster, RosterEvent};
 use gsk_telemetry::class::lcd_picture::LcdPicture;
 use gsk_telemetry::class::seat_request::SeatRequest;
 use gsk_telemetry::{SessionOptions, TelemetryMessage};
 use web_time::Instant;
 
+use super::page_server::ClassPageServer;
 use super::result_store::store_result;
 use crate::network::mqtt::{BrokerClient, BrokerLine};
 use crate::network::service_state::SharedServiceState;
 
 /// Capacity of the queues between both threads.
 const QUEUE_CAPACITY: usize = 256;
+/// Capacity of the queue for requests: one for each seat of the largest class.
+const REQUEST_CAPACITY: usize = 2000;
 
 /// What has arrived for the instructor.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +39,7 @@ pub struct ClassLink {
     requests: Sender<(String, SeatRequest)>,
     state: SharedServiceState,
     start: Instant,
+    code: ClassCode,
     _line: BrokerLine,
 }
 
@@ -53,7 +57,7 @@ impl ClassLink {
         let topics = class.topics();
         let roster = Arc::new(Mutex::new(ClassRoster::new(topics.clone())));
         let (to_view, events) = bounded(QUEUE_CAPACITY);
-        let (requests, from_view) = bounded(QUEUE_CAPACITY);
+        let (requests, from_view) = bounded(REQUEST_CAPACITY);
         let state = SharedServiceState::default();
         let start = Instant::now();
         let client = ClassClient {
@@ -73,8 +77,17 @@ impl ClassLink {
             requests,
             state,
             start,
+            code: class.code.clone(),
             _line: line,
         })
+    }
+
+    /// Shows the seats as a page for browsers.
+    ///
+    /// # Errors
+    /// The address does not belong to this computer, or is in use.
+    pub fn serve_page(&self, address: &str) -> Result<ClassPageServer, Message> {
+        ClassPageServer::start(address, self.code.clone(), Arc::clone(&self.roster))
     }
 
     /// The state of the connection.

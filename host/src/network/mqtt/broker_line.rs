@@ -1,10 +1,8 @@
 //! The connection to a broker in its thread: connects again whenever it is lost.
 
-use std::io::{self, Read, Write};
-use std::net::{TcpStream, ToSocketAddrs};
+use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread;
 
 use crossbeam::channel::{Receiver, Sender, bounded};
 use gsk_messages::{Message, say};
@@ -16,14 +14,10 @@ use web_time::{Duration, Instant};
 
 use crate::message_format::describe_io_error;
 use crate::network::service_state::{ServiceState, SharedServiceState};
-use crate::platform;
+use crate::platform::{self, BrokerBytes, BrokerFailure, BrokerStream};
 
 /// Longest time for which the thread waits for bytes of the broker: the delay of a message.
 const POLL_INTERVAL: Duration = Duration::from_millis(20);
-/// Longest time of an attempt to connect.
-const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
-/// Longest time for which a slow broker takes no bytes.
-const WRITE_TIMEOUT: Duration = Duration::from_secs(5);
 /// Time for the last messages when the program ends.
 const FAREWELL_TIMEOUT: Duration = Duration::from_millis(1500);
 /// Size of the buffer for bytes of the broker, bytes.
@@ -109,7 +103,7 @@ fn make_client_id() -> String {
 /// An open connection.
 #[derive(Debug)]
 struct BrokerLink {
-    stream: TcpStream,
+    stream: BrokerStream,
     session: BrokerSession,
 }
 
@@ -151,7 +145,7 @@ impl<C: BrokerClient> LineLoop<C> {
                 Ok(link) => self.link = Some(link),
                 Err(reason) => self.lose(reason),
             },
-            None => thread::sleep(POLL_INTERVAL),
+            None => platform::pause(POLL_INTERVAL),
         }
         true
     }
@@ -174,38 +168,22 @@ impl<C: BrokerClient> LineLoop<C> {
     }
 
     fn connect(&mut self) -> Result<BrokerLink, Message> {
-        let described = |error: io::Error| describe_io_error(&error);
-        let address = (self.url.host.as_str(), self.url.port);
-        let mut error = io::Error::from(io::ErrorKind::AddrNotAvailable);
-        for address in address.to_socket_addrs().map_err(described)? {
-            // The queues stay empty while several addresses do not answer.
-            self.client.collect();
-            match TcpStream::connect_timeout(&address, CONNECT_TIMEOUT) {
-                Ok(stream) => {
-                    stream.set_nodelay(true).map_err(described)?;
-                    let timeout = Some(POLL_INTERVAL);
-                    stream.set_read_timeout(timeout).map_err(described)?;
-                    let timeout = Some(WRITE_TIMEOUT);
-                    stream.set_write_timeout(timeout).map_err(described)?;
-                    let mut options = SessionOptions::new(self.client_id.clone(), &self.url);
-                    self.client.announce(&mut options);
-                    let session = BrokerSession::new(options, self.now_ms());
-                    return Ok(BrokerLink { stream, session });
-                }
-                Err(failed) => error = failed,
-            }
-        }
-        Err(described(error))
+        // The queues stay empty while several addresses do not answer.
+        let client = &mut self.client;
+        let stream = BrokerStream::open(&self.url, POLL_INTERVAL, || client.collect());
+        let stream = stream.map_err(describe_failure)?;
+        let mut options = SessionOptions::new(self.client_id.clone(), &self.url);
+        self.client.announce(&mut options);
+        let session = BrokerSession::new(options, self.now_ms());
+        Ok(BrokerLink { stream, session })
     }
 
     /// Reads what the broker has sent, and writes what is due. Returns why the connection ends.
     fn exchange(&mut self, link: &mut BrokerLink) -> Result<(), Message> {
         self.write(link)?;
-        let received = match link.stream.read(&mut self.buffer) {
-            Ok(0) => return Err(say::mqtt_silent()),
-            Ok(count) => &self.buffer[..count],
-            Err(error) if is_timeout(&error) => &[],
-            Err(error) => return Err(describe_io_error(&error)),
+        let received = match (link.stream.read(&mut self.buffer)).map_err(describe_failure)? {
+            BrokerBytes::Closed => return Err(say::mqtt_silent()),
+            BrokerBytes::Received(count) => &self.buffer[..count],
         };
         let now_ms = self.start.elapsed().as_millis() as u64;
         for event in link.session.receive(received, now_ms) {
@@ -223,6 +201,7 @@ impl<C: BrokerClient> LineLoop<C> {
             }
         }
         match link.session.poll(now_ms) {
+            Some(_) if !link.stream.is_established() => Err(say::mqtt_no_handshake()),
             Some(failure) => Err(failure.message()),
             None => Ok(()),
         }
@@ -236,9 +215,8 @@ impl<C: BrokerClient> LineLoop<C> {
                 link.session.publish(&message, now_ms);
             }
         }
-        let output = link.session.take_output();
-        let written = link.stream.write_all(&output);
-        written.map_err(|error| describe_io_error(&error))
+        let written = link.stream.write(&link.session.take_output());
+        written.map_err(describe_failure)
     }
 
     /// Publishes the last state and the farewell, and disconnects.
@@ -257,11 +235,15 @@ impl<C: BrokerClient> LineLoop<C> {
         }
         link.session.disconnect(now_ms);
         // The broker may be gone; then it publishes the last will.
-        let _ = link.stream.write_all(&link.session.take_output());
+        let _ = link.stream.write(&link.session.take_output());
+        link.stream.close();
     }
 }
 
-fn is_timeout(error: &io::Error) -> bool {
-    use io::ErrorKind::{Interrupted, TimedOut, WouldBlock};
-    matches!(error.kind(), WouldBlock | TimedOut | Interrupted)
+/// The reason in one sentence.
+fn describe_failure(failure: BrokerFailure) -> Message {
+    match failure {
+        BrokerFailure::Io(error) => describe_io_error(&error),
+        BrokerFailure::Refused(reason) => reason,
+    }
 }

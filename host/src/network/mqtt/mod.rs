@@ -8,9 +8,11 @@ mod lathe_client;
 mod options;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tls_tests;
 
 pub use broker_line::{BrokerClient, BrokerLine};
-pub use gsk_telemetry::{BrokerUrl, DEFAULT_DISCOVERY_PREFIX};
+pub use gsk_telemetry::{BrokerTransport, BrokerUrl, DEFAULT_DISCOVERY_PREFIX};
 pub use lathe_client::{LatheOptions, start_publishing};
 pub use options::{
     DEFAULT_RATE_HZ, MAX_RATE_HZ, MqttOptionError, PASSWORD_VARIABLE, parse_broker, parse_rate,

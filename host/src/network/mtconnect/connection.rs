@@ -3,15 +3,14 @@
 use std::io;
 use std::sync::atomic::Ordering;
 
-use gsk_messages::Language;
 use gsk_mtconnect::query::{CurrentQuery, ErrorCode, SampleQuery};
 use gsk_mtconnect::{Agent, AgentError, AgentRequest};
 use web_time::{Duration, Instant};
 
 use super::feed::wall_clock_ms;
-use super::http::{HttpConnection, HttpRequest};
 use super::page;
 use super::shared::SharedAgent;
+use crate::network::http::{HttpConnection, HttpRequest};
 
 /// Text that separates the documents of a stream.
 const BOUNDARY: &str = "gsk980td-document";
@@ -62,7 +61,7 @@ fn answer(
         );
         return refuse(connection, shared, &error, keeps_open);
     }
-    let language = page_language(request);
+    let language = request.page_language();
     match request.path.as_str() {
         "/" if request.accepts_html => {
             let html = page::render_page(language);
@@ -123,16 +122,6 @@ fn refuse(
         _ => "",
     };
     connection.write_response(error.code.http_status(), XML, extra, keeps_open, &text)
-}
-
-/// The language of the page: of the address, else of the browser.
-fn page_language(request: &HttpRequest) -> Language {
-    let mut pairs = request.query.split('&');
-    match pairs.find_map(|pair| pair.strip_prefix("lang=")) {
-        Some("zh") => Language::Zh,
-        Some("en") => Language::En,
-        _ => request.language.unwrap_or(Language::En),
-    }
 }
 
 /// Writes observations as they are recorded, each document at least the interval after the one

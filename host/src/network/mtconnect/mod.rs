@@ -7,7 +7,6 @@
 mod address;
 mod connection;
 pub(crate) mod feed;
-mod http;
 mod pacing;
 mod page;
 mod server;

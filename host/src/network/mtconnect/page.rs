@@ -3,7 +3,7 @@
 use gsk_messages::{Language, Message, say};
 
 /// The page; `{{name}}` is replaced by a text.
-const TEMPLATE: &str = include_str!("../../../../assets/mtconnect/page.html");
+const TEMPLATE: &str = include_str!("../../../../assets/pages/machine.html");
 
 /// Returns the HTML of the agent's page in a language.
 pub(super) fn render_page(language: Language) -> String {

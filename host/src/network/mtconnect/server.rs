@@ -17,8 +17,8 @@ use web_time::Duration;
 
 use super::connection;
 use super::feed::{AgentFeed, FeedQueue, wall_clock_ms};
-use super::http::HttpConnection;
 use super::shared::SharedAgent;
+use crate::network::http::HttpConnection;
 use crate::platform::{self, TaskHandle};
 use crate::preview::work_limit::WorkLimit;
 

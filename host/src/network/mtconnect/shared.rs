@@ -1,11 +1,12 @@
 //! The agent, as its threads share it.
 
-use std::net::IpAddr;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
 use gsk_mtconnect::{Agent, AgentIdentity};
 use web_time::Instant;
+
+use crate::network::http::is_local_name;
 
 /// The agent, as the threads share it. The thread that ticks does not use it.
 #[derive(Debug)]
@@ -61,19 +62,8 @@ impl SharedAgent {
         }
     }
 
-    /// Whether a client may address the agent by this host name. If the agent serves this computer
-    /// only, only local names are accepted, so that no page of another site reads the machine
-    /// through a browser.
+    /// Whether a client may address the agent by this host name.
     pub(super) fn accepts_host(&self, host: Option<&str>) -> bool {
-        let Some(host) = host.filter(|_| self.is_local) else {
-            return true;
-        };
-        let name = match host.rsplit_once(':') {
-            Some((name, port)) if port.bytes().all(|byte| byte.is_ascii_digit()) => name,
-            _ => host,
-        };
-        let is_local = |address: IpAddr| address.is_loopback();
-        name.eq_ignore_ascii_case("localhost")
-            || (name.trim_matches(['[', ']']).parse()).is_ok_and(is_local)
+        !self.is_local || host.is_none_or(is_local_name)
     }
 }

@@ -67,6 +67,11 @@ pub fn receive<T>(from: &Receiver<T>, until: Option<Instant>) -> Result<T, RecvT
     }
 }
 
+/// Waits between two turns of a task.
+pub fn pause(time: Duration) {
+    thread::sleep(time);
+}
+
 /// Waits for the answer of another task, at most `timeout`; `None` if it does not answer.
 pub fn wait_for_answer<T>(from: &Receiver<T>, timeout: Duration) -> Option<T> {
     from.recv_timeout(timeout).ok()

@@ -12,3 +12,8 @@ pub const fn has_display() -> bool {
 
 /// Does nothing: a page has no console.
 pub const fn close_own_console() {}
+
+/// Returns false: nothing can connect to a page.
+pub const fn has_listeners() -> bool {
+    false
+}

@@ -1,10 +1,13 @@
 //! Downloads of files from the page.
 
-use std::path::Path;
+use std::io;
+use std::path::{Path, PathBuf};
 
 use js_sys::{Array, Uint8Array};
 use wasm_bindgen::{JsCast, JsValue};
 use web_sys::{Blob, HtmlAnchorElement, Url};
+
+use crate::platform::PdfPrint;
 
 /// Offers a file with these contents as a download; the browser reports a failure to the user.
 pub fn download(path: &Path, bytes: &[u8]) {
@@ -27,4 +30,22 @@ fn hand_out(name: &str, bytes: &[u8]) -> Result<(), JsValue> {
     // The address stays valid: a browser may read it much later.
     link.click();
     Ok(())
+}
+
+/// Offers a page as a download, which the browser opens. Returns its name.
+///
+/// # Errors
+/// Never.
+pub fn open_page_file(name: &str, page: &[u8]) -> io::Result<PathBuf> {
+    let path = PathBuf::from(name);
+    download(&path, page);
+    Ok(path)
+}
+
+/// Prints nothing: a page starts no program.
+///
+/// # Errors
+/// Never.
+pub const fn print_page_as_pdf(_page: &[u8], _target: &Path) -> io::Result<PdfPrint> {
+    Ok(PdfPrint::NoBrowser)
 }

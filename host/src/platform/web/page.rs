@@ -21,6 +21,8 @@ pub struct PageParameters {
     /// Whether the first start shows its questions: `on` or `off`; `None` if the address does
     /// not say so.
     pub first_start: Option<String>,
+    /// The class that the page joins, CODE@BROKER; `None` if the address names none.
+    pub class: Option<String>,
     /// Path of the fetched program to open; `None` if the address names none.
     pub program: Option<PathBuf>,
 }
@@ -69,6 +71,7 @@ async fn read_parameters() -> Result<PageParameters, Message> {
     Ok(PageParameters {
         language: word("lang"),
         first_start: word("first-start"),
+        class: word("class"),
         program: disk::add_user_files(files),
     })
 }

@@ -11,7 +11,10 @@ mod tie;
 mod volumes;
 
 pub use clock::{shared_time, time_with_sleep};
-pub use desktop::{close_own_console, has_display, has_file_dialog};
+pub use desktop::{
+    browser_candidates, close_own_console, has_display, has_file_dialog, has_listeners,
+    open_file_command,
+};
 pub use display::{DisplayServer, display_server, watch_display};
 pub use files::{for_owner_alone, is_device, is_serial_port, same_file};
 pub use process::{

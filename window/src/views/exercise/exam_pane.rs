@@ -12,8 +12,9 @@ use gsk_exercise::judge::judge;
 use gsk_exercise::task::ExerciseTask;
 use gsk_host::files::exams::{self, ExamFolder, UnfinishedExam};
 use gsk_host::kernel::{
-    Command, Console, ExamTask, ExerciseAction, ExerciseState, HandedInSolution,
+    Command, Console, ExamTask, ExerciseAction, ExerciseState, HandedInSolution, SeatAction,
 };
+use gsk_host::network::class::seat_request::SeatRefusal;
 use gsk_messages::{Language, Message, say};
 
 use crate::theme;
@@ -72,9 +73,12 @@ pub struct ExamPane {
     is_ending: bool,
     /// Until when a second click hands in, s of the window's clock.
     sure_until: f64,
-    sender: Sender<Result<ExamFolder, Message>>,
-    receiver: Receiver<Result<ExamFolder, Message>>,
+    sender: Sender<Result<SealedTask, Message>>,
+    receiver: Receiver<Result<SealedTask, Message>>,
 }
+
+/// The exam after an exercise, and the sealed result of that exercise.
+type SealedTask = (ExamFolder, Vec<u8>);
 
 impl ExamPane {
     pub fn new(console: Console) -> Self {
@@ -165,12 +169,12 @@ impl ExamPane {
             let seal = || {
                 let recording = &solution.recording;
                 let report = judge(&solution.task, recording).map_err(|error| error.message())?;
-                folder.finish_task(report, recording, env!("CARGO_PKG_VERSION"))?;
+                let result = folder.finish_task(report, recording, env!("CARGO_PKG_VERSION"))?;
                 if is_ending {
                     folder.exam.is_over = true;
                     folder.save()?;
                 }
-                Ok(folder)
+                Ok((folder, result))
             };
             // The send fails when the window is gone: the next start continues the exam.
             let _ = to.send(seal());
@@ -185,7 +189,9 @@ impl ExamPane {
         };
         self.is_sealing = false;
         match sealed {
-            Ok(mut folder) => {
+            Ok((mut folder, result)) => {
+                // Outside a class it goes nowhere.
+                self.console.send(Command::Seat(SeatAction::HandIn(result)));
                 // The instructor may have paused or ended the exam while the result was sealed.
                 if let Some(current) = &self.current
                     && current.path == folder.path
@@ -258,6 +264,11 @@ impl ExamPane {
         let learner = self.form.learner.trim().to_owned();
         let created = exams::store_pin(&self.form.pin)
             .and_then(|pin| ExamFolder::create(data, Exam::new(learner, chosen, pin)));
+        self.begin_created(created, tasks);
+    }
+
+    /// Begins an exam whose folder was created.
+    fn begin_created(&mut self, created: Result<ExamFolder, Message>, tasks: &[Arc<ExerciseTask>]) {
         match created {
             Ok(folder) => {
                 self.message = None;
@@ -268,6 +279,33 @@ impl ExamPane {
             }
             Err(why) => self.message = Some(why),
         }
+    }
+
+    /// Begins an exam that the instructor of the class has offered.
+    pub fn begin_offered(&mut self, exam: Exam, tasks: &[Arc<ExerciseTask>]) {
+        if let Some(data) = &self.data {
+            let created = ExamFolder::create(data, exam);
+            self.begin_created(created, tasks);
+        }
+    }
+
+    /// Ends the exam at the request of the class.
+    ///
+    /// # Errors
+    /// No exam is under way, or it has another PIN, which is not noted: the learner has not
+    /// entered it.
+    pub fn end_from_class(
+        &mut self,
+        pin: &ExamPin,
+        state: Option<&ExerciseState>,
+    ) -> Result<(), SeatRefusal> {
+        let current = self.current.as_ref().filter(|it| !it.exam.is_over);
+        let current = current.ok_or(SeatRefusal::NoExam)?;
+        if current.exam.pin != *pin {
+            return Err(SeatRefusal::Pin);
+        }
+        self.end(state.is_some_and(|state| state.is_exam && !state.is_handed_in));
+        Ok(())
     }
 
     /// Draws which exercise it is, and the row of the instructor.
@@ -475,7 +513,7 @@ mod tests {
         assert!(pane.is_pin_right());
         pane.pause(true);
         sealed.exam.finish_task();
-        pane.sender.send(Ok(sealed)).expect("sent");
+        pane.sender.send(Ok((sealed, Vec::new()))).expect("sent");
         pane.receive();
         let stored = ExamFolder::find_unfinished(&data).expect("readable");
         assert_eq!(stored, pane.current);

@@ -15,6 +15,7 @@ use egui::{Context, RichText, Ui};
 use exam_pane::ExamPane;
 use gsk_exercise::course::Course;
 use gsk_exercise::criterion::ExerciseCriterion;
+use gsk_exercise::exam::{Exam, ExamPin};
 use gsk_exercise::part_size::{MeasuredSize, measure_sizes};
 use gsk_exercise::task::ExerciseTask;
 use gsk_host::files::exams::UnfinishedExam;
@@ -24,6 +25,7 @@ use gsk_host::kernel::{
     Command, Console, ExerciseAction, ExerciseState, HandedInSolution, LessonAction, PanelSnapshot,
     SeatAction,
 };
+use gsk_host::network::class::seat_request::SeatRefusal;
 use gsk_host::platform::{self, CoursePage};
 use gsk_messages::{Language, Message, say};
 use gsk_workpiece::measure::Feature;
@@ -214,6 +216,19 @@ impl ExercisePane {
             self.tasks.push(Arc::clone(&task));
         }
         self.begin(task);
+    }
+
+    /// Begins an exam that the instructor of the class has offered.
+    pub fn begin_offered_exam(&mut self, exam: Exam) {
+        self.exam.begin_offered(exam, &self.tasks);
+    }
+
+    /// Ends the exam at the request of the class.
+    ///
+    /// # Errors
+    /// No exam is under way, or it has another PIN.
+    pub fn end_exam_from_class(&mut self, pin: &ExamPin) -> Result<(), SeatRefusal> {
+        self.exam.end_from_class(pin, self.state.as_ref())
     }
 
     /// Marks a solution in a thread.

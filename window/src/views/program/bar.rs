@@ -31,6 +31,8 @@ pub enum EditorCommand {
     OpenForm,
     /// Port the text from another control.
     OpenPort,
+    /// Write the setup sheet and open it in a browser, which prints it.
+    Print,
 }
 
 /// The texts that the user has entered in the tool bar.
@@ -190,6 +192,7 @@ fn show_file_menu(ui: &mut Ui, language: Language, command: &mut Option<EditorCo
             (say::program_save_as(), EditorCommand::SaveAs),
             (say::program_form(), EditorCommand::OpenForm),
             (say::program_port(), EditorCommand::OpenPort),
+            (say::program_print(), EditorCommand::Print),
         ];
         for (words, what) in entries {
             if ui.button(words.text(language)).clicked() {

@@ -11,6 +11,7 @@ use gsk_host::kernel::{Console, NotStored};
 use gsk_messages::{Language, Message, say};
 
 use super::document::{ProgramDocument, TextOrigin};
+use super::print::print_sheet;
 use crate::widgets::files::{FileChoice, choose_file, run_in_thread};
 
 /// A result that a background thread reports to the program view.
@@ -25,6 +26,8 @@ pub enum DocumentEvent {
     },
     /// The control has stored a text as the program of this number.
     Stored { text: String, number: u16 },
+    /// The setup sheet of a text was opened, as the message reports.
+    Printed(Message),
     /// The control has refused to store a text for this reason.
     NotStored(NotStored),
     /// An operation other than these has failed, as the message reports.
@@ -88,6 +91,23 @@ impl DocumentStore {
             let program = programs.stored(number)?;
             let document = ProgramDocument::new(TextOrigin::Memory(number), program.text());
             Some(DocumentEvent::Loaded(Box::new(document)))
+        });
+    }
+
+    /// Writes the setup sheet of a text and opens it in a browser.
+    pub fn print(&self, document: &ProgramDocument, language: Language, context: &Context) {
+        let (name, origin) = (document.name(), document.origin.clone());
+        let text = document.text.clone();
+        self.run_in_background(context, move |console| {
+            let setup = console.setup()?;
+            let file = match &origin {
+                TextOrigin::File(path, _) => Some(path.as_path()),
+                TextOrigin::New | TextOrigin::Memory(_) => None,
+            };
+            Some(match print_sheet(&name, &text, file, setup, language) {
+                Ok(message) => DocumentEvent::Printed(message),
+                Err(why) => DocumentEvent::Failed(why),
+            })
         });
     }
 

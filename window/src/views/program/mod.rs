@@ -11,6 +11,7 @@ mod findings;
 mod form_sections;
 mod paint;
 mod port_pane;
+mod print;
 mod restart;
 mod targets;
 pub use std::ops::Range;
@@ -360,6 +361,7 @@ impl ProgramView {
                     self.checker.force_next_check();
                     Some(EditorMessage::Good(say::program_stored(number)))
                 }
+                DocumentEvent::Printed(message) => Some(EditorMessage::Good(message)),
                 DocumentEvent::NotStored(why) => Some(EditorMessage::NotStored(why)),
                 DocumentEvent::Failed(why) => Some(EditorMessage::Bad(why)),
             };
@@ -415,6 +417,10 @@ impl ProgramView {
             EditorCommand::Redo => self.undo_or_redo(context, true),
             EditorCommand::Find => self.find_next(context),
             EditorCommand::OpenForm => self.open_form(context),
+            EditorCommand::Print => {
+                self.message = Some(EditorMessage::Good(say::program_print_running()));
+                self.document_store.print(&self.document, language, context);
+            }
             EditorCommand::OpenPort => self.port.open(&self.document.text),
             EditorCommand::GoTo => {
                 let typed = self.bar.target_text.clone();

@@ -1,7 +1,7 @@
 //! Reads requests and writes responses of HTTP/1.1, with limits of size and time.
 
 use std::io::{self, ErrorKind, Read, Write};
-use std::net::TcpStream;
+use std::net::{IpAddr, TcpStream};
 
 use gsk_messages::Language;
 use gsk_mtconnect::query::ErrorCode;
@@ -34,6 +34,30 @@ pub(super) struct HttpRequest {
     pub(super) host: Option<String>,
     /// Whether the connection remains open after the response.
     pub(super) keeps_open: bool,
+}
+
+impl HttpRequest {
+    /// The language of a page: of the address, else of the browser.
+    pub(super) fn page_language(&self) -> Language {
+        let mut pairs = self.query.split('&');
+        match pairs.find_map(|pair| pair.strip_prefix("lang=")) {
+            Some("zh") => Language::Zh,
+            Some("en") => Language::En,
+            _ => self.language.unwrap_or(Language::En),
+        }
+    }
+}
+
+/// Whether a host name, with or without a port, is one of this computer alone. A listener for this
+/// computer accepts no other, so that no page of another site reads it through a browser.
+pub(super) fn is_local_name(host: &str) -> bool {
+    let name = match host.rsplit_once(':') {
+        Some((name, port)) if port.bytes().all(|byte| byte.is_ascii_digit()) => name,
+        _ => host,
+    };
+    let is_local = |address: IpAddr| address.is_loopback();
+    name.eq_ignore_ascii_case("localhost")
+        || (name.trim_matches(['[', ']']).parse()).is_ok_and(is_local)
 }
 
 /// The reason why no request was read from a connection.
