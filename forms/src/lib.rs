@@ -20,6 +20,7 @@ mod error;
 mod fields;
 mod form_table;
 mod job;
+mod library_tool;
 mod kind;
 mod proposal;
 mod section;

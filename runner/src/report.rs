@@ -12,6 +12,7 @@ mod program_check;
 mod report_text;
 mod run_end;
 mod time_report;
+mod tool_life_report;
 
 use std::collections::BTreeMap;
 
@@ -30,6 +31,7 @@ pub use load_report::{BlockLoadReport, LoadReport};
 pub use part_report::{CollisionReport, PartReport, feature_message};
 pub use program_check::check_program;
 pub use run_end::RunEnd;
+pub use tool_life_report::ToolLifeLimit;
 pub use time_report::{TimeReport, ToolTimeReport};
 
 use self::lint_levels::{LintLevel, LintLevels};

@@ -41,10 +41,6 @@ impl<'a> CodeReader<'a> {
         Self { code, rest: code }
     }
 
-    pub(super) const fn rest(&self) -> &'a str {
-        self.rest
-    }
-
     /// An error at a symbol.
     pub(super) fn error(
         &self,

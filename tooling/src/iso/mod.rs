@@ -5,5 +5,5 @@ mod holder_code;
 mod insert_code;
 
 pub use code_reader::IsoCodeError;
-pub use holder_code::{HolderCode, HolderHand};
+pub use holder_code::HolderCode;
 pub use insert_code::InsertCode;
