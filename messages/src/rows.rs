@@ -1434,8 +1434,6 @@ message_rows! {
     job_set_unknown_hint JobSetUnknownHint();
     job_stock JobStock();
     job_tool_add JobToolAdd();
-    job_tool_by_code JobToolByCode();
-    job_tool_from_library JobToolFromLibrary();
     job_tool_missing JobToolMissing(number: "{:02}");
     job_tool_of_library JobToolOfLibrary(id);
     job_tool_remove JobToolRemove(number: "{:02}");
@@ -2875,10 +2873,8 @@ message_rows! {
     ported_note_mach_thread PortedNoteMachThread();
     ported_note_machine_coordinates PortedNoteMachineCoordinates();
     ported_note_macro PortedNoteMacro();
-    ported_note_macro_b PortedNoteMacroB();
     ported_note_metric PortedNoteMetric();
     ported_note_milling PortedNoteMilling();
-    ported_note_named_variable PortedNoteNamedVariable();
     ported_note_no_address PortedNoteNoAddress();
     ported_note_no_effect PortedNoteNoEffect();
     ported_note_o_word PortedNoteOWord();
@@ -2904,7 +2900,6 @@ message_rows! {
     ported_note_semi_finish PortedNoteSemiFinish();
     ported_note_speed PortedNoteSpeed();
     ported_note_start_angle PortedNoteStartAngle();
-    ported_note_sub_in_main PortedNoteSubInMain();
     ported_note_surface_speed PortedNoteSurfaceSpeed();
     ported_note_tailstock PortedNoteTailstock();
     ported_note_taper PortedNoteTaper();
@@ -3655,9 +3650,7 @@ message_rows! {
     tool_beyond_stations ToolBeyondStations(value: "{:04}", tool, stations);
     tool_code_fault ToolCodeFault(code, position, part: message, found, rule: message);
     tool_code_short ToolCodeShort(code, position, part: message, rule: message);
-    tool_counted ToolCounted(minutes);
     tool_description_empty ToolDescriptionEmpty();
-    tool_edge_turned ToolEdgeTurned(id, edge, edges);
     tool_exists ToolExists(id);
     tool_format_unknown ToolFormatUnknown(path);
     tool_freecad_list ToolFreecadList(field);

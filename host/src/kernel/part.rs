@@ -386,4 +386,36 @@ mod tests {
         assert_eq!(fittings.construction, Some(LatheConstruction::Bench));
         assert_eq!(fittings.wheel_detents, -7);
     }
+
+    #[test]
+    fn time_in_the_material_counts_for_tools_of_the_library() {
+        let mut setup = Setup::default();
+        let text = "O0001\nG50 X60 Z20\nM03 S500\nT0101\nG00 X38 Z2\nG01 Z-20 F600\nG00 X60\nM30\n";
+        let number = setup.memory.programs.store(text).unwrap();
+        setup.memory.programs.select(ProgramId::Stored(number));
+        let mut emulator = Emulator::new(setup);
+        let mut part = KernelPart::new(Arc::new(ArrayQueue::new(1)));
+        let mut job = Job::new(gsk_workpiece::stock::Stock::bar(40.0, 0.0, 60.0));
+        job.tools.insert(1, Tool::turning());
+        job.library.insert(1, "rough".to_owned());
+        part.set_job(Some(SelectedJob { job, file: None }));
+        let mut follow = |emulator: &mut Emulator, ticks: u32| {
+            for _ in 0..ticks {
+                emulator.tick();
+                part.after_tick(emulator, true);
+            }
+            part.take_tool_minutes()
+        };
+        assert_eq!(follow(&mut emulator, 5000), []);
+        emulator.press(Key::Auto);
+        follow(&mut emulator, 100);
+        emulator.press(Key::CycleStart);
+        let spent = follow(&mut emulator, 15_000);
+        // 20 mm at 600 mm/min, beyond the face of the bar.
+        let [ToolMinutes { number: 1, minutes, .. }] = spent.as_slice() else {
+            panic!("{spent:?}");
+        };
+        assert!((minutes * 60.0 - 2.0).abs() < 0.2, "{minutes}");
+        assert_eq!(follow(&mut emulator, 1000), [], "counted once");
+    }
 }

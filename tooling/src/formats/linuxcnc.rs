@@ -7,10 +7,9 @@ use gsk_workpiece::tool::{Insert, Tool};
 
 use super::lathe_angles::{edge_angles, insert_shape, orientation, tip_number};
 use super::{ImportedTools, short_number};
-use crate::description::parse_description;
 use crate::library::{LibraryTool, ToolLibrary};
 
-/// Separates id, description and name in a comment.
+/// Separates description, id and name in a comment.
 const COMMENT_SEPARATOR: &str = " | ";
 /// Greatest nose diameter of a turning insert, mm; a tool along Z with more is a drill.
 const MAX_NOSE_DIAMETER_MM: f64 = 3.2;
@@ -18,7 +17,7 @@ const MAX_NOSE_DIAMETER_MM: f64 = 3.2;
 const USUAL_POINT_DEGREES: f64 = 118.0;
 
 /// Writes a library, in mm. Tools without a station get the next free number. X is the length as
-/// a radius; the comment has id, description and name.
+/// a radius; the comment has description, id and name. LinuxCNC keeps 39 characters of it.
 pub fn linuxcnc_text(library: &ToolLibrary) -> String {
     let mut out = String::new();
     let taken: Vec<u32> = library
@@ -43,7 +42,7 @@ pub fn linuxcnc_text(library: &ToolLibrary) -> String {
             _ => 2.0 * tool.tool.nose(),
         };
         let plain = |text: &str| text.replace([';', '|', '\n', '\r'], " ");
-        let words: Vec<String> = [id.clone(), plain(&tool.description()), plain(&tool.name)]
+        let words: Vec<String> = [plain(&tool.description()), id.clone(), plain(&tool.name)]
             .into_iter()
             .filter(|it| !it.trim().is_empty())
             .collect();
@@ -124,26 +123,23 @@ fn read_words(words: &str, unit_mm: f64) -> Result<TableLine, Message> {
 /// The tool of a line with its id, and whether its shape is assumed.
 fn make_tool(line: &TableLine, comment: &str) -> Result<(String, LibraryTool, bool), Message> {
     let number = line.tool.ok_or_else(say::tool_table_number)?;
-    let parts: Vec<&str> = comment.split('|').map(str::trim).collect();
-    let described = parts.iter().position(|it| parse_description(it).is_ok());
-    let (mut tool, is_assumed) = match described {
-        Some(index) => (LibraryTool::from_description(parts[index])?, false),
-        None => (LibraryTool::new(shape_from_words(line)?), true),
+    let mut parts = comment.split('|').map(str::trim);
+    let first = parts.next().unwrap_or_default();
+    let mut id = String::new();
+    let (mut tool, is_assumed) = match LibraryTool::from_description(first) {
+        Ok(mut tool) => {
+            id = parts.next().unwrap_or_default().to_owned();
+            tool.name = parts.next().unwrap_or_default().to_owned();
+            adjust_to_words(&mut tool.tool, line);
+            tool.tool.check()?;
+            (tool, false)
+        }
+        Err(_) => {
+            let mut tool = LibraryTool::new(shape_from_words(line)?);
+            tool.name = first.to_owned();
+            (tool, true)
+        }
     };
-    if described.is_some() {
-        adjust_to_words(&mut tool.tool, line);
-        tool.tool.check()?;
-    }
-    let others = parts
-        .iter()
-        .enumerate()
-        .filter(|(index, _)| Some(*index) != described);
-    let mut others = others.map(|(_, it)| *it).filter(|it| !it.is_empty());
-    let id = match described {
-        Some(index) if index > 0 => others.next().unwrap_or_default().to_owned(),
-        _ => String::new(),
-    };
-    tool.name = others.next().unwrap_or_default().to_owned();
     tool.station = u8::try_from(number).ok().filter(|it| (1..=99).contains(it));
     tool.length = line.offset.filter(|it| *it != DiameterPoint::default());
     Ok((id, tool, is_assumed))
@@ -241,7 +237,7 @@ mod tests {
         let first = table.lines().find(|it| it.contains("rough")).unwrap();
         assert_eq!(
             first,
-            "T1 P1 X-3.5 Z0.125 D1.6 I85 J5 Q2 ;rough | CNMG 120408 PCLNR 2020K12 | rough ü"
+            "T1 P1 X-3.5 Z0.125 D1.6 I85 J5 Q2 ;CNMG 120408 PCLNR 2020K12 | rough | rough ü"
         );
         let read = read_linuxcnc(&table, 1.0);
         assert_eq!(read.notes, []);
