@@ -301,7 +301,9 @@ fn a_tool_of_the_library_is_added_by_its_code_and_used() {
     };
     enter(&mut bench, "CNMG 130408");
     assert!(wait_for_text(&mut bench, "position 5 (edge length)"));
-    bench.harness.key_press_modifiers(Modifiers::COMMAND, egui::Key::A);
+    bench
+        .harness
+        .key_press_modifiers(Modifiers::COMMAND, egui::Key::A);
     enter(&mut bench, "X");
     let known = gsk_host::files::tool_library::read().expect("a library");
     assert_eq!(known.tools.len(), 0);

@@ -16,7 +16,9 @@ impl FormValues {
             FormKind::Turn | FormKind::Contour | FormKind::Groove | FormKind::Thread => {
                 side(self) == CutSide::Inside
             }
-            FormKind::Drill | FormKind::Center => return matches!(tool.insert, Insert::Drill { .. }),
+            FormKind::Drill | FormKind::Center => {
+                return matches!(tool.insert, Insert::Drill { .. });
+            }
         };
         let is_kind = match self.form() {
             FormKind::Groove | FormKind::PartOff => matches!(tool.insert, Insert::Grooving { .. }),

@@ -74,7 +74,12 @@ fn number_subprograms(parts: &[SourcePart]) -> BTreeMap<String, u32> {
         .filter(|word| word.keyword == "sub")
         .map(|word| word.label)
         .collect();
-    let own = |label: &String| label.parse().ok().filter(|it| (1..FIRST_NUMBER).contains(it));
+    let own = |label: &String| {
+        label
+            .parse()
+            .ok()
+            .filter(|it| (1..FIRST_NUMBER).contains(it))
+    };
     let mut free = FIRST_NUMBER..=MAX_NUMBER;
     let numbered = labels.into_iter().filter_map(|label| {
         let number = own(&label).or_else(|| free.next())?;
@@ -162,7 +167,10 @@ pub(crate) fn replace_o_words(parts: &mut Vec<SourcePart>) -> Vec<(u32, String)>
     if replaced.is_empty() || !open.is_empty() {
         return Vec::new();
     }
-    let is_end = main.last().is_some_and(|part| part.block.text().trim() == "%");
+    name_main_program(&mut main, &numbers);
+    let is_end = main
+        .last()
+        .is_some_and(|part| part.block.text().trim() == "%");
     let end = if is_end { main.pop() } else { None };
     for blocks in [&mut main, &mut closed] {
         if let Some(last) = blocks.last_mut().filter(|it| !it.separator.contains('\n')) {
@@ -173,6 +181,21 @@ pub(crate) fn replace_o_words(parts: &mut Vec<SourcePart>) -> Vec<(u32, String)>
     main.extend(end);
     *parts = main;
     replaced
+}
+
+/// Gives the main program a number: without one, the file has that of its first subprogram.
+fn name_main_program(main: &mut Vec<SourcePart>, numbers: &BTreeMap<String, u32>) {
+    let is_leader = |part: &SourcePart| part.block.text().trim() == "%";
+    let begin = usize::from(main.first().is_some_and(is_leader));
+    let Some(first) = main.get(begin) else {
+        return;
+    };
+    let mut head = first.clone();
+    let number = (1..).find(|number| numbers.values().all(|it| it != number));
+    let line = head.block.line;
+    head.block = split_block(line, &format!("O{:04}", number.unwrap_or(1)));
+    head.separator = head.line_end.to_owned();
+    main.insert(begin, head);
 }
 
 /// The blocks to which the next one belongs.
@@ -191,7 +214,9 @@ mod tests {
     fn replace(text: &str) -> (String, usize) {
         let mut parts = read_source(text, true);
         let replaced = replace_o_words(&mut parts);
-        let text = parts.iter().map(|it| format!("{}{}", it.block.text(), it.separator));
+        let text = parts
+            .iter()
+            .map(|it| format!("{}{}", it.block.text(), it.separator));
         (text.collect(), replaced.len())
     }
 
@@ -203,7 +228,7 @@ mod tests {
         );
         assert_eq!(
             text,
-            "G0 X30\nM98 P0100\nM98 P39502\nM2\n\
+            "O0001\nG0 X30\nM98 P0100\nM98 P39502\nM2\n\
              O0100\nG1 Z-5\nM99\nO9501\nG1 X9\nM99\nO9502\nG0 Z1\nM98 P9501\nM99\n"
         );
         assert_eq!(count, 9);

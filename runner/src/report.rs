@@ -31,8 +31,8 @@ pub use load_report::{BlockLoadReport, LoadReport};
 pub use part_report::{CollisionReport, PartReport, feature_message};
 pub use program_check::check_program;
 pub use run_end::RunEnd;
-pub use tool_life_report::ToolLifeLimit;
 pub use time_report::{TimeReport, ToolTimeReport};
+pub use tool_life_report::ToolLifeLimit;
 
 use self::lint_levels::{LintLevel, LintLevels};
 use crate::move_output::diameter_z;

@@ -43,7 +43,11 @@ pub fn form(args: &FormArgs, language: Option<Language>) -> Result<u8, CommandEr
     match &args.output {
         None if args.blocks => output::print(&section),
         None => output::print(&program),
-        Some(path) => write(path, &program, &form_job_with_tool(&values, args.tool.as_deref())?)?,
+        Some(path) => write(
+            path,
+            &program,
+            &form_job_with_tool(&values, args.tool.as_deref())?,
+        )?,
     }
     Ok(EXIT_OK)
 }

@@ -57,7 +57,9 @@ fn list(args: &ToolsListArgs, language: Option<Language>) -> Result<u8, CommandE
     let lines = tools
         .filter(|(id, tool)| tool.matches(id, wanted))
         .map(|(id, tool)| {
-            let station = tool.station.map_or_else(String::new, |it| format!("T{it:02}"));
+            let station = tool
+                .station
+                .map_or_else(String::new, |it| format!("T{it:02}"));
             let kind = report::message_text(&short_description(&tool.tool), language);
             let description = tool.description();
             let life = tool.life.as_ref().map(life_message);
@@ -131,9 +133,8 @@ fn import(args: &ToolsFileArgs) -> Result<u8, CommandError> {
     }
     let has_refused = imported.tools.is_empty() && !imported.notes.is_empty();
     let replaces = args.replace;
-    let count = tool_library::change(|library| {
-        tool_tables::add_imported(library, imported, replaces)
-    })?;
+    let count =
+        tool_library::change(|library| tool_tables::add_imported(library, imported, replaces))?;
     output::print_message(&say::tool_import_done(count));
     Ok(if has_refused { EXIT_ALARM } else { EXIT_OK })
 }
@@ -160,7 +161,10 @@ fn life(args: &ToolsLifeArgs, language: Option<Language>) -> Result<u8, CommandE
     select_data(&args.data);
     let Some(id) = &args.id else {
         let library = tool_library::read()?;
-        let lines = library.tools.iter().map(|(id, tool)| life_line(id, tool, language));
+        let lines = library
+            .tools
+            .iter()
+            .map(|(id, tool)| life_line(id, tool, language));
         output::print(&lines.collect::<String>());
         let is_worn = |tool: &LibraryTool| tool.life.is_some_and(|it| it.is_used_up());
         let any_worn = library.tools.values().any(is_worn);
@@ -194,7 +198,10 @@ fn life(args: &ToolsLifeArgs, language: Option<Language>) -> Result<u8, CommandE
 }
 
 fn life_line(id: &str, tool: &LibraryTool, language: Option<Language>) -> String {
-    let life = tool.life.as_ref().map_or_else(say::tool_life_none, life_message);
+    let life = tool
+        .life
+        .as_ref()
+        .map_or_else(say::tool_life_none, life_message);
     format!("{id}\t{}\n", report::message_text(&life, language))
 }
 

@@ -94,16 +94,25 @@ fn a_program_of_another_control_is_ported_by_an_action() {
         "range": range((3, 0), (3, 5)),
         "context": { "diagnostics": [] },
     });
-    let actions = editor.request("textDocument/codeAction", params).expect("actions");
+    let actions = editor
+        .request("textDocument/codeAction", params)
+        .expect("actions");
     let port = actions.as_array().and_then(|all| {
-        let is_port = |it: &&Value| it["title"].as_str().is_some_and(|it| it.starts_with("Port"));
+        let is_port = |it: &&Value| {
+            it["title"]
+                .as_str()
+                .is_some_and(|it| it.starts_with("Port"))
+        };
         all.iter().find(is_port)
     });
     let port = port.unwrap_or_else(|| panic!("{actions}"));
     let edit = &port["edit"]["changes"][editor.uri("main.CNC")][0];
     assert_eq!(edit["range"]["start"], json!({ "line": 0, "character": 0 }));
     let ported = edit["newText"].as_str().expect("a text");
-    assert!(ported.contains("G71 U2. R0.5\nG71 P10 Q20 U0.4 W0.1 F0.2"), "{ported}");
+    assert!(
+        ported.contains("G71 U2. R0.5\nG71 P10 Q20 U0.4 W0.1 F0.2"),
+        "{ported}"
+    );
     let change = json!({
         "textDocument": { "uri": editor.uri("main.CNC"), "version": 2 },
         "contentChanges": [{ "text": ported }],

@@ -26,7 +26,9 @@ fn data_folder() -> &'static RwLock<Option<PathBuf>> {
 
 /// Sets the data folder whose tool library this process uses.
 pub fn set_data_folder(path: &Path) {
-    let mut folder = data_folder().write().unwrap_or_else(PoisonError::into_inner);
+    let mut folder = data_folder()
+        .write()
+        .unwrap_or_else(PoisonError::into_inner);
     *folder = Some(path.to_owned());
 }
 
@@ -193,7 +195,11 @@ pub fn add_minutes(spent: &[ToolMinutes]) -> Result<Vec<Message>, Message> {
             life.add_minutes(*minutes);
             if life.is_used_up() && !was_used_up {
                 let used = format!("{:.1}", life.used_minutes);
-                worn.push(say::tool_library_worn(id, format_args!("{number:02}"), used));
+                worn.push(say::tool_library_worn(
+                    id,
+                    format_args!("{number:02}"),
+                    used,
+                ));
             }
         }
         Ok(worn)

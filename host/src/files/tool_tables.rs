@@ -44,7 +44,11 @@ impl ToolTableFormat {
 ///
 /// # Errors
 /// The file cannot be read or is no table of this format.
-pub fn import(path: &Path, format: ToolTableFormat, unit_mm: f64) -> Result<ImportedTools, Message> {
+pub fn import(
+    path: &Path,
+    format: ToolTableFormat,
+    unit_mm: f64,
+) -> Result<ImportedTools, Message> {
     if format == ToolTableFormat::Ron {
         let library = tool_library::read_file(path)?;
         return Ok(ImportedTools {
@@ -52,7 +56,9 @@ pub fn import(path: &Path, format: ToolTableFormat, unit_mm: f64) -> Result<Impo
             notes: Vec::new(),
         });
     }
-    let text = program_file::read(path).map_err(|error| error.message())?.text;
+    let text = program_file::read(path)
+        .map_err(|error| error.message())?
+        .text;
     let in_file = |why: Message| say::subject_reason(path.display(), why);
     match format {
         ToolTableFormat::LinuxCnc => Ok(read_linuxcnc(&text, unit_mm)),
@@ -146,7 +152,11 @@ pub fn add_imported(
             (true, false) => tool.code.clone(),
             (true, true) => tool.description(),
         };
-        let id = if is_usable { id } else { library.free_id(&name) };
+        let id = if is_usable {
+            id
+        } else {
+            library.free_id(&name)
+        };
         if library.insert(&id, tool.clone()).is_err() {
             // The id of another program may have characters that this one refuses.
             let id = library.free_id(&id);

@@ -189,7 +189,9 @@ impl KernelPart {
     fn cutting_s(&self) -> BTreeMap<u8, f64> {
         let machining = self.state.machining();
         let cutting = machining.iter().flat_map(|it| it.cutting());
-        cutting.map(|(tool, cutting)| (*tool, cutting.seconds)).collect()
+        cutting
+            .map(|(tool, cutting)| (*tool, cutting.seconds))
+            .collect()
     }
 
     /// Takes the minutes in the material of the tools from the tool library since the last call.
@@ -412,7 +414,12 @@ mod tests {
         emulator.press(Key::CycleStart);
         let spent = follow(&mut emulator, 15_000);
         // 20 mm at 600 mm/min, beyond the face of the bar.
-        let [ToolMinutes { number: 1, minutes, .. }] = spent.as_slice() else {
+        let [
+            ToolMinutes {
+                number: 1, minutes, ..
+            },
+        ] = spent.as_slice()
+        else {
             panic!("{spent:?}");
         };
         assert!((minutes * 60.0 - 2.0).abs() < 0.2, "{minutes}");

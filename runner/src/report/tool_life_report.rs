@@ -30,7 +30,9 @@ impl ProgramReport {
                 continue;
             };
             let minutes = cutting.seconds / 60.0;
-            let Some(source) = cutting.first_block.filter(|_| minutes > limit.remaining_minutes)
+            let Some(source) = cutting
+                .first_block
+                .filter(|_| minutes > limit.remaining_minutes)
             else {
                 continue;
             };

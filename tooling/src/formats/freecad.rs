@@ -7,7 +7,7 @@ use gsk_messages::{Message, say};
 use gsk_workpiece::tool::{Insert, Tool};
 use serde_json::{Map, Value, json};
 
-use super::ImportedTools;
+use super::{ImportedTools, numbered_tools};
 use crate::description::{parse_description, tool_description};
 use crate::library::{LibraryTool, ToolLibrary};
 
@@ -29,14 +29,9 @@ pub struct FreecadBit {
 
 /// Writes the list of a library.
 pub fn freecad_library_text(library: &ToolLibrary, label: &str) -> String {
-    let mut next = 0;
-    let tools: Vec<Value> = library
-        .tools
-        .iter()
-        .map(|(id, tool)| {
-            next = tool.station.map_or(next + 1, u32::from);
-            json!({ "nr": next, "path": file_name(id) })
-        })
+    let tools = numbered_tools(library).into_iter();
+    let tools: Vec<Value> = tools
+        .map(|(number, id, _)| json!({ "nr": number, "path": file_name(id) }))
         .collect();
     pretty(&json!({ "version": 1, "label": label, "tools": tools }))
 }

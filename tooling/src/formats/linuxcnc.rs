@@ -6,7 +6,7 @@ use gsk_workpiece::job::DiameterPoint;
 use gsk_workpiece::tool::{Insert, Tool};
 
 use super::lathe_angles::{edge_angles, insert_shape, orientation, tip_number};
-use super::{ImportedTools, short_number};
+use super::{ImportedTools, numbered_tools, short_number};
 use crate::library::{LibraryTool, ToolLibrary};
 
 /// Separates description, id and name in a comment.
@@ -20,21 +20,7 @@ const USUAL_POINT_DEGREES: f64 = 118.0;
 /// a radius; the comment has description, id and name. LinuxCNC keeps 39 characters of it.
 pub fn linuxcnc_text(library: &ToolLibrary) -> String {
     let mut out = String::new();
-    let taken: Vec<u32> = library
-        .tools
-        .values()
-        .filter_map(|it| it.station.map(u32::from))
-        .collect();
-    let mut free = (1..).filter(|number: &u32| !taken.contains(number));
-    let mut written = Vec::new();
-    for (id, tool) in &library.tools {
-        // T numbers are unique in the table.
-        let station = tool
-            .station
-            .map(u32::from)
-            .filter(|it| !written.contains(it));
-        let number = station.or_else(|| free.next()).unwrap_or_default();
-        written.push(number);
+    for (number, id, tool) in numbered_tools(library) {
         let length = tool.length.unwrap_or_default();
         let (front, back) = edge_angles(&tool.tool);
         let diameter = match tool.tool.insert {

@@ -7,7 +7,7 @@ mod linuxcnc;
 
 use gsk_messages::Message;
 
-use crate::library::LibraryTool;
+use crate::library::{LibraryTool, ToolLibrary};
 
 pub use csv::{csv_text, read_csv};
 pub use freecad::{
@@ -22,6 +22,24 @@ pub struct ImportedTools {
     pub tools: Vec<(String, LibraryTool)>,
     /// What could not be read, and what is assumed.
     pub notes: Vec<Message>,
+}
+
+/// The tools with different T numbers: the station where it is free, else the next free number.
+fn numbered_tools(library: &ToolLibrary) -> Vec<(u32, &String, &LibraryTool)> {
+    let stations = library
+        .tools
+        .values()
+        .filter_map(|it| it.station.map(u32::from));
+    let stations: Vec<u32> = stations.collect();
+    let mut free = (1..).filter(|number: &u32| !stations.contains(number));
+    let mut taken = Vec::new();
+    let numbered = library.tools.iter().map(|(id, tool)| {
+        let station = tool.station.map(u32::from).filter(|it| !taken.contains(it));
+        let number = station.or_else(|| free.next()).unwrap_or_default();
+        taken.push(number);
+        (number, id, tool)
+    });
+    numbered.collect()
 }
 
 /// A number as tables write it: no digits that mean nothing.

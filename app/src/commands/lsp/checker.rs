@@ -100,7 +100,10 @@ fn analyse_job(control: &CheckedControl, job: &AnalysisJob, language: Language) 
         Ok(notices) => notices.0,
         Err(error) => return load_error_analysis(&error.message(), language),
     };
-    let foreign = control.mill.is_none().then(|| foreign_finding(&job.text, language));
+    let foreign = control
+        .mill
+        .is_none()
+        .then(|| foreign_finding(&job.text, language));
     let limit = WorkLimit::new(BUDGET);
     let mut should_continue =
         |progress: &_| limit.allows(progress) && job.is_wanted.load(Ordering::Relaxed);

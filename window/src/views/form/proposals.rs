@@ -43,7 +43,9 @@ impl FormPane {
         let list = list.width(PROPOSAL_WIDTH).show_ui(ui, |ui| {
             // The file is small, and read only while the list is open.
             let tools = tool_library::read().unwrap_or_default().tools;
-            let mut fitting = tools.into_iter().filter(|it| self.values.fits_tool(&it.1.tool));
+            let mut fitting = tools
+                .into_iter()
+                .filter(|it| self.values.fits_tool(&it.1.tool));
             let mut chosen = None;
             let mut is_empty = true;
             for (id, tool) in &mut fitting {

@@ -224,7 +224,9 @@ impl ToolLibraryList {
             .show(ui, |ui| {
                 let list = FocusList::begin(ui, "tools", &name, tools.len(), row);
                 for (index, (id, tool)) in tools.iter().enumerate() {
-                    let station = tool.station.map_or_else(String::new, |it| format!("T{it:02}  "));
+                    let station = tool
+                        .station
+                        .map_or_else(String::new, |it| format!("T{it:02}  "));
                     let kind = short_description(&tool.tool).text(language);
                     let text = format!("{station}{id}  {kind}  {}", tool.name);
                     let response = selectable_row(ui, row == Some(index), text);
@@ -264,7 +266,11 @@ impl ToolLibraryList {
                 let drag = ui.add(drag.speed(0.5));
                 let word = ui.label(say::tool_word_life().text(language));
                 drag.labelled_by(word.id);
-                let drag = ui.add(DragValue::new(&mut life.edges).range(1..=MAX_EDGES).speed(0.1));
+                let drag = ui.add(
+                    DragValue::new(&mut life.edges)
+                        .range(1..=MAX_EDGES)
+                        .speed(0.1),
+                );
                 let word = ui.label(say::tool_word_edges().text(language));
                 drag.labelled_by(word.id);
                 life.edge = life.edge.min(life.edges);
@@ -308,16 +314,24 @@ impl ToolLibraryList {
         let proposed = self.number.or(tool.station).or(free_number).unwrap_or(1);
         let (mut number, mut used) = (proposed, None);
         ui.horizontal_wrapped(|ui| {
-            let drag = DragValue::new(&mut number).range(1..=MAX_TOOL_NUMBER).prefix("T");
+            let drag = DragValue::new(&mut number)
+                .range(1..=MAX_TOOL_NUMBER)
+                .prefix("T");
             if ui.add(drag.speed(0.1)).changed() {
                 self.number = Some(number);
             }
-            if ui.button(say::tool_library_use(number).text(language)).clicked() {
+            if ui
+                .button(say::tool_library_use(number).text(language))
+                .clicked()
+            {
                 job.tools.insert(number, tool.tool.clone());
                 job.library.insert(number, id.to_owned());
                 used = Some(number);
             }
-            if ui.button(say::tool_library_remove().text(language)).clicked() {
+            if ui
+                .button(say::tool_library_remove().text(language))
+                .clicked()
+            {
                 let removed = tool_library::change(|library| {
                     library.tools.remove(id);
                     Ok(())
