@@ -22,6 +22,7 @@ const PACKAGES: [&str; 31] = [
     "transfer",
     "twins",
     "workpiece",
+    "tooling",
     "scene",
     "core",
     "milling",
