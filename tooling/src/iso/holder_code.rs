@@ -114,7 +114,7 @@ impl HolderCode {
         }
     }
 
-    /// Number of the imaginary tip, with the tool post behind the axis as on the offset page.
+    /// Number of the imaginary tip, as on the offset page with a rear tool post.
     pub const fn tip(&self) -> u8 {
         match (&self.holder, self.hand) {
             (Holder::Bar { .. }, HolderHand::Right) => 2,

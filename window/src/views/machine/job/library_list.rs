@@ -261,16 +261,15 @@ impl ToolLibraryList {
                 false => theme::STATE_TEXT,
             };
             ui.label(RichText::new(words).color(color));
-            ui.horizontal_wrapped(|ui| {
+            ui.horizontal(|ui| {
                 let drag = DragValue::new(&mut life.minutes).range(MINUTES_RANGE);
                 let drag = ui.add(drag.speed(0.5));
                 let word = ui.label(say::tool_word_life().text(language));
                 drag.labelled_by(word.id);
-                let drag = ui.add(
-                    DragValue::new(&mut life.edges)
-                        .range(1..=MAX_EDGES)
-                        .speed(0.1),
-                );
+            });
+            ui.horizontal(|ui| {
+                let drag = DragValue::new(&mut life.edges).range(1..=MAX_EDGES);
+                let drag = ui.add(drag.speed(0.1));
                 let word = ui.label(say::tool_word_edges().text(language));
                 drag.labelled_by(word.id);
                 life.edge = life.edge.min(life.edges);
