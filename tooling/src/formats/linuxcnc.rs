@@ -140,12 +140,10 @@ fn adjust_to_words(tool: &mut Tool, line: &TableLine) {
         Insert::Turning { nose, .. }
         | Insert::Grooving { nose, .. }
         | Insert::Threading { nose, .. }
-            if line.diameter > 0.0 =>
-        {
             // A round insert has its size instead.
-            if *nose > 0.0 {
-                *nose = line.diameter / 2.0;
-            }
+            if line.diameter > 0.0 && *nose > 0.0 =>
+        {
+            *nose = line.diameter / 2.0;
         }
         Insert::Drill { diameter, .. } if line.diameter > 0.0 => *diameter = line.diameter,
         _ => {}
