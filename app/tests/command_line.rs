@@ -9,6 +9,7 @@ mod lessons;
 mod load;
 mod mill;
 mod sheet_and_agent;
+mod tools;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;

@@ -278,6 +278,56 @@ fn tools_and_stock_can_be_changed_and_invalid_values_are_reported() {
 }
 
 #[test]
+fn a_tool_of_the_library_is_added_by_its_code_and_used() {
+    let folder = crate::common::folder::TempFolder::new("library-view");
+    gsk_host::files::tool_library::set_data_folder(&folder);
+    let mut bench = open_program(TEXT);
+    bench.click("Tools and stock");
+    assert!(wait_for_text(&mut bench, "Guessed from the program"));
+    bench.click("Tool library");
+    bench.run(10);
+    assert!(wait_for_text(&mut bench, "The tool library is empty"));
+    let code = "ISO code or dimensions";
+    let mut enter = |bench: &mut WindowBench, text: &str| {
+        let field = egui_kittest::kittest::By::new()
+            .role(egui::accesskit::Role::TextInput)
+            .label(code);
+        bench.harness.get(field).focus();
+        bench.run(1);
+        bench.harness.event(egui::Event::Text(text.to_owned()));
+        bench.run(2);
+        bench.click("Add");
+        bench.run(2);
+    };
+    enter(&mut bench, "CNMG 130408");
+    assert!(wait_for_text(&mut bench, "position 5 (edge length)"));
+    bench
+        .harness
+        .key_press_modifiers(Modifiers::COMMAND, egui::Key::A);
+    enter(&mut bench, "X");
+    let known = gsk_host::files::tool_library::read().expect("a library");
+    assert_eq!(known.tools.len(), 0);
+    gsk_host::files::tool_library::change(|library| {
+        let tool = gsk_tooling::LibraryTool::from_description("CNMG 120408 PCLNR 2020K12")?;
+        library.insert("rough", tool)
+    })
+    .expect("written");
+    let row = "rough  turning C 95° R0.8";
+    let found = (0..100).any(|_| {
+        bench.run(50);
+        bench.harness.query_by_label_contains(row).is_some()
+    });
+    assert!(found, "the file is read again");
+    bench.harness.get_by_label_contains(row).click();
+    bench.run(5);
+    let button = "Use as T0";
+    assert!(wait_for_text(&mut bench, button));
+    bench.harness.get_by_label_contains(button).click();
+    bench.run(5);
+    assert!(wait_for_text(&mut bench, "rough of the tool library"));
+}
+
+#[test]
 fn a_pass_of_a_cycle_is_explained_and_follows_changed_words() {
     let text = "O0007\nG50 X100 Z100\nT0101 M03 S800\nG00 X64 Z2\nG71 U3 R1\n\
         G71 P1 Q2 U0.5 F300\nN1 G00 X20\nG01 Z-30\nN2 X62\nG00 X100 Z100\nM30\n";

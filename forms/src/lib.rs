@@ -21,6 +21,7 @@ mod fields;
 mod form_table;
 mod job;
 mod kind;
+mod library_tool;
 mod proposal;
 mod section;
 mod shape_fields;

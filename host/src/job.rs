@@ -14,6 +14,7 @@ use gsk_workpiece::job::Job;
 
 use crate::files::atomic;
 use crate::files::program_file::{self, ProgramFileError};
+use crate::files::tool_library;
 use crate::output::{self, WriteError};
 use crate::platform;
 
@@ -135,12 +136,17 @@ pub fn job_path(program: &Path) -> PathBuf {
     program.with_extension("job.ron")
 }
 
-/// Reads a job file.
+/// Reads a job file, with the tools that it takes from the tool library.
 ///
 /// # Errors
 /// The file cannot be read, or breaks a rule.
 pub fn read(path: &Path) -> Result<Job, JobError> {
-    parse(path, &program_file::read(path)?.text)
+    let mut job = parse(path, &program_file::read(path)?.text)?;
+    tool_library::fill_in_tools(&mut job).map_err(|rule| JobError::BrokenRule {
+        path: path.to_owned(),
+        rule,
+    })?;
+    Ok(job)
 }
 
 /// Writes a job file. A file written by hand is kept under the next free name with a `~`,

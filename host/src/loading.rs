@@ -23,6 +23,7 @@ use crate::files::data_dir::DataDir;
 use crate::files::data_dir::DataDirError;
 use crate::files::program_file::{self, ProgramFile, ProgramFileError};
 use crate::files::subprograms::{self, FoundSubprogram, SubprogramCalls};
+use crate::files::tool_library;
 use crate::message_format::{describe_ladder_errors, join_lines};
 use crate::platform;
 use crate::retained;
@@ -181,6 +182,9 @@ pub fn command_setup(
 ) -> Result<Setup, LoadError> {
     args.refuse_mill()?;
     let mut setup = with_training_lathe(Setup::default(), args.machine.as_ref());
+    if let Some(path) = &args.data {
+        tool_library::set_data_folder(path);
+    }
     if let Some(path) = &args.data_folder() {
         let data = DataDir::open_read_only(path)?;
         Notices(retained::load(&data, &mut setup).complaints).print(language);

@@ -5,6 +5,7 @@ use gsk_messages::say;
 use crate::block::{ForeignBlock, ForeignWord, LinePiece};
 use crate::dialect::CodeSet;
 use crate::number::Number;
+use crate::o_words::is_o_keyword;
 use crate::porter::{Porter, Refusal};
 use crate::program_numbers::{has_m, whole};
 use crate::thread_cycles::shown_word;
@@ -135,10 +136,12 @@ impl Porter<'_> {
                 .map(LinePiece::written)
                 .collect();
             let shown: String = text.trim().chars().take(24).collect();
-            return Err(Refusal::new(
-                shown.to_ascii_uppercase(),
-                say::ported_note_macro(),
-            ));
+            let is_o_word = block.has(b'O') && is_o_keyword(block.pieces[formula].written());
+            let note = match is_o_word {
+                true => say::ported_note_o_word_refused(),
+                false => say::ported_note_macro(),
+            };
+            return Err(Refusal::new(shown.to_ascii_uppercase(), note));
         }
         let words: Vec<ForeignWord> = block.words().cloned().collect();
         for word in words.iter().filter(|word| word.number.is_none()) {

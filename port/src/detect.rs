@@ -3,6 +3,7 @@
 use crate::block::{ForeignBlock, ForeignWord, LinePiece};
 use crate::dialect::ForeignDialect;
 use crate::number::Number;
+use crate::o_words::is_o_keyword;
 use crate::program_numbers::{has_m, whole};
 use crate::source::read_source;
 
@@ -85,6 +86,10 @@ impl DialectMarks {
             LinePiece::Formula(text) if text.trim() != "*" => Some(text.trim()),
             LinePiece::Formula(_) | LinePiece::Word(_) | LinePiece::Text(_) => None,
         });
+        if let Some(keyword) = formula.filter(|text| block.has(b'O') && is_o_keyword(text)) {
+            self.linuxcnc = true;
+            self.take_foreign(block.line, keyword.chars().take(24).collect());
+        }
         if let Some(formula) = formula.filter(|text| text.contains(['#', '=', '[', '<'])) {
             self.linuxcnc |= formula.contains('<');
             self.take_foreign(block.line, formula.chars().take(24).collect());

@@ -6,6 +6,7 @@ use crate::block::ForeignBlock;
 use crate::motion::length_word;
 use crate::number::{UNIT, round_to, write_feed, write_number};
 use crate::porter::{Porter, Refusal};
+use crate::state::ActiveCode;
 
 /// Greatest number of pecks into which a hole is divided.
 const MAX_PECKS: i64 = 200;
@@ -73,6 +74,28 @@ impl Porter<'_> {
         }
         block.after.extend(lines);
         self.state.axes[1].move_to(back);
+        Ok(())
+    }
+
+    /// Converts G33.1, which taps and returns as G33 of this control does.
+    pub fn convert_rigid_tap(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
+        let refuse = || Refusal::new("G33.1", say::ported_note_drill_words());
+        let words = block.number(b'Z').zip(block.number(b'K'));
+        let (bottom, lead) = words.ok_or_else(refuse)?;
+        if self.state.is_incremental || block.has_any(b"XUW") {
+            return Err(refuse());
+        }
+        let bottom = round_to(self.state.length(bottom), 3);
+        let lead = self.state.to_metric(lead.micro);
+        block.remove_g(&[331]);
+        block.remove(b"ZK");
+        let (z, feed) = (length_word(b'Z', bottom), write_feed(lead, 5));
+        block.append(&format!("G33 {z} F{feed}"));
+        let direction = self.state.machine.spindle.unwrap_or(30) / 10;
+        block.after.push(format!("M{direction:02}"));
+        block.after.push("G00".to_owned());
+        self.state.active = ActiveCode::Rapid;
+        self.note(block.line, "G33.1", say::ported_note_rigid_tap());
         Ok(())
     }
 

@@ -26,6 +26,7 @@ mod machine_codes;
 mod motion;
 mod needs;
 mod number;
+mod o_words;
 mod porter;
 mod program_numbers;
 mod single_codes;

@@ -5,6 +5,7 @@ use gsk_messages::{Message, say};
 use crate::block::{ForeignBlock, LinePiece};
 use crate::dialect::{ForeignDialect, PlainNumbers, PortFinding, PortOptions};
 use crate::number::write_number;
+use crate::o_words::replace_o_words;
 use crate::program_numbers::{ProgramNumbers, find_code_set, whole};
 use crate::source::{SourcePart, read_source, without_brackets};
 use crate::state::{ActiveCode, ForeignState};
@@ -51,7 +52,11 @@ impl Refusal {
 /// Ports a foreign program. Words of a block without an equivalent stay in a comment after a
 /// command that stops the program with alarm 500.
 pub fn port_program(text: &str, dialect: ForeignDialect, options: PortOptions) -> PortedProgram {
-    let parts = read_source(text, dialect.has_semicolon_comments());
+    let mut parts = read_source(text, dialect.has_semicolon_comments());
+    let replaced = match dialect {
+        ForeignDialect::LinuxCnc => replace_o_words(&mut parts),
+        _ => Vec::new(),
+    };
     let plain = options
         .plain_numbers
         .unwrap_or(match dialect.counts_increments() {
@@ -67,6 +72,9 @@ pub fn port_program(text: &str, dialect: ForeignDialect, options: PortOptions) -
         findings: Vec::new(),
         parts: &parts,
     };
+    for (line, word) in replaced {
+        porter.note(line, word, say::ported_note_o_word());
+    }
     let mut text = String::with_capacity(text.len() * 2);
     let mut source_lines = Vec::new();
     for (index, part) in parts.iter().enumerate() {
@@ -199,6 +207,7 @@ impl Porter<'_> {
             Some(CodeRule::Peck) => self.convert_peck(block),
             Some(CodeRule::ManyPassThread) => self.convert_thread_cycle(block),
             Some(CodeRule::Macro) => self.convert_macro(block),
+            Some(CodeRule::RigidTap) => self.convert_rigid_tap(block),
             _ => match self.state.active {
                 ActiveCode::Rapid | ActiveCode::Line | ActiveCode::Arc => {
                     self.convert_motion(block, index)
@@ -381,6 +390,7 @@ const fn is_group_00(rule: CodeRule) -> bool {
             | CodeRule::Peck
             | CodeRule::ManyPassThread
             | CodeRule::Macro
+            | CodeRule::RigidTap
     )
 }
 

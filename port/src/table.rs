@@ -54,6 +54,8 @@ pub(crate) enum CodeRule {
     SetCoordinates,
     /// The code cuts a thread in one pass.
     Thread,
+    /// Taps a thread on the axis and returns (G33.1).
+    RigidTap,
     /// The code cuts a thread with a variable lead.
     VariableThread,
     /// A roughing cycle along a profile (G71–G73).
@@ -170,6 +172,7 @@ pub(crate) static CODES: &[ForeignCodeRow] = &[
     row(b'G', &[310, 360, 370, 382, 383], ALL, CodeRule::Refuse, "", Some(say::ported_note_probe)),
     row(b'G', &[320], LATHE, CodeRule::Thread, "G32", Some(say::ported_note_lead)),
     row(b'G', &[330], NOT_A, CodeRule::Thread, "G32", Some(say::ported_note_thread_number)),
+    row(b'G', &[331], &[LinuxCnc], CodeRule::RigidTap, "G33", Some(say::ported_note_rigid_tap)),
     row(b'G', &[340], LATHE, CodeRule::VariableThread, "G34 R_", Some(say::ported_note_variable_lead)),
     row(b'G', &[400, 410, 420], ALL, CodeRule::Compensation, "G40 G41 G42", Some(say::ported_note_compensation)),
     row(b'G', &[430, 490], ALL, CodeRule::Remove, "", Some(say::ported_note_tool_length)),
@@ -272,7 +275,8 @@ pub(crate) static WORDS: &[WordRow] = &[
     ),
     word("T1 T101", "T0101", say::ported_note_tool),
     word("; //", "( )", say::ported_note_comment),
-    word("#100 IF GOTO WHILE o100", REFUSED, say::ported_note_macro),
+    word("#100 IF GOTO WHILE", REFUSED, say::ported_note_macro),
+    word("o100 sub call repeat", "M98 P_", say::ported_note_o_word),
     word("A", "X_ Z_", say::ported_note_angle),
     word("Y0 D1 H1", "", say::ported_note_no_effect),
     word("B C V Y", REFUSED, say::ported_note_axis),

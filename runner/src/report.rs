@@ -12,6 +12,7 @@ mod program_check;
 mod report_text;
 mod run_end;
 mod time_report;
+mod tool_life_report;
 
 use std::collections::BTreeMap;
 
@@ -31,6 +32,7 @@ pub use part_report::{CollisionReport, PartReport, feature_message};
 pub use program_check::check_program;
 pub use run_end::RunEnd;
 pub use time_report::{TimeReport, ToolTimeReport};
+pub use tool_life_report::ToolLifeLimit;
 
 use self::lint_levels::{LintLevel, LintLevels};
 use crate::move_output::diameter_z;

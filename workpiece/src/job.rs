@@ -26,6 +26,10 @@ pub struct Job {
     /// The tools by tool number, the first two digits of the T word.
     #[serde(default)]
     pub tools: BTreeMap<u8, Tool>,
+    /// Ids in the tool library by tool number. A tool of the library replaces the one in `tools`,
+    /// which is used where the library lacks it.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub library: BTreeMap<u8, String>,
     /// Machine coordinates of the slide when the tip of a tool of length 0 is at the zero of
     /// the part. With `None` the work zero of the control is used.
     #[serde(default)]
@@ -68,6 +72,7 @@ impl Job {
         Self {
             stock,
             tools: BTreeMap::new(),
+            library: BTreeMap::new(),
             zero: None,
             lengths: BTreeMap::new(),
         }

@@ -18,6 +18,12 @@ pub struct FormArgs {
     /// Set speed, feed and depth to starting values for this material of `load materials`, before --set
     #[arg(long, value_name = "MATERIAL", requires = "name")]
     pub material: Option<String>,
+    /// Take the tool from the tool library: T number, nose radius, width or diameter, before --set
+    #[arg(long, value_name = "ID", requires = "name")]
+    pub tool: Option<String>,
+    /// The data folder with the tool library [default: the one of the window]
+    #[arg(long, value_name = "DIR", requires = "tool")]
+    pub data: Option<PathBuf>,
     /// Write a program into this file, and stock and tool beside it (shaft.CNC: shaft.job.ron) [default: print the program]
     #[arg(short, long, value_name = "FILE", requires = "name")]
     pub output: Option<PathBuf>,

@@ -29,6 +29,7 @@ mod run;
 mod run_debug;
 mod run_restart;
 mod sheet;
+mod tools;
 mod transfer;
 
 use std::path::PathBuf;
@@ -80,6 +81,10 @@ pub use run::RunArgs;
 pub use run_debug::RunDebugArgs;
 pub use run_restart::RunRestartArgs;
 pub use sheet::SheetArgs;
+pub use tools::{
+    ToolsAddArgs, ToolsCommand, ToolsCountArgs, ToolsDataArgs, ToolsFileArgs, ToolsLifeArgs,
+    ToolsListArgs, ToolsShowArgs,
+};
 pub use transfer::{
     ExistingFile, SerialArgs, TextEnd, TransferArgs, TransferBackupArgs, TransferCommand,
     TransferControlArgs, TransferDeleteArgs, TransferListArgs, TransferPortArgs,
@@ -231,6 +236,12 @@ pub enum CliCommand {
     /// `check --load` computes the load of the cuts of a program. docs/load.md describes both.
     #[command(subcommand)]
     Load(LoadCommand),
+    /// The tool library: tools by their ISO codes, tables of other programs, life of the edges
+    ///
+    /// A job file names its tools, the forms take their tool from it, and the window shows it
+    /// in *Tools and stock*. docs/tool-library.md describes it.
+    #[command(subcommand)]
+    Tools(ToolsCommand),
     /// Write the program that turns the outline of a drawing (DXF or SVG)
     ///
     /// Reads the outline above the axis from its right end to its left end, joins its lines and

@@ -6,6 +6,7 @@ use std::path::Path;
 use gsk_core::command::ExecutedMove;
 use gsk_core::preview::{Lint, PreviewProgress};
 use gsk_core::setup::Setup;
+use gsk_host::files::tool_library;
 use gsk_host::job::{self, write_section};
 use gsk_host::loading;
 use gsk_messages::Language;
@@ -86,6 +87,8 @@ fn check_file(
         let is_guessed = job_choice.file.is_none();
         report.add_load(&loads.summary, limits, job, is_guessed, language);
     }
+    let lives = tool_library::life_limits(&job_choice.job);
+    report.add_tool_lives(&machining, &lives, language);
     if args.part.is_requested() {
         report.part = Some(PartReport::new(
             &machining,

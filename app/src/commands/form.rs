@@ -8,10 +8,13 @@ use gsk_forms::{
 };
 use gsk_host::files::overwrite_guard::{CommandInputs, check_overwrites};
 use gsk_host::files::program_file;
+use gsk_host::files::tool_library;
 use gsk_host::job;
 use gsk_messages::{Language, Message, say};
 use gsk_runner::report;
+use gsk_tooling::LibraryTool;
 use gsk_workpiece::cutting::CuttingMaterial;
+use gsk_workpiece::job::Job;
 
 use super::{CommandError, EXIT_ALARM, EXIT_OK, output};
 use crate::cli::FormArgs;
@@ -30,7 +33,7 @@ pub fn form(args: &FormArgs, language: Option<Language>) -> Result<u8, CommandEr
         output::print(&list(language));
         return Ok(EXIT_OK);
     };
-    let values = fill_in(form, args.material.as_deref(), &args.values)?;
+    let values = fill_in(form, args)?;
     if args.fields {
         output::print(&fields(&values, language));
         return Ok(EXIT_OK);
@@ -40,19 +43,23 @@ pub fn form(args: &FormArgs, language: Option<Language>) -> Result<u8, CommandEr
     match &args.output {
         None if args.blocks => output::print(&section),
         None => output::print(&program),
-        Some(path) => write(path, &program, &values)?,
+        Some(path) => write(
+            path,
+            &program,
+            &form_job_with_tool(&values, args.tool.as_deref())?,
+        )?,
     }
     Ok(EXIT_OK)
 }
 
-/// The form with starting values for a material and the values of the options.
-fn fill_in(
-    form: FormKind,
-    material: Option<&str>,
-    options: &[String],
-) -> Result<FormValues, CommandError> {
+/// The form with starting values for a material, a tool of the library and the values of the
+/// options.
+fn fill_in(form: FormKind, args: &FormArgs) -> Result<FormValues, CommandError> {
     let mut values = FormValues::new(form);
-    if let Some(name) = material {
+    if let Some(path) = &args.data {
+        tool_library::set_data_folder(path);
+    }
+    if let Some(name) = &args.material {
         let material = CuttingMaterial::from_name(name);
         let material = material.ok_or_else(|| say::stock_unknown_grade(name))?;
         let proposed = values.propose(&material);
@@ -60,7 +67,13 @@ fn fill_in(
             return Err(say::form_no_proposal(material.name).into());
         }
     }
-    for option in options {
+    if let Some(id) = &args.tool {
+        let tool = library_tool(id)?;
+        if !values.take_tool(&tool.tool, tool.station) {
+            return Err(say::tool_unusable_by_form(id).into());
+        }
+    }
+    for option in &args.values {
         let pair = option.split_once('=');
         let (id, text) = pair.ok_or_else(|| say::form_word_unreadable(option))?;
         values
@@ -70,12 +83,27 @@ fn fill_in(
     Ok(values)
 }
 
+fn library_tool(id: &str) -> Result<LibraryTool, Message> {
+    let known = tool_library::read()?.tools.remove(id);
+    known.ok_or_else(|| say::tool_not_in_library(id))
+}
+
+/// Stock and tool of the form; the tool is that of the library if the form takes one from it.
+fn form_job_with_tool(values: &FormValues, id: Option<&str>) -> Result<Job, Message> {
+    let mut job = form_job(values);
+    if let (Some(id), Some(number)) = (id, job.tools.keys().next().copied()) {
+        job.tools.insert(number, library_tool(id)?.tool);
+        job.library.insert(number, id.to_owned());
+    }
+    Ok(job)
+}
+
 /// Writes the program, and the job with stock and tool beside it.
-fn write(path: &Path, program: &str, values: &FormValues) -> Result<(), CommandError> {
+fn write(path: &Path, program: &str, form_job: &Job) -> Result<(), CommandError> {
     let job_path = job::job_path(path);
     check_overwrites(&CommandInputs::default(), &[path, &job_path])?;
     output::reserve_file(path)?.write(program.as_bytes())?;
-    job::write(&job_path, &form_job(values))?;
+    job::write(&job_path, form_job)?;
     Ok(())
 }
 

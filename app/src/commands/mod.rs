@@ -29,6 +29,7 @@ mod run;
 mod screen;
 mod sheet;
 mod tables;
+mod tools;
 mod transfer;
 pub mod window;
 
@@ -96,6 +97,7 @@ pub fn run_command_line(cli: CommandLine) -> ExitCode {
         Some(CliCommand::Dialect(args)) => dialect::dialect(&args, language),
         Some(CliCommand::Form(args)) => form::form(&args, language),
         Some(CliCommand::Load(command)) => load::load(&command, language),
+        Some(CliCommand::Tools(command)) => tools::tools(&command, language),
         Some(CliCommand::Outline(args)) => outline::outline(&args, language),
         Some(CliCommand::Operate(args)) => operate::operate(&args, language),
         Some(CliCommand::Lesson(command)) => lesson::lesson(&command, language),

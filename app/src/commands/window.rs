@@ -8,6 +8,7 @@ use gsk_core::setup::Setup;
 use gsk_host::files::data_dir::{self, DataDir, DataDirError};
 use gsk_host::files::exams::ExamFolder;
 use gsk_host::files::models;
+use gsk_host::files::tool_library;
 use gsk_host::flight::{self, FlightRecorder, RecordingTarget};
 use gsk_host::kernel::{BoardConnection, Kernel, Notice};
 use gsk_host::loading::LoadError;
@@ -74,6 +75,7 @@ pub fn open(
             Err(error) => return Ok(report_refusal(&error, message_language)),
         },
     };
+    tool_library::set_data_folder(&path);
     let requested_model = args.model;
     let is_new = !platform::is_taken(&path.join("window.ron"));
     let model = requested_model.unwrap_or_else(|| models::read_selected_model(&path));

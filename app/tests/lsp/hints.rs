@@ -64,16 +64,63 @@ fn quick_fixes_correct_a_program() {
     editor.open("main.CNC", FAULTY);
     let found = editor.wait_for_diagnostics("main.CNC", 1);
     let codes: Vec<&Value> = found.iter().map(|it| &it["code"]).collect();
-    assert_eq!(codes, ["010", "ignored-word", "short-dwell"], "{found:?}");
+    let expected = ["010", "ignored-word", "short-dwell", "foreign-program"];
+    assert_eq!(codes, expected, "{found:?}");
     assert_eq!(apply_action(&mut editor, 2, 2), "Delete G21");
     let found = editor.wait_for_diagnostics("main.CNC", 2);
     let codes: Vec<&Value> = found.iter().map(|it| &it["code"]).collect();
-    assert_eq!(codes, ["ignored-word", "short-dwell"], "{found:?}");
+    let expected = ["ignored-word", "short-dwell", "foreign-program"];
+    assert_eq!(codes, expected, "L of M98 is foreign: {found:?}");
     assert_eq!(found[0]["tags"], json!([1]), "text without effect is faded");
     assert_eq!(apply_action(&mut editor, 3, 3), "Write P30031");
     assert_eq!(editor.wait_for_diagnostics("main.CNC", 3).len(), 1);
     assert_eq!(apply_action(&mut editor, 4, 4), "Write P5000");
     assert!(editor.wait_for_diagnostics("main.CNC", 4).is_empty());
+    assert_eq!(editor.shut_down(), Some(0));
+}
+
+#[test]
+fn a_program_of_another_control_is_ported_by_an_action() {
+    let mut editor = LspEditor::start("port", &["--lang", "en"], &capabilities());
+    let text = "O0001\nG99 M03 S500 T0101\nG00 X52. Z2.\nG71 P10 Q20 U0.4 W0.1 D2000 F0.2\n\
+                N10 G00 X30.\nG01 Z-20.\nN20 X50.\nG00 X90. Z50.\nM30\n";
+    editor.open("main.CNC", text);
+    let found = editor.wait_for_diagnostics("main.CNC", 1);
+    let foreign = found.iter().find(|it| it["code"] == "foreign-program");
+    let foreign = foreign.unwrap_or_else(|| panic!("{found:?}"));
+    assert_eq!(foreign["range"]["start"]["line"], 3, "{foreign}");
+    let params = json!({
+        "textDocument": { "uri": editor.uri("main.CNC") },
+        "range": range((3, 0), (3, 5)),
+        "context": { "diagnostics": [] },
+    });
+    let actions = editor
+        .request("textDocument/codeAction", params)
+        .expect("actions");
+    let port = actions.as_array().and_then(|all| {
+        let is_port = |it: &&Value| {
+            it["title"]
+                .as_str()
+                .is_some_and(|it| it.starts_with("Port"))
+        };
+        all.iter().find(is_port)
+    });
+    let port = port.unwrap_or_else(|| panic!("{actions}"));
+    let edit = &port["edit"]["changes"][editor.uri("main.CNC")][0];
+    assert_eq!(edit["range"]["start"], json!({ "line": 0, "character": 0 }));
+    let ported = edit["newText"].as_str().expect("a text");
+    assert!(
+        ported.contains("G71 U2. R0.5\nG71 P10 Q20 U0.4 W0.1 F0.2"),
+        "{ported}"
+    );
+    let change = json!({
+        "textDocument": { "uri": editor.uri("main.CNC"), "version": 2 },
+        "contentChanges": [{ "text": ported }],
+    });
+    editor.notify("textDocument/didChange", change);
+    let found = editor.wait_for_diagnostics("main.CNC", 2);
+    let is_foreign = |it: &Value| it["code"] == "foreign-program";
+    assert!(!found.iter().any(is_foreign), "{found:?}");
     assert_eq!(editor.shut_down(), Some(0));
 }
 

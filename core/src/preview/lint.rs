@@ -47,6 +47,8 @@ pub enum Lint {
     InsertFeed,
     /// A boring bar or the stock protrudes far for its diameter.
     LongOverhang,
+    /// A tool of the library cuts longer than its edge still lasts.
+    ToolLife,
     /// On a mill: a word that no code of its block uses.
     MillWord,
     /// On a mill: an M code whose effect only the ladder knows.
@@ -55,7 +57,7 @@ pub enum Lint {
 
 impl Lint {
     /// All kinds in the order of their codes.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 24] = [
         Self::SlowFeed,
         Self::SpindleStopped,
         Self::NoOffset,
@@ -77,6 +79,7 @@ impl Lint {
         Self::InsertEdge,
         Self::InsertFeed,
         Self::LongOverhang,
+        Self::ToolLife,
         Self::MillWord,
         Self::LadderCode,
     ];
@@ -105,6 +108,7 @@ impl Lint {
             Self::InsertEdge => ("W23", "insert-edge"),
             Self::InsertFeed => ("W24", "insert-feed"),
             Self::LongOverhang => ("W25", "long-overhang"),
+            Self::ToolLife => ("W26", "tool-life"),
             Self::MillWord => ("W31", "word-without-effect"),
             Self::LadderCode => ("W32", "ladder-code"),
         }
@@ -144,6 +148,7 @@ impl Lint {
             Self::InsertEdge => say::lint_insert_edge(),
             Self::InsertFeed => say::lint_insert_feed(),
             Self::LongOverhang => say::lint_long_overhang(),
+            Self::ToolLife => say::lint_tool_life(),
             Self::MillWord => say::lint_mill_word(),
             Self::LadderCode => say::lint_ladder_code(),
         }

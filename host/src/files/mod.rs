@@ -16,3 +16,5 @@ pub mod pitch;
 pub mod program_file;
 pub mod subprograms;
 pub mod time;
+pub mod tool_library;
+pub mod tool_tables;

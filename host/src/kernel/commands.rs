@@ -176,6 +176,7 @@ impl Kernel {
         if self.is_job_of_restored_part(chosen.as_ref()) {
             return;
         }
+        self.report_tool_minutes();
         let part = match &mut self.lesson {
             Some(lesson) => lesson.own_part(),
             None => &mut self.part,

@@ -44,6 +44,7 @@ use super::program::breakpoints::{BreakpointCommand, BreakpointHalt};
 use super::program::start::StartDistance;
 use super::program::wait::ProgramWait;
 use super::timeline::{PastMoment, TimelineCommand, TimelineView};
+use crate::files::tool_library::ToolMinutes;
 use crate::input_watch::InputWatch;
 use crate::job::SelectedJob;
 use crate::kernel::pace::RunSpeed;
@@ -254,6 +255,8 @@ pub enum Notice {
     Message(Message),
     /// A tool has collided; the message describes the collision.
     Collided(Message),
+    /// Tools of the tool library have cut: the window adds the minutes to their lives.
+    ToolsHaveCut(Vec<ToolMinutes>),
     /// New stock was clamped, so that earlier collisions are obsolete.
     FreshStock,
     /// The control has refused a request with this alarm.

@@ -85,6 +85,8 @@ pub const SNAPSHOT_TICKS: u64 = 25;
 const MACHINE_VIEW_TICKS: u64 = 50;
 /// Ticks of 1 ms between two checks of the bits of the PLC: a slot of the ladder.
 const BIT_LOG_TICKS: u64 = 8;
+/// Ticks between two reports of the time in the material of the tools.
+const TOOL_LIFE_TICKS: u64 = 10_000;
 /// Time without a turn after which a handwheel counts as at rest.
 const WHEEL_REST_TIME: Duration = Duration::from_millis(300);
 /// Capacity of the command queue and of the notice queue, entries.
@@ -349,8 +351,19 @@ impl Kernel {
         if let Some(probing) = &mut self.active_probe {
             probing.take_sample(self.tick, &self.emulator);
         }
+        if self.tick.is_multiple_of(TOOL_LIFE_TICKS) {
+            self.report_tool_minutes();
+        }
         self.follow_exercise();
         self.follow_with_recorders();
+    }
+
+    /// Reports the time in the material of tools from the tool library.
+    pub(super) fn report_tool_minutes(&mut self) {
+        let spent = self.part.take_tool_minutes();
+        if !spent.is_empty() {
+            self.notify(Notice::ToolsHaveCut(spent));
+        }
     }
 
     /// Cuts the part after a tick of the machine, before anything else changes the machine: a

@@ -1,6 +1,7 @@
 //! The part in the simulated lathe: the slides cut it as they move, whether a view shows it
 //! or not. A collision may stop the lathe.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -18,6 +19,7 @@ use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
 use gsk_workpiece::tool::Tool;
 
+use crate::files::tool_library::ToolMinutes;
 use crate::job::SelectedJob;
 
 /// The part and the lathe around it at one moment.
@@ -123,6 +125,8 @@ pub(super) struct KernelPart {
     /// Version of the part from which `section` was made; `None` before the first one.
     shown_version: Option<u64>,
     last: Option<Arc<PartView>>,
+    /// Seconds in the material by tool that were taken for the lives of the tools.
+    counted_s: BTreeMap<u8, f64>,
     views: Arc<ArrayQueue<Arc<PartView>>>,
 }
 
@@ -138,6 +142,7 @@ impl KernelPart {
             crash: None,
             shown_version: None,
             last: None,
+            counted_s: BTreeMap::new(),
             views,
         }
     }
@@ -175,8 +180,40 @@ impl KernelPart {
         self.inputs.clear();
         self.crash = (state.machining()).and_then(|it| it.findings().last().copied());
         self.state = state;
+        self.counted_s = self.cutting_s();
         self.shown_version = None;
         self.force_publish();
+    }
+
+    /// Seconds in the material by tool since the job was set.
+    fn cutting_s(&self) -> BTreeMap<u8, f64> {
+        let machining = self.state.machining();
+        let cutting = machining.iter().flat_map(|it| it.cutting());
+        cutting
+            .map(|(tool, cutting)| (*tool, cutting.seconds))
+            .collect()
+    }
+
+    /// Takes the minutes in the material of the tools from the tool library since the last call.
+    pub(super) fn take_tool_minutes(&mut self) -> Vec<ToolMinutes> {
+        let library = &self.state.job().library;
+        if library.is_empty() {
+            return Vec::new();
+        }
+        let now = self.cutting_s();
+        let before = &self.counted_s;
+        let spent = library.iter().filter_map(|(number, id)| {
+            let counted = before.get(number).copied().unwrap_or_default();
+            let seconds = now.get(number)? - counted;
+            (seconds > 0.0).then(|| ToolMinutes {
+                number: *number,
+                id: id.clone(),
+                minutes: seconds / 60.0,
+            })
+        });
+        let spent = spent.collect();
+        self.counted_s = now;
+        spent
     }
 
     /// Makes the next call of [`Self::publish`] publish even an unchanged part.
@@ -188,6 +225,7 @@ impl KernelPart {
     pub(super) fn set_job(&mut self, chosen: Option<SelectedJob>) {
         self.shown_version = None;
         self.last = None;
+        self.counted_s.clear();
         self.apply(PartInput::Job(chosen.map(|chosen| {
             let name = chosen.file.as_deref().and_then(Path::file_name);
             Box::new(NamedJob {
@@ -349,5 +387,42 @@ mod tests {
         assert_eq!(fittings.steady_rest, Some(120.0));
         assert_eq!(fittings.construction, Some(LatheConstruction::Bench));
         assert_eq!(fittings.wheel_detents, -7);
+    }
+
+    #[test]
+    fn time_in_the_material_counts_for_tools_of_the_library() {
+        let mut setup = Setup::default();
+        let text = "O0001\nG50 X60 Z20\nM03 S500\nT0101\nG00 X38 Z2\nG01 Z-20 F600\nG00 X60\nM30\n";
+        let number = setup.memory.programs.store(text).unwrap();
+        setup.memory.programs.select(ProgramId::Stored(number));
+        let mut emulator = Emulator::new(setup);
+        let mut part = KernelPart::new(Arc::new(ArrayQueue::new(1)));
+        let mut job = Job::new(gsk_workpiece::stock::Stock::bar(40.0, 0.0, 60.0));
+        job.tools.insert(1, Tool::turning());
+        job.library.insert(1, "rough".to_owned());
+        part.set_job(Some(SelectedJob { job, file: None }));
+        let mut follow = |emulator: &mut Emulator, ticks: u32| {
+            for _ in 0..ticks {
+                emulator.tick();
+                part.after_tick(emulator, true);
+            }
+            part.take_tool_minutes()
+        };
+        assert_eq!(follow(&mut emulator, 5000), []);
+        emulator.press(Key::Auto);
+        follow(&mut emulator, 100);
+        emulator.press(Key::CycleStart);
+        let spent = follow(&mut emulator, 15_000);
+        // 20 mm at 600 mm/min from the face of the bar, and the end of the deceleration.
+        let [
+            ToolMinutes {
+                number: 1, minutes, ..
+            },
+        ] = spent.as_slice()
+        else {
+            panic!("{spent:?}");
+        };
+        assert!((1.9..2.5).contains(&(minutes * 60.0)), "{minutes}");
+        assert_eq!(follow(&mut emulator, 1000), [], "counted once");
     }
 }

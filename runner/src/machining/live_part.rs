@@ -4,7 +4,7 @@ use gsk_core::cnc::Event;
 use gsk_core::command::{ProgramId, SequenceNumber, SourcePosition};
 use gsk_core::operation::RunState;
 use gsk_core::simulation::Simulation;
-use gsk_core::units::Point;
+use gsk_core::units::{Point, TICK_S};
 use gsk_workpiece::motion::{MotionKind, ToolMotion};
 use gsk_workpiece::tool::Tool;
 
@@ -236,8 +236,9 @@ impl LivePart {
             turning: piece.conditions.turning,
             by_hand: piece.conditions.source.is_none(),
         };
-        self.machining
-            .move_tool(piece.conditions.source, piece.conditions.tool, &motion);
+        let MotionConditions { source, tool, .. } = piece.conditions;
+        let seconds = f64::from(piece.ticks) * TICK_S;
+        self.machining.move_tool(source, tool, &motion, seconds);
     }
 }
 

@@ -19,7 +19,7 @@ use gsk_core::command::{ExecutedMove, SourcePosition};
 use gsk_workpiece::collision::Collision;
 use gsk_workpiece::cutting::CuttingMaterial;
 use gsk_workpiece::job::Job;
-use gsk_workpiece::motion::ToolMotion;
+use gsk_workpiece::motion::{MotionKind, ToolMotion};
 use gsk_workpiece::region::Region;
 use gsk_workpiece::scene::{LatheScene, MotionEffect, SceneTool};
 use gsk_workpiece::tool::{Insert, ToolShape};
@@ -47,6 +47,15 @@ pub struct CollisionFinding {
     pub collision: Collision,
 }
 
+/// The time in the material of a tool: feeds that remove material, and threads.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ToolCutting {
+    /// Machine time, s.
+    pub seconds: f64,
+    /// The block of its first cut; `None` in manual operation.
+    pub first_block: Option<SourcePosition>,
+}
+
 /// The part of a job that is being machined, move by move.
 #[derive(Clone, Debug)]
 pub struct Machining {
@@ -57,6 +66,8 @@ pub struct Machining {
     /// Volume of the parted-off pieces, mm³.
     parted_volume_mm3: f64,
     findings: Vec<CollisionFinding>,
+    /// What each tool has cut.
+    cutting: BTreeMap<u8, ToolCutting>,
 }
 
 impl Machining {
@@ -73,6 +84,7 @@ impl Machining {
             cutters,
             parted_volume_mm3: 0.0,
             findings: Vec::new(),
+            cutting: BTreeMap::new(),
             job,
         }
     }
@@ -90,6 +102,11 @@ impl Machining {
     /// Returns the volume that cuts have removed, mm³, without the parted-off pieces.
     pub fn removed_volume(&self) -> f64 {
         self.job.stock.section().volume() - self.scene.part().volume() - self.parted_volume_mm3
+    }
+
+    /// Returns the time in the material by tool, over all pieces of stock.
+    pub const fn cutting(&self) -> &BTreeMap<u8, ToolCutting> {
+        &self.cutting
     }
 
     /// The collisions in the order of their detection, each kind once per block and tool.
@@ -115,7 +132,7 @@ impl Machining {
     pub fn execute_move(&mut self, executed: &ExecutedMove, rates: RapidRates) {
         let tool = executed.conditions.tool;
         for motion in self.track.tip_motions(executed, rates) {
-            self.move_tool(Some(executed.source), tool, &motion);
+            self.move_tool(Some(executed.source), tool, &motion, executed.duration_s);
         }
     }
 
@@ -136,18 +153,34 @@ impl Machining {
                 let chips = |feed_mm| self.scene.chip_samples(cutter, &motion, feed_mm);
                 load = MoveLoad::new(executed, tool, material, &motion, chips);
             }
-            self.move_tool(Some(executed.source), number, &motion);
+            self.move_tool(Some(executed.source), number, &motion, executed.duration_s);
         }
         load
     }
 
     /// Moves a tool relative to the part: cuts the part, and stores a collision with the block
-    /// `source`; `None` in manual operation.
-    fn move_tool(&mut self, source: Option<SourcePosition>, tool: u8, motion: &ToolMotion) {
+    /// `source`; `None` in manual operation. The motion takes `seconds`.
+    fn move_tool(
+        &mut self,
+        source: Option<SourcePosition>,
+        tool: u8,
+        motion: &ToolMotion,
+        seconds: f64,
+    ) {
         let Some(cutter) = self.cutters.get(&tool) else {
             return;
         };
         let MotionEffect { removed, collision } = self.scene.move_tool(cutter, motion);
+        let is_cutting = match motion.kind {
+            MotionKind::Rapid => false,
+            MotionKind::Thread(_) => true,
+            MotionKind::Line | MotionKind::Arc { .. } => removed.area > 0.0,
+        };
+        if is_cutting && motion.turning {
+            let cutting = self.cutting.entry(tool).or_default();
+            cutting.seconds += seconds;
+            cutting.first_block = cutting.first_block.or(source);
+        }
         if let Some(collision) = collision {
             self.add_finding(CollisionFinding {
                 source,

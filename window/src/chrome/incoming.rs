@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use egui::{Context, Ui};
 use gsk_core::command::ProgramId;
 use gsk_core::operation::RunState;
+use gsk_host::files::tool_library;
 use gsk_host::kernel::{Notice, PanelSnapshot};
 use gsk_host::platform;
 
@@ -76,6 +77,15 @@ impl Window {
         match notice {
             Notice::Message(text) => self.message = Some(StatusMessage::Text(text)),
             Notice::Collided(what) => self.message = Some(StatusMessage::Collided(what)),
+            Notice::ToolsHaveCut(spent) => {
+                let text = match tool_library::add_minutes(&spent) {
+                    Ok(worn) => worn.into_iter().next(),
+                    Err(why) => Some(why),
+                };
+                if let Some(text) = text {
+                    self.message = Some(StatusMessage::Text(text));
+                }
+            }
             Notice::FreshStock => {
                 self.message
                     .take_if(|message| matches!(message, StatusMessage::Collided(_)));

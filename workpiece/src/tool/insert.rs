@@ -96,7 +96,7 @@ impl InsertLetter {
     }
 
     /// The edge length of the insert from the diameter of its inscribed circle (ISO 1832), mm.
-    pub(super) fn edge_length_mm(self, size: f64) -> f64 {
+    pub fn edge_length_mm(self, size: f64) -> f64 {
         let sine = |degrees: f64| libm::sin(degrees * core::f64::consts::PI / 180.0);
         match self {
             Self::C | Self::D | Self::V => size / sine(self.corner()),

@@ -109,6 +109,9 @@ fn installed_files(
             with_path(&path, fs::read(&path))?,
         );
     }
+    for (name, path) in archive::entries(root, "posts")? {
+        add(format!("{DOC}/{name}"), with_path(&path, fs::read(&path))?);
+    }
     Ok(items)
 }
 

@@ -21,7 +21,7 @@ use crate::error::TaskError;
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Files and folders of the repository with texts and samples for every package.
-const BUNDLED: [&str; 8] = [
+const BUNDLED: [&str; 9] = [
     "CHANGELOG.md",
     "LICENSE-APACHE",
     "LICENSE-MIT",
@@ -30,6 +30,7 @@ const BUNDLED: [&str; 8] = [
     "README.zh-CN.md",
     "THIRD-PARTY.md",
     "assets/programs",
+    "posts",
 ];
 
 /// Separates two compiler flags in `CARGO_ENCODED_RUSTFLAGS`.

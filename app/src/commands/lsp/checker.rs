@@ -14,13 +14,17 @@ use gsk_host::files::subprograms::{FoundSubprogram, SubprogramCalls};
 use gsk_host::loading;
 use gsk_host::preview::work_limit::WorkLimit;
 use gsk_language::{
-    Analysis, LineTimes, ProgramFinding, Severity, Structure, TextDocument, analyse, analyse_mill,
+    Analysis, LineSpan, LineTimes, Position, ProgramFinding, QuickFix, Severity, Structure,
+    TextChange, TextDocument, analyse, analyse_mill,
 };
 use gsk_messages::{Language, Message, say};
+use gsk_port::{PortOptions, guess_dialect, port_program};
 use lsp_types::Uri;
 
 use super::CheckedControl;
 
+/// Name of the finding that a text is written for another control.
+const FOREIGN_PROGRAM: &str = "foreign-program";
 /// Limit of the work of one analysis.
 const BUDGET: WorkBudget = WorkBudget::interactive(20_000_000);
 
@@ -96,6 +100,10 @@ fn analyse_job(control: &CheckedControl, job: &AnalysisJob, language: Language) 
         Ok(notices) => notices.0,
         Err(error) => return load_error_analysis(&error.message(), language),
     };
+    let foreign = control
+        .mill
+        .is_none()
+        .then(|| foreign_finding(&job.text, language));
     let limit = WorkLimit::new(BUDGET);
     let mut should_continue =
         |progress: &_| limit.allows(progress) && job.is_wanted.load(Ordering::Relaxed);
@@ -110,6 +118,7 @@ fn analyse_job(control: &CheckedControl, job: &AnalysisJob, language: Language) 
     let full_width = external.and_then(Program::full_width_line);
     let full_width = full_width.map(|line| say::file_full_width(short_name(&path), line));
     let notices = notices.into_iter().chain(full_width);
+    analysis.findings.extend(foreign.flatten());
     analysis
         .findings
         .extend(notices.map(|notice| ProgramFinding {
@@ -121,6 +130,40 @@ fn analyse_job(control: &CheckedControl, job: &AnalysisJob, language: Language) 
             fixes: Vec::new(),
         }));
     analysis
+}
+
+/// The finding that a text is written for another control, with the ported text as its fix;
+/// `None` if all words exist here.
+fn foreign_finding(text: &TextDocument, language: Language) -> Option<ProgramFinding> {
+    let guess = guess_dialect(text.as_str())?;
+    let ported = port_program(text.as_str(), guess.dialect, PortOptions::default());
+    let dialect = guess.dialect.name();
+    let offer = say::port_offer(guess.line, &guess.word, dialect);
+    let last = text.line_count().saturating_sub(1);
+    let whole = TextChange {
+        from: Position::default(),
+        to: Position {
+            line: last,
+            byte: text.line(last).len() as u32,
+        },
+        text: ported.text,
+    };
+    let line = text.line(guess.line.saturating_sub(1));
+    let indent = line.len() - line.trim_start().len();
+    Some(ProgramFinding {
+        program: ProgramId::External,
+        at: Some(LineSpan {
+            line: guess.line,
+            bytes: indent..line.trim_end().len().max(indent),
+        }),
+        severity: Severity::Warning,
+        code: FOREIGN_PROGRAM.to_owned(),
+        text: offer.text(language),
+        fixes: vec![QuickFix {
+            title: say::lsp_port_title(dialect).text(language),
+            changes: vec![whole],
+        }],
+    })
 }
 
 fn short_name(path: &Path) -> String {

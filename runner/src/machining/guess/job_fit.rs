@@ -98,7 +98,7 @@ impl JobGuess<'_> {
                 line,
                 sequence: None,
             };
-            machining.move_tool(Some(source), step.tool, &step.motion);
+            machining.move_tool(Some(source), step.tool, &step.motion, 0.0);
             for finding in machining.findings().iter().skip(counted) {
                 hits.add_finding(finding);
             }

@@ -7,17 +7,17 @@ mod keypad;
 mod outline_picture;
 mod outline_table;
 mod preview;
+mod proposals;
 
 use std::collections::BTreeMap;
 
-use egui::{Button, ComboBox, Panel, Rect, RichText, ScrollArea, Sense, Ui, WidgetInfo, vec2};
+use egui::{Button, Panel, Rect, RichText, ScrollArea, Sense, Ui, WidgetInfo, vec2};
 use gsk_forms::{
     DrawnOutline, FormError, FormKind, FormSection, FormValues, drawn_outline, find_sections,
     free_sequence_number, write_form,
 };
 use gsk_host::kernel::Console;
 use gsk_messages::{Language, Message, say};
-use gsk_workpiece::cutting::CuttingMaterial;
 
 use crate::focus;
 use crate::theme;
@@ -30,8 +30,6 @@ use preview::{FormPreview, FormPreviewer, PreviewOrder};
 const WIDE: f32 = 620.0;
 /// Width of the fields, points.
 const FIELDS_WIDTH: f32 = 345.0;
-/// Width of the choice of a material, points.
-const PROPOSAL_WIDTH: f32 = 200.0;
 /// Width of the fields of a contour with its table, points.
 const CONTOUR_WIDTH: f32 = 440.0;
 /// Height of the picture above the fields in a narrow pane, points.
@@ -325,30 +323,7 @@ impl FormPane {
             self.rewrite();
         }
         self.show_proposals(ui, language);
-    }
-
-    /// Draws the choice of a material, which sets speed, feed and depth.
-    fn show_proposals(&mut self, ui: &mut Ui, language: Language) {
-        let words = say::form_propose().text(language);
-        let list = ComboBox::from_id_salt("form material").selected_text(words);
-        let list = list.width(PROPOSAL_WIDTH).show_ui(ui, |ui| {
-            let mut names = CuttingMaterial::all();
-            names.find(|it| ui.selectable_label(false, it.name).clicked())
-        });
-        let hint = say::form_propose_tip().text(language);
-        list.response.on_hover_text(hint);
-        let Some(material) = list.inner.flatten() else {
-            return;
-        };
-        let proposed = self.values.propose(&material);
-        self.drafts = FieldDrafts::new(&self.values);
-        self.asks_to_replace = false;
-        self.rewrite();
-        self.notice = match proposed {
-            Ok(true) => None,
-            Ok(false) => Some(say::form_no_proposal(material.name)),
-            Err(error) => Some(error.message()),
-        };
+        self.show_tools(ui, language);
     }
 
     /// Draws the last part that could be cut, and the outline of a contour beside or above it.

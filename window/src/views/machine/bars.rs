@@ -184,10 +184,7 @@ impl LatheView {
                     (say::lathe_changed(), theme::STATE_TEXT)
                 }
                 None if self.preview.is_practice_job => (say::lathe_practice(), theme::STATE_TEXT),
-                None if self.preview.is_form_job => {
-                    let forms = say::form_list_name().text(language);
-                    (say::lathe_job(forms), theme::STATE_TEXT)
-                }
+                None if self.preview.is_form_job => (say::job_of_form(), theme::STATE_TEXT),
                 None => (say::lathe_guessed(), theme::WARNING),
             },
             None if self.preview.is_practice_job => (say::lathe_no_path(), theme::STATE_TEXT),

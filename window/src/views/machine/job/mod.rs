@@ -2,6 +2,7 @@
 //! saved as the job file of the program.
 
 mod fields;
+mod library_list;
 mod program_saver;
 mod tool_drawing;
 mod unknown_setting;
@@ -21,6 +22,7 @@ use gsk_workpiece::tool::Tool;
 
 use crate::focus;
 use crate::theme;
+use library_list::ToolLibraryList;
 use program_saver::ProgramSaver;
 
 /// The highest tool number of a job.
@@ -32,6 +34,7 @@ enum JobItem {
     #[default]
     Stock,
     Tool(u8),
+    Library,
 }
 
 /// A kind of tool that can be added, as functions that return its name and its initial values.
@@ -81,6 +84,7 @@ pub struct JobPanel {
     saved: Option<(PathBuf, Job)>,
     message: Option<(Message, Color32)>,
     program_saver: ProgramSaver,
+    library: ToolLibraryList,
 }
 
 impl JobPanel {
@@ -111,7 +115,7 @@ impl JobPanel {
             ScrollArea::vertical()
                 .auto_shrink([false, false])
                 .show(ui, |ui| {
-                    self.show_item(ui, &mut job, language);
+                    self.show_item(ui, &mut job, context, language);
                     focus::scroll_to_focus(ui);
                 });
         });
@@ -277,8 +281,7 @@ impl JobPanel {
             ui.colored_label(theme::WARNING, words);
         }
         ui.horizontal_wrapped(|ui| {
-            let free = (1..=MAX_TOOL_NUMBER).find(|number| !job.tools.contains_key(number));
-            let number = missing.copied().or(free);
+            let number = free_number(job, lathe);
             ui.menu_button(say::job_tool_add().text(language), |ui| {
                 for (name, tool) in &TOOL_TEMPLATES {
                     let Some(number) = number else { return };
@@ -289,6 +292,11 @@ impl JobPanel {
                     }
                 }
             });
+            let library = say::tool_library_name().text(language);
+            let is_shown = self.selected == JobItem::Library;
+            if ui.selectable_label(is_shown, library).clicked() {
+                self.selected = JobItem::Library;
+            }
             if let JobItem::Tool(number) = self.selected
                 && ui
                     .button(say::job_tool_remove(number).text(language))
@@ -296,13 +304,21 @@ impl JobPanel {
             {
                 job.tools.remove(&number);
                 job.lengths.remove(&number);
+                job.library.remove(&number);
                 self.selected = JobItem::Stock;
             }
         });
     }
 
-    /// Draws the fields of the selected item and, if it is a tool, its picture.
-    fn show_item(&self, ui: &mut Ui, job: &mut Job, language: Language) {
+    /// Draws the fields of the selected item: with its picture for a tool, the tool library
+    /// with the tools to use.
+    fn show_item(
+        &mut self,
+        ui: &mut Ui,
+        job: &mut Job,
+        lathe: &JobContext<'_>,
+        language: Language,
+    ) {
         match self.selected {
             JobItem::Stock => {
                 fields::show_stock(ui, &mut job.stock, language);
@@ -313,13 +329,38 @@ impl JobPanel {
                 let Some(tool) = job.tools.get_mut(&number) else {
                     return;
                 };
+                if let Some(id) = job.library.get(&number) {
+                    ui.label(say::job_tool_of_library(id).text(language));
+                }
                 tool_drawing::show(ui, tool, language);
+                let before = tool.clone();
                 fields::show_tool(ui, tool, language);
+                if *tool != before {
+                    // It is no longer the tool of the library.
+                    job.library.remove(&number);
+                }
                 ui.separator();
                 fields::show_length(ui, &mut job.lengths, number, language);
+                if !job.library.contains_key(&number) {
+                    self.library.show_keeping(ui, job, number, language);
+                }
+            }
+            JobItem::Library => {
+                let free = free_number(job, lathe);
+                if let Some(number) = self.library.show(ui, job, free, lathe.console, language) {
+                    self.selected = JobItem::Tool(number);
+                }
             }
         }
     }
+}
+
+/// The first tool number of the program that the job does not describe, else the first free
+/// one; `None` if all are taken.
+fn free_number(job: &Job, lathe: &JobContext<'_>) -> Option<u8> {
+    let is_free = |number: &u8| !job.tools.contains_key(number);
+    let missing = lathe.used_tools.iter().copied().find(is_free);
+    missing.or_else(|| (1..=MAX_TOOL_NUMBER).find(is_free))
 }
 
 fn file_name(path: &Path) -> String {

@@ -1,0 +1,9 @@
+; a tapped hole
+G7 G18 G21 G90 G95
+T5 M6
+S200 M3
+G0 X0 Z5
+G33.1 Z-20 K1.25
+G0 Z20
+M5
+M2
