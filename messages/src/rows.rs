@@ -495,6 +495,11 @@ message_rows! {
     course_task_count CourseTaskCount(count, characters, most);
     course_task_twice CourseTaskTwice(task);
     course_too_large CourseTooLarge(count);
+    cut_fault_bend CutFaultBend(force, distance, limit);
+    cut_fault_insert_edge CutFaultInsertEdge(tool, edge, limit);
+    cut_fault_insert_feed CutFaultInsertFeed(tool, feed, limit);
+    cut_fault_slip CutFaultSlip(needed, limit);
+    cut_fault_spindle CutFaultSpindle(needed, rpm, limit);
     cutting_finishing CuttingFinishing();
     cutting_grooving CuttingGrooving();
     cutting_roughing CuttingRoughing();
@@ -839,6 +844,7 @@ message_rows! {
     fault_effect_encoder_noise FaultEffectEncoderNoise();
     fault_effect_gear_stuck FaultEffectGearStuck();
     fault_effect_input_bounce FaultEffectInputBounce();
+    fault_effect_insert_broken FaultEffectInsertBroken();
     fault_effect_limit_x FaultEffectLimitX();
     fault_effect_no_index_x FaultEffectNoIndexX();
     fault_effect_no_index_z FaultEffectNoIndexZ();
@@ -847,6 +853,7 @@ message_rows! {
     fault_effect_slide_x_jammed FaultEffectSlideXJammed();
     fault_effect_slide_z_jammed FaultEffectSlideZJammed();
     fault_effect_spindle_blocked FaultEffectSpindleBlocked();
+    fault_effect_stock_loose FaultEffectStockLoose();
     fault_effect_turret_blocked FaultEffectTurretBlocked();
     fault_effect_turret_contact_stuck FaultEffectTurretContactStuck();
     fault_effect_turret_contacts_open FaultEffectTurretContactsOpen();
@@ -855,6 +862,7 @@ message_rows! {
     fault_encoder_noise FaultEncoderNoise();
     fault_gear_stuck FaultGearStuck();
     fault_input_bounce FaultInputBounce();
+    fault_insert_broken FaultInsertBroken();
     fault_limit_x FaultLimitX();
     fault_limit_z FaultLimitZ();
     fault_no_index_x FaultNoIndexX();
@@ -864,6 +872,7 @@ message_rows! {
     fault_slide_x_jammed FaultSlideXJammed();
     fault_slide_z_jammed FaultSlideZJammed();
     fault_spindle_blocked FaultSpindleBlocked();
+    fault_stock_loose FaultStockLoose();
     fault_turret_blocked FaultTurretBlocked();
     fault_turret_contact_stuck FaultTurretContactStuck();
     fault_turret_contacts_open FaultTurretContactsOpen();
@@ -1745,6 +1754,8 @@ message_rows! {
     lathe_coolant LatheCoolant();
     lathe_crash_stops LatheCrashStops();
     lathe_crash_stops_hint LatheCrashStopsHint();
+    lathe_cut_faults LatheCutFaults();
+    lathe_cut_faults_hint LatheCutFaultsHint();
     lathe_door_open LatheDoorOpen();
     lathe_fit LatheFit();
     lathe_fit_hint LatheFitHint();
@@ -2214,6 +2225,8 @@ message_rows! {
     link_value_wrong LinkValueWrong(value, least, most);
     lint_after_end LintAfterEnd();
     lint_after_semicolon LintAfterSemicolon();
+    lint_axis_force LintAxisForce();
+    lint_chuck_grip LintChuckGrip();
     lint_colon_name LintColonName();
     lint_end_elsewhere LintEndElsewhere();
     lint_ignored_word LintIgnoredWord();
@@ -2227,6 +2240,7 @@ message_rows! {
     lint_nose_radius_zero LintNoseRadiusZero();
     lint_nose_uncompensated LintNoseUncompensated();
     lint_short_dwell LintShortDwell();
+    lint_size_error LintSizeError();
     lint_slow_feed LintSlowFeed();
     lint_spindle_power LintSpindlePower();
     lint_spindle_stopped LintSpindleStopped();
@@ -2235,11 +2249,14 @@ message_rows! {
     lint_thread_speed_changed LintThreadSpeedChanged();
     lint_thread_surface_speed LintThreadSurfaceSpeed();
     lint_unreachable_block LintUnreachableBlock();
+    load_axis_force_exceeded LoadAxisForceExceeded(needed, limit);
     load_bar_overhang LoadBarOverhang(tool, ratio, limit);
     load_edge_exceeded LoadEdgeExceeded(edge, tool, limit);
     load_feed_exceeded LoadFeedExceeded(feed, tool, limit);
+    load_grip_exceeded LoadGripExceeded(needed, limit);
     load_no_values LoadNoValues(material);
     load_power_exceeded LoadPowerExceeded(needed, rated);
+    load_size_error LoadSizeError(force, error, limit);
     load_stock_overhang LoadStockOverhang(ratio, limit);
     load_torque_exceeded LoadTorqueExceeded(needed, rpm, rated);
     load_values LoadValues(operation: message, speed, feed);
@@ -3215,7 +3232,9 @@ message_rows! {
     report_load_chip ReportLoadChip(width, thickness, speed);
     report_load_more ReportLoadMore(count);
     report_load_no_material ReportLoadNoMaterial();
+    report_load_push ReportLoadPush(feed, radial);
     report_load_roughness ReportLoadRoughness(roughness);
+    report_load_size_error ReportLoadSizeError(error);
     report_mill_at_end ReportMillAtEnd(x, y, z, tool, modal);
     report_mill_path ReportMillPath(x_least, x_most, y_least, y_most, z_least, z_most);
     report_part ReportPart(job, removed: "{:.1}", left: "{:.1}");
@@ -3666,6 +3685,7 @@ message_rows! {
     tool_word_holder_width ToolWordHolderWidth();
     tool_word_nose ToolWordNose();
     tool_word_point ToolWordPoint();
+    tool_word_rake ToolWordRake();
     tool_word_reach ToolWordReach();
     tool_word_size ToolWordSize();
     tool_word_tip ToolWordTip();
@@ -3871,6 +3891,7 @@ message_rows! {
     window_collision WindowCollision(what: message, x: "{:.3}", z: "{:.3}");
     window_confirm WindowConfirm();
     window_crash WindowCrash(what: message, x: "{:.3}", z: "{:.3}");
+    window_cut_fault WindowCutFault(what: message, x: "{:.3}", z: "{:.3}");
     window_drop_here WindowDropHere();
     window_faults WindowFaults(count);
     window_file_has_no_number WindowFileHasNoNumber();

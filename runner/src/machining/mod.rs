@@ -27,6 +27,7 @@ use gsk_workpiece::tool::{Insert, ToolShape};
 pub use load_summary::{BlockLoad, LoadFinding, LoadSummary};
 use motion_track::MotionTrack;
 pub use mounting::Mounting;
+use move_load::CutConditions;
 pub use move_load::{CutLoad, MoveLoad};
 
 use crate::curves::RapidRates;
@@ -134,7 +135,12 @@ impl Machining {
                 (self.job.tools.get(&number), self.cutters.get(&number))
             {
                 let chips = |feed_mm| self.scene.chip_samples(cutter, &motion, feed_mm);
-                load = MoveLoad::new(executed, tool, material, &motion, chips);
+                let conditions = CutConditions {
+                    tool,
+                    material: self.job.material_at_rake(material, number),
+                    scene: &self.scene,
+                };
+                load = MoveLoad::new(executed, &conditions, &motion, chips);
             }
             self.move_tool(Some(executed.source), number, &motion);
         }
