@@ -39,7 +39,7 @@ const DEFAULT_SIZE_ERROR_MM: f64 = 0.1;
 
 // The state of a lathe without these fields has the hash of recordings made before them.
 const fn is_default_size_error(value: &f64) -> bool {
-    *value == DEFAULT_SIZE_ERROR_MM
+    value.to_bits() == DEFAULT_SIZE_ERROR_MM.to_bits()
 }
 
 const fn is_false(value: &bool) -> bool {

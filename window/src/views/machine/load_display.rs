@@ -24,6 +24,8 @@ const PATH_WIDTH: f32 = 2.5;
 pub struct LoadDisplay {
     /// Whether the load is shown.
     pub is_shown: bool,
+    /// Whether a cut above the limits breaks something.
+    pub breaks_on_overload: bool,
     curve: Option<Arc<LoadCurve>>,
     /// Path and job for which the curve was requested last.
     requested: Option<(Arc<DrawnPath>, Arc<Job>)>,
