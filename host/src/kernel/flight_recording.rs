@@ -254,7 +254,7 @@ mod tests {
             "{message}"
         );
         let (faults, message) = fault_after(limits(None, None, true), 40_000);
-        assert_eq!(faults, [LatheFault::InsertBroken]);
+        assert!(faults.contains(&LatheFault::InsertBroken), "{faults:?}");
         assert!(
             message
                 .expect("a sentence")

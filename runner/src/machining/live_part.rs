@@ -53,6 +53,9 @@ struct OverloadWatch {
     material: Option<CuttingMaterial>,
     /// The tool whose insert is broken.
     broken_tool: Option<u8>,
+    /// Whether an insert was replaced and the tool has not stopped since: the cut that broke it is
+    /// to be left first.
+    awaits_standstill: bool,
     /// The first cut above a limit that was not taken yet.
     found: Option<CutFault>,
 }
@@ -206,7 +209,10 @@ impl LivePart {
                 self.add_tick(conditions, before, now);
             }
             // At standstill the pending motion shows at once.
-            _ => self.cut_pending(),
+            _ => {
+                self.cut_pending();
+                self.overload.awaits_standstill = false;
+            }
         }
         let first = self.reported_findings.min(self.machining.findings.len());
         self.reported_findings = self.machining.findings.len();
@@ -305,7 +311,7 @@ impl LivePart {
         let (Some(limits), Some(material)) = (&overload.limits, &overload.material) else {
             return;
         };
-        if overload.found.is_none() {
+        if overload.found.is_none() && !overload.awaits_standstill {
             let exceeded = (self.machining).exceeded_limit(tool, motion, feed, limits, material);
             overload.found = exceeded.map(|kind| CutFault {
                 kind,
@@ -331,7 +337,9 @@ impl OverloadWatch {
         } else if self.limits.is_none() {
             self.limits = Some(limits.clone());
         }
-        self.broken_tool = match lathe.has_fault(LatheFault::InsertBroken) {
+        let is_broken = lathe.has_fault(LatheFault::InsertBroken);
+        self.awaits_standstill |= self.broken_tool.is_some() && !is_broken;
+        self.broken_tool = match is_broken {
             true => self.broken_tool.or(Some(tool)),
             false => None,
         };

@@ -200,3 +200,47 @@ fn path_shapes(curve: &LoadCurve, camera: &Camera, path: &DrawnPath) -> Vec<Shap
     }
     shapes
 }
+
+#[cfg(test)]
+mod tests {
+    use egui::Context;
+    use gsk_workpiece::stock::Stock;
+
+    use super::*;
+
+    /// The height of what is drawn for the bar, points.
+    fn bar_height(load: &mut LoadDisplay) -> f32 {
+        let mut height = f32::NAN;
+        let _ = Context::default().run_ui(egui::RawInput::default(), |ui| {
+            let before = ui.cursor().top();
+            load.show_bar(ui, 60.0, None, Language::En);
+            height = ui.cursor().top() - before;
+        });
+        height
+    }
+
+    #[test]
+    fn a_path_that_ends_at_the_limit_of_work_promises_no_load() {
+        let job = Arc::new(Job::new(Stock::bar(50.0, 0.0, 60.0)));
+        let cut_off = Arc::new(DrawnPath {
+            is_partial: true,
+            ..DrawnPath::default()
+        });
+        let mut load = LoadDisplay {
+            is_shown: true,
+            ..LoadDisplay::default()
+        };
+        assert!(!load.needs_curve(&cut_off, &job));
+        assert_eq!(bar_height(&mut load), 0.0, "nothing will come");
+        // The path is complete later: the load is requested once, and its place says so.
+        let complete = Arc::new(DrawnPath::default());
+        assert!(load.needs_curve(&complete, &job));
+        assert!(!load.needs_curve(&complete, &job));
+        let pending = bar_height(&mut load);
+        assert!(pending > 0.0);
+        load.set_curve(Arc::new(LoadCurve::default()));
+        assert!(bar_height(&mut load) > pending, "bar and text");
+        load.clear();
+        assert_eq!(bar_height(&mut load), 0.0);
+    }
+}
