@@ -206,26 +206,27 @@ mod tests {
     use egui::Context;
     use gsk_workpiece::stock::Stock;
 
+    use super::super::path::PathBuilder;
     use super::*;
 
     /// The height of what is drawn for the bar, points.
     fn bar_height(load: &mut LoadDisplay) -> f32 {
         let mut height = f32::NAN;
-        let _ = Context::default().run_ui(egui::RawInput::default(), |ui| {
+        let mut output = Context::default().run_ui(egui::RawInput::default(), |ui| {
             let before = ui.cursor().top();
             load.show_bar(ui, 60.0, None, Language::En);
             height = ui.cursor().top() - before;
         });
+        output.textures_delta.clear();
         height
     }
 
     #[test]
     fn a_path_that_ends_at_the_limit_of_work_promises_no_load() {
         let job = Arc::new(Job::new(Stock::bar(50.0, 0.0, 60.0)));
-        let cut_off = Arc::new(DrawnPath {
-            is_partial: true,
-            ..DrawnPath::default()
-        });
+        let programs = gsk_core::setup::Setup::default().memory.programs;
+        let cut_off = Arc::new(PathBuilder::default().build(&programs, true));
+        assert!(cut_off.is_partial);
         let mut load = LoadDisplay {
             is_shown: true,
             ..LoadDisplay::default()
