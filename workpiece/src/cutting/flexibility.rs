@@ -42,10 +42,9 @@ impl CuttingMaterial {
     pub fn modulus(&self) -> f64 {
         let number = self.group.get(1..).and_then(|it| it.parse::<u8>().ok());
         match (self.group.as_bytes().first(), number) {
-            (Some(b'K'), _) => 110_000.0,
+            (Some(b'K'), _) | (Some(b'S'), Some(36..)) => 110_000.0,
             (Some(b'N'), Some(26..)) => 105_000.0,
             (Some(b'N'), _) => 70_000.0,
-            (Some(b'S'), Some(36..)) => 110_000.0,
             _ => STEEL_MODULUS,
         }
     }
