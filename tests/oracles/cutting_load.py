@@ -34,7 +34,8 @@ AREA_TOLERANCE = 0.01  # of the area, with at least AREA_LEAST
 AREA_LEAST = 0.002  # mm²
 EDGE_TOLERANCE = 0.01
 EDGE_LEAST = 0.04  # mm: a chord of the nose in the program
-PUSH_TOLERANCE = 0.01  # of the cutting force
+PUSH_TOLERANCE = 0.01  # of the cutting force, with at least PUSH_LEAST
+PUSH_LEAST = 0.05  # N: the file has two decimals
 SIZE_TOLERANCE = 0.02  # of the change, with at least SIZE_LEAST
 SIZE_LEAST = 0.000_02  # mm
 PRESSING = 0.5  # share of the cutting force at right angles to the edge
@@ -234,13 +235,14 @@ def compare(program, rng, folder, worst):
                 push = sum(length * (outward @ feed) * outward for length, outward in contacts)
                 push = PRESSING * push / across if across > 0 else np.zeros(2)
                 force, radial = float(row["force_n"]), float(row["radial_force_n"])
+                least = max(PUSH_TOLERANCE * force, PUSH_LEAST)
                 size = 2 * radial * flexibility(part, around[1][0])
                 size_error = abs(float(row["size_error_mm"]) - size)
                 errors = (
                     abs(float(row["area_mm2"]) - area) / max(AREA_TOLERANCE * area, AREA_LEAST),
                     abs(float(row["edge_mm"]) - edge) / max(EDGE_TOLERANCE * edge, EDGE_LEAST),
-                    abs(float(row["feed_force_n"]) / force - push @ feed) / PUSH_TOLERANCE,
-                    abs(radial / force + push[1]) / PUSH_TOLERANCE,
+                    abs(float(row["feed_force_n"]) - push @ feed * force) / least,
+                    abs(radial + push[1] * force) / least,
                     size_error / max(SIZE_TOLERANCE * abs(size), SIZE_LEAST),
                 )
                 for index, error in enumerate(errors):
