@@ -7,6 +7,7 @@ use gsk_window::layout::{Layouts, WindowLayout};
 
 use crate::common::WindowBench;
 use egui_kittest::kittest::Queryable;
+use gsk_core::machine::LatheFault;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_panel::keys::Key;
@@ -27,6 +28,24 @@ fn comes(bench: &mut WindowBench, words: &str) -> bool {
 
 /// A program under way in a window with the panel alone.
 fn started() -> WindowBench {
+    started_with(TEXT)
+}
+
+fn started_with(text: &str) -> WindowBench {
+    let mut bench = opened(text);
+    start(&mut bench);
+    bench
+}
+
+fn start(bench: &mut WindowBench) {
+    for key in [Key::Auto, Key::CycleStart] {
+        bench.console.send(Command::Tap(key));
+        bench.run(200);
+    }
+}
+
+/// A program that is opened, with its guessed job.
+fn opened(text: &str) -> WindowBench {
     let size = egui::vec2(1280.0, 806.0);
     let mut bench = WindowBench::with_layouts(
         Setup::default(),
@@ -37,17 +56,13 @@ fn started() -> WindowBench {
         name: "O7.CNC".to_owned(),
         path: None,
         store_policy: StorePolicy::RunOnly,
-        program: Program::new(TEXT),
+        program: Program::new(text),
         subprograms: Vec::new(),
     })));
     // Its job is guessed beside the window.
     for _ in 0..100 {
         std::thread::sleep(Duration::from_millis(5));
         bench.run(10);
-    }
-    for key in [Key::Auto, Key::CycleStart] {
-        bench.console.send(Command::Tap(key));
-        bench.run(200);
     }
     bench
 }
@@ -88,4 +103,24 @@ fn a_crash_goes_through_where_it_is_not_to_stop_the_lathe() {
     assert!(comes(&mut bench, "COLLISION"));
     assert!(bench.harness.query_by_label("Free the lathe").is_none());
     assert_eq!(bench.kernel.emulator().lathe().fault_count(), 0);
+}
+
+#[test]
+fn a_cut_above_the_limits_breaks_the_insert_if_it_is_switched_on() {
+    // 1.25 mm a turn: more than the nose of 0.8 mm.
+    let text = TEXT.replace("F300", "F1000").replace("G00 X20 Z-20\n", "");
+    let mut bench = started_with(&text);
+    bench.run(20_000);
+    assert_eq!(bench.kernel.emulator().lathe().fault_count(), 0, "off");
+
+    let mut bench = opened(&text);
+    bench.console.send(Command::Overload(true));
+    start(&mut bench);
+    assert!(comes(&mut bench, "OVERLOAD: the insert of T01 breaks"));
+    let broken = LatheFault::InsertBroken;
+    assert!(bench.kernel.emulator().lathe().has_fault(broken));
+    bench.click("Free the lathe");
+    bench.run(500);
+    assert!(!bench.kernel.emulator().lathe().has_fault(broken));
+    assert!(bench.harness.query_by_label("Free the lathe").is_none());
 }

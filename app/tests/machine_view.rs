@@ -364,3 +364,14 @@ fn the_bar_opens_the_lathe_in_three_dimensions() {
     bench.run(10);
     assert!(is_open(&bench));
 }
+
+#[test]
+fn the_load_is_drawn_once_the_path_is_complete() {
+    let bar = "Cutting force over the time of the program";
+    let mut bench = open_program(TEXT);
+    bench.click("Load");
+    assert!(wait_for_text(&mut bench, bar), "no bar");
+    assert!(wait_for_text(&mut bench, "load in C45"), "no material");
+    let pending = "computing the load";
+    assert!(bench.harness.query_by_label_contains(pending).is_none());
+}

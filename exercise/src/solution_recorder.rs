@@ -36,7 +36,7 @@ impl SolutionRecorder {
             format: FORMAT,
             program: program_version.to_owned(),
         })?;
-        let part: Vec<PartInput> = start.part.inputs_for_uncut().into();
+        let part: Vec<PartInput> = start.part.inputs_for_uncut();
         recorder.add(&RecordingEvent::State {
             emulator: Box::new(start.emulator.clone()),
             part,

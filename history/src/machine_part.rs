@@ -6,7 +6,7 @@ use gsk_core::machine::LatheFault;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
 use gsk_runner::machining::live_part::LivePart;
-use gsk_runner::machining::{CollisionFinding, Machining};
+use gsk_runner::machining::{CollisionFinding, CutFault, Machining};
 use gsk_workpiece::collision::TouchingPart;
 use gsk_workpiece::job::Job;
 use gsk_workpiece::stock::Stock;
@@ -30,13 +30,19 @@ pub enum PartInput {
     NewStock,
     /// Sets whether a collision stops the lathe.
     CrashStops(bool),
+    /// Sets whether a cut above the limits breaks something even if the machine file does not say
+    /// so.
+    Overload(bool),
 }
 
-/// The faults by which a collision stops the lathe: [`MachinePart::crash_faults`] names two of them.
-pub const CRASH_FAULTS: [LatheFault; 3] = [
+/// The faults by which a collision stops the lathe ([`MachinePart::crash_faults`] names two of
+/// them), and those of a cut above the limits.
+pub const CRASH_FAULTS: [LatheFault; 5] = [
     LatheFault::DriveX,
     LatheFault::DriveZ,
     LatheFault::SpindleBlocked,
+    LatheFault::InsertBroken,
+    LatheFault::StockLoose,
 ];
 
 /// The part that the slides cut, its job and the switches that belong to it.
@@ -46,6 +52,7 @@ pub struct MachinePart {
     job: Arc<Job>,
     job_name: Option<Arc<str>>,
     crash_stops: bool,
+    overload: bool,
     /// Whether the power chuck has held the stock at least once.
     has_gripped: bool,
 }
@@ -57,6 +64,7 @@ impl Default for MachinePart {
             job: Arc::new(Job::new(Stock::bar(50.0, 0.0, 60.0))),
             job_name: None,
             crash_stops: true,
+            overload: false,
             has_gripped: false,
         }
     }
@@ -70,7 +78,9 @@ impl MachinePart {
                 self.live = chosen.map(|chosen| {
                     self.job = Arc::new(chosen.job.clone());
                     self.job_name = chosen.name.map(Arc::from);
-                    LivePart::new(Machining::new(chosen.job))
+                    let mut live = LivePart::new(Machining::new(chosen.job));
+                    live.set_overload(self.overload);
+                    live
                 });
             }
             PartInput::NewStock => {
@@ -79,28 +89,42 @@ impl MachinePart {
                 }
             }
             PartInput::CrashStops(stops) => self.crash_stops = stops,
+            PartInput::Overload(is_on) => {
+                self.overload = is_on;
+                if let Some(live) = &mut self.live {
+                    live.set_overload(is_on);
+                }
+            }
         }
     }
 
     /// Returns the inputs that give a new part the same job, on uncut stock, and the same
     /// switches.
-    pub fn inputs_for_uncut(&self) -> [PartInput; 2] {
+    pub fn inputs_for_uncut(&self) -> Vec<PartInput> {
         let named = self.live.as_ref().map(|_| {
             Box::new(NamedJob {
                 job: Job::clone(&self.job),
                 name: self.job_name.as_deref().map(str::to_owned),
             })
         });
-        [
+        let mut inputs = vec![
             PartInput::Job(named),
             PartInput::CrashStops(self.crash_stops),
-        ]
+        ];
+        // Versions before this input read the recordings of sessions without it.
+        inputs.extend(self.overload.then_some(PartInput::Overload(true)));
+        inputs
     }
 
     /// Cuts the part after a tick. Returns the first collision of the tick, if any.
     pub fn follow_tick(&mut self, simulation: &Simulation) -> Option<CollisionFinding> {
         self.has_gripped |= simulation.lathe.is_chuck_clamped();
         self.live.as_mut()?.follow_tick(simulation).first().copied()
+    }
+
+    /// Removes and returns the cut that has exceeded a limit in the last tick; `None` without one.
+    pub fn take_cut_fault(&mut self) -> Option<CutFault> {
+        self.live.as_mut()?.take_cut_fault()
     }
 
     /// Returns the faults by which a collision stops the simulated lathe: the drive of the axis
@@ -155,6 +179,12 @@ impl MachinePart {
     /// Returns whether a collision stops the lathe.
     pub const fn crash_stops(&self) -> bool {
         self.crash_stops
+    }
+
+    /// Returns whether a cut above the limits breaks something even if the machine file does not
+    /// say so.
+    pub const fn overload(&self) -> bool {
+        self.overload
     }
 
     /// Returns whether the power chuck has held the stock at least once.

@@ -517,6 +517,11 @@ message_rows! {
     course_task_count CourseTaskCount(count, characters, most);
     course_task_twice CourseTaskTwice(task);
     course_too_large CourseTooLarge(count);
+    cut_fault_bend CutFaultBend(force, distance, limit);
+    cut_fault_insert_edge CutFaultInsertEdge(tool, edge, limit);
+    cut_fault_insert_feed CutFaultInsertFeed(tool, feed, limit);
+    cut_fault_slip CutFaultSlip(needed, limit);
+    cut_fault_spindle CutFaultSpindle(needed, rpm, limit);
     cutting_finishing CuttingFinishing();
     cutting_grooving CuttingGrooving();
     cutting_roughing CuttingRoughing();
@@ -861,6 +866,7 @@ message_rows! {
     fault_effect_encoder_noise FaultEffectEncoderNoise();
     fault_effect_gear_stuck FaultEffectGearStuck();
     fault_effect_input_bounce FaultEffectInputBounce();
+    fault_effect_insert_broken FaultEffectInsertBroken();
     fault_effect_limit_x FaultEffectLimitX();
     fault_effect_no_index_x FaultEffectNoIndexX();
     fault_effect_no_index_z FaultEffectNoIndexZ();
@@ -869,6 +875,7 @@ message_rows! {
     fault_effect_slide_x_jammed FaultEffectSlideXJammed();
     fault_effect_slide_z_jammed FaultEffectSlideZJammed();
     fault_effect_spindle_blocked FaultEffectSpindleBlocked();
+    fault_effect_stock_loose FaultEffectStockLoose();
     fault_effect_turret_blocked FaultEffectTurretBlocked();
     fault_effect_turret_contact_stuck FaultEffectTurretContactStuck();
     fault_effect_turret_contacts_open FaultEffectTurretContactsOpen();
@@ -877,6 +884,7 @@ message_rows! {
     fault_encoder_noise FaultEncoderNoise();
     fault_gear_stuck FaultGearStuck();
     fault_input_bounce FaultInputBounce();
+    fault_insert_broken FaultInsertBroken();
     fault_limit_x FaultLimitX();
     fault_limit_z FaultLimitZ();
     fault_no_index_x FaultNoIndexX();
@@ -886,6 +894,7 @@ message_rows! {
     fault_slide_x_jammed FaultSlideXJammed();
     fault_slide_z_jammed FaultSlideZJammed();
     fault_spindle_blocked FaultSpindleBlocked();
+    fault_stock_loose FaultStockLoose();
     fault_turret_blocked FaultTurretBlocked();
     fault_turret_contact_stuck FaultTurretContactStuck();
     fault_turret_contacts_open FaultTurretContactsOpen();
@@ -1776,6 +1785,8 @@ message_rows! {
     lathe_coolant LatheCoolant();
     lathe_crash_stops LatheCrashStops();
     lathe_crash_stops_hint LatheCrashStopsHint();
+    lathe_cut_faults LatheCutFaults();
+    lathe_cut_faults_hint LatheCutFaultsHint();
     lathe_door_open LatheDoorOpen();
     lathe_fit LatheFit();
     lathe_fit_hint LatheFitHint();
@@ -2249,6 +2260,8 @@ message_rows! {
     link_value_wrong LinkValueWrong(value, least, most);
     lint_after_end LintAfterEnd();
     lint_after_semicolon LintAfterSemicolon();
+    lint_axis_force LintAxisForce();
+    lint_chuck_grip LintChuckGrip();
     lint_colon_name LintColonName();
     lint_end_elsewhere LintEndElsewhere();
     lint_ignored_word LintIgnoredWord();
@@ -2262,6 +2275,7 @@ message_rows! {
     lint_nose_radius_zero LintNoseRadiusZero();
     lint_nose_uncompensated LintNoseUncompensated();
     lint_short_dwell LintShortDwell();
+    lint_size_error LintSizeError();
     lint_slow_feed LintSlowFeed();
     lint_spindle_power LintSpindlePower();
     lint_spindle_stopped LintSpindleStopped();
@@ -2271,11 +2285,14 @@ message_rows! {
     lint_thread_surface_speed LintThreadSurfaceSpeed();
     lint_tool_life LintToolLife();
     lint_unreachable_block LintUnreachableBlock();
+    load_axis_force_exceeded LoadAxisForceExceeded(needed, limit);
     load_bar_overhang LoadBarOverhang(tool, ratio, limit);
     load_edge_exceeded LoadEdgeExceeded(edge, tool, limit);
     load_feed_exceeded LoadFeedExceeded(feed, tool, limit);
+    load_grip_exceeded LoadGripExceeded(needed, limit);
     load_no_values LoadNoValues(material);
     load_power_exceeded LoadPowerExceeded(needed, rated);
+    load_size_error LoadSizeError(force, error, limit);
     load_stock_overhang LoadStockOverhang(ratio, limit);
     load_torque_exceeded LoadTorqueExceeded(needed, rpm, rated);
     load_values LoadValues(operation: message, speed, feed);
@@ -3263,7 +3280,9 @@ message_rows! {
     report_load_chip ReportLoadChip(width, thickness, speed);
     report_load_more ReportLoadMore(count);
     report_load_no_material ReportLoadNoMaterial();
+    report_load_push ReportLoadPush(feed, radial);
     report_load_roughness ReportLoadRoughness(roughness);
+    report_load_size_error ReportLoadSizeError(error);
     report_mill_at_end ReportMillAtEnd(x, y, z, tool, modal);
     report_mill_path ReportMillPath(x_least, x_most, y_least, y_most, z_least, z_most);
     report_part ReportPart(job, removed: "{:.1}", left: "{:.1}");
@@ -3792,6 +3811,7 @@ message_rows! {
     tool_word_life ToolWordLife();
     tool_word_nose ToolWordNose();
     tool_word_point ToolWordPoint();
+    tool_word_rake ToolWordRake();
     tool_word_reach ToolWordReach();
     tool_word_size ToolWordSize();
     tool_word_station ToolWordStation();
@@ -4000,6 +4020,7 @@ message_rows! {
     window_collision WindowCollision(what: message, x: "{:.3}", z: "{:.3}");
     window_confirm WindowConfirm();
     window_crash WindowCrash(what: message, x: "{:.3}", z: "{:.3}");
+    window_cut_fault WindowCutFault(what: message, x: "{:.3}", z: "{:.3}");
     window_drop_here WindowDropHere();
     window_faults WindowFaults(count);
     window_file_has_no_number WindowFileHasNoNumber();

@@ -71,8 +71,8 @@ pub fn write_move(out: &mut dyn Write, executed: &ExecutedMove) -> io::Result<()
 }
 
 /// Header line of the CSV file of loads.
-pub const LOADS_HEADER: &str =
-    "t,line,tool,force_n,power_kw,torque_nm,edge_mm,thickness_mm,area_mm2,speed_m_per_min,rpm\n";
+pub const LOADS_HEADER: &str = "t,line,tool,force_n,power_kw,torque_nm,edge_mm,thickness_mm,\
+    area_mm2,speed_m_per_min,rpm,feed_force_n,radial_force_n,size_error_mm\n";
 
 /// Writes the load of a move: a line of the CSV file for each moment, with its machine time, s.
 pub fn write_loads(out: &mut dyn Write, load: &MoveLoad) -> io::Result<()> {
@@ -86,10 +86,11 @@ pub fn write_loads(out: &mut dyn Write, load: &MoveLoad) -> io::Result<()> {
             cut.chip.area_mm2,
         );
         let (speed, rpm) = (cut.speed_m_per_min, cut.rpm);
+        let (feed, radial, error) = (cut.feed_force_n, cut.radial_force_n, cut.size_error_mm);
         writeln!(
             out,
             "{time_s:.6},{line},{tool},{force:.2},{power:.4},{torque:.3},{edge:.4},{thickness:.4},\
-             {area:.5},{speed:.2},{rpm:.1}"
+             {area:.5},{speed:.2},{rpm:.1},{feed:.2},{radial:.2},{error:.5}"
         )?;
     }
     Ok(())

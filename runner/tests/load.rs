@@ -139,10 +139,79 @@ fn bars_and_stock_that_protrude_are_warned_about_once() {
     );
     let (summary, report) = check_load(drill_and_bore, &job, &LoadLimits::default());
     assert_eq!(load_lints(&report), []);
-    // The drill: two lips of 10 mm with half the feed each, at the mean radius of 5 mm.
+    // The drill: two lips of 10 mm with half the feed each, at the mean radius of 5 mm, and the
+    // chisel edge.
     let drill = &summary.blocks()[0];
     assert!((drill.heaviest.chip.area_mm2 - 10.0 * 0.05).abs() < 1e-3);
-    assert!((drill.torque.0 / (drill.heaviest.force_n * 0.005) - 1.0).abs() < 1e-3);
+    let lips = drill.heaviest.force_n * 0.005;
+    assert!((drill.torque.0 / (1.2 * lips) - 1.0).abs() < 1e-3);
+    let thrust = 2.5 * 0.5 * drill.heaviest.force_n * libm::sin(59f64.to_radians());
+    assert!((drill.feed_force_n / thrust - 1.0).abs() < 1e-3);
+    assert_eq!(drill.size_error.0, 0.0, "the lips hold each other");
+    // The bar pushes inwards: the bore is too small, by twice what bar and stock give way.
+    let bore = &summary.blocks()[1];
+    let (error, force) = bore.size_error;
+    assert!(force < 0.0 && error < 0.0, "{bore:?}");
+    let bar = 45f64.powi(3) * 64.0 / (3.0 * 210_000.0 * core::f64::consts::PI * 12f64.powi(4));
+    let ratio = error / (2.0 * force * bar);
+    assert!((1.0..1.1).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn the_forces_across_and_against_the_feed_are_limited() {
+    let (summary, report) = check_load(PASS, &job(), &LoadLimits::default());
+    let block = &summary.blocks()[0];
+    // An edge at 95° presses along the feed, its nose outwards.
+    let share = block.feed_force_n / block.heaviest.force_n;
+    assert!((0.42..0.5).contains(&share), "{share}");
+    let radial = block.heaviest.radial_force_n / block.heaviest.force_n;
+    assert!((0.05..0.25).contains(&radial), "{radial}");
+    assert_eq!(load_lints(&report), []);
+    let limits = |axis_force_n, grip_nm| LoadLimits {
+        axis_force_n,
+        grip_nm,
+        ..LoadLimits::default()
+    };
+    let lints = |limits: &LoadLimits| load_lints(&check_load(PASS, &job(), limits).1);
+    assert_eq!(lints(&limits(Some(100.0), None)), [Lint::AxisForce]);
+    assert_eq!(lints(&limits(None, Some(5.0))), [Lint::ChuckGrip]);
+    assert_eq!(lints(&limits(Some(5000.0), Some(500.0))), []);
+}
+
+#[test]
+fn slender_stock_is_warned_about_by_size_and_a_tailstock_holds_it() {
+    let mut job = job();
+    job.stock = Stock::bar(12.0, 0.0, 120.0);
+    let turn = PASS.replace("X46", "X8").replace("F0.25", "F0.15");
+    let (summary, report) = check_load(&turn, &job, &LoadLimits::default());
+    assert_eq!(load_lints(&report), [Lint::SizeError]);
+    let free = summary.blocks()[0].size_error.0;
+    assert!(
+        free > 0.1,
+        "the stock gives way, the part is thicker: {free}"
+    );
+    job.stock.tailstock = Some(gsk_workpiece::stock::Tailstock {
+        quill: gsk_core::units::Diameter(30.0),
+        center: gsk_core::units::Diameter(3.0),
+    });
+    let (summary, report) = check_load(&turn, &job, &LoadLimits::default());
+    assert_eq!(load_lints(&report), []);
+    assert!(summary.blocks()[0].size_error.0 < 0.2 * free);
+}
+
+#[test]
+fn a_rake_angle_changes_the_force() {
+    let mut job = job();
+    let force = |job: &Job| {
+        let (summary, _) = check_load(PASS, job, &LoadLimits::default());
+        summary.blocks()[0].heaviest.force_n
+    };
+    let plain = force(&job);
+    job.rakes.insert(1, 16.0);
+    assert!((force(&job) / plain - 0.85).abs() < 1e-6);
+    assert_eq!(job.check(), Ok(()));
+    job.rakes.insert(1, 60.0);
+    assert!(job.check().is_err());
 }
 
 #[test]

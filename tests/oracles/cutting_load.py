@@ -8,6 +8,9 @@ at each row of the file
 
   area    feed times the area that a short piece of the path around the row removes, by its length
   edge    length of the edge of the insert that faces the feed and is in the material
+  push    the shares of the cutting force against the feed and across the axis: half of it, at
+          right angles to each piece of that edge
+  size    the change of the diameter, from the sections of the bar between jaws and tip
 
 Needs numpy and shapely.
 
@@ -31,7 +34,16 @@ AREA_TOLERANCE = 0.01  # of the area, with at least AREA_LEAST
 AREA_LEAST = 0.002  # mm²
 EDGE_TOLERANCE = 0.01
 EDGE_LEAST = 0.04  # mm: a chord of the nose in the program
+PUSH_TOLERANCE = 0.01  # of the cutting force, with at least PUSH_LEAST
+PUSH_LEAST = 0.05  # N: the file has two decimals
+SIZE_TOLERANCE = 0.02  # of the change, with at least SIZE_LEAST
+SIZE_LEAST = 0.000_02  # mm
+PRESSING = 0.5  # share of the cutting force at right angles to the edge
+MODULUS = 210_000.0  # N/mm²
+JAWS = -80.0
+SECTIONS = 100
 PIECE = 0.002  # half length of a piece of path, mm
+NAMES = ("area", "edge", "feed force", "radial force", "size")
 CORNERS = {"C": 80.0, "D": 55.0, "V": 35.0, "W": 80.0, "T": 60.0, "S": 90.0}
 
 
@@ -144,7 +156,7 @@ def swept(insert, path):
 
 
 def facing_edge(insert, feed):
-    """The chain of edges whose outside faces the feed, as lines."""
+    """The edges whose outside faces the feed, as lines with their outward directions."""
     ring = list(insert.exterior.coords)
     if not insert.exterior.is_ccw:
         ring.reverse()
@@ -153,8 +165,23 @@ def facing_edge(insert, feed):
         edge = np.array([zb - za, xb - xa])
         outside = np.array([edge[1], -edge[0]])
         if outside @ feed > 1e-9 * np.hypot(*edge):
-            lines.append(LineString([(za, xa), (zb, xb)]))
+            outward = outside / np.hypot(*edge)
+            lines.append((LineString([(za, xa), (zb, xb)]), outward))
     return lines
+
+
+def flexibility(part, z):
+    """How far the bar gives way at z for each newton, mm."""
+    length = min(z, 0.0) - JAWS
+    step = length / SECTIONS
+    total = 0.0
+    for at in (np.arange(SECTIONS) + 0.5) * step:
+        line = LineString([(JAWS + at, 0.0), (JAWS + at, 100.0)]).intersection(part)
+        pieces = getattr(line, "geoms", [line])
+        rings = [piece.bounds for piece in pieces if piece.length > 0]
+        inertia = math.pi / 4 * sum(top**4 - low**4 for _, low, _, top in rings)
+        total += (length - at) ** 2 * step / (MODULUS * inertia) if inertia > 0 else 0.0
+    return total
 
 
 def compare(program, rng, folder, worst):
@@ -199,13 +226,24 @@ def compare(program, rng, folder, worst):
                 span = np.hypot(*(around[2] - around[0]))
                 area = piece.area / span * move["feed"]
                 feed = (around[2] - around[0]) / span
-                edge = sum(
-                    translate(line, *around[1]).intersection(rest).length
-                    for line in facing_edge(insert, feed)
-                )
+                contacts = [
+                    (translate(line, *around[1]).intersection(rest).length, outward)
+                    for line, outward in facing_edge(insert, feed)
+                ]
+                edge = sum(length for length, _ in contacts)
+                across = sum(length * (outward @ feed) for length, outward in contacts)
+                push = sum(length * (outward @ feed) * outward for length, outward in contacts)
+                push = PRESSING * push / across if across > 0 else np.zeros(2)
+                force, radial = float(row["force_n"]), float(row["radial_force_n"])
+                least = max(PUSH_TOLERANCE * force, PUSH_LEAST)
+                size = 2 * radial * flexibility(part, around[1][0])
+                size_error = abs(float(row["size_error_mm"]) - size)
                 errors = (
                     abs(float(row["area_mm2"]) - area) / max(AREA_TOLERANCE * area, AREA_LEAST),
                     abs(float(row["edge_mm"]) - edge) / max(EDGE_TOLERANCE * edge, EDGE_LEAST),
+                    abs(float(row["feed_force_n"]) - push @ feed * force) / least,
+                    abs(radial + push[1] * force) / least,
+                    size_error / max(SIZE_TOLERANCE * abs(size), SIZE_LEAST),
                 )
                 for index, error in enumerate(errors):
                     if error > worst[index][0]:
@@ -222,13 +260,13 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
     rng = random.Random(arguments.seed)
-    worst = [(0.0,), (0.0,)]
+    worst = [(0.0,)] * len(NAMES)
     compared = 0
     for _ in range(arguments.parts):
         with tempfile.TemporaryDirectory() as folder:
             compared += compare(arguments.program, rng, folder, worst)
     print(f"{arguments.parts} parts, {compared} chips")
-    for name, value in zip(("area", "edge"), worst):
+    for name, value in zip(NAMES, worst):
         print(f"{name}: worst {value[0]:.3f} of the tolerance", *value[1:4])
     if compared == 0 or any(value[0] > 1.0 for value in worst):
         for value in worst:

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::cutting::CuttingMaterial;
 use crate::stock::Stock;
-use crate::tool::Tool;
+use crate::tool::{Tool, check_range};
 
 /// Stock, tools and their true positions.
 ///
@@ -38,6 +38,10 @@ pub struct Job {
     /// active when the program first uses the tool.
     #[serde(default)]
     pub lengths: BTreeMap<u8, DiameterPoint>,
+    /// Rake angles by tool number, degrees, for the cutting force. The force of a tool without one
+    /// is that of the table of materials.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub rakes: BTreeMap<u8, f64>,
 }
 
 /// A point with X as a diameter, as operators write it.
@@ -75,6 +79,7 @@ impl Job {
             library: BTreeMap::new(),
             zero: None,
             lengths: BTreeMap::new(),
+            rakes: BTreeMap::new(),
         }
     }
 
@@ -84,6 +89,14 @@ impl Job {
         match &self.stock.grade {
             Some(grade) => CuttingMaterial::from_name(grade),
             None => CuttingMaterial::from_stock_material(self.stock.material),
+        }
+    }
+
+    /// A material with the constants for the rake angle of a tool.
+    pub fn material_at_rake(&self, material: &CuttingMaterial, tool: u8) -> CuttingMaterial {
+        match self.rakes.get(&tool) {
+            Some(rake) => material.with_rake(*rake),
+            None => *material,
         }
     }
 
@@ -107,6 +120,10 @@ impl Job {
             if !point.x.0.is_finite() || !point.z.is_finite() {
                 return Err(say::job_place_not_finite());
             }
+        }
+        for (number, rake) in &self.rakes {
+            check_range(*rake, -20.0, 35.0, say::tool_word_rake())
+                .map_err(|error| say::job_of_tool(number, error))?;
         }
         Ok(())
     }

@@ -137,14 +137,19 @@ impl LatheScene {
             effect.removed = self.part.cut_along(&tool.shape.cutting, &path);
             self.thread_end = None;
         }
-        let by_body = || {
-            let mut body = tool.body.iter();
-            body.find_map(|(touching_part, contour)| {
-                self.find_collision(*touching_part, contour, motion, &path, Some(&[]))
-            })
-        };
-        effect.collision = effect.collision.or_else(by_body);
+        effect.collision = effect
+            .collision
+            .or_else(|| self.find_body_collision(tool, motion));
         effect
+    }
+
+    /// Finds the first collision of a tool whose insert is broken: of its body. It cuts nothing.
+    pub fn find_body_collision(&self, tool: &SceneTool, motion: &ToolMotion) -> Option<Collision> {
+        let path = motion.path();
+        let mut body = tool.body.iter();
+        body.find_map(|(touching_part, contour)| {
+            self.find_collision(*touching_part, contour, motion, &path, Some(&[]))
+        })
     }
 
     /// Moves a tool through stock of unknown size. If the program is right, there is no stock

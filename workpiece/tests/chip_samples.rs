@@ -66,6 +66,10 @@ fn a_straight_edge_has_the_chip_of_the_formula() {
             assert_near(sample.chip.thickness_mm(), 0.25 * sine);
             assert_near(sample.outer_radius_mm, 25.0);
             assert_near(sample.mean_radius_mm, 25.0 - depth / 2.0);
+            // The chip presses at right angles to the edge: along the feed and outwards.
+            let cosine = libm::cos(entering.to_radians());
+            assert_near(sample.into_material.dot(sample.feed), sine);
+            assert_near(-sample.into_material.x, cosine);
         }
     }
 }

@@ -80,6 +80,9 @@ impl ConfigCheck {
             ("load.base_rpm", load.base_rpm),
             ("load.stock_overhang", load.stock_overhang),
             ("load.bar_overhang", Some(load.bar_overhang)),
+            ("load.size_error_mm", Some(load.size_error_mm)),
+            ("load.axis_force_n", load.axis_force_n),
+            ("load.grip_nm", load.grip_nm),
         ];
         for (field, value) in values {
             let Some(value) = value else { continue };

@@ -54,6 +54,10 @@ pub enum LatheFault {
     InputBounce,
     /// Fault: the emergency-stop loop is interrupted.
     EmergencyStop,
+    /// The insert of the tool in the working position is broken: it cuts no more.
+    InsertBroken,
+    /// The stock is loose in the chuck: it does not turn with the spindle.
+    StockLoose,
 }
 
 /// A fault with its script name, its name for the operator, and its effect.
@@ -94,7 +98,7 @@ impl FaultRow {
 }
 
 /// The table of faults, in the order of [`LatheFault`].
-pub static FAULTS: [FaultRow; 24] = [
+pub static FAULTS: [FaultRow; 26] = [
     fault_row(
         LatheFault::TurretBlocked,
         "turret-blocked",
@@ -238,6 +242,18 @@ pub static FAULTS: [FaultRow; 24] = [
         "e-stop",
         say::fault_e_stop,
         say::fault_effect_e_stop,
+    ),
+    fault_row(
+        LatheFault::InsertBroken,
+        "insert-broken",
+        say::fault_insert_broken,
+        say::fault_effect_insert_broken,
+    ),
+    fault_row(
+        LatheFault::StockLoose,
+        "stock-loose",
+        say::fault_stock_loose,
+        say::fault_effect_stock_loose,
     ),
 ];
 

@@ -4,8 +4,8 @@ use core::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
-/// What the spindle can give, and how far bars may protrude. Only the check of the load reads
-/// it; the simulated spindle turns at any load.
+/// What spindle, slides, chuck and bars bear. The check of the load reads it. With `events` a
+/// cut above a limit also stalls the simulated spindle or loosens the stock.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LoadLimits {
@@ -19,6 +19,31 @@ pub struct LoadLimits {
     /// Greatest overhang of a boring bar, in diameters. The default holds for steel bars (Widia,
     /// general catalogue 2017, p. 456).
     pub bar_overhang: f64,
+    /// Greatest change of a diameter because boring bar and stock give way, mm.
+    #[serde(skip_serializing_if = "is_default_size_error")]
+    pub size_error_mm: f64,
+    /// Greatest force of a slide against the feed, N; `None`: not checked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axis_force_n: Option<f64>,
+    /// Greatest torque that the chuck holds, N·m; `None`: not checked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grip_nm: Option<f64>,
+    /// Whether a cut above a limit breaks the insert, stalls the spindle, or loosens the stock of
+    /// the simulated lathe.
+    #[serde(skip_serializing_if = "is_false")]
+    pub events: bool,
+}
+
+/// Greatest change of a diameter without another value in the machine file, mm.
+const DEFAULT_SIZE_ERROR_MM: f64 = 0.1;
+
+// The state of a lathe without these fields has the hash of recordings made before them.
+const fn is_default_size_error(value: &f64) -> bool {
+    value.to_bits() == DEFAULT_SIZE_ERROR_MM.to_bits()
+}
+
+const fn is_false(value: &bool) -> bool {
+    !*value
 }
 
 impl Default for LoadLimits {
@@ -28,6 +53,10 @@ impl Default for LoadLimits {
             base_rpm: None,
             stock_overhang: None,
             bar_overhang: 4.0,
+            size_error_mm: DEFAULT_SIZE_ERROR_MM,
+            axis_force_n: None,
+            grip_nm: None,
+            events: false,
         }
     }
 }
@@ -37,6 +66,13 @@ impl LoadLimits {
     pub fn rated_torque_nm(&self) -> Option<f64> {
         let (power, base) = (self.power_kw?, self.base_rpm?);
         Some(power * 30_000.0 / (PI * base))
+    }
+
+    /// The torque of the spindle at a speed, r/min, N·m; `None` without a rated power.
+    pub fn torque_at(&self, rpm: f64) -> Option<f64> {
+        let from_power = self.power_kw? * 30_000.0 / (PI * rpm.max(1e-3));
+        let greatest = self.rated_torque_nm().unwrap_or(f64::INFINITY);
+        Some(from_power.min(greatest))
     }
 
     /// Whether the torque limits the spindle at a speed, r/min, and not its power.

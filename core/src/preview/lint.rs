@@ -47,6 +47,12 @@ pub enum Lint {
     InsertFeed,
     /// A boring bar or the stock protrudes far for its diameter.
     LongOverhang,
+    /// Boring bar and stock give way, so that the diameter is wrong.
+    SizeError,
+    /// A cut needs more feed force than a slide has.
+    AxisForce,
+    /// A cut needs more torque than the chuck holds.
+    ChuckGrip,
     /// A tool of the library cuts longer than its edge still lasts.
     ToolLife,
     /// On a mill: a word that no code of its block uses.
@@ -57,7 +63,7 @@ pub enum Lint {
 
 impl Lint {
     /// All kinds in the order of their codes.
-    pub const ALL: [Self; 24] = [
+    pub const ALL: [Self; 27] = [
         Self::SlowFeed,
         Self::SpindleStopped,
         Self::NoOffset,
@@ -79,6 +85,9 @@ impl Lint {
         Self::InsertEdge,
         Self::InsertFeed,
         Self::LongOverhang,
+        Self::SizeError,
+        Self::AxisForce,
+        Self::ChuckGrip,
         Self::ToolLife,
         Self::MillWord,
         Self::LadderCode,
@@ -108,7 +117,10 @@ impl Lint {
             Self::InsertEdge => ("W23", "insert-edge"),
             Self::InsertFeed => ("W24", "insert-feed"),
             Self::LongOverhang => ("W25", "long-overhang"),
-            Self::ToolLife => ("W26", "tool-life"),
+            Self::SizeError => ("W26", "size-error"),
+            Self::AxisForce => ("W27", "axis-force"),
+            Self::ChuckGrip => ("W28", "chuck-grip"),
+            Self::ToolLife => ("W29", "tool-life"),
             Self::MillWord => ("W31", "word-without-effect"),
             Self::LadderCode => ("W32", "ladder-code"),
         }
@@ -148,6 +160,9 @@ impl Lint {
             Self::InsertEdge => say::lint_insert_edge(),
             Self::InsertFeed => say::lint_insert_feed(),
             Self::LongOverhang => say::lint_long_overhang(),
+            Self::SizeError => say::lint_size_error(),
+            Self::AxisForce => say::lint_axis_force(),
+            Self::ChuckGrip => say::lint_chuck_grip(),
             Self::ToolLife => say::lint_tool_life(),
             Self::MillWord => say::lint_mill_word(),
             Self::LadderCode => say::lint_ladder_code(),

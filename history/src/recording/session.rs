@@ -26,7 +26,7 @@ pub fn encode_session(
         if index == 0 {
             add(&RecordingEvent::State {
                 emulator: Box::new(moment.emulator.clone()),
-                part: moment.part.inputs_for_uncut().to_vec(),
+                part: moment.part.inputs_for_uncut(),
             })?;
             continue;
         }

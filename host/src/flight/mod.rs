@@ -118,7 +118,7 @@ impl FlightRecorder {
         }
         self.add(&RecordingEvent::State {
             emulator: Box::new(machine.clone()),
-            part: part.inputs_for_uncut().to_vec(),
+            part: part.inputs_for_uncut(),
         });
         self.has_state = true;
         // The first hash follows with the next hand-over: short recordings are compared, too.

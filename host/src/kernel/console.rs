@@ -152,6 +152,9 @@ pub enum Command {
     FreshStock,
     /// Set whether the simulated lathe stops at a collision.
     CrashStops(bool),
+    /// Set whether a cut above the limits breaks insert, spindle or clamping of the simulated
+    /// lathe.
+    Overload(bool),
     /// Publish, show or change the time line of the session.
     Timeline(TimelineCommand),
     /// Set the breakpoints, or end the halt at one of them.
@@ -326,7 +329,7 @@ pub struct PanelSnapshot {
     /// The block at which the selected program would continue after a RESET in the middle; `None`
     /// otherwise.
     pub resumes_at: Option<SourcePosition>,
-    /// The sentence about the crash that has stopped the lathe, until the lathe is free; `None`
+    /// The sentence about the crash or the cut that has stopped the lathe, until the lathe is free; `None`
     /// without one, or if its faults are hidden.
     pub crash: Option<Message>,
     /// Whether a slide or the spindle moves.

@@ -67,7 +67,7 @@ mod tests {
     use std::sync::Arc;
 
     use gsk_core::cnc::ControlRequest;
-    use gsk_core::machine::LatheFault;
+    use gsk_core::machine::{LatheFault, LoadLimits};
     use gsk_core::setup::Setup;
     use gsk_history::moment::HistoryInput;
     use gsk_history::replay::replay;
@@ -148,6 +148,114 @@ mod tests {
         };
         assert_eq!(part(&end.part), part(kernel.part.state()));
         assert!(!end.part.crash_stops());
+    }
+
+    /// A pass of 2 mm with a feed that no nose of 0.8 mm bears.
+    const OVERLOAD: &str = "O0001;\nG50 X60 Z20;\nT0101 M03 S500;\nG99 G00 X52 Z2;\nX46;\n\
+                            G01 Z-8 F0.2;\nZ-30 F1.3;\nX54 F0.3;\nG00 X60 Z20;\nM30;\n";
+
+    /// Runs the pass with the limits of a machine file, and returns the kernel.
+    fn run_overload(limits: LoadLimits, by_switch: bool) -> (Kernel, crate::kernel::Console) {
+        let mut setup = Setup::default();
+        setup.lathe.load = limits;
+        let (mut kernel, console) = Kernel::new(Emulator::new(setup));
+        kernel.run(4000);
+        let text = OVERLOAD.to_owned();
+        console.send(Command::Job(Some(selected_job())));
+        console.send(Command::Overload(by_switch));
+        console.send(Command::Request(Box::new(ControlRequest::StoreProgram(
+            text,
+        ))));
+        for key in [Key::Auto, Key::CycleStart] {
+            console.send(Command::Tap(key));
+            kernel.run(300);
+        }
+        (kernel, console)
+    }
+
+    fn fault_after(limits: LoadLimits, ms: u64) -> (Vec<LatheFault>, Option<String>) {
+        let (mut kernel, console) = run_overload(limits, false);
+        kernel.run(ms);
+        let lathe = kernel.emulator.lathe();
+        let active = LatheFault::ALL.map(|(_, fault)| fault).into_iter();
+        let active = active.filter(|fault| lathe.has_fault(*fault)).collect();
+        let message = kernel.part.crash_message(&kernel.emulator);
+        console.send(Command::FreeLathe);
+        kernel.run(10);
+        assert_eq!(kernel.emulator.lathe().fault_count(), 0);
+        assert_eq!(kernel.part.crash_message(&kernel.emulator), None);
+        (
+            active,
+            message.map(|it| it.text(gsk_messages::Language::En)),
+        )
+    }
+
+    #[test]
+    fn a_cut_above_the_limits_breaks_the_insert_and_the_replay_is_the_same() {
+        let folder = test_folder("overload-recording");
+        let file = folder.join("overload.gskrec");
+        let (mut kernel, console) = run_overload(LoadLimits::default(), true);
+        let target = RecordingTarget::File(file.clone());
+        kernel.add_flight_recorder(FlightRecorder::start(target).expect("a thread"));
+        for _ in 0..8 {
+            kernel.run(5000);
+            kernel.flush_recorders();
+        }
+        assert!(kernel.emulator.lathe().has_fault(LatheFault::InsertBroken));
+        let part = |part: &gsk_history::machine_part::MachinePart| {
+            part.machining().expect("a job").scene().part().clone()
+        };
+        let turned = part(kernel.part.state());
+        assert!((turned.max_radius(-7.0, -1.0) - 23.0).abs() < 1e-3);
+        assert!(
+            (turned.max_radius(-25.0, -15.0) - 25.0).abs() < 1e-3,
+            "not cut"
+        );
+        console.send(Command::FreeLathe);
+        kernel.run(100);
+        assert!(!kernel.emulator.lathe().has_fault(LatheFault::InsertBroken));
+        kernel.finish_recorders(true);
+        let replayed = replay(&fs::read(&file).expect("a file")).expect("a recording");
+        assert_eq!((replayed.error, replayed.difference), (None, None));
+        assert!(replayed.is_complete && replayed.equal_hashes >= 2);
+        let history = replayed.history.expect("a session");
+        let end = history.present().expect("the end");
+        assert!(end.emulator == kernel.emulator && end.part.overload());
+        assert_eq!(part(&end.part), turned);
+        let breaks = EmulatorInput::Fault(LatheFault::InsertBroken, true);
+        let count = history.inputs().iter();
+        let count = count.filter(|it| it.input == HistoryInput::Machine(breaks.clone()));
+        assert_eq!(count.count(), 1);
+    }
+
+    #[test]
+    fn the_machine_file_switches_overload_on_and_gives_the_limits() {
+        let limits = |power_kw, grip_nm, events| LoadLimits {
+            power_kw,
+            grip_nm,
+            events,
+            ..LoadLimits::default()
+        };
+        assert_eq!(
+            fault_after(limits(Some(0.1), Some(1.0), false), 30_000),
+            (vec![], None)
+        );
+        let (faults, message) = fault_after(limits(Some(0.1), None, true), 6000);
+        assert!(faults.contains(&LatheFault::SpindleBlocked), "{faults:?}");
+        let message = message.expect("a sentence");
+        assert!(message.contains("the spindle stalls"), "{message}");
+        // Stock that does not turn stops the next motion of the tool as a crash does.
+        let (faults, message) = fault_after(limits(None, Some(1.0), true), 6000);
+        assert!(faults.contains(&LatheFault::StockLoose), "{faults:?}");
+        assert!(faults.contains(&LatheFault::DriveZ), "{faults:?}");
+        let message = message.expect("a sentence");
+        assert!(
+            message.contains("slips in the chuck") && message.contains("CRASH"),
+            "{message}"
+        );
+        let (faults, message) = fault_after(limits(None, None, true), 40_000);
+        assert!(faults.contains(&LatheFault::InsertBroken), "{faults:?}");
+        assert!(message.expect("a sentence").contains("breaks at a feed of"));
     }
 
     /// The learner's own machine waits during a lesson, and its recording with it.

@@ -367,13 +367,13 @@ impl Kernel {
     }
 
     /// Cuts the part after a tick of the machine, before anything else changes the machine: a
-    /// replay has the same order. Returns whether the tool has collided.
+    /// replay has the same order. Returns whether the tool has collided, or a cut has broken
+    /// something.
     fn cut_part(&mut self) -> bool {
         let simulated = !self.has_real_slides;
-        let Some((finding, stops)) = self.part.after_tick(&mut self.emulator, simulated) else {
+        let Some(message) = self.part.after_tick(&mut self.emulator, simulated) else {
             return false;
         };
-        let message = part::collision_message(&finding.collision, stops);
         self.notify(Notice::Collided(message));
         if self.has_timeline() {
             let tick = self.emulator.ticks();

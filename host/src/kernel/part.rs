@@ -12,8 +12,8 @@ use gsk_core::units::Point;
 use gsk_history::machine_part::{CRASH_FAULTS, MachinePart, NamedJob, PartInput};
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
-use gsk_runner::machining::CollisionFinding;
 use gsk_runner::machining::live_part::{ThreadZone, running_block};
+use gsk_runner::machining::{CollisionFinding, CutFault};
 use gsk_workpiece::collision::Collision;
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
@@ -122,6 +122,8 @@ pub(super) struct KernelPart {
     threads: Arc<Vec<ThreadZone>>,
     /// The last collision that has stopped the lathe; `None` without one.
     crash: Option<CollisionFinding>,
+    /// The last cut above the limits that has broken something; `None` without one.
+    cut_fault: Option<CutFault>,
     /// Version of the part from which `section` was made; `None` before the first one.
     shown_version: Option<u64>,
     last: Option<Arc<PartView>>,
@@ -140,6 +142,7 @@ impl KernelPart {
             section: Arc::default(),
             threads: Arc::default(),
             crash: None,
+            cut_fault: None,
             shown_version: None,
             last: None,
             counted_s: BTreeMap::new(),
@@ -155,6 +158,9 @@ impl KernelPart {
     /// Copies the settings of the window, stop at a collision and visible, from `other`.
     pub(super) fn with_switches_of(mut self, other: &Self) -> Self {
         self.set_crash_stops(other.state.crash_stops());
+        if other.state.overload() {
+            self.set_overload(true);
+        }
         self.visible = other.visible;
         self.force_publish();
         self
@@ -179,6 +185,7 @@ impl KernelPart {
     pub(super) fn replace_state(&mut self, state: MachinePart) {
         self.inputs.clear();
         self.crash = (state.machining()).and_then(|it| it.findings().last().copied());
+        self.cut_fault = None;
         self.state = state;
         self.counted_s = self.cutting_s();
         self.shown_version = None;
@@ -245,21 +252,41 @@ impl KernelPart {
         self.apply(PartInput::CrashStops(stops));
     }
 
+    /// Sets whether a cut above the limits breaks something even if the machine file does not say
+    /// so.
+    pub(super) fn set_overload(&mut self, is_on: bool) {
+        self.apply(PartInput::Overload(is_on));
+    }
+
     /// Sets whether a view shows the part. Its section is published only then.
     pub(super) fn set_visible(&mut self, visible: bool) {
         self.visible = visible;
         self.force_publish();
     }
 
-    /// Cuts the part after a tick. Returns the first collision of the tick and whether it stops the
-    /// lathe; `None` without a collision. A real lathe (`simulated` is false) is not stopped, because its
+    /// Cuts the part after a tick. Returns the sentence about a collision, or about a cut above the
+    /// limits; `None` without one. A real lathe (`simulated` is false) is not stopped, because its
     /// part may differ from this one.
     pub(super) fn after_tick(
         &mut self,
         emulator: &mut Emulator,
         simulated: bool,
-    ) -> Option<(CollisionFinding, bool)> {
-        let finding = self.state.follow_tick(emulator.simulation())?;
+    ) -> Option<Message> {
+        let finding = self.state.follow_tick(emulator.simulation());
+        let cut_fault = self.state.take_cut_fault().filter(|_| simulated);
+        if finding.is_none() && cut_fault.is_none() {
+            return None;
+        }
+        // A fault that was mended says nothing about the next one.
+        self.cut_fault = self.lasting_cut_fault(emulator.lathe());
+        if let Some(cut_fault) = cut_fault {
+            self.crash = None;
+            self.cut_fault = Some(cut_fault);
+            emulator.set_fault(cut_fault.fault(), true);
+        }
+        let Some(finding) = finding else {
+            return cut_fault.map(|it| it.message());
+        };
         let faults = self.state.crash_faults(&finding, emulator.simulation());
         let faults = faults.filter(|_| simulated);
         let stops = faults.is_some();
@@ -269,7 +296,12 @@ impl KernelPart {
                 emulator.set_fault(fault, true);
             }
         }
-        Some((finding, stops))
+        Some(collision_message(&finding.collision, stops))
+    }
+
+    /// The cut above the limits whose fault lasts.
+    fn lasting_cut_fault(&self, lathe: &SimulatedLathe) -> Option<CutFault> {
+        self.cut_fault.filter(|it| lathe.has_fault(it.fault()))
     }
 
     /// The collision that has stopped the lathe; `None` once its faults are cleared.
@@ -278,11 +310,18 @@ impl KernelPart {
         self.crash.filter(|_| is_crashed)
     }
 
-    /// Returns the sentence about the collision that has stopped the lathe; `None` once its
-    /// faults are cleared.
+    /// Returns the sentences about the cut that has broken something and the collision that has
+    /// stopped the lathe; `None` once their faults are cleared.
     pub(super) fn crash_message(&self, emulator: &Emulator) -> Option<Message> {
-        let crash = self.stopping_crash(emulator.lathe())?;
-        Some(collision_message(&crash.collision, true))
+        let cut_fault = self.lasting_cut_fault(emulator.lathe());
+        let crash = self.stopping_crash(emulator.lathe());
+        let crash = crash.map(|crash| collision_message(&crash.collision, true));
+        let messages: Vec<Message> = cut_fault
+            .map(|it| it.message())
+            .into_iter()
+            .chain(crash)
+            .collect();
+        (!messages.is_empty()).then(|| say::several(messages))
     }
 
     /// Whether the tool in the working position works in a bore.

@@ -2,15 +2,17 @@
 
 use gsk_core::cnc::Event;
 use gsk_core::command::{ProgramId, SequenceNumber, SourcePosition};
+use gsk_core::machine::{LatheFault, LoadLimits, SimulatedLathe};
 use gsk_core::operation::RunState;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::{Point, TICK_S};
+use gsk_workpiece::cutting::CuttingMaterial;
 use gsk_workpiece::motion::{MotionKind, ToolMotion};
 use gsk_workpiece::tool::Tool;
 
 use super::thread_log::ThreadLog;
 pub use super::thread_log::ThreadZone;
-use super::{CollisionFinding, Machining};
+use super::{CollisionFinding, CutFault, Machining};
 
 /// Greatest distance of the tip position after a tick from the straight motion that the tick
 /// extends, mm: one grid unit.
@@ -20,6 +22,8 @@ const STRAIGHTNESS_MM: f64 = 0.000_1;
 const MAX_PIECE_TICKS: u32 = 25;
 /// Speed below which the spindle counts as stopped, r/min.
 const STANDSTILL_RPM: f64 = 1.0;
+/// Turns of the spindle in a motion below which it has no feed per revolution.
+const LEAST_TURNS: f64 = 1e-4;
 
 /// A part that is machined while a control runs, tick by tick.
 #[derive(Clone, Debug)]
@@ -35,6 +39,25 @@ pub struct LivePart {
     /// Whether the program has ended; the next program begins with new stock.
     program_ended: bool,
     threads: ThreadLog,
+    overload: OverloadWatch,
+}
+
+/// Whether cuts above the limits break something, and what they have broken.
+#[derive(Clone, Debug, Default)]
+struct OverloadWatch {
+    /// Whether a cut above a limit has an effect even if the machine file does not say so.
+    is_on: bool,
+    /// The limits of the lathe; `None` while no cut has an effect.
+    limits: Option<LoadLimits>,
+    /// The material of the stock; `None` without constants for it.
+    material: Option<CuttingMaterial>,
+    /// The tool whose insert is broken.
+    broken_tool: Option<u8>,
+    /// Whether an insert was replaced and the tool has not stopped since: the cut that broke it is
+    /// to be left first.
+    awaits_standstill: bool,
+    /// The first cut above a limit that was not taken yet.
+    found: Option<CutFault>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -57,6 +80,8 @@ struct PendingCut {
     /// Tip positions, in part coordinates, mm, at which the spindle passed the drawn plane in a
     /// thread.
     imprints: Vec<Point>,
+    /// Turns of the spindle during the motion.
+    turns: f64,
 }
 
 /// Conditions that do not change within one motion, such as tool and spindle state; a change begins
@@ -73,8 +98,13 @@ struct MotionConditions {
 impl LivePart {
     /// Creates a live part from `machining`, whose part must be uncut.
     pub fn new(machining: Machining) -> Self {
+        let overload = OverloadWatch {
+            material: machining.job().cutting_material(),
+            ..OverloadWatch::default()
+        };
         Self {
             machining,
+            overload,
             last_tick: None,
             pending: None,
             last_motion: Point::default(),
@@ -97,6 +127,18 @@ impl LivePart {
     /// Returns the part and its collisions so far.
     pub const fn machining(&self) -> &Machining {
         &self.machining
+    }
+
+    /// Sets whether cuts above the limits break something even if the machine file does not say
+    /// so.
+    pub const fn set_overload(&mut self, is_on: bool) {
+        self.overload.is_on = is_on;
+    }
+
+    /// Removes and returns the cut that has exceeded a limit since the last call; `None` without
+    /// one.
+    pub const fn take_cut_fault(&mut self) -> Option<CutFault> {
+        self.overload.found.take()
     }
 
     /// Clamps new stock and discards the findings. Wherever the slides are at the next tick, they
@@ -135,9 +177,11 @@ impl LivePart {
             tool,
             rapid: is_approach || cnc.is_rapid_under_way(),
             thread: cnc.is_in_thread(),
-            turning: simulation.lathe.spindle_rpm().abs() > STANDSTILL_RPM,
+            turning: simulation.lathe.spindle_rpm().abs() > STANDSTILL_RPM
+                && !simulation.lathe.has_fault(LatheFault::StockLoose),
             source: moving_block(simulation),
         };
+        self.overload.follow_tick(tool, &simulation.lathe);
         self.change_stock(simulation);
         let slide = cnc.position_machine();
         // Under machine lock the commands move and the slides do not.
@@ -165,7 +209,10 @@ impl LivePart {
                 self.add_tick(conditions, before, now);
             }
             // At standstill the pending motion shows at once.
-            _ => self.cut_pending(),
+            _ => {
+                self.cut_pending();
+                self.overload.awaits_standstill = false;
+            }
         }
         let first = self.reported_findings.min(self.machining.findings.len());
         self.reported_findings = self.machining.findings.len();
@@ -202,9 +249,11 @@ impl LivePart {
             ticks: 0,
             conditions,
             imprints: Vec::new(),
+            turns: 0.0,
         });
         piece.to = now.tip;
         piece.ticks += 1;
+        piece.turns += (now.spindle_turns - before.spindle_turns).abs();
         if !conditions.thread {
             self.threads.end_pass();
         } else if let Some((tip, turns)) = plane_crossing(before, now) {
@@ -237,8 +286,64 @@ impl LivePart {
             by_hand: piece.conditions.source.is_none(),
         };
         let MotionConditions { source, tool, .. } = piece.conditions;
+        if self.overload.broken_tool == Some(tool) {
+            self.machining.move_broken_tool(source, tool, &motion);
+            return;
+        }
+        if piece.conditions.turning && piece.turns > LEAST_TURNS {
+            let feed_mm = (piece.to - piece.from).length() / piece.turns;
+            let rpm = piece.turns * 60_000.0 / f64::from(piece.ticks);
+            self.check_limits(source, tool, &motion, (feed_mm, rpm));
+        }
         let seconds = f64::from(piece.ticks) * TICK_S;
         self.machining.move_tool(source, tool, &motion, seconds);
+    }
+
+    /// Stores the first limit that a motion exceeds with a feed per revolution, mm, at a spindle
+    /// speed, r/min.
+    fn check_limits(
+        &mut self,
+        source: Option<SourcePosition>,
+        tool: u8,
+        motion: &ToolMotion,
+        feed: (f64, f64),
+    ) {
+        let overload = &mut self.overload;
+        let (Some(limits), Some(material)) = (&overload.limits, &overload.material) else {
+            return;
+        };
+        if overload.found.is_none() && !overload.awaits_standstill {
+            let exceeded = (self.machining).exceeded_limit(tool, motion, feed, limits, material);
+            overload.found = exceeded.map(|kind| CutFault {
+                kind,
+                tool,
+                source,
+                tip: motion.to,
+            });
+        }
+    }
+}
+
+impl OverloadWatch {
+    /// Follows the switch of the machine file and the faults of the lathe. The insert that breaks
+    /// is that of the tool in the working position.
+    fn follow_tick(&mut self, tool: u8, lathe: &SimulatedLathe) {
+        let limits = &lathe.config().load;
+        // A spindle that stalls slows down first: its feed per revolution says nothing then.
+        let is_stopped = [LatheFault::SpindleBlocked, LatheFault::StockLoose]
+            .iter()
+            .any(|fault| lathe.has_fault(*fault));
+        if !(self.is_on || limits.events) || is_stopped {
+            self.limits = None;
+        } else if self.limits.is_none() {
+            self.limits = Some(limits.clone());
+        }
+        let is_broken = lathe.has_fault(LatheFault::InsertBroken);
+        self.awaits_standstill |= self.broken_tool.is_some() && !is_broken;
+        self.broken_tool = match is_broken {
+            true => self.broken_tool.or(Some(tool)),
+            false => None,
+        };
     }
 }
 

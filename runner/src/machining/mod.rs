@@ -4,6 +4,7 @@
 //! Two sources use the same sweeps: the moves of a preview ([`Machining::execute_move`]), and the
 //! ticks of a running control ([`live_part`]).
 
+mod cut_fault;
 pub mod guess;
 pub mod live_part;
 mod load_summary;
@@ -16,6 +17,7 @@ mod thread_log;
 use std::collections::BTreeMap;
 
 use gsk_core::command::{ExecutedMove, SourcePosition};
+use gsk_core::machine::LoadLimits;
 use gsk_workpiece::collision::Collision;
 use gsk_workpiece::cutting::CuttingMaterial;
 use gsk_workpiece::job::Job;
@@ -24,9 +26,11 @@ use gsk_workpiece::region::Region;
 use gsk_workpiece::scene::{LatheScene, MotionEffect, SceneTool};
 use gsk_workpiece::tool::{Insert, ToolShape};
 
+pub use cut_fault::{CutFault, CutFaultKind};
 pub use load_summary::{BlockLoad, LoadFinding, LoadSummary};
 use motion_track::MotionTrack;
 pub use mounting::Mounting;
+use move_load::CutConditions;
 pub use move_load::{CutLoad, MoveLoad};
 
 use crate::curves::RapidRates;
@@ -151,7 +155,12 @@ impl Machining {
                 (self.job.tools.get(&number), self.cutters.get(&number))
             {
                 let chips = |feed_mm| self.scene.chip_samples(cutter, &motion, feed_mm);
-                load = MoveLoad::new(executed, tool, material, &motion, chips);
+                let conditions = CutConditions {
+                    tool,
+                    material: self.job.material_at_rake(material, number),
+                    scene: &self.scene,
+                };
+                load = MoveLoad::new(executed, &conditions, &motion, chips);
             }
             self.move_tool(Some(executed.source), number, &motion, executed.duration_s);
         }
@@ -194,6 +203,43 @@ impl Machining {
             let loose = self.scene.drop_loose_pieces();
             self.parted_volume_mm3 += loose.iter().map(Region::volume).sum::<f64>();
         }
+    }
+
+    /// Moves a tool whose insert is broken: nothing is cut, and a collision of its body is stored.
+    fn move_broken_tool(&mut self, source: Option<SourcePosition>, tool: u8, motion: &ToolMotion) {
+        let cutter = self.cutters.get(&tool);
+        let found = cutter.and_then(|cutter| self.scene.find_body_collision(cutter, motion));
+        if let Some(collision) = found {
+            self.add_finding(CollisionFinding {
+                source,
+                tool,
+                collision,
+            });
+        }
+    }
+
+    /// The first limit that a straight motion or a thread exceeds with a feed per revolution, mm,
+    /// at a spindle speed, r/min; `None` within all limits.
+    fn exceeded_limit(
+        &self,
+        number: u8,
+        motion: &ToolMotion,
+        (feed_mm, rpm): (f64, f64),
+        limits: &LoadLimits,
+        material: &CuttingMaterial,
+    ) -> Option<CutFaultKind> {
+        let (tool, cutter) = (self.job.tools.get(&number)?, self.cutters.get(&number)?);
+        let feed_of_edge_mm = feed_mm / f64::from(tool.edge_count());
+        let samples = self.scene.chip_samples(cutter, motion, feed_of_edge_mm);
+        let conditions = CutConditions {
+            tool,
+            material: self.job.material_at_rake(material, number),
+            scene: &self.scene,
+        };
+        let feed = (feed_mm, matches!(motion.kind, MotionKind::Thread(_)));
+        samples
+            .iter()
+            .find_map(|sample| conditions.exceeded_limit(sample, feed, rpm, limits))
     }
 
     fn is_grooving(&self, tool: u8) -> bool {

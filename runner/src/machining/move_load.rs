@@ -3,10 +3,11 @@
 use gsk_core::command::{ExecutedMove, MoveConditions, SourcePosition};
 use gsk_core::units::Feed;
 use gsk_workpiece::cutting::{
-    ChipSample, CuttingChip, CuttingMaterial, cutting_power_kw, cutting_torque_nm, roughness_ra_um,
-    surface_speed_m_per_min,
+    ChipSample, CuttingChip, CuttingMaterial, chisel_edge_factors, cutting_power_kw,
+    cutting_torque_nm, pressing_force_n, roughness_ra_um, surface_speed_m_per_min,
 };
 use gsk_workpiece::motion::{MotionKind, ToolMotion};
+use gsk_workpiece::scene::LatheScene;
 use gsk_workpiece::tool::{Insert, Tool};
 
 /// The load of a cut at one moment.
@@ -22,6 +23,13 @@ pub struct CutLoad {
     pub power_kw: f64,
     /// Torque at the spindle, N·m.
     pub torque_nm: f64,
+    /// Force against the feed, N.
+    pub feed_force_n: f64,
+    /// Force across the spindle axis, N, which bends boring bar and stock. The tool is pushed
+    /// outwards if it is positive.
+    pub radial_force_n: f64,
+    /// Change of the turned diameter because boring bar and stock give way, mm.
+    pub size_error_mm: f64,
     /// Cutting speed at the greatest radius of the cut, m/min.
     pub speed_m_per_min: f64,
     /// Spindle speed, r/min.
@@ -55,11 +63,11 @@ impl MoveLoad {
     /// revolution of each edge, mm. `None` if the spindle stands or nothing is cut.
     pub(super) fn new(
         executed: &ExecutedMove,
-        tool: &Tool,
-        material: &CuttingMaterial,
+        cut: &CutConditions,
         motion: &ToolMotion,
         chips: impl FnOnce(f64) -> Vec<ChipSample>,
     ) -> Option<Self> {
+        let tool = cut.tool;
         let conditions = &executed.conditions;
         if conditions.rpm < 1.0 || matches!(motion.kind, MotionKind::Rapid) {
             return None;
@@ -79,7 +87,7 @@ impl MoveLoad {
                 } else {
                     1.0
                 };
-                cut_load(&sample, feed_share, edges, rpm, material)
+                cut.load(&sample, feed_share, rpm)
             })
             .collect();
         let is_thread = executed.kind.is_thread();
@@ -97,32 +105,56 @@ impl MoveLoad {
     }
 }
 
-/// The load of a chip, whose area is multiplied by `feed_share`.
-fn cut_load(
-    sample: &ChipSample,
-    feed_share: f64,
-    edges: f64,
-    rpm: f64,
-    material: &CuttingMaterial,
-) -> CutLoad {
-    let chip = CuttingChip {
-        area_mm2: sample.chip.area_mm2 * feed_share,
-        ..sample.chip
-    };
-    let force_n = edges * material.cutting_force_n(&chip);
-    // A drill cuts from the axis to its radius, so its force acts at the mean radius.
-    let lever_mm = match edges > 1.0 {
-        true => sample.mean_radius_mm,
-        false => sample.outer_radius_mm,
-    };
-    CutLoad {
-        share: sample.share,
-        chip,
-        force_n,
-        power_kw: cutting_power_kw(force_n, surface_speed_m_per_min(lever_mm, rpm)),
-        torque_nm: cutting_torque_nm(force_n, lever_mm),
-        speed_m_per_min: surface_speed_m_per_min(sample.outer_radius_mm, rpm),
-        rpm,
+/// What the load of a chip depends on besides the chip.
+pub(super) struct CutConditions<'a> {
+    /// The tool that cuts.
+    pub tool: &'a Tool,
+    /// The material, with the constants for the rake of the tool.
+    pub material: CuttingMaterial,
+    /// The part and its clamping.
+    pub scene: &'a LatheScene,
+}
+
+impl CutConditions<'_> {
+    /// The load of a chip, whose area is multiplied by `feed_share`.
+    pub(super) fn load(&self, sample: &ChipSample, feed_share: f64, rpm: f64) -> CutLoad {
+        let edges = f64::from(self.tool.edge_count());
+        let chip = CuttingChip {
+            area_mm2: sample.chip.area_mm2 * feed_share,
+            ..sample.chip
+        };
+        let force_n = edges * self.material.cutting_force_n(&chip);
+        let pressing = sample.into_material * pressing_force_n(force_n);
+        let mut load = CutLoad {
+            share: sample.share,
+            chip,
+            force_n,
+            speed_m_per_min: surface_speed_m_per_min(sample.outer_radius_mm, rpm),
+            feed_force_n: pressing.dot(sample.feed).max(0.0),
+            rpm,
+            ..CutLoad::default()
+        };
+        // A drill cuts from the axis to its radius, so its force acts at the mean radius, and its
+        // lips hold each other in the middle.
+        let lever_mm = if edges > 1.0 {
+            let (torque, thrust) =
+                chisel_edge_factors(sample.inner_radius_mm, sample.outer_radius_mm);
+            load.feed_force_n *= thrust;
+            sample.mean_radius_mm * torque
+        } else {
+            load.radial_force_n = -pressing.x;
+            load.size_error_mm = 2.0 * load.radial_force_n * self.flexibility(sample.tip_z);
+            sample.outer_radius_mm
+        };
+        load.torque_nm = cutting_torque_nm(force_n, lever_mm);
+        load.power_kw = cutting_power_kw(force_n, surface_speed_m_per_min(lever_mm, rpm));
+        load
+    }
+
+    /// The distance by which tool and part separate for each newton across the axis, mm.
+    fn flexibility(&self, tip_z: f64) -> f64 {
+        let stock = self.scene.stock_flexibility(tip_z) / self.material.modulus();
+        stock + self.tool.holder.flexibility_mm_per_n()
     }
 }
 

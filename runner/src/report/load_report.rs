@@ -12,6 +12,8 @@ use crate::machining::{BlockLoad, LoadSummary};
 
 /// Number of blocks that the text lists; more only if their forces are equal.
 const MAX_LISTED_BLOCKS: usize = 50;
+/// Least change of a diameter that the text names, mm.
+const SHOWN_SIZE_ERROR_MM: f64 = 0.002;
 
 /// The load of a program in a material.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -52,6 +54,13 @@ pub struct BlockLoadReport {
     pub power_kw: f64,
     /// Greatest torque, N·m.
     pub torque_nm: f64,
+    /// Greatest force against the feed, N.
+    pub feed_force_n: f64,
+    /// Force across the spindle axis at the greatest cutting force, N; negative pushes the tool
+    /// inwards.
+    pub radial_force_n: f64,
+    /// Greatest change of the diameter because boring bar and stock give way, mm.
+    pub size_error_mm: f64,
     /// Length of the edge in the material at the greatest force, mm.
     pub edge_mm: f64,
     /// Mean chip thickness at the greatest force, mm.
@@ -84,6 +93,9 @@ impl From<&BlockLoad> for BlockLoadReport {
             force_n: round(heaviest.force_n),
             power_kw: round(block.power_kw),
             torque_nm: round(block.torque.0),
+            feed_force_n: round(block.feed_force_n),
+            radial_force_n: round(heaviest.radial_force_n),
+            size_error_mm: round(block.size_error.0),
             edge_mm: round(heaviest.chip.width_mm),
             thickness_mm: round(heaviest.chip.thickness_mm()),
             area_mm2: round(heaviest.chip.area_mm2),
@@ -169,7 +181,17 @@ impl BlockLoadReport {
         let roughness = self.ra_um.map_or(String::new(), |it| {
             say::report_load_roughness(format_args!("{it:.2}")).text(words)
         });
-        program + &line.text(words) + &chip.text(words) + &roughness
+        let push = say::report_load_push(
+            format_args!("{:.0}", self.feed_force_n),
+            format_args!("{:.0}", self.radial_force_n),
+        );
+        let error = match self.size_error_mm.abs() >= SHOWN_SIZE_ERROR_MM {
+            true => {
+                say::report_load_size_error(format_args!("{:+.3}", self.size_error_mm)).text(words)
+            }
+            false => String::new(),
+        };
+        program + &line.text(words) + &chip.text(words) + &push.text(words) + &error + &roughness
     }
 }
 

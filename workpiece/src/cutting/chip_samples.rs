@@ -35,8 +35,34 @@ pub struct ChipSample {
     pub chip: CuttingChip,
     /// Greatest radius of the cut, mm.
     pub outer_radius_mm: f64,
+    /// Least radius of the cut, mm.
+    pub inner_radius_mm: f64,
     /// Mean radius of the cut, mm.
     pub mean_radius_mm: f64,
+    /// Direction of the feed, of length 1.
+    pub feed: Point,
+    /// Mean direction from the edge into the material, of length 1 for a straight edge.
+    pub into_material: Point,
+    /// Z of the tip, mm.
+    pub tip_z: f64,
+}
+
+impl ChipSample {
+    fn new(contact: &EdgeContact, area_mm2: f64, (tip, feed): (Point, Point), share: f64) -> Self {
+        Self {
+            share,
+            chip: CuttingChip {
+                area_mm2,
+                width_mm: contact.edge_mm,
+            },
+            outer_radius_mm: contact.outer_radius_mm,
+            inner_radius_mm: contact.inner_radius_mm,
+            mean_radius_mm: contact.mean_radius_mm,
+            feed,
+            into_material: contact.into_material,
+            tip_z: tip.z,
+        }
+    }
 }
 
 impl LatheScene {
@@ -115,15 +141,8 @@ fn sample_feed(
     share: f64,
 ) -> Option<ChipSample> {
     let contact = EdgeContact::measure(part, polygon, tip, Some(feed));
-    (contact.across_mm > 0.0).then_some(ChipSample {
-        share,
-        chip: CuttingChip {
-            area_mm2: contact.across_mm * feed_mm,
-            width_mm: contact.edge_mm,
-        },
-        outer_radius_mm: contact.outer_radius_mm,
-        mean_radius_mm: contact.mean_radius_mm,
-    })
+    let area_mm2 = contact.across_mm * feed_mm;
+    (contact.across_mm > 0.0).then(|| ChipSample::new(&contact, area_mm2, (tip, feed), share))
 }
 
 /// The chips of a thread pass: what its grooves remove in the drawn plane.
@@ -135,24 +154,18 @@ fn thread_samples(
 ) -> Vec<ChipSample> {
     let edge: GridContour = shrink(polygon, FLANK_CLEARANCE_UNITS);
     let length = (motion.to - motion.from).length();
+    let feed = (motion.to - motion.from).unit().unwrap_or_default();
     let step = grooves.len().div_ceil(MAX_GROOVES).max(1);
     let sample = |tip: &Point| {
         let at = to_grid(*tip);
         let removed = part.intersection(&with_mirror_image(sweep(polygon, at, at)));
         let contact = EdgeContact::measure(part, &edge, *tip, None);
         let is_cut = !removed.is_empty() && contact.edge_mm > 0.0;
-        is_cut.then(|| ChipSample {
-            share: match length > 0.0 {
-                true => (*tip - motion.from).length() / length,
-                false => 0.0,
-            },
-            chip: CuttingChip {
-                area_mm2: removed.area(),
-                width_mm: contact.edge_mm,
-            },
-            outer_radius_mm: contact.outer_radius_mm,
-            mean_radius_mm: contact.mean_radius_mm,
-        })
+        let share = match length > 0.0 {
+            true => (*tip - motion.from).length() / length,
+            false => 0.0,
+        };
+        is_cut.then(|| ChipSample::new(&contact, removed.area(), (*tip, feed), share))
     };
     grooves.iter().step_by(step).filter_map(sample).collect()
 }

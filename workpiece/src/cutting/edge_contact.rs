@@ -18,8 +18,13 @@ pub(super) struct EdgeContact {
     pub(super) across_mm: f64,
     /// Greatest radius of the contact, mm.
     pub(super) outer_radius_mm: f64,
+    /// Least radius of the contact, mm.
+    pub(super) inner_radius_mm: f64,
     /// Mean radius of the contact, weighted by the chip area, mm.
     pub(super) mean_radius_mm: f64,
+    /// Mean direction from the edge into the material, weighted by the chip area: its length is
+    /// below 1 if the edge is bent.
+    pub(super) into_material: Point,
 }
 
 impl EdgeContact {
@@ -32,7 +37,10 @@ impl EdgeContact {
         tip: Point,
         feed: Option<Point>,
     ) -> Self {
-        let mut contact = Self::default();
+        let mut contact = Self {
+            inner_radius_mm: f64::INFINITY,
+            ..Self::default()
+        };
         let mut moment = 0.0;
         let shift = Point::new(tip.x * PER_MM + OFF_GRID.0, tip.z * PER_MM + OFF_GRID.1);
         let at = |point: &GridPoint| Point::new(f64::from(point.y), f64::from(point.x)) + shift;
@@ -52,12 +60,16 @@ impl EdgeContact {
                 contact.edge_mm += edge;
                 contact.across_mm += across;
                 moment += across * (near.x + far.x) / 2.0 / PER_MM;
-                let outer = near.x.max(far.x) / PER_MM;
+                let (inner, outer) = (near.x.min(far.x) / PER_MM, near.x.max(far.x) / PER_MM);
+                contact.inner_radius_mm = contact.inner_radius_mm.min(inner.max(0.0));
                 contact.outer_radius_mm = contact.outer_radius_mm.max(outer);
+                let outward = along.left() * (-across / length);
+                contact.into_material = contact.into_material + outward;
             }
         }
         if contact.across_mm > 0.0 {
             contact.mean_radius_mm = moment / contact.across_mm;
+            contact.into_material = contact.into_material * (1.0 / contact.across_mm);
         }
         contact
     }

@@ -7,6 +7,19 @@ use super::CuttingMaterial;
 /// Chip thickness below which the specific cutting force no longer increases, mm. Kienzle's
 /// exponent was measured above it.
 const LEAST_THICKNESS_MM: f64 = 0.01;
+/// Rake angle for which the specific cutting force of steel is tabulated, degrees (Kienzle).
+const TABLE_RAKE_DEGREES: f64 = 6.0;
+/// Share by which the specific cutting force falls with a degree of rake (Kienzle: 1 to 2 %).
+const SHARE_PER_DEGREE: f64 = 0.015;
+/// Share of the cutting force that presses the edge out of the cut, at right angles to the edge.
+/// Published shares are between 0.3 and 0.67.
+const PRESSING_SHARE: f64 = 0.5;
+/// Torque and thrust of a drill with a chisel edge, as multiples of those of its lips alone
+/// (Ghosh and Mallik, Manufacturing Science, problem 4.14: M = 0.6 Fc d, F = 5 Ft sin β).
+const CHISEL_TORQUE: f64 = 1.2;
+const CHISEL_THRUST: f64 = 2.5;
+/// Share of a drill's radius that its chisel edge covers: a hole of this size removes its effect.
+const CHISEL_SHARE: f64 = 0.1;
 
 /// The cross-section of a chip before the cut.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -38,6 +51,15 @@ impl CuttingChip {
 }
 
 impl CuttingMaterial {
+    /// The material for a tool with a rake angle, degrees: a greater rake needs less force.
+    pub fn with_rake(&self, rake_degrees: f64) -> Self {
+        let share = SHARE_PER_DEGREE * (rake_degrees - TABLE_RAKE_DEGREES);
+        Self {
+            kc11: self.kc11 * (1.0 - share).clamp(0.5, 1.5),
+            ..*self
+        }
+    }
+
     /// The specific cutting force for a chip thickness, mm, in N/mm².
     pub fn specific_force(&self, thickness_mm: f64) -> f64 {
         self.kc11 * libm::pow(thickness_mm.max(LEAST_THICKNESS_MM), -self.mc)
@@ -46,6 +68,20 @@ impl CuttingMaterial {
     /// The cutting force of a chip, N.
     pub fn cutting_force_n(&self, chip: &CuttingChip) -> f64 {
         chip.area_mm2 * self.specific_force(chip.thickness_mm())
+    }
+}
+
+/// The force that presses the edge out of the cut, at right angles to it, N.
+pub fn pressing_force_n(cutting_force_n: f64) -> f64 {
+    PRESSING_SHARE * cutting_force_n
+}
+
+/// Torque and thrust of a drill as multiples of those of its lips. The chisel edge acts if the
+/// lips cut from less than a tenth of the radius.
+pub fn chisel_edge_factors(inner_radius_mm: f64, outer_radius_mm: f64) -> (f64, f64) {
+    match inner_radius_mm < CHISEL_SHARE * outer_radius_mm {
+        true => (CHISEL_TORQUE, CHISEL_THRUST),
+        false => (1.0, 1.0),
     }
 }
 

@@ -49,6 +49,9 @@ pub enum Insert {
     },
 }
 
+/// Multiple of the limits for roughing at which a turning insert breaks.
+const BREAKING_SHARE: f64 = 1.5;
+
 const fn right_angle() -> f64 {
     90.0
 }
@@ -133,6 +136,25 @@ impl Insert {
                 Some(nose * 2.0 / 3.0)
             }
             _ => None,
+        }
+    }
+
+    /// Length of the edge in the material at which the insert breaks, mm; `None` without a limit.
+    pub fn breaking_edge_mm(&self) -> Option<f64> {
+        Some(BREAKING_SHARE * self.greatest_edge_mm()?)
+    }
+
+    /// Feed per revolution at which the insert or drill breaks, mm; `None` without a limit. A
+    /// grooving insert of 2 to 3 mm is fed up to 0.05 times its width (Kyocera), a twist drill
+    /// 0.018 times its diameter (Machinery's Handbook, 27th edition, p. 1029): each bears three
+    /// times this.
+    pub fn breaking_feed_mm(&self) -> Option<f64> {
+        match *self {
+            Self::Grooving { width, .. } => Some(0.15 * width),
+            Self::Drill { diameter, .. } => Some(0.054 * diameter),
+            Self::Turning { .. } | Self::Threading { .. } => {
+                Some(BREAKING_SHARE * self.greatest_feed_mm()?)
+            }
         }
     }
 

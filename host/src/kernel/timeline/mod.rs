@@ -504,7 +504,8 @@ pub(super) const fn changes_machine(command: &Command) -> bool {
         | Command::Lesson(_)
         | Command::Store(..)
         | Command::FreshStock
-        | Command::CrashStops(_) => true,
+        | Command::CrashStops(_)
+        | Command::Overload(_) => true,
         // The window finds the job of the present program some time after it was opened.
         Command::Job(_)
         | Command::TransferFailed

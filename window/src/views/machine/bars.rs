@@ -110,6 +110,13 @@ impl LatheView {
             let words = say::lathe_load().text(language);
             let load = ui.toggle_value(&mut self.instruments.load.is_shown, words);
             load.on_hover_text(say::lathe_load_hint().text(language));
+            let words = say::lathe_cut_faults().text(language);
+            let is_on = &mut self.instruments.load.breaks_on_overload;
+            let overload = ui.toggle_value(is_on, words);
+            if overload.clicked() {
+                self.console.send(Command::Overload(*is_on));
+            }
+            overload.on_hover_text(say::lathe_cut_faults_hint().text(language));
             clicked
         });
         match clicked.inner {

@@ -24,6 +24,8 @@ const PATH_WIDTH: f32 = 2.5;
 pub struct LoadDisplay {
     /// Whether the load is shown.
     pub is_shown: bool,
+    /// Whether a cut above the limits breaks something.
+    pub breaks_on_overload: bool,
     curve: Option<Arc<LoadCurve>>,
     /// Path and job for which the curve was requested last.
     requested: Option<(Arc<DrawnPath>, Arc<Job>)>,
@@ -197,4 +199,49 @@ fn path_shapes(curve: &LoadCurve, camera: &Camera, path: &DrawnPath) -> Vec<Shap
         }
     }
     shapes
+}
+
+#[cfg(test)]
+mod tests {
+    use egui::Context;
+    use gsk_workpiece::stock::Stock;
+
+    use super::super::path::PathBuilder;
+    use super::*;
+
+    /// The height of what is drawn for the bar, points.
+    fn bar_height(load: &mut LoadDisplay) -> f32 {
+        let mut height = f32::NAN;
+        let mut output = Context::default().run_ui(egui::RawInput::default(), |ui| {
+            let before = ui.cursor().top();
+            load.show_bar(ui, 60.0, None, Language::En);
+            height = ui.cursor().top() - before;
+        });
+        output.textures_delta.clear();
+        height
+    }
+
+    #[test]
+    fn a_path_that_ends_at_the_limit_of_work_promises_no_load() {
+        let job = Arc::new(Job::new(Stock::bar(50.0, 0.0, 60.0)));
+        let programs = gsk_core::setup::Setup::default().memory.programs;
+        let cut_off = Arc::new(PathBuilder::default().build(&programs, true));
+        assert!(cut_off.is_partial);
+        let mut load = LoadDisplay {
+            is_shown: true,
+            ..LoadDisplay::default()
+        };
+        assert!(!load.needs_curve(&cut_off, &job));
+        assert_eq!(bar_height(&mut load), 0.0, "nothing will come");
+        // The path is complete later: the load is requested once, and its place says so.
+        let complete = Arc::new(DrawnPath::default());
+        assert!(load.needs_curve(&complete, &job));
+        assert!(!load.needs_curve(&complete, &job));
+        let pending = bar_height(&mut load);
+        assert!(pending > 0.0);
+        load.set_curve(Arc::new(LoadCurve::default()));
+        assert!(bar_height(&mut load) > pending, "bar and text");
+        load.clear();
+        assert_eq!(bar_height(&mut load), 0.0);
+    }
 }
