@@ -111,6 +111,7 @@ class Browser:
             request = urllib.request.Request(f"{self.driver}/{self.session}", method="DELETE")
             urllib.request.urlopen(request).read()
         self.reader.cancel()
+        await self.wire.close()
         self.process.terminate()
         self.process.wait()
         shutil.rmtree(self.home, ignore_errors=True)
