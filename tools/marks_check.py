@@ -75,6 +75,11 @@ def hash_text(value):
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
+def hash_mark(mark):
+    """The hash of a mark without the number of the key, which is made for each run."""
+    return hash_text({name: value for name, value in mark.items() if name != "key"})
+
+
 def run(program, arguments, folder):
     """Runs a command; returns exit code and standard output."""
     output = folder / f"output-{hash_text(str(arguments))}"
@@ -115,7 +120,7 @@ def main():
                 raise SystemExit(f"{name.name}: {replays[0][1].decode()}")
             mark = marks[result.name]
             print(
-                f"{result.stem}: {mark['points']}/{mark['max']} points, mark {hash_text(mark)},"
+                f"{result.stem}: {mark['points']}/{mark['max']} points, mark {hash_mark(mark)},"
                 f" replay {hash_text(replays[0][1].decode())}"
             )
         (folder / "windows").mkdir()

@@ -93,7 +93,7 @@ class MarkedSolutions:
                 count += 1
                 if not mark["valid"] or replay["differs_at"] or replay["error"]:
                     raise SystemExit(f"{browser.name}: {mark}\n{replay}")
-                hashes = f"mark {marks_check.hash_text(mark)}, state {replay['end']}"
+                hashes = f"mark {marks_check.hash_mark(mark)}, state {replay['end']}"
                 print(f"{browser.name}: {mark['file']}: {mark['points']}/{mark['max']}, {hashes}", flush=True)
         print(f"{browser.name}: {count} marks and replays are those of this system")
 

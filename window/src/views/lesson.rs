@@ -167,7 +167,7 @@ impl LessonView {
             Panel::bottom("exercise buttons")
                 .frame(super::bar_frame())
                 .show(ui, |ui| {
-                    self.wants_bench |= self.exercises.show_buttons(ui, language)
+                    self.wants_bench |= self.exercises.show_buttons(ui, language);
                 });
         }
         CentralPanel::default()
