@@ -5,209 +5,111 @@
 
 PAGE is the folder that `cargo xtask dist web` builds, CHECK the folder with the session
 in which every tick is hashed. The two programs print the expected results on this system.
-The script controls both browsers by WebDriver BiDi: Chromium through `chromedriver`,
-Firefox directly. It saves pictures of the page in CHECK.
+In each browser the solutions of all exercises get the same marks, and their recordings replay
+to the same states. The script saves pictures of the page in CHECK.
 """
 
 import asyncio
-import base64
 import functools
 import http.server
 import json
 import os
 import shutil
-import socket
 import subprocess
 import sys
 import tempfile
 import threading
 import time
-import urllib.request
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-import websockets
+import marks_check
+from browser import Browser, Quiet
 
 ROOT = Path(__file__).resolve().parent.parent
-SIZE = {"width": 1280, "height": 800}
-# Positions of controls on a page of this size in English, pixels.
+# Positions of controls on a page of the size of `browser.py` in English, pixels.
 SAMPLES, FIRST_SAMPLE = (232, 14), (280, 44)
-SPEED, FASTEST = (1063, 14), (1094, 272)
-OPEN = (55, 14)
-AUTO, START, POSITION, PROGRAM = (48, 513), (448, 569), (370, 466), (409, 466)
+SPEED, FASTEST = (1013, 14), (1044, 284)
+OPEN = (66, 14)
+AUTO, START, POSITION, PROGRAM = (430, 75), (582, 331), (45, 719), (108, 719)
 PAGE_DOWN = "\ue00f"
-# The native program runs the same sample with the same keys.
-SCRIPT = "load 01-stepped-shaft.CNC\npress AUTO\npress CS\nwait idle 600s\nshow\n"
+# The native program runs the same sample with the same keys, until the spindle stands still.
+SCRIPT = "load 01-stepped-shaft.CNC\npress AUTO\npress CS\nwait idle 600s\nwait 3s\nshow\n"
 PROGRAM_42 = "O0042\nG50 X100 Z100\nG00 X50 Z50\nM30\n"
-
-
-def free_port():
-    with socket.socket() as asked:
-        asked.bind(("127.0.0.1", 0))
-        return asked.getsockname()[1]
-
-
-class Quiet(http.server.SimpleHTTPRequestHandler):
-    extensions_map = {
-        **http.server.SimpleHTTPRequestHandler.extensions_map,
-        ".wasm": "application/wasm",
-        ".js": "text/javascript",
-    }
-
-    def log_message(self, *_):
-        pass
-
-
-class Browser:
-    """One page in a browser."""
-
-    def __init__(self, name):
-        self.name = name
-        self.count = 0
-        self.answers = {}
-        self.dialogs = asyncio.Queue()
-        self.said = []
-        self.home = tempfile.mkdtemp(prefix="page-check-")
-        self.process = None
-        self.session = None
-
-    async def start(self):
-        address = await getattr(self, f"start_{self.name}")()
-        for _ in range(120):
-            try:
-                self.wire = await websockets.connect(address, max_size=None)
-                break
-            except OSError:
-                await asyncio.sleep(0.5)
-        self.reader = asyncio.create_task(self.read())
-        if self.name == "firefox":
-            await self.ask("session.new", capabilities={})
-        events = ["log.entryAdded", "input.fileDialogOpened"]
-        await self.ask("session.subscribe", events=events)
-        tree = await self.ask("browsingContext.getTree")
-        self.tab = tree["contexts"][0]["context"]
-        await self.ask("browsingContext.setViewport", context=self.tab, viewport=SIZE)
-
-    async def start_chromium(self):
-        port = free_port()
-        self.process = subprocess.Popen(["chromedriver", f"--port={port}"], stdout=subprocess.DEVNULL)
-        arguments = ["--headless=new", "--no-sandbox", "--use-angle=swiftshader"]
-        arguments += ["--enable-unsafe-swiftshader", f"--user-data-dir={self.home}"]
-        capabilities = {"webSocketUrl": True, "goog:chromeOptions": {"args": arguments}}
-        body = json.dumps({"capabilities": {"alwaysMatch": capabilities}}).encode()
-        self.driver = f"http://127.0.0.1:{port}/session"
-        for _ in range(60):
-            try:
-                answer = urllib.request.urlopen(urllib.request.Request(self.driver, body))
-                break
-            except OSError:
-                await asyncio.sleep(0.5)
-        answer = json.load(answer)["value"]
-        self.session = answer["sessionId"]
-        return answer["capabilities"]["webSocketUrl"]
-
-    async def start_firefox(self):
-        port = free_port()
-        # Without a display Firefox disables WebGL by default.
-        settings = {"webgl.force-enabled": True, "browser.shell.checkDefaultBrowser": False}
-        lines = [f"user_pref({json.dumps(k)}, {json.dumps(v)});\n" for k, v in settings.items()]
-        Path(self.home, "user.js").write_text("".join(lines))
-        arguments = ["firefox-esr", "--no-remote", "--profile", self.home]
-        arguments += [f"--remote-debugging-port={port}", "about:blank"]
-        environment = {**os.environ, "HOME": self.home, "LIBGL_ALWAYS_SOFTWARE": "1"}
-        nothing = subprocess.DEVNULL
-        self.process = subprocess.Popen(arguments, env=environment, stdout=nothing, stderr=nothing)
-        return f"ws://127.0.0.1:{port}/session"
-
-    async def end(self):
-        if self.session:
-            request = urllib.request.Request(f"{self.driver}/{self.session}", method="DELETE")
-            urllib.request.urlopen(request).read()
-        self.reader.cancel()
-        self.process.terminate()
-        self.process.wait()
-        shutil.rmtree(self.home, ignore_errors=True)
-
-    async def read(self):
-        async for message in self.wire:
-            message = json.loads(message)
-            if message.get("id") in self.answers:
-                self.answers.pop(message["id"]).set_result(message)
-            elif message.get("method") == "input.fileDialogOpened":
-                self.dialogs.put_nowait(message["params"])
-            elif message.get("method") == "log.entryAdded":
-                if message["params"].get("level") == "error":
-                    self.said.append(str(message["params"].get("text")))
-
-    async def ask(self, method, **parameters):
-        self.count += 1
-        answer = self.answers[self.count] = asyncio.get_running_loop().create_future()
-        request = {"id": self.count, "method": method, "params": parameters}
-        await self.wire.send(json.dumps(request))
-        answer = await asyncio.wait_for(answer, 120)
-        if answer.get("type") == "error":
-            raise RuntimeError(f"{method}: {answer}")
-        return answer["result"]
-
-    async def go(self, address, tab=None):
-        await self.ask("browsingContext.navigate", context=tab or self.tab, url=address, wait="complete")
-
-    async def js(self, text, tab=None):
-        target = {"context": tab or self.tab}
-        answer = await self.ask("script.evaluate", expression=text, target=target, awaitPromise=True)
-        if answer["type"] != "success":
-            raise RuntimeError(f"{text}: {answer}")
-        return answer["result"].get("value")
-
-    async def picture(self, path):
-        answer = await self.ask("browsingContext.captureScreenshot", context=self.tab)
-        Path(path).write_bytes(base64.b64decode(answer["data"]))
-
-    async def act(self, source):
-        await self.ask("input.performActions", context=self.tab, actions=[source])
-
-    async def press(self, place, by="mouse"):
-        moves = {"type": "pointerMove", "x": place[0], "y": place[1]}
-        down, up = {"type": "pointerDown", "button": 0}, {"type": "pointerUp", "button": 0}
-        actions = [moves, down, {"type": "pause", "duration": 80}, up]
-        await self.act(
-            {"type": "pointer", "id": by, "parameters": {"pointerType": by}, "actions": actions}
-        )
-        await asyncio.sleep(0.5)
-
-    async def key(self, key):
-        down, up = {"type": "keyDown", "value": key}, {"type": "keyUp", "value": key}
-        actions = [down, {"type": "pause", "duration": 80}, up]
-        await self.act({"type": "key", "id": "keys", "actions": actions})
-
-    async def lcd(self, tab=None):
-        return await self.js("document.getElementById('lcd').textContent", tab)
-
-    async def until(self, what, holds, seconds=60):
-        for _ in range(seconds * 5):
-            text = await self.lcd()
-            if holds(text):
-                return text
-            await asyncio.sleep(0.2)
-        await self.picture(f"failed-{self.name}.png")
-        raise SystemExit(f"{self.name}: {what} does not come; the LCD is\n{text}\n{self.said}")
 
 
 def lines(text):
     return [line.rstrip() for line in text.rstrip().splitlines()]
 
 
-async def use(browser, base, check, expected_lcd, golden):
-    name = browser.name
-    await browser.go(f"{base}/check/golden.html")
-    for _ in range(100):
-        hashes = await browser.js("document.getElementById('golden').textContent")
-        if hashes:
-            break
+async def golden_text(browser, address, seconds):
+    """Opens a page of the test session and returns what it prints."""
+    await browser.go(address)
+    for _ in range(seconds * 5):
+        text = await browser.js("document.getElementById('golden').textContent")
+        if text:
+            return text.strip()
         await asyncio.sleep(0.2)
+    raise SystemExit(f"{browser.name}: {address} prints nothing: {browser.said}")
+
+
+def golden_page(files=()):
+    """A page that runs the test session, or marks and replays files."""
+    text = "".join(f"{path.name} {path.read_bytes().hex()}\n" for path in files)
+    return (
+        f'<!DOCTYPE html><pre id="files" hidden>{text}</pre><pre id="golden"></pre>'
+        '<script type="module">import start from "./golden.js"; await start();</script>\n'
+    )
+
+
+class MarkedSolutions:
+    """The solutions of the exercises, and what this system says about them."""
+
+    def __init__(self, linux, golden, check, wanted=()):
+        self.check = check
+        self.groups = {}
+        folder = Path(tempfile.mkdtemp(prefix="page-marks-"))
+        with ThreadPoolExecutor(2) as pool:
+            results = marks_check.solve_all([linux], folder / "linux", wanted, pool)
+        for result in results:
+            files = self.groups.setdefault(result.name.split(".")[0], [])
+            files += [result, result.with_suffix(".gskrec")]
+        self.expected = {
+            name: json.loads(subprocess.run([golden, *files], check=True, capture_output=True).stdout)
+            for name, files in self.groups.items()
+        }
+        for name, files in self.groups.items():
+            (check / f"marks-{name}.html").write_text(golden_page(files))
+        shutil.rmtree(folder)
+
+    async def compare(self, browser, base):
+        """Marks and replays everything in a browser; prints a hash for each file."""
+        count = 0
+        for name, expected in self.expected.items():
+            found = json.loads(await golden_text(browser, f"{base}/check/marks-{name}.html", 600))
+            if found != expected:
+                raise SystemExit(f"{browser.name}: {name} is marked\n{found}\ninstead of\n{expected}")
+            for mark, replay in zip(found["marks"], found["replays"]):
+                count += 1
+                if not mark["valid"] or replay["differs_at"] or replay["error"]:
+                    raise SystemExit(f"{browser.name}: {mark}\n{replay}")
+                hashes = f"mark {marks_check.hash_mark(mark)}, state {replay['end']}"
+                print(f"{browser.name}: {mark['file']}: {mark['points']}/{mark['max']}, {hashes}", flush=True)
+        print(f"{browser.name}: {count} marks and replays are those of this system")
+
+
+async def check_session(browser, base, golden):
+    """Compares the hashes of every tick of the test session."""
+    name = browser.name
+    hashes = await golden_text(browser, f"{base}/check/golden.html", 20)
     if hashes != golden:
         raise SystemExit(f"{name}: the session hashes to\n{hashes}\ninstead of\n{golden}")
     print(f"{name}: {hashes.split('ticks: ')[1].rstrip(' }')} ticks hash as on this system")
 
+
+async def use(browser, base, check, expected_lcd):
+    """Uses the page by mouse, finger, keys and files."""
+    name = browser.name
     page = f"{base}/page/index.html?lang=en&first-start=off"
     await browser.go(page)
     await browser.until("power-on", lambda text: "现在位置" in text)
@@ -314,15 +216,52 @@ async def use(browser, base, check, expected_lcd, golden):
         raise SystemExit(f"{name}: the page says {browser.said}")
 
 
+# Takes the WebGL context from the page, and gives it back a moment later.
+LOSE_CONTEXT = """(() => {
+    window.isOld = true;
+    const context = document.getElementById("panel").getContext("webgl2");
+    const loss = context.getExtension("WEBGL_lose_context");
+    setTimeout(() => loss.restoreContext(), 200);
+    loss.loseContext();
+    return document.getElementById("said").textContent;
+})()"""
+
+
+async def lose_context(browser, base, losses):
+    """Takes the WebGL context from the page several times: it comes back with its memory."""
+    await browser.go(f"{base}/page/index.html?lang=en&first-start=off")
+    before = await browser.until("a program", lambda text: "O004" in text)
+    longest, memory = 0, []
+    for _ in range(losses):
+        await asyncio.sleep(1)
+        lost = time.monotonic()
+        await browser.js(LOSE_CONTEXT)
+        for _ in range(300):
+            await asyncio.sleep(0.2)
+            try:
+                if not await browser.js("window.isOld ?? false") and await browser.lcd():
+                    break
+            except RuntimeError:
+                pass  # The page is about to change.
+        after = await browser.until("the program", lambda text: "O004" in text)
+        if lines(after)[0] != lines(before)[0]:
+            raise SystemExit(f"{browser.name}: after the loss of the context the LCD is\n{after}")
+        longest = max(longest, time.monotonic() - lost)
+        memory.append(browser.memory_mb())
+    print(
+        f"{browser.name}: {losses} losses of the context, the page is back within {longest:.1f} s;"
+        f" memory {memory[0]} MB after the first, {memory[-1]} MB after the last, at most {max(memory)} MB"
+    )
+    if losses > 10 and memory[-1] > 1.5 * max(memory[:10]):
+        raise SystemExit(f"{browser.name}: the memory grows: {memory}")
+
+
 async def main():
     page, check, linux, golden = (Path(word).resolve() for word in sys.argv[1:5])
     served = Path(tempfile.mkdtemp(prefix="page-served-"))
     (served / "page").symlink_to(page)
     (served / "check").symlink_to(check)
-    (check / "golden.html").write_text(
-        '<!DOCTYPE html><pre id="golden"></pre>'
-        '<script type="module">import start from "./golden.js"; await start();</script>\n'
-    )
+    (check / "golden.html").write_text(golden_page())
     (check / "c.CNC").write_text(PROGRAM_42.replace("0042", "0044"))
     handler = functools.partial(Quiet, directory=str(served))
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
@@ -337,14 +276,19 @@ async def main():
     shown = subprocess.run([linux, "operate", script], check=True, capture_output=True, text=True)
     sizes = ", ".join(f"{it.name} {it.stat().st_size // 1000} kB" for it in sorted(page.iterdir()))
     print(f"the page: {sizes}")
+    solutions = MarkedSolutions(linux, golden, check)
     for name in sys.argv[5:] or ["chromium", "firefox"]:
         browser = Browser(name)
         await browser.start()
         try:
-            await use(browser, base, check, shown.stdout, said)
+            await check_session(browser, base, said)
+            await use(browser, base, check, shown.stdout)
+            await lose_context(browser, base, int(os.environ.get("LOSSES", "3")))
+            await solutions.compare(browser, base)
         finally:
             await browser.end()
     shutil.rmtree(served)
 
 
-asyncio.run(main())
+if __name__ == "__main__":
+    asyncio.run(main())

@@ -22,8 +22,8 @@ opened() {
         grep -q "first frame" "$data.$name.txt" && break
         sleep 0.2
     done
-    # What is typed or loaded is kept within a second.
-    sleep 5
+    # What is typed or loaded is kept within a second; a state is recorded every 10 s.
+    sleep 13
     if command -v import >/dev/null; then
         import -window root "$data.$name.png"
     fi

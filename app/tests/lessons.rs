@@ -328,14 +328,15 @@ fn the_topic_of_an_alarm_lists_its_time_and_links_to_its_block() {
 }
 
 /// The page of a learning platform with one exercise that may be handed in once.
-fn course_page() -> CoursePage {
-    let (id, text) = EXERCISES[3];
+fn course_page(exercise: &str) -> CoursePage {
+    let mut shipped = EXERCISES.iter();
+    let (id, text) = shipped.find(|(id, _)| *id == exercise).expect("a task");
     let course = CourseFile {
         title: "Course of the school".to_owned(),
         mastery_per_cent: Some(60),
         tasks: vec![CourseTaskFile::new(
-            id.to_owned(),
-            text.replace("time_limit: 300", "attempts: 1, time_limit: 300"),
+            (*id).to_owned(),
+            text.replace("time_limit:", "attempts: 1, time_limit:"),
             None,
         )],
     };
@@ -351,7 +352,7 @@ fn a_learning_platform_shows_its_exercises_alone_and_counts_attempts() {
     let mut bench = new_bench();
     let data = gsk_tests::test_folder("course").to_path_buf();
     let window = bench.harness.state_mut();
-    window.set_course(&course_page(), data);
+    window.set_course(&course_page("04-spindle"), data);
     bench.run(50);
     bench.harness.get_by_label("Course of the school");
     assert_eq!(
@@ -386,6 +387,37 @@ fn a_learning_platform_shows_its_exercises_alone_and_counts_attempts() {
         .harness
         .get_by_label_contains("All 1 attempts of this exercise are used.");
     assert_eq!(bench.kernel.snapshot().exercise, None);
+}
+
+#[test]
+fn a_fault_hunt_leads_to_the_bench_and_begins_again_without_old_refusals() {
+    let mut bench = new_bench();
+    let data = gsk_tests::test_folder("hunt").to_path_buf();
+    let window = bench.harness.state_mut();
+    window.set_course(&course_page("f10-drive-z"), data);
+    bench.run(50);
+    click(&mut bench, "Alarm of a drive");
+    let bench_hint = "Fault hunt: the faults are hidden.";
+    let is_explained = |bench: &WindowBench| {
+        let mut shown = bench.harness.query_all_by_label_contains(bench_hint);
+        shown.next().is_some()
+    };
+    assert!(!is_explained(&bench));
+    click(&mut bench, "Fault bench");
+    bench.run(100);
+    let settings = bench.harness.state().settings();
+    assert!(settings.layouts.is_open(ViewId::Bench));
+    assert!(is_explained(&bench));
+    // The task refuses this key.
+    bench.click("Parameter pages");
+    let refusal = "This exercise does not permit";
+    let is_refused = |bench: &WindowBench| {
+        let mut shown = bench.harness.query_all_by_label_contains(refusal);
+        shown.next().is_some()
+    };
+    assert!(is_refused(&bench));
+    click(&mut bench, "Begin again");
+    assert!(!is_refused(&bench), "the new machine has refused nothing");
 }
 
 #[test]

@@ -56,6 +56,7 @@ message_rows! {
     bench_mend_all BenchMendAll();
     bench_mend_all_hint BenchMendAllHint();
     bench_no_alarms BenchNoAlarms();
+    bench_repair_hint BenchRepairHint();
     bench_sensor BenchSensor();
     bench_slides BenchSlides(x: "{:.3}", z: "{:.3}");
     bench_station BenchStation(station);

@@ -1,13 +1,16 @@
 #!/usr/bin/env python3
-"""Drives a package of `exercise pack` in Chromium, with the SCORM 1.2 runtime of the npm package
-scorm-again as the learning platform: launch, suspend, resume, score, complete.
+"""Drives a package of `exercise pack` in Chromium and Firefox, in both languages, with the SCORM 1.2
+runtime of the npm package scorm-again as the learning platform: launch, suspend, resume, score,
+complete.
 
-    scorm_package.py GSK980TD PAGE SCORM-AGAIN PICTURES
+    scorm_package.py GSK980TD PAGE SCORM-AGAIN PICTURES [chromium-en] [firefox-zh] ...
 
 PAGE is the folder that `cargo xtask dist web` builds, SCORM-AGAIN the folder of the npm package
-(`npm install scorm-again`: node_modules/scorm-again). Needs chromium and chromium-driver.
+(`npm install scorm-again`: node_modules/scorm-again). Needs chromium, chromium-driver, firefox-esr,
+python3-websockets and a display.
 """
 
+import asyncio
 import functools
 import http.server
 import json
@@ -16,23 +19,28 @@ import sys
 import tempfile
 import threading
 import time
-import urllib.request
 import xml.etree.ElementTree as xml
 import zipfile
-from base64 import b64decode
 from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
+from browser import Browser, Quiet
 
 TASKS = ["04-spindle", "05-tool-change"]
 MASTERY = 60
-SIZE = (1500, 950)
-# Positions in a page of this size in English, pixels.
+SIZE = {"width": 1500, "height": 950}
+RUNS = ["chromium-en", "chromium-zh", "firefox-en", "firefox-zh"]
+# Positions in a page of this size, pixels.
 POINTS = {
-    **{"first card": (880, 590), "second card": (1126, 590), "save result": (1040, 653)},
-    # The buttons of a task, then those of a report.
-    **{"hand in": (786, 762), "again": (876, 762), "leave report": (992, 762)},
-    **{"MDI": (537, 64), "PRG": (126, 730), "PGDN": (42, 518), "IN": (58, 643), "START": (656, 327)},
-    **{"S": (228, 462), "T": (273, 462), "M": (318, 462)},
-    **{"0": (415, 575), "3": (460, 518), "5": (415, 462), "6": (460, 462)},
+    **{"first card": (880, 634), "second card": (1126, 634)},
+    **{"MDI": (530, 73), "PRG": (117, 839), "PGDN": (38, 622), "IN": (55, 750), "START": (676, 384)},
+    **{"S": (227, 566), "T": (273, 566), "M": (318, 566)},
+    **{"0": (417, 680), "3": (462, 622), "5": (417, 566), "6": (462, 566)},
+}
+# The buttons of a task, then those of a report, in each language.
+POINTS_OF = {
+    "en": {"save result": (1040, 724), "hand in": (792, 904), "again": (876, 904), "leave report": (992, 904)},
+    "zh": {"save result": (1022, 724), "hand in": (782, 904), "again": (845, 904), "leave report": (927, 904)},
 }
 # The platform: the runtime, the stored values of the learner, and the package in a frame.
 PLATFORM = """<!DOCTYPE html><meta charset="utf-8">
@@ -62,63 +70,41 @@ function keep() {
 window.API.on("LMSCommit", keep);
 window.API.on("LMSFinish", keep);
 </script>
-<iframe id="page" src="package/index.html?lang=en"></iframe>
+<iframe id="page"></iframe>
+<script>
+document.getElementById("page").src = `package/index.html?lang=${location.search.slice(1)}`;
+</script>
 """
 
 
-class Quiet(http.server.SimpleHTTPRequestHandler):
-    def log_message(self, *_):
-        pass
-
-
 class Driver:
-    """Chromium through chromedriver."""
+    """A browser, driven from code that is not asynchronous."""
 
-    def __init__(self, downloads):
-        self.process = subprocess.Popen(
-            ["chromedriver", "--port=9517"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-        )
-        arguments = ["--headless=new", "--no-sandbox", "--use-angle=swiftshader"]
-        arguments += ["--enable-unsafe-swiftshader", f"--window-size={SIZE[0]},{SIZE[1]}"]
-        settings = {"download.default_directory": str(downloads)}
-        options = {"args": arguments, "prefs": settings}
-        capabilities = {"alwaysMatch": {"goog:chromeOptions": options}}
-        self.base = "http://127.0.0.1:9517/session"
-        for _ in range(60):
-            try:
-                answer = self.post("", {"capabilities": capabilities})
-                break
-            except OSError:
-                time.sleep(0.5)
-        self.base += "/" + answer["sessionId"]
+    def __init__(self, name, downloads):
+        self.loop = asyncio.new_event_loop()
+        threading.Thread(target=self.loop.run_forever, daemon=True).start()
+        self.browser = Browser(name, SIZE, downloads)
+        self.run(self.browser.start())
 
-    def post(self, path, body=None, method="POST"):
-        data = None if body is None else json.dumps(body).encode()
-        request = urllib.request.Request(self.base + path, data, method=method)
-        with urllib.request.urlopen(request, timeout=300) as answer:
-            return json.load(answer)["value"]
+    def run(self, work):
+        return asyncio.run_coroutine_threadsafe(work, self.loop).result()
 
     def go(self, address):
-        self.post("/url", {"url": address})
+        self.run(self.browser.go(address))
 
     def js(self, text):
-        return self.post("/execute/sync", {"script": f"return {text}", "args": []})
+        answer = self.run(self.browser.js(f"JSON.stringify({text}) ?? 'null'"))
+        return json.loads(answer)
 
     def picture(self, path):
-        Path(path).write_bytes(b64decode(self.post("/screenshot", method="GET")))
+        self.run(self.browser.picture(path))
 
     def click(self, x, y):
-        pointer = {"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"}}
-        moves = {"type": "pointerMove", "x": x, "y": y}
-        down, up = {"type": "pointerDown", "button": 0}, {"type": "pointerUp", "button": 0}
-        pause = {"type": "pause", "duration": 120}
-        pointer["actions"] = [moves, pause, down, pause, up]
-        self.post("/actions", {"actions": [pointer]})
-        time.sleep(0.6)
+        self.run(self.browser.press((x, y)))
 
     def end(self):
-        self.post("", method="DELETE")
-        self.process.terminate()
+        self.run(self.browser.end())
+        self.loop.call_soon_threadsafe(self.loop.stop)
 
 
 def check_package(package):
@@ -139,7 +125,6 @@ def main():
     program, page, runtime, pictures = (Path(word).resolve() for word in sys.argv[1:5])
     pictures.mkdir(parents=True, exist_ok=True)
     served = Path(tempfile.mkdtemp(prefix="scorm-"))
-    downloads = served / "downloads"
     package = served / "package.zip"
     command = [program, "exercise", "pack", *TASKS, "--page", page, "-o", package]
     subprocess.run([*command, "--mastery", str(MASTERY), "--title", "Turning"], check=True)
@@ -153,14 +138,19 @@ def main():
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
     threading.Thread(target=server.serve_forever, daemon=True).start()
     address = f"http://127.0.0.1:{server.server_port}/platform.html"
-    driver = Driver(downloads)
-    try:
-        learn(driver, address, pictures)
-        result = wait_for("the downloaded result", lambda: next(downloads.glob("*.gskresult"), None))
-        subprocess.run([program, "exercise", "mark", downloads, "--lang", "en"], check=True)
-        print(f"{result.name} is replayed as the browser marked it")
-    finally:
-        driver.end()
+    for run in sys.argv[5:] or RUNS:
+        name, language = run.split("-")
+        print(f"{run}:")
+        downloads = served / run
+        downloads.mkdir()
+        driver = Driver(name, downloads)
+        try:
+            learn(Learner(driver, f"{address}?{language}", pictures, language))
+            result = wait_for("the downloaded result", lambda: next(downloads.glob("*.gskresult"), None))
+            subprocess.run([program, "exercise", "mark", downloads, "--lang", "en"], check=True)
+            print(f"{result.name} is replayed as the browser marked it")
+        finally:
+            driver.end()
 
 
 def wait_for(what, find, seconds=60):
@@ -175,8 +165,10 @@ def wait_for(what, find, seconds=60):
 class Learner:
     """A learner at the page in the platform's frame."""
 
-    def __init__(self, driver, address, pictures):
+    def __init__(self, driver, address, pictures, language):
         self.driver, self.address, self.pictures = driver, address, pictures
+        self.points = POINTS | POINTS_OF[language]
+        self.run = f"{driver.browser.name}-{language}"
 
     def launch(self):
         self.driver.go(self.address)
@@ -199,11 +191,11 @@ class Learner:
         return self.driver.js("window.API.cmi.interactions.childArray.length")
 
     def picture(self, name):
-        self.driver.picture(self.pictures / f"{name}.png")
+        self.driver.picture(self.pictures / f"{self.run}-{name}.png")
 
     def click(self, *names):
         for name in names:
-            self.driver.click(*POINTS[name])
+            self.driver.click(*self.points[name])
 
     def hand_in(self):
         before = self.attempts()
@@ -218,8 +210,7 @@ class Learner:
         print(f"{what}: {' '.join(str(value) for value in values.values())}")
 
 
-def learn(driver, address, pictures):
-    learner = Learner(driver, address, pictures)
+def learn(learner):
     learner.launch()
     learner.picture("launch")
     learner.expect("launched", core__lesson_status="incomplete", suspend_data="")
@@ -255,7 +246,7 @@ def learn(driver, address, pictures):
     if not MASTERY <= score < 100 or len(data) > 4096 or learner.attempts() != 3:
         raise SystemExit(f"score {score}, {learner.attempts()} attempts, progress {data}")
     learner.leave()
-    time_text = driver.js("JSON.parse(localStorage.getItem('platform'))['cmi.core.total_time']")
+    time_text = learner.driver.js("JSON.parse(localStorage.getItem('platform'))['cmi.core.total_time']")
     print(f"passed with {score} %, progress {len(data)} characters, time {time_text}")
 
 

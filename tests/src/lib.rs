@@ -9,6 +9,7 @@ pub mod determinism;
 pub mod execute;
 pub mod folder;
 pub mod fuzz;
+pub mod marks;
 pub mod rust_text;
 pub mod setup;
 pub mod sources;

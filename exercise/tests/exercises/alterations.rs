@@ -158,6 +158,20 @@ fn a_result_is_marked_as_it_was_solved() {
 }
 
 #[test]
+fn a_measured_value_with_seventeen_digits_is_no_alteration() {
+    // The taper has an angle that a reader of JSON rounds differently.
+    let solved = solve("19-taper", "reference.txt");
+    let measured = |report: &ExerciseReport| report.verdicts[0].evidence.measured;
+    assert!(measured(&solved.report).is_some_and(|angle| angle.to_string().len() > 16));
+    let honest = mark(&solved, &seal(solved.report.clone(), &solved.recording, 1));
+    assert!(honest.flags.is_empty(), "{:?}", honest.flags);
+    let mut altered = solved.report.clone();
+    altered.verdicts[0].evidence.measured = measured(&solved.report).map(|angle| angle + 1e-9);
+    let altered = mark(&solved, &seal(altered, &solved.recording, 1));
+    assert_eq!(altered.flags.len(), 1, "{:?}", altered.flags);
+}
+
+#[test]
 fn two_hundred_altered_results_are_flagged() {
     let solved = solve("04-spindle", "wrong-1.txt");
     let honest = seal(solved.report.clone(), &solved.recording, 1);

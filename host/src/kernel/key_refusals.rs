@@ -9,8 +9,8 @@ use gsk_panel::refusal::{CHECK_DELAY_TICKS, KeyPress};
 pub(super) enum RefusalReport {
     /// A key has no effect, for the reason in the message.
     Refused(Option<Key>, Message),
-    /// A key has an effect, so that an earlier refusal is obsolete.
-    KeyActs,
+    /// An earlier refusal is obsolete: a key has an effect, or another machine is operated.
+    Obsolete,
 }
 
 /// Presses of machine keys that are checked some ticks later for an effect.
@@ -41,8 +41,16 @@ impl KeyRefusals {
                 self.is_refusal_shown = true;
                 Some(RefusalReport::Refused(key, why))
             }
-            None => core::mem::take(&mut self.is_refusal_shown).then_some(RefusalReport::KeyActs),
+            None => core::mem::take(&mut self.is_refusal_shown).then_some(RefusalReport::Obsolete),
         }
+    }
+
+    /// Drops all presses, because another machine is operated from now on. Returns the report to the
+    /// window; `None` if there is nothing to report.
+    pub(super) fn clear(&mut self) -> Option<RefusalReport> {
+        core::mem::take(self)
+            .is_refusal_shown
+            .then_some(RefusalReport::Obsolete)
     }
 
     /// Checks the machine keys that are due at `tick`; returns the refusal of the last one that

@@ -8,7 +8,6 @@ use gsk_lesson::{Lesson, Practice, find_demonstration};
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
 
-use super::key_refusals::KeyRefusals;
 use super::practice_session::{OwnState, PracticeSession, PracticeWork};
 use super::program::start::StartWatch;
 use super::{Kernel, Notice};
@@ -148,7 +147,7 @@ impl Kernel {
             raised: core::mem::take(&mut self.alarm_history),
         };
         self.lesson = Some(PracticeSession::new(work, own));
-        self.key_refusals = KeyRefusals::default();
+        self.clear_key_refusals();
         self.start_watch = StartWatch::default();
     }
 
@@ -165,7 +164,7 @@ impl Kernel {
             if let Some(timeline) = own.timeline {
                 self.timeline = timeline.with_switch_of(&self.timeline);
             }
-            self.key_refusals = KeyRefusals::default();
+            self.clear_key_refusals();
             self.start_watch = StartWatch::default();
         }
     }

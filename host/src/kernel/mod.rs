@@ -446,9 +446,15 @@ impl Kernel {
             Some(RefusalReport::Refused(key, why)) => {
                 self.notify(Notice::KeyRefusal(Some((key, why))));
             }
-            Some(RefusalReport::KeyActs) => self.notify(Notice::KeyRefusal(None)),
+            Some(RefusalReport::Obsolete) => self.notify(Notice::KeyRefusal(None)),
             None => {}
         }
+    }
+
+    /// Drops what is known of refused keys, because another machine is operated from now on.
+    fn clear_key_refusals(&mut self) {
+        let verdict = self.key_refusals.clear();
+        self.report_verdict(verdict);
     }
 
     /// Releases every key and drops the handwheel detents that the axis has not followed yet,

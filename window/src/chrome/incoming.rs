@@ -12,6 +12,14 @@ use gsk_host::platform;
 use crate::Window;
 use crate::widgets::status_message::StatusMessage;
 
+/// Whether another machine is operated since an earlier snapshot: a practice machine, the learner's
+/// own one, or that of an exercise which has begun again.
+fn is_other_machine(before: &PanelSnapshot, now: &PanelSnapshot) -> bool {
+    let begun_at = |snapshot: &PanelSnapshot| snapshot.exercise.as_ref().map(|it| it.begun_at);
+    before.is_at_practice_machine() != now.is_at_practice_machine()
+        || begun_at(before) != begun_at(now)
+}
+
 impl Window {
     /// Takes the snapshots and notices that the kernel has sent.
     pub(crate) fn receive(&mut self, context: &Context) {
@@ -65,6 +73,11 @@ impl Window {
             .is_some_and(|it| it.is_at_practice_machine() != snapshot.is_at_practice_machine())
         {
             self.views.renew_part();
+        }
+        if previous.is_some_and(|before| is_other_machine(before, &snapshot)) {
+            // The crash was on the machine that was replaced.
+            self.message
+                .take_if(|message| matches!(message, StatusMessage::Collided(_)));
         }
         self.views.lessons().take_snapshot(&snapshot);
         self.views.program().take_snapshot(&snapshot);

@@ -94,11 +94,17 @@ impl Bench {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let words = say::bench_mend_all().text(language);
                 let hint = say::bench_mend_all_hint().text(language);
-                if ui.button(words).on_hover_text(hint).clicked() {
+                let button = egui::Button::new(words);
+                let button = ui.add_enabled(!machine.hides_faults, button);
+                if button.on_hover_text(hint).clicked() {
                     self.console.send(Command::ClearFaults);
                 }
             });
         });
+        if machine.hides_faults {
+            let hint = RichText::new(say::bench_repair_hint().text(language));
+            ui.add(Label::new(hint.color(theme::LESSON_HINT_TEXT)).wrap());
+        }
         let shows_script_names = ui.available_width() >= SCRIPT_NAMES_WIDTH;
         if shows_script_names {
             let hint = say::bench_faults_hint().text(language);

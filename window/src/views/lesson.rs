@@ -49,6 +49,8 @@ pub struct LessonView {
     sample: Option<SampleRequest>,
     /// Whether a lesson or an exercise has begun since the window last queried it.
     has_begun: bool,
+    /// Whether the fault bench is to open.
+    wants_bench: bool,
     exercises: ExercisePane,
 }
 
@@ -80,6 +82,7 @@ impl LessonView {
             hint_requested: false,
             sample: None,
             has_begun: false,
+            wants_bench: false,
         }
     }
 
@@ -87,6 +90,11 @@ impl LessonView {
     /// without one.
     pub const fn take_sample(&mut self) -> Option<SampleRequest> {
         self.sample.take()
+    }
+
+    /// Whether the fault bench is to open, since the last call.
+    pub const fn take_bench_request(&mut self) -> bool {
+        core::mem::replace(&mut self.wants_bench, false)
     }
 
     /// Returns the pane with the exercises.
@@ -165,7 +173,9 @@ impl LessonView {
         } else if self.exercises.is_open() {
             Panel::bottom("exercise buttons")
                 .frame(super::bar_frame())
-                .show(ui, |ui| self.exercises.show_buttons(ui, language));
+                .show(ui, |ui| {
+                    self.wants_bench |= self.exercises.show_buttons(ui, language);
+                });
         }
         CentralPanel::default()
             .frame(super::side_frame())

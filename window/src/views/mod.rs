@@ -220,6 +220,9 @@ impl Views {
         if self.all.lathe.take_space_request() {
             self.view_to_open = Some(ViewId::Lathe);
         }
+        if self.all.lessons.take_bench_request() {
+            self.view_to_open = Some(ViewId::Bench);
+        }
         if self.all.commission.take_scope_request() && !self.open_views.contains(&ViewId::Scope) {
             self.view_to_open = Some(ViewId::Scope);
         }

@@ -23,7 +23,6 @@ use gsk_panel::keys::Key;
 
 use super::alarm_history::AlarmHistory;
 use super::edges::ends_motion;
-use super::key_refusals::KeyRefusals;
 use super::program::start::StartWatch;
 use super::program::wait::WaitWatch;
 use super::{Command, Kernel, Notice};
@@ -470,7 +469,7 @@ impl Kernel {
         if let Some(serial) = self.serial.as_mut().filter(|_| is_own) {
             serial.break_off(&mut self.emulator);
         }
-        self.key_refusals = KeyRefusals::default();
+        self.clear_key_refusals();
         self.start_watch = StartWatch::default();
         self.wait_watch = WaitWatch::default();
         self.program_breakpoints.release();

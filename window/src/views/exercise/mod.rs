@@ -412,21 +412,29 @@ impl ExercisePane {
         }
     }
 
-    /// Draws the buttons below the task of an exercise.
-    pub fn show_buttons(&mut self, ui: &mut Ui, language: Language) {
+    /// Draws the buttons below the task of an exercise. Returns whether the learner asks for the
+    /// fault bench, where the faults of his task are repaired.
+    pub fn show_buttons(&mut self, ui: &mut Ui, language: Language) -> bool {
         if self.is_exam_shown() {
             let state = self.state.as_ref();
-            return self.exam.show_buttons(ui, language, state, &self.tasks);
+            self.exam.show_buttons(ui, language, state, &self.tasks);
+            return false;
         }
         let (Some(task), Some(state)) = (self.current_task(), self.state.clone()) else {
-            return;
+            return false;
         };
+        let mut wants_bench = false;
         ui.horizontal_wrapped(|ui| {
             let hand_in = egui::Button::new(say::exercise_hand_in().text(language));
             let hand_in = ui.add_enabled(!state.is_handed_in, hand_in);
             let hint = say::exercise_hand_in_hint().text(language);
             if hand_in.on_hover_text(hint).clicked() {
                 self.send(ExerciseAction::HandIn);
+            }
+            if !state.is_handed_in && !task.faults.is_empty() {
+                let bench = ui.button(say::window_view_bench().text(language));
+                let hint = say::bench_repair_hint().text(language);
+                wants_bench = bench.on_hover_text(hint).clicked();
             }
             let mut unread = (1..).zip(&task.hints);
             let unread = unread.find(|(number, _)| !self.read_hints.contains(number));
@@ -447,6 +455,7 @@ impl ExercisePane {
                 self.console.send(Command::Lesson(LessonAction::Leave));
             }
         });
+        wants_bench
     }
 }
 

@@ -65,6 +65,8 @@ pub struct PartExercisePane {
     /// The surface that was clicked with the caliper; `None` without one.
     picked: Option<Feature>,
     message: Option<Message>,
+    /// Whether the message was not shown yet: it is below the button, where the list may end.
+    is_message_new: bool,
     sender: Sender<WrittenExercise>,
     receiver: Receiver<WrittenExercise>,
 }
@@ -78,6 +80,7 @@ impl PartExercisePane {
             form: PartExerciseForm::default(),
             picked: None,
             message: None,
+            is_message_new: false,
             sender,
             receiver,
         }
@@ -95,7 +98,9 @@ impl PartExercisePane {
 
     /// Takes the exercises after one was written; `None` if none was.
     pub fn receive(&mut self) -> Option<AvailableExercises> {
-        match self.receiver.try_iter().last()? {
+        let written = self.receiver.try_iter().last()?;
+        self.is_message_new = true;
+        match written {
             Ok((found, message)) => {
                 self.form = PartExerciseForm::default();
                 self.message = Some(message);
@@ -130,7 +135,10 @@ impl PartExercisePane {
                 }
                 if let Some(message) = &self.message {
                     let words = RichText::new(message.text(language));
-                    ui.label(words.color(theme::LESSON_HINT_TEXT));
+                    let shown = ui.label(words.color(theme::LESSON_HINT_TEXT));
+                    if core::mem::take(&mut self.is_message_new) {
+                        shown.scroll_to_me(None);
+                    }
                 }
             });
     }
