@@ -124,7 +124,7 @@ const CASES: &[FixCase] = &[
 ];
 
 /// Warnings without a fix, because more than one edit may be right.
-const UNFIXED: [&str; 11] = [
+const UNFIXED: [&str; 15] = [
     "end-elsewhere",
     "insert-edge",
     "insert-feed",
@@ -138,6 +138,7 @@ const UNFIXED: [&str; 11] = [
     "nose-uncompensated",
     "spindle-power",
     "spindle-torque",
+    "tool-life",
     "unreachable-block",
 ];
 
