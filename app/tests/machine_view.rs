@@ -288,10 +288,8 @@ fn a_tool_of_the_library_is_added_by_its_code_and_used() {
     bench.run(10);
     assert!(wait_for_text(&mut bench, "The tool library is empty"));
     let code = "ISO code or dimensions";
-    let mut enter = |bench: &mut WindowBench, text: &str| {
-        let field = egui_kittest::kittest::By::new()
-            .role(egui::accesskit::Role::TextInput)
-            .label(code);
+    let enter = |bench: &mut WindowBench, text: &str| {
+        let field = By::new().role(Role::TextInput).label(code);
         bench.harness.get(field).focus();
         bench.run(1);
         bench.harness.event(egui::Event::Text(text.to_owned()));
