@@ -44,6 +44,7 @@ mod syntax;
 mod tests;
 mod text_index;
 
+pub(crate) use block::address_bits;
 pub use block::{ProgramBlock, ProgramWord, word_limits};
 pub(crate) use block_cache::BlockCache;
 pub(crate) use code_call::CodeCall;
@@ -60,6 +61,7 @@ pub(crate) use macro_b::{
 pub use mdi::MdiBlock;
 pub use number::{VariableReference, WordNumber};
 pub(crate) use parse::parse_block;
+pub(crate) use plain_words::{PlainToken, PlainWords};
 pub use program_text::{Program, split_programs};
 pub use store::{PROGRAM_NUMBERS, ProgramMemory};
 pub use syntax::{BlockError, Syntax};
