@@ -87,7 +87,7 @@ pub use transfer::{
     TransferSendArgs, TransferSendTextArgs, TransferWaitArgs,
 };
 
-use deferred::DeferredArgs;
+use deferred::{CommandGroup, DeferredArgs};
 use gsk_host::setup_args::{self, SetupArgs};
 
 const EXAMPLES: &str = "\
@@ -228,8 +228,7 @@ pub enum CliCommand {
     /// Print materials with their cutting force, and cutting values to start with
     ///
     /// `check --load` computes the load of the cuts of a program. docs/load.md describes both.
-    #[command(subcommand)]
-    Load(LoadCommand),
+    Load(DeferredArgs<CommandGroup<LoadCommand>>),
     /// Write the program that turns the outline of a drawing (DXF or SVG)
     ///
     /// The outline of the part above the axis, from its right end to its left one: lines and
@@ -239,15 +238,13 @@ pub enum CliCommand {
     #[command(after_help = script_help())]
     Operate(DeferredArgs<OperateArgs>),
     /// List, check or play guided lessons
-    #[command(subcommand)]
-    Lesson(LessonCommand),
+    Lesson(DeferredArgs<CommandGroup<LessonCommand>>),
     /// List, check, solve or mark exercises
     ///
     /// An exercise marks itself: the recording of a solution is replayed bit for bit, and its
     /// criteria are checked on the machine and on the part. docs/exercises.md describes how to
     /// write one.
-    #[command(subcommand)]
-    Exercise(ExerciseCommand),
+    Exercise(DeferredArgs<CommandGroup<ExerciseCommand>>),
     /// Show the seats of a class to the instructor: the one that needs help first
     ///
     /// A seat joins in the window (Views, Network) or with --class CODE@BROKER. The instructor
@@ -276,21 +273,17 @@ pub enum CliCommand {
     /// Print the faults of the simulated lathe: name for `fault NAME on`, what it does
     Faults(DeferredArgs<TableArgs>),
     /// Check, print, search or scan a ladder (instruction list), move it to and from a control
-    #[command(subcommand)]
-    Ladder(LadderCommand),
+    Ladder(DeferredArgs<CommandGroup<LadderCommand>>),
     /// Pitch errors of the screws: measurements into the table of the control, and the table itself
-    #[command(subcommand)]
-    Pitch(PitchCommand),
+    Pitch(DeferredArgs<CommandGroup<PitchCommand>>),
     /// All that the control holds as one folder of readable text
     ///
     /// Programs, parameters, offsets, variables, pitch errors, ladder and the rest, a value a
     /// line, for a version control system or another machine; what differs is listed by
     /// meaning. docs/project.md describes the folder.
-    #[command(subcommand)]
-    Project(ProjectSubcommand),
+    Project(DeferredArgs<CommandGroup<ProjectSubcommand>>),
     /// What is worked out when a GSK980MDi mill is set up: gears, pitch errors, backlash, keys, homing
-    #[command(subcommand)]
-    Mill(MillCommand),
+    Mill(DeferredArgs<CommandGroup<MillCommand>>),
     /// Find, try, watch or play a pulse board
     Link(DeferredArgs<LinkArgs>),
     /// Files to and from a control through its serial port: the PC's side
