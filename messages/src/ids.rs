@@ -40,7 +40,7 @@ macro_rules! message_rows {
         }
 
         /// The ids of all rows, in the order of the table.
-        pub(crate) static IDS: &[Id] = &[$(Id::$variant),*];
+        pub(crate) const IDS: &[Id] = &[$(Id::$variant),*];
 
         /// Name and placeholders of each row, in the order of the table.
         pub(crate) static ROWS: &[Row] = &[

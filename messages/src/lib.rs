@@ -31,7 +31,7 @@ pub use key_names::add_key_names;
 use rows::{IDS, ROWS};
 pub use rows::{Id, say};
 use template::{TemplatePiece, split_template};
-pub use texts::install_texts;
+pub use texts::{MessageTable, install_texts};
 
 /// A language of the program's messages.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -2,23 +2,52 @@
 
 use std::sync::OnceLock;
 
+use crate::rows::IDS;
 use crate::{Id, Language};
 
-/// Lines of the message table, without the heading: a line for each [`Id`], in its order.
-static LINES: OnceLock<Vec<&'static str>> = OnceLock::new();
+/// The message table, `assets/tables/messages.tsv` as a whole, with the positions of its lines.
+/// A program computes it when it is compiled: it has thousands of lines, and a command shows few.
+#[derive(Debug)]
+pub struct MessageTable {
+    text: &'static str,
+    /// Position of the byte after each line feed: the first is the start of the line of the
+    /// first [`Id`], after the heading.
+    line_starts: [u32; IDS.len()],
+}
 
-/// Takes the message table as the source of all texts, `assets/tables/messages.tsv` as a whole.
-/// A program calls it first of all. The first call counts; later ones change nothing.
+/// The source of all texts.
+static TABLE: OnceLock<&'static MessageTable> = OnceLock::new();
+
+impl MessageTable {
+    /// Finds the lines of a table.
+    pub const fn new(text: &'static str) -> Self {
+        let mut line_starts = [text.len() as u32; IDS.len()];
+        let (mut bytes, mut line) = (text.as_bytes(), 0);
+        while let [byte, rest @ ..] = bytes {
+            bytes = rest;
+            if *byte == b'\n' && line < line_starts.len() {
+                line_starts[line] = (text.len() - rest.len()) as u32;
+                line += 1;
+            }
+        }
+        Self { text, line_starts }
+    }
+
+    /// The line of a row, without its line end; empty if the table does not have it.
+    fn line(&self, id: Id) -> &'static str {
+        let start = self.line_starts.get(id as usize).copied();
+        let rest = start.and_then(|start| self.text.get(start as usize..));
+        rest.and_then(|rest| rest.lines().next()).unwrap_or("")
+    }
+}
+
+/// Takes a message table as the source of all texts. A program calls it first of all. The first
+/// call counts; later ones change nothing.
 ///
 /// Without it a message shows the name of its row. A build with debug assertions reads the
 /// table from the sources instead, because the tests of a library have no program.
-pub fn install_texts(table: &'static str) {
-    LINES.get_or_init(|| split_table(table));
-}
-
-/// Splits the table into its lines, without the heading.
-fn split_table(table: &'static str) -> Vec<&'static str> {
-    table.lines().skip(1).collect()
+pub fn install_texts(table: &'static MessageTable) {
+    TABLE.get_or_init(|| table);
 }
 
 /// Returns the table of the sources, for tests. It is empty in a program for users.
@@ -36,9 +65,9 @@ fn table_of_the_sources() -> &'static str {
 /// Returns the text of a row in a language, with its placeholders; `\n` of the table is a line
 /// feed. A row that the table does not have is its own text.
 pub(crate) fn template(id: Id, language: Language) -> String {
-    let lines = LINES.get_or_init(|| split_table(table_of_the_sources()));
+    let of_sources = || &*Box::leak(Box::new(MessageTable::new(table_of_the_sources())));
     let name = id.name();
-    let mut fields = lines.get(id as usize).copied().unwrap_or("").split('\t');
+    let mut fields = TABLE.get_or_init(of_sources).line(id).split('\t');
     let found = fields.next() == Some(name);
     let text = match language {
         Language::En => fields.next(),

@@ -12,11 +12,14 @@ mod page {
     use gsk_app::commands::window;
     use gsk_host::network::class::class_address::ClassAddress;
     use gsk_host::platform;
-    use gsk_messages::Language;
+    use gsk_messages::{Language, MessageTable};
+
+    static TEXTS: MessageTable =
+        MessageTable::new(include_str!("../../assets/tables/messages.tsv"));
 
     /// Opens the window on the page, with the options in its link.
     pub fn open_page() {
-        gsk_messages::install_texts(include_str!("../../assets/tables/messages.tsv"));
+        gsk_messages::install_texts(&TEXTS);
         platform::open_page(|options| {
             let lang = match options.language.as_deref() {
                 Some("en") => Some(Language::En),

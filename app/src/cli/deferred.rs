@@ -5,7 +5,7 @@ use std::ops::Deref;
 
 use clap::builder::Resettable;
 use clap::error::Error;
-use clap::{ArgMatches, Args, Command, FromArgMatches};
+use clap::{ArgMatches, Args, Command, FromArgMatches, Subcommand};
 
 /// Options of a command, built when the command or its help is called.
 #[derive(Debug)]
@@ -41,6 +41,14 @@ impl<T: Args> Args for DeferredArgs<T> {
     fn augment_args_for_update(command: Command) -> Command {
         command.defer(|command| add_options(command, T::augment_args_for_update))
     }
+}
+
+/// The options of a command that consists of further commands.
+#[derive(Args, Debug)]
+pub struct CommandGroup<T: Subcommand> {
+    /// The command to execute.
+    #[command(subcommand)]
+    pub command: T,
 }
 
 /// Adds the options to a command and keeps its description: building the options would
@@ -88,5 +96,11 @@ mod tests {
                 assert!(listed.1 == 0 && called.1 > 5, "{}", listed.0);
             }
         }
+        let exercise = |program: Command| {
+            let command = program.find_subcommand("exercise").cloned();
+            command.map_or(0, |it| it.get_subcommands().count())
+        };
+        assert_eq!(exercise(CommandLine::command()), 0);
+        assert!(exercise(program) > 5);
     }
 }

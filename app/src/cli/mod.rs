@@ -92,7 +92,7 @@ pub use transfer::{
     TransferSendArgs, TransferSendTextArgs, TransferWaitArgs,
 };
 
-use deferred::DeferredArgs;
+use deferred::{CommandGroup, DeferredArgs};
 use gsk_host::setup_args::{self, SetupArgs};
 
 const EXAMPLES: &str = "\
@@ -234,14 +234,12 @@ pub enum CliCommand {
     /// Print materials with their cutting force, and cutting values to start with
     ///
     /// `check --load` computes the load of the cuts of a program. docs/load.md describes both.
-    #[command(subcommand)]
-    Load(LoadCommand),
+    Load(DeferredArgs<CommandGroup<LoadCommand>>),
     /// The tool library: tools by their ISO codes, tables of other programs, life of the edges
     ///
     /// A job file names its tools, the forms take their tool from it, and the window shows it
     /// in *Tools and stock*. docs/tool-library.md describes it.
-    #[command(subcommand)]
-    Tools(ToolsCommand),
+    Tools(DeferredArgs<CommandGroup<ToolsCommand>>),
     /// Write the program that turns the outline of a drawing (DXF or SVG)
     ///
     /// Reads the outline above the axis from its right end to its left end, joins its lines and
@@ -251,15 +249,13 @@ pub enum CliCommand {
     #[command(after_help = script_help())]
     Operate(DeferredArgs<OperateArgs>),
     /// List, check or play guided lessons
-    #[command(subcommand)]
-    Lesson(LessonCommand),
+    Lesson(DeferredArgs<CommandGroup<LessonCommand>>),
     /// List, check, solve or mark exercises
     ///
     /// An exercise marks itself: the recording of a solution is replayed bit for bit, and its
     /// criteria are checked on the machine and on the part. docs/exercises.md describes how to
     /// write one.
-    #[command(subcommand)]
-    Exercise(ExerciseCommand),
+    Exercise(DeferredArgs<CommandGroup<ExerciseCommand>>),
     /// Show the seats of a class to the instructor, the most urgent first
     ///
     /// A seat joins in the window (Views, Network) or with --class CODE@BROKER. The instructor
@@ -288,21 +284,17 @@ pub enum CliCommand {
     /// Print the faults of the simulated lathe: name for `fault NAME on`, and effect
     Faults(DeferredArgs<TableArgs>),
     /// Check, print, search or scan a ladder (instruction list), move it to and from a control
-    #[command(subcommand)]
-    Ladder(LadderCommand),
+    Ladder(DeferredArgs<CommandGroup<LadderCommand>>),
     /// Import measured pitch errors, print and export the pitch error table
-    #[command(subcommand)]
-    Pitch(PitchCommand),
+    Pitch(DeferredArgs<CommandGroup<PitchCommand>>),
     /// Export the memory of the control as a folder of text files, import it, compare two
     ///
     /// The folder holds programs, parameters, offsets, variables, pitch errors, ladder and
     /// settings, one value per line, for version control or another machine. Differences are listed
     /// by meaning. docs/project.md describes the folder.
-    #[command(subcommand)]
-    Project(ProjectSubcommand),
+    Project(DeferredArgs<CommandGroup<ProjectSubcommand>>),
     /// Compute the settings of a GSK980MDi mill: gears, pitch errors, backlash, keys, homing
-    #[command(subcommand)]
-    Mill(MillCommand),
+    Mill(DeferredArgs<CommandGroup<MillCommand>>),
     /// Find, test, monitor or simulate a pulse board
     Link(DeferredArgs<LinkArgs>),
     /// Send files to a control and receive them, through its serial port

@@ -15,17 +15,22 @@ use crate::program::ProgramMemory;
 use crate::units::{PerAxis, Point};
 
 impl Interpreter {
-    /// Reads blocks up to the next command and returns it, like [`next`](Self::next) but
-    /// without a heap allocation.
+    /// Reads blocks up to the next command, like [`next`](Self::next), and stores it in
+    /// `command`: it is large, and each block of a program makes one.
     ///
     /// # Errors
     /// The alarm of the block.
-    pub(crate) fn advance<H: Host>(&mut self, host: &mut H) -> Result<AdvanceResult, Alarm> {
+    pub(crate) fn advance<H: Host>(
+        &mut self,
+        host: &mut H,
+        command: &mut Option<ControlCommand>,
+    ) -> Result<AdvanceResult, Alarm> {
         if self.mdi.is_some() {
-            return self.next_programmed(&mut LookaheadHost {
+            let mut host = LookaheadHost {
                 host,
                 is_holding: false,
-            });
+            };
+            return self.next_programmed(&mut host, command);
         }
         if self.suspended_position.is_some() {
             if !host.is_settled() {
@@ -35,18 +40,21 @@ impl Interpreter {
         }
         loop {
             if let Some(ready) = self.compensation.take() {
-                return ready.map(AdvanceResult::Command);
+                *command = Some(ready?);
+                return Ok(AdvanceResult::Command);
             }
             let is_holding = self.compensation.has_pending();
-            match self.next_programmed(&mut LookaheadHost { host, is_holding }) {
-                Ok(AdvanceResult::Command(command)) => {
-                    let is_compensated =
-                        command.modal.nose_compensation != 40 || self.compensation.is_on();
-                    if !is_compensated || is_idle_command(&command) {
-                        return Ok(AdvanceResult::Command(command));
-                    }
+            match self.next_programmed(&mut LookaheadHost { host, is_holding }, command) {
+                Ok(AdvanceResult::Command) => {
+                    let is_on = self.compensation.is_on();
+                    let is_compensated = |it: &mut ControlCommand| {
+                        (is_on || it.modal.nose_compensation != 40) && !is_idle_command(it)
+                    };
+                    let Some(programmed) = command.take_if(is_compensated) else {
+                        return Ok(AdvanceResult::Command);
+                    };
                     self.compensation.push(
-                        command,
+                        programmed,
                         CommandContext {
                             contour: self.main.is_contour,
                             nose: self.state.nose,

@@ -12,7 +12,7 @@ use crate::interpreter::state::State;
 use crate::interpreter::words::motion_code::find_motion_code;
 use crate::interpreter::words::{ArcWords, AxisTarget, AxisWords};
 use crate::model::{GCode, ModelRecord};
-use crate::program::ProgramBlock;
+use crate::program::{PlainToken, PlainWords, address_bits};
 
 /// The words of a block that only moves along the contour (G00 to G03).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,11 +22,11 @@ pub(crate) struct PlainMove {
     /// Whether the block contains the code of `motion`.
     has_code: bool,
     feed: Option<f64>,
-    /// X and Z as written, millionths of a millimetre.
-    absolute: (Option<i64>, Option<i64>),
-    /// U and W as written, millionths of a millimetre.
-    increment: (Option<i64>, Option<i64>),
+    x: AxisTarget,
+    z: AxisTarget,
     arc: ArcWords,
+    /// The sequence number of the block; `None` without one.
+    pub(crate) sequence: Option<u32>,
 }
 
 /// The data that determine a plain move, besides its words and the state of the interpreter.
@@ -49,50 +49,90 @@ impl MoveContext<'_> {
 
 impl PlainMove {
     /// Reads the move of a block in millimetres. `motion` is the code of group 01 before the
-    /// block. `None` if the block contains anything but a plain move or refers to variables.
+    /// block. `None` if the block contains anything but a plain move, or two words for the same
+    /// value.
     #[inline]
-    pub(crate) fn from_block(
-        block: &ProgramBlock,
+    pub(crate) fn read(
+        words: &mut PlainWords<'_>,
         motion: MotionCode,
-        record: &ModelRecord,
+        context: MoveContext<'_>,
     ) -> Option<Self> {
-        if !block.has_only(b"GFXUZWRIK") || block.has_variables() {
-            return None;
-        }
         let mut plain = Self {
             motion,
             has_code: false,
             feed: None,
-            absolute: (None, None),
-            increment: (None, None),
+            x: AxisTarget::None,
+            z: AxisTarget::None,
             arc: ArcWords::default(),
+            sequence: None,
         };
-        for word in block.words() {
-            let value = word.value;
-            match word.address {
-                b'X' => plain.absolute.0 = Some(value.millionths()),
-                b'Z' => plain.absolute.1 = Some(value.millionths()),
-                b'U' => plain.increment.0 = Some(value.millionths()),
-                b'W' => plain.increment.1 = Some(value.millionths()),
-                b'R' => plain.arc.r = Some(value.millionths()),
-                b'I' => plain.arc.i = Some(value.millionths()),
-                b'K' => plain.arc.k = Some(value.millionths()),
-                b'F' => plain.feed = Some(value.mm()),
-                _ => {
-                    plain.motion = contour_code(record.g_code(value.integer())?)?;
-                    plain.has_code = true;
+        let mut seen = 0;
+        loop {
+            let word = match words.next_token() {
+                PlainToken::Word(word) => word,
+                PlainToken::BlockEnd => break,
+                PlainToken::Other => return None,
+            };
+            let value = word.value.millionths();
+            // X and U, Z and W, R and I or K exclude each other.
+            let excluded = match word.address {
+                b'X' => {
+                    plain.x = AxisTarget::Absolute(value * context.x_factor);
+                    address_bits(b"XU")
                 }
+                b'U' => {
+                    plain.x = AxisTarget::Increment(value * context.x_factor);
+                    address_bits(b"XU")
+                }
+                b'Z' => {
+                    plain.z = AxisTarget::Absolute(value);
+                    address_bits(b"ZW")
+                }
+                b'W' => {
+                    plain.z = AxisTarget::Increment(value);
+                    address_bits(b"ZW")
+                }
+                b'R' => {
+                    plain.arc.r = Some(value);
+                    address_bits(b"RIK")
+                }
+                b'I' => {
+                    plain.arc.i = Some(value);
+                    address_bits(b"RI")
+                }
+                b'K' => {
+                    plain.arc.k = Some(value);
+                    address_bits(b"RK")
+                }
+                b'F' => {
+                    plain.feed = Some(word.value.mm());
+                    address_bits(b"F")
+                }
+                b'G' => {
+                    plain.motion = contour_code(context.record.g_code(word.value.integer())?)?;
+                    plain.has_code = true;
+                    address_bits(b"G")
+                }
+                // After a G code N is not a sequence number on Huaxing lathes.
+                b'N' if seen == 0 => {
+                    plain.sequence = Some(word.value.integer() as u32);
+                    address_bits(b"N")
+                }
+                _ => return None,
+            };
+            if seen & excluded != 0 {
+                return None;
             }
+            seen |= address_bits(&[word.address]);
         }
         let has_motion = match plain.motion {
             // Blocks with corners read ahead.
             MotionCode::Rapid | MotionCode::Line => {
-                block.has_any(b"XUZW") && !block.has_any(b"RIK")
+                seen & address_bits(b"XUZW") != 0 && seen & address_bits(b"RIK") == 0
             }
-            MotionCode::ArcClockwise | MotionCode::ArcCounterclockwise => block.has_any(b"XUZWIK"),
-            _ => false,
+            _ => seen & address_bits(b"XUZWIK") != 0,
         };
-        has_motion.then_some(plain)
+        (has_motion && plain.motion.is_contour()).then_some(plain)
     }
 
     /// Applies the move to the state and returns its action; `None` for an arc of no length.
@@ -105,7 +145,7 @@ impl PlainMove {
         state: &mut State,
         context: MoveContext<'_>,
     ) -> Result<Option<Action>, Alarm> {
-        let axes = self.axis_words(state, context.x_factor);
+        let axes = self.axis_words(state);
         let before = state.modal;
         state.modal.motion = self.motion;
         if let Some(feed) = self.feed {
@@ -131,10 +171,10 @@ impl PlainMove {
         action
     }
 
-    fn axis_words(&self, state: &State, x_factor: i64) -> AxisWords {
+    fn axis_words(&self, state: &State) -> AxisWords {
         AxisWords {
-            x: AxisTarget::from_words(self.absolute.0, self.increment.0, x_factor),
-            z: AxisTarget::from_words(self.absolute.1, self.increment.1, 1),
+            x: self.x,
+            z: self.z,
             // Increments count from the corner that a chamfer has cut off.
             base: state.position + state.increment_offset,
         }

@@ -347,6 +347,7 @@ impl<'a> PreviewRun<'a> {
         should_continue: &mut dyn FnMut(&PreviewProgress) -> bool,
     ) -> Option<(Alarm, AlarmStage)> {
         let mut commands_left = COMMANDS_PER_PROGRESS;
+        let mut next = None;
         while self.clock.now() < LONGEST_RUN_S {
             commands_left -= 1;
             if commands_left == 0 {
@@ -355,16 +356,17 @@ impl<'a> PreviewRun<'a> {
                     return None;
                 }
             }
-            let advance = interpreter.advance(host);
+            let advance = interpreter.advance(host, &mut next);
             if interpreter.has_remarks() {
                 self.take_remarks(interpreter);
             }
             match advance {
-                Ok(AdvanceResult::Command(command)) => {
+                Ok(AdvanceResult::Command) => {
+                    let command = next.as_ref()?;
                     if self.has_explanations {
                         self.explanation = interpreter.explain();
                     }
-                    match self.execute_command(&command) {
+                    match self.execute_command(command) {
                         Ok(None) => {
                             host.now_s = self.clock.now();
                             if matches!(command.action, Action::Repeat) {

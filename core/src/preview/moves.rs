@@ -88,6 +88,7 @@ impl PreviewRun<'_> {
             machine_position: to,
             program_position: end,
         });
+        let conditions = self.conditions(command);
         let executed = ExecutedMove {
             source: command.source,
             kind,
@@ -99,8 +100,11 @@ impl PreviewRun<'_> {
             duration_s: took,
             conditions: MoveConditions {
                 unplaced,
-                rpm: self.spindle.rpm(begin.x),
-                ..self.conditions(command)
+                rpm: match self.spindle.follows_radius() {
+                    true => self.spindle.rpm(begin.x),
+                    false => conditions.rpm,
+                },
+                ..conditions
             },
         };
         self.count_move(&executed);

@@ -130,8 +130,14 @@ impl PreviewSpindle {
         }
     }
 
+    /// Whether the speed depends on the radius: constant surface speed (G96).
+    pub(super) const fn follows_radius(&self) -> bool {
+        matches!(self.speed, CommandedSpeed::Surface(_))
+    }
+
     /// The spindle speed, r/min, limited to the speed of the gear at 10 V; 0 while the spindle
     /// is stopped. Under G96 it depends on `radius`, mm.
+    #[inline]
     pub(super) fn rpm(&self, radius: f64) -> f64 {
         let commanded = match self.speed {
             _ if self.rotation == SpindleRotation::Stopped => 0.0,

@@ -90,8 +90,9 @@ const fn address_bit(address: u8) -> u32 {
     }
 }
 
+/// A set of address letters, as one bit each.
 #[inline]
-const fn address_bits(addresses: &[u8]) -> u32 {
+pub(crate) const fn address_bits(addresses: &[u8]) -> u32 {
     let (mut bits, mut index) = (0, 0);
     while index < addresses.len() {
         bits |= address_bit(addresses[index]);
@@ -153,11 +154,6 @@ impl ProgramBlock {
         self.addresses & address_bit(address) != 0
     }
 
-    /// Whether the block has a word with any of these address letters.
-    pub(crate) const fn has_any(&self, addresses: &[u8]) -> bool {
-        self.addresses & address_bits(addresses) != 0
-    }
-
     /// Whether the block has no words with other address letters, and no macro B.
     pub const fn has_only(&self, addresses: &[u8]) -> bool {
         self.addresses & !address_bits(addresses) == 0 && self.statement.is_none()
@@ -179,11 +175,6 @@ impl ProgramBlock {
     /// Whether the block has the G code `code`.
     pub(crate) const fn has_g(&self, code: u8) -> bool {
         code < 100 && self.codes & (1 << code) != 0
-    }
-
-    /// Whether the block has two different G codes.
-    pub(crate) const fn has_two_g_codes(&self) -> bool {
-        self.codes.count_ones() > 1
     }
 
     /// The numbers of the G codes of the block, in the order of the text.
@@ -386,7 +377,7 @@ pub(super) fn check_values(block: &ProgramBlock, syntax: Syntax) -> Result<(), B
     if syntax.model.is_mill() {
         return check_mill_words(block);
     }
-    let all_usual = !narrows_words(syntax)
+    let all_usual = !syntax.narrows_words()
         && block.words().iter().all(|word| {
             let (low, high) = usual_range(word.address);
             word.value.variable().is_none() && (low..=high).contains(&word.value.millionths())
@@ -395,11 +386,6 @@ pub(super) fn check_values(block: &ProgramBlock, syntax: Syntax) -> Result<(), B
         true => Ok(()),
         false => check_each_word(block, syntax),
     }
-}
-
-/// Whether the control model changes the usual ranges of words.
-pub(super) fn narrows_words(syntax: Syntax) -> bool {
-    !syntax.model.is_main() && !syntax.model.record().word_limits.is_empty()
 }
 
 /// Checks the numbers of a block of a mill against their ranges; alarm 043 if one is outside.

@@ -63,6 +63,12 @@ impl BlockCache {
         Ok(&kept.block)
     }
 
+    /// Counts the work of a block whose words were read elsewhere, from the length of its text
+    /// in bytes.
+    pub(crate) const fn count_block(&mut self, length: usize) {
+        self.work += 1 + (length / BYTES_PER_BLOCK) as u64;
+    }
+
     /// Number of blocks requested so far, plus one for each 64 bytes of parsed text.
     pub(crate) const fn work(&self) -> u64 {
         self.work

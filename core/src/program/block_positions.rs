@@ -46,19 +46,44 @@ enum GroupTail {
     Wide(u32),
 }
 
+/// The sum of the first `count` steps of a group. All bytes of a word are added at once,
+/// because each block that is read needs its position.
+#[inline]
+fn sum_of_first(steps: &[u8; GROUP_SIZE - 1], count: usize) -> u32 {
+    let mut words = [0; GROUP_SIZE];
+    words[..GROUP_SIZE - 1].copy_from_slice(steps);
+    let ([first, second], _) = words.as_chunks::<8>() else {
+        return 0;
+    };
+    match count.checked_sub(8) {
+        None => sum_of_bytes(u64::from_le_bytes(*first), count),
+        Some(rest) => {
+            sum_of_bytes(u64::from_le_bytes(*first), 8)
+                + sum_of_bytes(u64::from_le_bytes(*second), rest)
+        }
+    }
+}
+
+/// The sum of the lowest `count` bytes of `word`, at most 8.
+#[inline]
+fn sum_of_bytes(word: u64, count: usize) -> u32 {
+    const EVEN_BYTES: u64 = 0x00FF_00FF_00FF_00FF;
+    // Shifts by 64 bits are not defined: two shifts.
+    let counted = word << (4 * (8 - count)) << (4 * (8 - count));
+    let pairs = (counted & EVEN_BYTES) + (counted >> 8 & EVEN_BYTES);
+    (pairs.wrapping_mul(0x0001_0001_0001_0001) >> 48) as u32
+}
+
 impl PositionGroup {
     /// The position of the block with the index `within` (from 0) in the group; `None` if the
     /// group has no such block.
     #[inline]
     fn position(&self, within: usize, wide: &[BlockPosition]) -> Option<BlockPosition> {
         match &self.tail {
-            GroupTail::Close(steps) => {
-                let steps = steps.get(..within)?;
-                Some(BlockPosition {
-                    byte: self.first.byte + steps.iter().map(|step| u32::from(*step)).sum::<u32>(),
-                    line: self.first.line + within as u32,
-                })
-            }
+            GroupTail::Close(steps) => Some(BlockPosition {
+                byte: self.first.byte + sum_of_first(steps, within),
+                line: self.first.line + within as u32,
+            }),
             GroupTail::Wide(from) => wide.get(*from as usize + within).copied(),
         }
     }

@@ -64,15 +64,23 @@ impl<'a> Lexer<'a> {
     /// comment. Returns whether it skipped more than blanks.
     #[inline]
     pub(super) fn skip_plain(&mut self) -> bool {
-        let rest = self.rest();
-        let mut met = 0;
-        let other = rest.iter().position(|&byte| {
-            let kind = BYTE_KINDS[usize::from(byte)];
-            met |= kind;
-            kind == OTHER_BYTE
-        });
-        self.at += other.unwrap_or(rest.len());
-        met & WORD_BYTE != 0
+        let mut has_word = false;
+        while let Some(bytes) = self.rest().first_chunk() {
+            let kinds = EightBytes::classify(*bytes);
+            has_word |= kinds.has_word_before_other();
+            self.at += kinds.count_before_other();
+            if kinds.others != 0 {
+                break;
+            }
+        }
+        // The last bytes of the text, and tabs.
+        while let Some(&byte) = self.bytes.get(self.at)
+            && BYTE_KINDS[usize::from(byte)] != OTHER_BYTE
+        {
+            has_word |= BYTE_KINDS[usize::from(byte)] == WORD_BYTE;
+            self.at += 1;
+        }
+        has_word
     }
 
     /// Skips a line feed. Returns whether there is one.
@@ -195,6 +203,52 @@ static BYTE_KINDS: [u8; 256] = {
     kinds
 };
 
+/// The classes of eight bytes at once: the highest bit of each byte that belongs to the class.
+/// Blanks other than a space count as others.
+struct EightBytes {
+    words: u64,
+    others: u64,
+}
+
+impl EightBytes {
+    const ONES: u64 = 0x0101_0101_0101_0101;
+    const HIGH_BITS: u64 = 0x80 * Self::ONES;
+
+    #[inline]
+    const fn classify(bytes: [u8; 8]) -> Self {
+        let value = u64::from_le_bytes(bytes);
+        // Without the highest bits no sum of two bytes carries into the next one.
+        let low = value & !Self::HIGH_BITS;
+        let ascii = !value & Self::HIGH_BITS;
+        let words = low + (0x80 - b'+' as u64) * Self::ONES;
+        let words = words & Self::differs_from(low, b';') & Self::differs_from(low, 0x7F) & ascii;
+        let spaces = !Self::differs_from(low, b' ') & ascii;
+        Self {
+            words,
+            others: !(words | spaces) & Self::HIGH_BITS,
+        }
+    }
+
+    /// The bytes of `low`, below 0x80, that are not `byte`; the other bits are undefined.
+    #[inline]
+    const fn differs_from(low: u64, byte: u8) -> u64 {
+        (low ^ byte as u64 * Self::ONES) + 0x7F * Self::ONES
+    }
+
+    /// Whether a byte before the first other one belongs to a word.
+    #[inline]
+    const fn has_word_before_other(&self) -> bool {
+        let first_other = self.others & self.others.wrapping_neg();
+        self.words & first_other.wrapping_sub(1) != 0
+    }
+
+    /// Number of bytes before the first other one.
+    #[inline]
+    const fn count_before_other(&self) -> usize {
+        (self.others.trailing_zeros() / 8) as usize
+    }
+}
+
 /// The ASCII form of a full-width character (U+FF01–U+FF5E), and its length in bytes.
 /// Ideographic and no-break space and the byte order mark become a blank, others
 /// [`INVALID_CHARACTER`]. `bytes` must not be empty.
@@ -209,5 +263,32 @@ fn to_ascii(bytes: &[u8]) -> (u8, usize) {
         [0xE0..=0xEF, ..] => (INVALID_CHARACTER, 3),
         [0xF0..=0xF7, ..] => (INVALID_CHARACTER, 4),
         _ => (INVALID_CHARACTER, 1),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn eight_bytes_are_classified_as_single_ones() {
+        for byte in 0..=255 {
+            for at in 0..8 {
+                for around in [b'X', b' ', b';', 0, 0xFF] {
+                    let mut bytes = [around; 8];
+                    bytes[at] = byte;
+                    let kinds = EightBytes::classify(bytes);
+                    let kind_of = |byte: u8| match byte {
+                        b'\t' => OTHER_BYTE,
+                        byte => BYTE_KINDS[usize::from(byte)],
+                    };
+                    let is_other = |byte: &u8| kind_of(*byte) == OTHER_BYTE;
+                    let count = bytes.iter().position(is_other).unwrap_or(8);
+                    assert_eq!(kinds.count_before_other(), count, "{bytes:?}");
+                    let has_word = bytes[..count].iter().any(|it| kind_of(*it) == WORD_BYTE);
+                    assert_eq!(kinds.has_word_before_other(), has_word, "{bytes:?}");
+                }
+            }
+        }
     }
 }

@@ -24,6 +24,7 @@ mod block;
 mod block_cache;
 mod block_head;
 mod block_positions;
+mod byte_scan;
 mod code_call;
 mod decimal_points;
 mod dnc_buffer;
@@ -44,8 +45,10 @@ mod syntax;
 mod tests;
 mod text_index;
 
+pub(crate) use block::address_bits;
 pub use block::{ProgramBlock, ProgramWord, word_limits};
 pub(crate) use block_cache::BlockCache;
+pub use byte_scan::{find_call_candidate, has_control_characters};
 pub(crate) use code_call::CodeCall;
 pub use decimal_points::append_points;
 pub use dnc_buffer::{DncBuffer, LineTooLong};
@@ -60,6 +63,7 @@ pub(crate) use macro_b::{
 pub use mdi::MdiBlock;
 pub use number::{VariableReference, WordNumber};
 pub(crate) use parse::parse_block;
+pub(crate) use plain_words::{PlainToken, PlainWords};
 pub use program_text::{Program, split_programs};
 pub use store::{PROGRAM_NUMBERS, ProgramMemory};
 pub use syntax::{BlockError, Syntax};

@@ -2,12 +2,12 @@
 
 use gsk_messages::say;
 
-use super::block::{ProgramBlock, ProgramWord, check_values, is_address_of_model, narrows_words};
+use super::block::{ProgramBlock, ProgramWord, check_values, is_address_of_model};
 use super::foreign_words::two_block_form;
 use super::lexer::{Lexer, clamp_to_u16, skip_blanks};
 use super::macro_b::{self, MacroStatement};
 use super::number::{VariableReference, WordNumber};
-use super::plain_words::read_plain_words;
+use super::plain_words::{PlainToken, PlainWord, PlainWords};
 use super::read_number::{CLAMPED_VALUE, read_number};
 use super::syntax::{BlockError, Syntax};
 use crate::alarm::number;
@@ -36,13 +36,58 @@ pub(super) fn read_block(
     let mut lexer = Lexer::new(text);
     let mut seen = 0;
     // Plain words are within their ranges if the model does not narrow these.
-    let narrows = narrows_words(syntax);
-    if !syntax.macro_b && !narrows && read_plain_words(&mut lexer, &mut seen, syntax, block) {
+    let is_plain = !syntax.macro_b && !syntax.narrows_words();
+    if is_plain && read_plain_words(&mut lexer, &mut seen, syntax, block) {
         return Ok(());
     }
     read_words(text, lexer, seen, syntax, block)
         .and_then(|()| check_values(block, syntax))
         .map_err(|error| error.with_character_column(text))
+}
+
+/// Reads the words at the beginning of a block that have the common form. Returns `true` if
+/// the block has no others; otherwise [`read_words`] reads the rest.
+fn read_plain_words(
+    lexer: &mut Lexer<'_>,
+    seen: &mut u32,
+    syntax: Syntax,
+    block: &mut ProgramBlock,
+) -> bool {
+    let mut words = PlainWords::new(lexer.rest(), syntax.point_required);
+    loop {
+        let PlainWord {
+            address,
+            value,
+            start,
+        } = match words.next_token() {
+            PlainToken::Word(word) => word,
+            PlainToken::BlockEnd => return true,
+            PlainToken::Other => return false,
+        };
+        let bit = 1 << (address - b'A');
+        if *seen & bit != 0 && address != b'G' {
+            return false;
+        }
+        match address {
+            b'G' if value.integer() == 65 => return false,
+            // After a G code N is not a sequence number on Huaxing lathes.
+            b'N' if !block.is_empty() => return false,
+            b'N' => block.n = Some(value.integer() as u32),
+            _ => {
+                let span = (clamp_to_u16(start), clamp_to_u16(words.position()));
+                let word = ProgramWord {
+                    address,
+                    value,
+                    span,
+                };
+                if !block.push(word) {
+                    return false;
+                }
+            }
+        }
+        *seen |= bit;
+        lexer.at = words.position();
+    }
 }
 
 /// Reads the words from the position of the lexer to the end of the block. `seen` has one bit for

@@ -1,63 +1,145 @@
 //! Reads words in the most common form: `N10 G01 X40.136 Z-1. F200;`, in ASCII, with so few
 //! digits that they cannot exceed the range of their address.
 
-use super::block::{ProgramBlock, ProgramWord};
-use super::lexer::{Lexer, clamp_to_u16};
 use super::number::WordNumber;
-use super::read_number::{LAST_PLACE_MILLIONTHS, append_digits};
-use super::syntax::Syntax;
+use super::read_number::LAST_PLACE_MILLIONTHS;
 
-/// Reads the words at the beginning of a block that have the common form. Returns `true` if
-/// the block has no others; otherwise the caller reads the rest with
-/// [`read_block`](super::parse::read_block).
-pub(super) fn read_plain_words(
-    lexer: &mut Lexer<'_>,
-    seen: &mut u32,
-    syntax: Syntax,
-    block: &mut ProgramBlock,
-) -> bool {
-    let mut rest = lexer.rest();
-    let all = lexer.at + rest.len();
-    loop {
-        let (address, number) = match rest {
-            [b' ', after @ ..] => {
-                rest = after;
-                continue;
-            }
-            [b';' | b'\n', ..] | [b'\r', b'\n', ..] => return true,
-            [address @ b'A'..=b'Z', number @ ..] => (*address, number),
-            _ => return false,
-        };
-        let letter = address - b'A';
-        let bit = 1 << letter;
-        let plain = PLAIN_LIMITS[usize::from(letter)];
-        if *seen & bit != 0 && address != b'G' {
-            return false;
+/// Reads the words of a block one by one, as long as they have the common form.
+pub(crate) struct PlainWords<'a> {
+    text: &'a [u8],
+    /// Byte position after the word read last.
+    at: usize,
+    point_required: bool,
+}
+
+/// A word in the common form.
+#[derive(Clone, Copy)]
+pub(crate) struct PlainWord {
+    /// Address as an upper-case letter.
+    pub(crate) address: u8,
+    pub(crate) value: WordNumber,
+    /// Byte position of the address in the text.
+    pub(crate) start: usize,
+}
+
+/// The next part of a block.
+pub(crate) enum PlainToken {
+    Word(PlainWord),
+    BlockEnd,
+    /// Text that does not have the common form; the general parser reads it.
+    Other,
+}
+
+impl<'a> PlainWords<'a> {
+    /// Reads the block at the beginning of `text`. `point_required` as in
+    /// [`Syntax`](super::Syntax).
+    pub(crate) const fn new(text: &'a [u8], point_required: bool) -> Self {
+        Self {
+            text,
+            at: 0,
+            point_required,
         }
-        let Some((value, after)) = read_plain_number(number, plain, syntax) else {
-            return false;
-        };
-        let (start, end) = (all - rest.len(), all - after.len());
-        match address {
-            b'G' if value.integer() == 65 => return false,
-            // After a G code N is not a sequence number on Huaxing lathes.
-            b'N' if !block.is_empty() => return false,
-            b'N' => block.n = Some(value.integer() as u32),
-            _ => {
-                let word = ProgramWord {
-                    address,
-                    value,
-                    span: (clamp_to_u16(start), clamp_to_u16(end)),
-                };
-                if !block.push(word) {
-                    return false;
-                }
-            }
-        }
-        *seen |= bit;
-        rest = after;
-        lexer.at = end;
     }
+
+    /// Byte position after the word read last.
+    pub(crate) const fn position(&self) -> usize {
+        self.at
+    }
+
+    /// Reads the next word of the block.
+    #[inline]
+    pub(crate) fn next_token(&mut self) -> PlainToken {
+        let start = skip_blanks(self.text, self.at);
+        match self.text.get(start) {
+            Some(b';' | b'\n') => PlainToken::BlockEnd,
+            Some(b'\r') if self.text.get(start + 1) == Some(&b'\n') => PlainToken::BlockEnd,
+            Some(&address @ b'A'..=b'Z') => match self.read_number(address, start + 1) {
+                Some((value, end)) => {
+                    self.at = end;
+                    PlainToken::Word(PlainWord {
+                        address,
+                        value,
+                        start,
+                    })
+                }
+                None => PlainToken::Other,
+            },
+            _ => PlainToken::Other,
+        }
+    }
+
+    /// Reads the number of an address from the position `at`. Returns it and the position after
+    /// it; `None` for a number beyond the limits of the address, or if the text ends after it.
+    #[inline]
+    fn read_number(&self, address: u8, at: usize) -> Option<(WordNumber, usize)> {
+        let limits = PLAIN_LIMITS[usize::from(address - b'A')];
+        let negative = self.text.get(at) == Some(&b'-');
+        if negative && !limits.signed {
+            return None;
+        }
+        let start = at + usize::from(negative);
+        let (whole, mut end) = read_digits(self.text, start, 0);
+        let count = end - start;
+        if count > usize::from(limits.digits) {
+            return None;
+        }
+        let signed = |digits: i64| if negative { -digits } else { digits };
+        let number = if self.text.get(end) == Some(&b'.') {
+            let point = end;
+            let (digits, after) = read_digits(self.text, point + 1, whole);
+            end = after;
+            let places = end - point - 1;
+            if places > usize::from(limits.places) || limits.places == 0 || count + places == 0 {
+                return None;
+            }
+            WordNumber::from_millionths(signed(digits) * LAST_PLACE_MILLIONTHS.get(places)?)
+        } else {
+            if count == 0 || limits.places > 0 && self.point_required {
+                return None;
+            }
+            WordNumber::from_integer(signed(whole), count as u8)
+        };
+        // A second point or a full-width character after it is for the general parser.
+        let ends = !matches!(self.text.get(end), None | Some(b'.' | 0x80..));
+        ends.then_some((number, end))
+    }
+}
+
+/// Position after the blanks at `at` and the comments that end in their line.
+#[inline]
+fn skip_blanks(text: &[u8], mut at: usize) -> usize {
+    loop {
+        match text.get(at) {
+            Some(b' ') => at += 1,
+            Some(b'(') => match find_comment_end(text, at) {
+                Some(end) => at = end,
+                None => return at,
+            },
+            _ => return at,
+        }
+    }
+}
+
+/// Position after the comment at `at`; `None` if it does not end in its line.
+#[cold]
+fn find_comment_end(text: &[u8], at: usize) -> Option<usize> {
+    let comment = text.get(at..)?;
+    let ends = |byte: &u8| matches!(byte, b')' | b'\n' | b'\r');
+    let end = comment.iter().position(ends)?;
+    (comment[end] == b')').then_some(at + end + 1)
+}
+
+/// Reads digits from the position `at` and appends them to the number `value`. Returns the
+/// number, which wraps if there are too many digits, and the position after them.
+#[inline]
+fn read_digits(text: &[u8], mut at: usize, mut value: i64) -> (i64, usize) {
+    while let Some(digit) = text.get(at).map(|byte| byte.wrapping_sub(b'0'))
+        && digit <= 9
+    {
+        value = value.wrapping_mul(10).wrapping_add(i64::from(digit));
+        at += 1;
+    }
+    (value, at)
 }
 
 /// Limits on the digits of an address; numbers within them are in the range of the address.
@@ -99,47 +181,3 @@ static PLAIN_LIMITS: [PlainLimits; 26] = {
     }
     plain
 };
-
-/// Reads an ASCII number within the limits `plain`. Returns the number and the rest of the
-/// text; `None` for another number or if nothing follows the number.
-#[inline]
-fn read_plain_number(
-    text: &[u8],
-    plain: PlainLimits,
-    syntax: Syntax,
-) -> Option<(WordNumber, &[u8])> {
-    let (negative, text) = match text {
-        [b'-', after @ ..] => (true, after),
-        _ => (false, text),
-    };
-    if negative && !plain.signed {
-        return None;
-    }
-    let (digits, after) = append_digits(0, text);
-    let whole = text.len() - after.len();
-    if whole > usize::from(plain.digits) {
-        return None;
-    }
-    let signed = |digits: i64| if negative { -digits } else { digits };
-    let (number, places, after) = match after {
-        [b'.', fraction @ ..] => {
-            let (digits, after) = append_digits(digits, fraction);
-            let places = fraction.len() - after.len();
-            if places > usize::from(plain.places) || plain.places == 0 {
-                return None;
-            }
-            let value = signed(digits) * LAST_PLACE_MILLIONTHS.get(places)?;
-            (WordNumber::from_millionths(value), places, after)
-        }
-        _ if plain.places > 0 && syntax.point_required => return None,
-        _ => (
-            WordNumber::from_integer(signed(digits), whole as u8),
-            0,
-            after,
-        ),
-    };
-    match after {
-        [] | [b'.' | 0x80..=0xFF, ..] => None,
-        _ => (whole + places > 0).then_some((number, after)),
-    }
-}

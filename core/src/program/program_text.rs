@@ -11,6 +11,7 @@ use super::block_positions::{BlockPosition, BlockPositions};
 use super::code_call::{self, CodeCall};
 use super::macro_b::uses_macro_b;
 use super::parse::read_block;
+use super::plain_words::PlainWords;
 use super::syntax::{BlockError, Syntax};
 use super::text_index::{TextIndex, line_end, line_start};
 use crate::alarm::number;
@@ -318,6 +319,21 @@ impl Program {
             .get(place.byte as usize..shared.blocks.end() as usize);
         read_block(text.unwrap_or(""), syntax, block)
             .map_err(|error| self.with_line_column(error, index))
+    }
+
+    /// The line of a block, and its words as long as they have the common form; `None` after
+    /// the last block. `point_required` as in [`Syntax`].
+    #[inline]
+    pub(crate) fn plain_words(
+        &self,
+        index: u32,
+        point_required: bool,
+    ) -> Option<(u32, PlainWords<'_>)> {
+        let shared = &self.shared;
+        let position = shared.blocks.get(index as usize)?;
+        let text = shared.text.as_bytes();
+        let text = text.get(position.byte as usize..shared.blocks.end() as usize)?;
+        Some((position.line, PlainWords::new(text, point_required)))
     }
 
     /// Converts the column of an error from the block to the line. Adds a message if a `;` is

@@ -50,6 +50,11 @@ impl Syntax {
         self.is_length(address) || address == b'F' || self.model.is_mill() && address == b'G'
     }
 
+    /// Whether the control model changes the usual ranges of words.
+    pub(crate) fn narrows_words(self) -> bool {
+        !self.model.is_main() && !self.model.record().word_limits.is_empty()
+    }
+
     /// Returns the number of decimal places of the least input increment.
     pub(super) const fn decimal_places(self) -> u8 {
         if self.inch { 4 } else { 3 }

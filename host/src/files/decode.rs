@@ -4,6 +4,7 @@
 use std::fmt;
 
 use encoding_rs::{CoderResult, DecoderResult, EncoderResult, GB18030, WINDOWS_1252};
+use gsk_core::program::has_control_characters;
 use gsk_messages::{Message, say};
 
 /// The encoding of a text file.
@@ -298,13 +299,6 @@ fn decode_gb18030(bytes: &[u8]) -> Result<DecodedText, DecodeError> {
 /// feed, the reader controls DC1 to DC4 and the end mark of DOS are allowed.
 const fn is_binary(byte: u8) -> bool {
     matches!(byte, 0..=8 | 0x0E..=0x10 | 0x15..=0x19 | 0x1B..=0x1F)
-}
-
-/// Whether a text has control characters other than tabs and line ends. This check is fast;
-/// most texts have none and need no other check.
-fn has_control_characters(text: &[u8]) -> bool {
-    let is_control = |byte: u8| byte < b' ' && byte != b'\n' && byte != b'\r' && byte != b'\t';
-    (text.iter()).fold(false, |any, byte| any | is_control(*byte))
 }
 
 /// Whether a text has a binary character. The loop has no branch, so that it vectorizes.

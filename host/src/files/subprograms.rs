@@ -17,6 +17,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use gsk_core::model::{ControlModel, GCode};
+use gsk_core::program::find_call_candidate;
 
 use super::program_file;
 use crate::platform;
@@ -207,30 +208,6 @@ fn candidate_lines(text: &str, g_can_call: bool) -> impl Iterator<Item = &str> {
         Some(line)
     })
 }
-
-/// The index of the first byte that is M, P, S or T or part of a full-width letter, with
-/// `g_can_call` also G; `None` without one.
-fn find_call_candidate(bytes: &[u8], g_can_call: bool) -> Option<usize> {
-    let g = if g_can_call { b'g' } else { b'm' };
-    let can_call = |byte: &u8| {
-        let small = byte | 0x20;
-        let letter = small == b'm' || small == b'p' || small == b's' || small == b't';
-        letter || small == g || *byte >= 0x80
-    };
-    // The fold without a branch vectorizes.
-    let mut from = 0;
-    for chunk in bytes.chunks(CHUNK_BYTES) {
-        if chunk.iter().fold(false, |any, byte| any | can_call(byte)) {
-            break;
-        }
-        from += chunk.len();
-    }
-    let rest = bytes.get(from..)?;
-    Some(from + rest.iter().position(can_call)?)
-}
-
-/// Number of bytes that one pass of the scan checks.
-const CHUNK_BYTES: usize = 64;
 
 fn leading_digits(text: &str) -> &str {
     let end = text.bytes().take_while(u8::is_ascii_digit).count();

@@ -55,10 +55,12 @@ impl Cnc {
         let mut rpm = (speed > 0.0).then_some(speed);
         let mut at = host.machine_position;
         interpreter.start(program, line, &host);
+        let mut next = None;
         for _ in 0..MAX_COMMANDS {
-            let Ok(AdvanceResult::Command(command)) = interpreter.advance(&mut host) else {
+            let Ok(AdvanceResult::Command) = interpreter.advance(&mut host, &mut next) else {
                 return None;
             };
+            let command = next.as_ref()?;
             if let Some(alarm) = self.pulse_rate_alarm(board, &command.action, at, rpm) {
                 return Some(alarm.with_source(command.source));
             }

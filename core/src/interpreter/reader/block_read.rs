@@ -3,14 +3,12 @@
 use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
-use crate::command::{ControlCommand, ProgramId};
+use crate::command::ProgramId;
 
 /// The result of reading one block.
 pub(super) enum BlockRead {
     /// The block is evaluated and its plan is stored in the run.
     Planned,
-    /// The block only moves: this is its command.
-    Moves(ControlCommand),
     /// The block must wait until every earlier command is finished.
     Wait,
     /// The block has not arrived through the serial line yet.

@@ -7,7 +7,6 @@ use crate::command::{Action, ControlCommand, SourcePosition};
 use crate::interpreter::calls::subprogram;
 use crate::interpreter::codes::nose_radius::check_call;
 use crate::interpreter::context::BlockContext;
-use crate::interpreter::exact::ExactPoint;
 use crate::interpreter::flow::Flow;
 use crate::interpreter::flow::code_calls::{self, PlainCall};
 use crate::interpreter::host::Host;
@@ -15,14 +14,13 @@ use crate::interpreter::macros::lookahead::LookaheadReader;
 use crate::interpreter::macros::statement::StatementEffect;
 use crate::interpreter::macros::system::VariableSources;
 use crate::interpreter::macros::variable::ReadError;
-use crate::interpreter::plain_move::{MoveContext, PlainMove};
 use crate::interpreter::plan::Plan;
 use crate::interpreter::reader::run::InterpreterRun;
 use crate::interpreter::words::SortedWords;
 use crate::model::ModelRecord;
 use crate::program::{BlockCache, MacroStatement, Program, ProgramBlock};
 
-use super::block_evaluation::{BlockEvaluation, build_context, x_factor};
+use super::block_evaluation::{BlockEvaluation, build_context};
 use super::block_read::{BlockRead, missing_program_alarm};
 use super::pending_block::{PendingBlock, ReadObstacle, TextBoundary};
 use super::statements::huaxing_alarm;
@@ -33,19 +31,24 @@ const SILENT_BLOCKS: u32 = 16;
 
 impl Interpreter {
     /// Reads blocks up to the next command, as programmed, without the nose radius
-    /// compensation.
+    /// compensation, and stores it in `command`.
     ///
     /// # Errors
     /// The alarm of the block. The block has no effect then.
     pub(in crate::interpreter) fn next_programmed<H: Host>(
         &mut self,
         host: &mut H,
+        command: &mut Option<ControlCommand>,
     ) -> Result<AdvanceResult, Alarm> {
         for _ in 0..SILENT_BLOCKS {
             let run = self.current_run_mut();
-            if let Some(command) = run.take_command() {
-                return Ok(AdvanceResult::Command(command));
+            if run.plan.is_some() {
+                *command = run.take_command();
+                if command.is_some() {
+                    return Ok(AdvanceResult::Command);
+                }
             }
+            let run = self.current_run_mut();
             if run.has_ended {
                 self.mdi = None;
                 return Ok(AdvanceResult::Ended);
@@ -56,35 +59,40 @@ impl Interpreter {
                 }
                 run.is_paused = false;
             }
+            if self.read_plain_move(host, command)? {
+                return Ok(AdvanceResult::Command);
+            }
             match self.read_next_block(host)? {
                 BlockRead::Planned => {}
-                BlockRead::Moves(command) => return Ok(AdvanceResult::Command(command)),
                 BlockRead::Skipped => self.current_run_mut().position.block += 1,
                 BlockRead::Wait => return Ok(AdvanceResult::Wait),
                 BlockRead::Starved => return Ok(AdvanceResult::Starved),
                 BlockRead::Ended => self.current_run_mut().has_ended = true,
             }
         }
-        self.yield_turn()
+        *command = self.idle_command();
+        Ok(match command {
+            Some(_) => AdvanceResult::Command,
+            None => AdvanceResult::Wait,
+        })
     }
 
-    /// Returns a command without action after many blocks without a command, so that one call
-    /// never takes long; a wait before the first block.
-    fn yield_turn(&self) -> Result<AdvanceResult, Alarm> {
-        let Some(source) = self.current_run().source else {
-            return Ok(AdvanceResult::Wait);
-        };
-        Ok(AdvanceResult::Command(ControlCommand {
-            source,
+    /// A command without action, for the turn after many blocks without a command, so that one
+    /// call never takes long; `None` before the first block.
+    fn idle_command(&self) -> Option<ControlCommand> {
+        Some(ControlCommand {
+            source: self.current_run().source?,
             action: Action::Nothing,
             modal: self.state.modal,
             block_end: false,
             stop_point: false,
             defers_feed_hold: false,
             programmed_x: None,
-        }))
+        })
     }
 
+    // Apart from the caller, whose part for plain moves stays small.
+    #[inline(never)]
     fn read_next_block<H: Host>(&mut self, host: &mut H) -> Result<BlockRead, Alarm> {
         // Taken out of `self`, which changes while the block is borrowed.
         let mut recent = core::mem::take(&mut self.recent);
@@ -145,15 +153,6 @@ impl Interpreter {
             return self.execute_macro_block(block, source, position, host);
         }
         let is_audited = audit.is_some();
-        if let Some(plain) = self.find_plain_move(block, &pending, is_audited) {
-            let move_context = self.move_context(&*host);
-            let from = self.state.to_machine(self.state.position);
-            let action = plain.apply(&mut self.state, move_context);
-            // A block of an arc of no length has no motion.
-            if let Some(action) = action.map_err(|alarm| alarm.with_source(source))? {
-                return Ok(self.command_plain_move(action, from, source));
-            }
-        }
         let sources = self.variable_sources(&pending, &*host);
         if let (Some(statement), Some(known)) = (block.macro_statement(), &sources) {
             let effect = self.evaluate_statement(statement, &pending, known);
@@ -218,35 +217,6 @@ impl Interpreter {
         }
     }
 
-    /// Reads the move of a block that only moves; `None` for other blocks, and for a run in
-    /// which even such a block needs a plan.
-    #[inline]
-    fn find_plain_move(
-        &self,
-        block: &ProgramBlock,
-        pending: &PendingBlock<'_>,
-        is_audited: bool,
-    ) -> Option<PlainMove> {
-        let needs_plan = pending.is_mdi
-            || pending.syntax.inch
-            || self.state.scale.is_some()
-            || pending.run.levels.has_modal_call()
-            || (is_audited && has_competing_words(block));
-        match needs_plan {
-            true => None,
-            false => PlainMove::from_block(block, self.state.modal.motion, self.record()),
-        }
-    }
-
-    #[inline]
-    fn move_context<H: Host>(&self, host: &H) -> MoveContext<'static> {
-        MoveContext {
-            record: self.record(),
-            compensation: self.compensation_mode(),
-            x_factor: x_factor(host.parameters()),
-        }
-    }
-
     /// The variables that formulas of the block read; `None` if the syntax has no formulas.
     #[inline]
     fn variable_sources<'a, H: Host>(
@@ -294,32 +264,6 @@ impl Interpreter {
             return Err(ReadObstacle::Wait);
         }
         pending.read_next_words(words, &self.state.modal, ahead)
-    }
-
-    /// Makes the command of a block that only moves, without a plan, and goes to the next
-    /// block. `from` is the machine position before the move.
-    #[inline]
-    fn command_plain_move(
-        &mut self,
-        action: Action,
-        from: ExactPoint,
-        source: SourcePosition,
-    ) -> BlockRead {
-        if self.state.modal.nose_compensation != 40 && !self.compensation.is_on() {
-            let frame = self.state.frame();
-            self.compensation.set_position(from.to_point(), frame);
-        }
-        self.record_source(source);
-        self.main.record_plain_move();
-        BlockRead::Moves(ControlCommand {
-            source,
-            action,
-            modal: self.state.modal,
-            block_end: true,
-            stop_point: true,
-            defers_feed_hold: self.main.finishing.is_some(),
-            programmed_x: None,
-        })
     }
 
     /// Handles the end of a text without M30 or M99: returns from a call, or ends the run.
@@ -400,15 +344,6 @@ impl Interpreter {
         run.source = Some(source);
         run.sequence = source.sequence;
     }
-}
-
-/// Whether a move has two words for the same value: X and U, Z and W, R and I or K, or two G
-/// codes.
-const fn has_competing_words(block: &ProgramBlock) -> bool {
-    block.has(b'X') && block.has(b'U')
-        || block.has(b'Z') && block.has(b'W')
-        || block.has(b'R') && block.has_any(b"IK")
-        || block.has_two_g_codes()
 }
 
 /// Finds the program and the run of the next block: those of the MDI block if there is one.

@@ -9,7 +9,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::alarm::Alarm;
-use crate::command::{ControlCommand, Frame, ProgramId, SourcePosition};
+use crate::command::{Frame, ProgramId, SourcePosition};
 use crate::compensation::NoseCompensation;
 use crate::interpreter::ModalState;
 use crate::interpreter::calls::jump::JumpTargets;
@@ -34,6 +34,7 @@ mod block_reader;
 mod foreign_words;
 mod pass_explanation;
 mod pending_block;
+mod plain_blocks;
 pub(crate) mod run;
 mod statements;
 pub(crate) mod walker;
@@ -89,10 +90,10 @@ pub(super) struct MdiRun {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ReadState(State);
 
-/// The answer of [`Interpreter::advance`]; like [`InterpreterStep`], but the command is not
-/// boxed.
+/// The answer of [`Interpreter::advance`]; like [`InterpreterStep`] without the command.
 pub(crate) enum AdvanceResult {
-    Command(ControlCommand),
+    /// The next command is stored in the place that the caller has passed.
+    Command,
     Wait,
     /// The next block has not arrived through the serial line yet.
     Starved,
@@ -401,10 +402,11 @@ impl Interpreter {
     /// The alarm of the block being read. The block has no effect then, and the next call
     /// reads it again.
     pub fn next(&mut self, host: &mut impl Host) -> Result<InterpreterStep, Alarm> {
-        Ok(match self.advance(host)? {
-            AdvanceResult::Command(command) => InterpreterStep::Command(Box::new(command)),
-            AdvanceResult::Wait | AdvanceResult::Starved => InterpreterStep::Wait,
-            AdvanceResult::Ended => InterpreterStep::Ended,
+        let mut command = None;
+        Ok(match (self.advance(host, &mut command)?, command) {
+            (AdvanceResult::Ended, _) => InterpreterStep::Ended,
+            (AdvanceResult::Command, Some(command)) => InterpreterStep::Command(Box::new(command)),
+            _ => InterpreterStep::Wait,
         })
     }
 
