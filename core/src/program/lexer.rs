@@ -232,7 +232,7 @@ impl EightBytes {
     /// The bytes of `low`, below 0x80, that are not `byte`; the other bits are undefined.
     #[inline]
     const fn differs_from(low: u64, byte: u8) -> u64 {
-        (low ^ byte as u64 * Self::ONES) + 0x7F * Self::ONES
+        (low ^ (byte as u64 * Self::ONES)) + 0x7F * Self::ONES
     }
 
     /// Whether a byte before the first other one belongs to a word.
