@@ -152,7 +152,8 @@ fn bars_and_stock_that_protrude_are_warned_about_once() {
     let bore = &summary.blocks()[1];
     let (error, force) = bore.size_error;
     assert!(force < 0.0 && error < 0.0, "{bore:?}");
-    let bar = 45f64.powi(3) * 64.0 / (3.0 * 210_000.0 * core::f64::consts::PI * 12f64.powi(4));
+    let bar = (45.0 * 45.0 * 45.0) * 64.0
+        / (3.0 * 210_000.0 * core::f64::consts::PI * (12.0 * 12.0 * 12.0 * 12.0));
     let ratio = error / (2.0 * force * bar);
     assert!((1.0..1.1).contains(&ratio), "{ratio}");
 }
