@@ -45,6 +45,7 @@ impl KernelSeat {
             name: name.clone(),
             allows_faults: true,
             password: String::new(),
+            ca: String::new(),
         };
         let settings = NetworkSettings {
             class,
