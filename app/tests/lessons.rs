@@ -153,6 +153,10 @@ fn lessons_can_be_done_with_the_mouse() {
     let (mut done, mut skipped) = (Vec::new(), Vec::new());
     for (name, text) in &LESSONS {
         let lesson = Lesson::read(name, text).expect("a lesson");
+        // The operator of the test knows the panel of the GSK980TD.
+        if !lesson.start.model().is_main() {
+            continue;
+        }
         let lines = lesson.steps.iter().flat_map(|step| &step.solution.lines);
         let actions: Vec<&ScriptAction> = lines.map(|line| &line.action).collect();
         let can_click = |action: &&&ScriptAction| {

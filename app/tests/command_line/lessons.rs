@@ -6,7 +6,7 @@ use super::{TempFile, run_gsk};
 fn lessons_are_listed_checked_and_run() {
     let (code, list, _) = run_gsk(&["lesson", "list"]);
     assert_eq!(code, 0);
-    assert_eq!(list.lines().count(), 11, "{list}");
+    assert_eq!(list.lines().count(), 15, "{list}");
     assert!(list.contains("03-mdi"), "{list}");
     let (_, chinese, _) = run_gsk(&["lesson", "list", "--lang", "zh"]);
     assert!(chinese.contains("开机与机械回零"), "{chinese}");

@@ -97,7 +97,7 @@ fn a_restart_in_cycles_and_after_a_call_ends_on_the_pulse() {
     };
     let machine = LinkedMachine::referenced(Variant::GrblHal);
     restart_at(&machine, (SHAFT, None), 60_000, line_of(SHAFT, "N160"));
-    restart_at(&machine, (PIN, Some(GROOVE)), 40_000, line_of(PIN, "M98"));
+    restart_at(&machine, (PIN, Some(GROOVE)), 40_000, line_of(PIN, "N120"));
 }
 
 #[test]
