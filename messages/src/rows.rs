@@ -1350,7 +1350,7 @@ message_rows! {
     g_unknown GUnknown(code: "{:02}");
     gear_speed_too_great GearSpeedTooGreat(axis, speed: "{:.0}", limit: "{:.0}");
     goto_out_of_range GotoOutOfRange(number);
-    handwheel_run_back HandwheelRunBack(time);
+    handwheel_run_back HandwheelRunBack(seconds);
     handwheel_run_hint HandwheelRunHint();
     handwheel_run_name HandwheelRunName();
     handwheel_run_not_in_lesson HandwheelRunNotInLesson();

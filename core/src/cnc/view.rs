@@ -150,12 +150,6 @@ impl Cnc {
         jog_rate(self.plc.signals.jog_code)
     }
 
-    /// Length of a step or a graduation of the handwheel that the ladder commands, least
-    /// increments: 1, 10, 100 or 1000.
-    pub const fn step_increments(&self) -> u16 {
-        self.plc.signals.step_increments
-    }
-
     /// Feed override that the ladder commands, 0–150 %.
     pub const fn feed_override(&self) -> u8 {
         self.plc.signals.feed_override

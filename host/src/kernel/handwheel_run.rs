@@ -11,10 +11,8 @@ use super::edges::is_read_by_ladder;
 use super::timeline::TimelineCommand;
 use super::{Command, Kernel, Notice};
 
-/// Machine time of one graduation of the handwheel at the smallest increment, ticks.
-const TICKS_PER_INCREMENT: u64 = 5;
-/// Greatest machine time of one graduation, ticks.
-const MAX_GRADUATION_TICKS: u64 = 500;
+/// Machine time of one graduation of the handwheel, ticks.
+const GRADUATION_TICKS: u64 = 20;
 /// Greatest machine time that the wheel may be ahead of the machine, ticks. Beyond it the program
 /// runs at the speed of the lathe.
 const MAX_DUE_TICKS: u64 = 1000;
@@ -89,9 +87,7 @@ impl Kernel {
         if !shows_past && !matches!(cnc.mode(), OperatingMode::Auto | OperatingMode::Mdi) {
             return false;
         }
-        let per_graduation = u64::from(cnc.step_increments()) * TICKS_PER_INCREMENT;
-        let per_graduation = per_graduation.min(MAX_GRADUATION_TICKS);
-        let ticks = u64::from(graduations.unsigned_abs()) * per_graduation;
+        let ticks = u64::from(graduations.unsigned_abs()) * GRADUATION_TICKS;
         let now = self.shown_machine().ticks();
         match (graduations > 0, shows_past) {
             (true, true) => self.look_at(now.saturating_add(ticks)),

@@ -250,7 +250,9 @@ fn state_text(past: Option<PastMoment>, has_board: bool, follows_wheel: bool) ->
     let time = clock(to_seconds(past.age_ms));
     match (has_board, past.is_part_pending) {
         (true, _) => say::timeline_banner_board(time),
-        (false, _) if follows_wheel => say::handwheel_run_back(time),
+        (false, _) if follows_wheel => {
+            say::handwheel_run_back(format!("{:.2}", to_seconds(past.age_ms)))
+        }
         (false, true) => say::timeline_banner_part(time),
         (false, false) => say::timeline_banner(time),
     }

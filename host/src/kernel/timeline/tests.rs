@@ -278,20 +278,19 @@ fn the_program_follows_the_handwheel_forwards_and_back() {
     assert!(kernel.emulator.cnc().is_moving(), "in the middle of a cut");
     console.send(Command::Turn(20));
     kernel.run(1000);
-    // The smallest increment: 5 ms a graduation.
-    assert_eq!(kernel.emulator.ticks(), start + 100);
+    assert_eq!(kernel.emulator.ticks(), start + 400);
     let position = kernel.snapshot().screen;
     console.send(Command::Turn(-100));
     kernel.run(10);
     let past = kernel.snapshot().past.expect("the past");
-    assert_eq!(past.tick, start - 400);
+    assert_eq!(past.tick, start - 1600);
     assert_ne!(kernel.snapshot().screen, position);
     console.send(Command::Turn(150));
     kernel.run(1);
     assert_eq!(kernel.snapshot().past, None);
     assert_eq!(kernel.snapshot().screen, position);
     kernel.run(1000);
-    assert_eq!(kernel.emulator.ticks(), start + 100);
+    assert_eq!(kernel.emulator.ticks(), start + 400);
     // Feed hold acts, and afterwards the clock runs as usual.
     console.send(Command::Tap(Key::FeedHold));
     kernel.run(1000);
