@@ -6,8 +6,9 @@
 
 use gsk_core::operation::{OperatingMode, RunState};
 use gsk_messages::say;
+use gsk_panel::keys::Key;
 
-use super::edges::is_read_by_ladder;
+use super::edges::{KeyEdge, is_read_by_ladder};
 use super::timeline::TimelineCommand;
 use super::{Command, Kernel, Notice};
 
@@ -38,12 +39,16 @@ impl HandwheelRun {
 
 impl Kernel {
     /// Switches the handwheel run. It is refused with real drives and in lessons and exercises.
+    /// A program that waits for the wheel is held: only cycle start continues it.
     pub(super) fn set_handwheel_run(&mut self, on: bool) {
         if on && self.has_real_slides {
             return self.notify(Notice::Message(say::handwheel_run_not_with_board()));
         }
         if on && self.lesson.is_some() {
             return self.notify(Notice::Message(say::handwheel_run_not_in_lesson()));
+        }
+        if !on && self.follows_handwheel() {
+            self.key_edges.push(KeyEdge::Tap(Key::FeedHold));
         }
         self.handwheel_run = HandwheelRun {
             is_on: on,

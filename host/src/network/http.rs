@@ -19,6 +19,9 @@ const IDLE_TIMEOUT: Duration = Duration::from_secs(15);
 const RESPONSE_TIMEOUT: Duration = Duration::from_secs(20);
 /// Longest time in which a client must take the next bytes.
 const WRITE_TIMEOUT: Duration = Duration::from_secs(5);
+/// HTTP header that restricts what a page may load: itself and the state.
+pub(super) const PAGE_POLICY: &str = "Content-Security-Policy: default-src 'none'; \
+    style-src 'unsafe-inline'; script-src 'unsafe-inline'; connect-src 'self'\r\n";
 
 /// An HTTP request of a client.
 #[derive(Clone, Debug, PartialEq, Eq)]

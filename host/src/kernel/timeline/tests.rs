@@ -3,7 +3,7 @@ use std::time::{Duration, Instant};
 
 use gsk_core::cnc::ControlRequest;
 use gsk_core::machine::LatheFault;
-use gsk_core::operation::OperatingMode;
+use gsk_core::operation::{OperatingMode, RunState};
 use gsk_core::setup::Setup;
 use gsk_history::replay::replay;
 use gsk_lesson::built_in_lessons;
@@ -321,4 +321,19 @@ fn a_run_by_handwheel_equals_a_run_by_the_clock() {
     by_clock.run(ticks);
     assert!(by_clock.emulator == by_wheel.emulator);
     assert!(cut_part(&by_clock) == cut_part(&by_wheel));
+}
+
+#[test]
+fn a_program_that_waits_for_the_handwheel_is_held_when_the_run_ends() {
+    let (mut kernel, console) = cutting_kernel();
+    send(&mut kernel, &console, TimelineCommand::RunByHandwheel(true));
+    kernel.run(500);
+    assert_eq!(kernel.emulator.cnc().run_state(), RunState::Run);
+    send(
+        &mut kernel,
+        &console,
+        TimelineCommand::RunByHandwheel(false),
+    );
+    kernel.run(500);
+    assert_eq!(kernel.emulator.cnc().run_state(), RunState::Hold);
 }

@@ -13,7 +13,7 @@ use gsk_telemetry::class::class_roster::ClassRoster;
 use web_time::Duration;
 
 use crate::message_format::describe_io_error;
-use crate::network::http::{HttpConnection, HttpRequest, is_local_name};
+use crate::network::http::{HttpConnection, HttpRequest, PAGE_POLICY, is_local_name};
 use crate::platform::{self, TaskHandle};
 
 /// The page; `{{name}}` is replaced by a text.
@@ -24,9 +24,6 @@ pub const DEFAULT_PAGE_ADDRESS: &str = "127.0.0.1:5001";
 const MAX_CONNECTIONS: usize = 32;
 /// Time between two checks for new browsers.
 const POLL_INTERVAL: Duration = Duration::from_millis(20);
-/// HTTP header that restricts what the page may load: itself and the state.
-const PAGE_POLICY: &str = "Content-Security-Policy: default-src 'none'; \
-    style-src 'unsafe-inline'; script-src 'unsafe-inline'; connect-src 'self'\r\n";
 
 /// What the threads of the page share.
 struct SharedPage {

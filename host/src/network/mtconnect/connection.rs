@@ -10,7 +10,7 @@ use web_time::{Duration, Instant};
 use super::feed::wall_clock_ms;
 use super::page;
 use super::shared::SharedAgent;
-use crate::network::http::{HttpConnection, HttpRequest};
+use crate::network::http::{HttpConnection, HttpRequest, PAGE_POLICY};
 
 /// Text that separates the documents of a stream.
 const BOUNDARY: &str = "gsk980td-document";
@@ -18,9 +18,6 @@ const XML: &str = "text/xml; charset=utf-8";
 const TEXT: &str = "text/plain; charset=utf-8";
 const HTML: &str = "text/html; charset=utf-8";
 const JSON: &str = "application/json";
-/// HTTP header that restricts what the page may load: itself and the state.
-const PAGE_POLICY: &str = "Content-Security-Policy: default-src 'none'; \
-    style-src 'unsafe-inline'; script-src 'unsafe-inline'; connect-src 'self'\r\n";
 
 /// Serves a client until it has gone or the agent ends.
 pub(super) fn serve(mut connection: HttpConnection, shared: &SharedAgent) {
