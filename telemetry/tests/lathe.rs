@@ -191,5 +191,5 @@ fn discovery_describes_existing_members() {
     }
     ids.sort_by_key(ToString::to_string);
     ids.dedup();
-    assert_eq!(ids.len(), 14);
+    assert_eq!(ids.len(), 15);
 }
