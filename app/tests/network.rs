@@ -153,7 +153,7 @@ fn an_exercise_of_the_instructor_is_kept_only_after_the_learner_has_agreed() {
     window.set_exercises(found, folder.to_owned(), Ok(None));
     let (_, text) = EXERCISES.iter().find(|(id, _)| *id == "02-jog").unwrap();
     let question = "The instructor sends an exercise of his own";
-    let is_asked = |bench: &WindowBench| {
+    let is_offered = |bench: &WindowBench| {
         let harness = &bench.harness;
         harness.query_by_label_contains(question).is_some()
     };
@@ -167,11 +167,11 @@ fn an_exercise_of_the_instructor_is_kept_only_after_the_learner_has_agreed() {
         (*text, Some("iVBORw0KGgo=")),
     ] {
         offer_file(&mut bench, "jog-course", text, drawing);
-        assert!(!is_asked(&bench), "{text} {drawing:?}");
+        assert!(!is_offered(&bench), "{text} {drawing:?}");
     }
     let kept = folder.join("exercises/jog-course/task.ron");
     offer_file(&mut bench, "jog-course", text, None);
-    assert!(is_asked(&bench));
+    assert!(is_offered(&bench));
     bench.click("Not now");
     assert!(!kept.exists() && bench.kernel.snapshot().exercise.is_none());
     offer_file(&mut bench, "jog-course", text, None);
@@ -185,7 +185,7 @@ fn an_exercise_of_the_instructor_is_kept_only_after_the_learner_has_agreed() {
     // Another text of the same name is an exercise of this session; the stored one stays.
     let changed = format!("{text}\n// changed\n");
     offer_file(&mut bench, "jog-course", &changed, None);
-    assert!(is_asked(&bench));
+    assert!(is_offered(&bench));
     bench.click("Begin");
     bench.run(100);
     assert_eq!(std::fs::read_to_string(&kept).unwrap(), *text);
@@ -196,7 +196,7 @@ fn an_exercise_of_the_instructor_is_kept_only_after_the_learner_has_agreed() {
     assert!(!folder.join("exercises/03-handwheel").exists());
     // The seat has this text already.
     offer_file(&mut bench, "02-jog", text, None);
-    assert!(!is_asked(&bench));
+    assert!(!is_offered(&bench));
     bench.click("Not now");
 }
 
