@@ -308,15 +308,15 @@ fn live_loads(text: &str, job: Job, measures: bool) -> Vec<Option<CutLoad>> {
     live.set_measures_load(measures);
     simulation.start_automatic();
     let mut loads = Vec::new();
-    for _ in 0..120_000 {
+    let mut state = RunState::Run;
+    while state != RunState::Reset && loads.len() < 120_000 {
         simulation.tick();
         live.follow_tick(&simulation);
         loads.push(live.load());
-        if simulation.cnc.run_state() == RunState::Reset {
-            return loads;
-        }
+        state = simulation.cnc.run_state();
     }
-    panic!("the program does not end");
+    assert_eq!(state, RunState::Reset, "the program does not end");
+    loads
 }
 
 #[test]

@@ -31,8 +31,8 @@ CODE, NAME = "K7M2", "Li Ming"
 SEATS = f"gsk980td/class/{CODE}/seats"
 REFUSAL = "a seat in a browser holds no exam, because it cannot store the recordings"
 # Positions on a page of the size of `browser.py` in English, pixels.
-NAME_FIELD, CLASS_SWITCH = (640, 400), (640, 400)
-BEGIN = (640, 400)
+NAME_FIELD, BEGIN = (975, 232), (503, 429)
+ENTER = "\ue007"
 
 
 class WebBroker(Broker):
@@ -83,7 +83,7 @@ async def join(browser, view, address, pictures):
         await browser.key(letter)
     await browser.picture(pictures / f"{browser.name}-joining.png")
     shown = asyncio.create_task(view.wait_for(NAME))
-    await browser.press(CLASS_SWITCH)
+    await browser.key(ENTER)
     print(f"{browser.name}: the seat is in the view after {await shown:.1f} s")
     await browser.picture(pictures / f"{browser.name}-joined.png")
 
