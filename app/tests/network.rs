@@ -8,6 +8,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use gsk_core::setup::Setup;
 use gsk_exercise::exam::ExamPin;
+use gsk_exercise::library::EXERCISES;
 use gsk_host::files::exercises;
 use gsk_host::kernel::Notice;
 use gsk_host::network::class::class_address::ClassAddress;
@@ -132,6 +133,73 @@ fn the_learner_decides_about_an_offered_task() {
     );
 }
 
+fn offer_file(bench: &mut WindowBench, exercise: &str, text: &str, drawing: Option<&str>) {
+    let request = SeatRequest::TaskFile {
+        exercise: exercise.to_owned(),
+        text: text.to_owned(),
+        drawing: drawing.map(str::to_owned),
+    };
+    let notice = Notice::TaskOffered(Box::new(request));
+    bench.console.notice_sender.send(notice).unwrap();
+    bench.run(50);
+}
+
+#[test]
+fn an_exercise_of_the_instructor_is_kept_only_after_the_learner_has_agreed() {
+    let mut bench = open_bench(NetworkSettings::default());
+    let folder = test_folder("sent-task");
+    let found = exercises::load_exercises(None);
+    let window = bench.harness.state_mut();
+    window.set_exercises(found, folder.to_owned(), Ok(None));
+    let (_, text) = EXERCISES.iter().find(|(id, _)| *id == "02-jog").unwrap();
+    let question = "The instructor sends an exercise of his own";
+    let is_offered = |bench: &WindowBench| {
+        let harness = &bench.harness;
+        harness.query_by_label_contains(question).is_some()
+    };
+    let not_finite = text.replacen("time_limit: ", "time_limit: NaN, // ", 1);
+    assert_ne!(&not_finite, text);
+    for (text, drawing) in [
+        ("", None),
+        ("(title: 1)", None),
+        (&*not_finite, None),
+        (*text, Some("no base64!")),
+        (*text, Some("iVBORw0KGgo=")),
+    ] {
+        offer_file(&mut bench, "jog-course", text, drawing);
+        assert!(!is_offered(&bench), "{text} {drawing:?}");
+    }
+    let kept = folder.join("exercises/jog-course/task.ron");
+    offer_file(&mut bench, "jog-course", text, None);
+    assert!(is_offered(&bench));
+    bench.click("Not now");
+    assert!(!kept.exists() && bench.kernel.snapshot().exercise.is_none());
+    offer_file(&mut bench, "jog-course", text, None);
+    bench.click("Begin");
+    bench.run(100);
+    let exercise = bench.kernel.snapshot().exercise.unwrap();
+    assert_eq!(exercise.id, "jog-course");
+    assert_eq!(std::fs::read_to_string(&kept).unwrap(), *text);
+    let stored = exercises::load_exercises(Some(&folder));
+    assert!(stored.tasks.iter().any(|task| task.id == "jog-course"));
+    // Another text of the same name is an exercise of this session; the stored one stays.
+    let changed = format!("{text}\n// changed\n");
+    offer_file(&mut bench, "jog-course", &changed, None);
+    assert!(is_offered(&bench));
+    bench.click("Begin");
+    bench.run(100);
+    assert_eq!(std::fs::read_to_string(&kept).unwrap(), *text);
+    // One that comes with the program is not replaced.
+    offer_file(&mut bench, "03-handwheel", text, None);
+    bench.click("Begin");
+    bench.run(100);
+    assert!(!folder.join("exercises/03-handwheel").exists());
+    // The seat has this text already.
+    offer_file(&mut bench, "02-jog", text, None);
+    assert!(!is_offered(&bench));
+    bench.click("Not now");
+}
+
 fn offer_exam(bench: &mut WindowBench, exercises: &[&str], pin: &SeatPin) {
     let request = SeatRequest::BeginExam {
         exercises: exercises.iter().map(|id| (*id).to_owned()).collect(),
@@ -233,12 +301,17 @@ fn publish(topic: &str, payload: &str) -> Vec<u8> {
 #[test]
 fn the_window_of_a_class_shows_seats_and_requests_an_lcd() {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let data = test_folder("class-data");
+    let (_, text) = EXERCISES.iter().find(|(id, _)| *id == "02-jog").unwrap();
+    let own_text = text.replacen("en: \"Jog to a position\"", "en: \"My own task\"", 1);
+    exercises::write_new(&data, "own", &own_text).unwrap();
     let class = format!("K7M2@{}", listener.local_addr().unwrap());
     let start = ClassStart {
         class: ClassAddress::parse(&class).unwrap(),
         results: test_folder("class-results").to_owned(),
         language: Language::En,
-        exercises: exercises::load_exercises(None),
+        exercises: exercises::load_exercises(Some(&data)),
+        data: Some(data.to_owned()),
         page_address: None,
         seat_page: None,
     };
@@ -295,6 +368,26 @@ fn the_window_of_a_class_shows_seats_and_requests_an_lcd() {
         &mut broker,
         &format!("{seats}/b2/request{{\"request\":\"lcd\""),
     );
+    // An exercise of the instructor's own travels with its text, another one by its name.
+    harness.get_by_label("Ann: running").click();
+    harness.run_steps(3);
+    for (title, sent) in [
+        (
+            "Jog to a position",
+            "{\"request\":\"task\",\"exercise\":\"02-jog\"}",
+        ),
+        (
+            "My own task",
+            "{\"request\":\"task_file\",\"exercise\":\"own\",\"text\":\"",
+        ),
+    ] {
+        harness.get_by_label("Send a task").click();
+        harness.run_steps(3);
+        // Those of the instructor are the last of the list, below the visible ones.
+        harness.get_by_label(title).click_accesskit();
+        harness.run_steps(3);
+        await_request(&mut broker, &format!("{seats}/a1/request{sent}"));
+    }
     // An exam for all: the seat with a board gets none.
     harness.get_by_label("Exam…").click();
     harness.run_steps(3);

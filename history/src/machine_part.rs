@@ -6,7 +6,7 @@ use gsk_core::machine::LatheFault;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
 use gsk_runner::machining::live_part::LivePart;
-use gsk_runner::machining::{CollisionFinding, CutFault, Machining};
+use gsk_runner::machining::{CollisionFinding, CutFault, CutLoad, Machining};
 use gsk_workpiece::collision::TouchingPart;
 use gsk_workpiece::job::Job;
 use gsk_workpiece::stock::Stock;
@@ -125,6 +125,22 @@ impl MachinePart {
     /// Removes and returns the cut that has exceeded a limit in the last tick; `None` without one.
     pub fn take_cut_fault(&mut self) -> Option<CutFault> {
         self.live.as_mut()?.take_cut_fault()
+    }
+
+    /// Sets whether the load of the current cut is measured. The machine does not depend on it.
+    pub fn set_measures_load(&mut self, is_on: bool) {
+        if let Some(live) = &mut self.live {
+            live.set_measures_load(is_on);
+        }
+    }
+
+    /// Returns the load of the current cut while it is measured, 0 without a part; `None` if the
+    /// material of the stock has no constants.
+    pub fn load(&self) -> Option<CutLoad> {
+        match &self.live {
+            Some(live) => live.load(),
+            None => Some(CutLoad::default()),
+        }
     }
 
     /// Returns the faults by which a collision stops the simulated lathe: the drive of the axis

@@ -219,6 +219,7 @@ message_rows! {
     class_exam_end_one ClassExamEndOne(seat);
     class_exam_ended ClassExamEnded();
     class_exam_hint ClassExamHint();
+    class_exam_in_browser ClassExamInBrowser();
     class_exam_offer ClassExamOffer(count, minutes);
     class_exam_offer_title ClassExamOfferTitle();
     class_fault_set ClassFaultSet();
@@ -239,6 +240,8 @@ message_rows! {
     class_offer ClassOffer(title);
     class_offer_accept ClassOfferAccept();
     class_offer_decline ClassOfferDecline();
+    class_offer_new ClassOfferNew(title);
+    class_offer_new_page ClassOfferNewPage(title);
     class_offer_title ClassOfferTitle();
     class_page_listening ClassPageListening(url);
     class_page_lost ClassPageLost();
@@ -246,6 +249,7 @@ message_rows! {
     class_page_read_only ClassPageReadOnly();
     class_privacy ClassPrivacy();
     class_refused_board ClassRefusedBoard();
+    class_refused_browser ClassRefusedBrowser();
     class_refused_exam ClassRefusedExam();
     class_refused_exercise ClassRefusedExercise();
     class_refused_faults ClassRefusedFaults();
@@ -268,6 +272,10 @@ message_rows! {
     class_state_offline ClassStateOffline();
     class_state_running ClassStateRunning();
     class_state_working ClassStateWorking();
+    class_task_kept ClassTaskKept(folder);
+    class_task_name_taken ClassTaskNameTaken(id);
+    class_task_not_kept ClassTaskNotKept(reason);
+    class_task_too_large ClassTaskTooLarge(size, limit);
     class_title ClassTitle(code);
     class_unknown_fault ClassUnknownFault(word);
     code_g00 CodeG00();
@@ -2566,6 +2574,7 @@ message_rows! {
     mqtt_rate_wrong MqttRateWrong(word);
     mqtt_refused MqttRefused();
     mqtt_silent MqttSilent();
+    mqtt_spindle_load MqttSpindleLoad();
     mqtt_url_wrong MqttUrlWrong(url);
     mqtt_web_socket_on_computer MqttWebSocketOnComputer();
     mqtt_web_socket_refused MqttWebSocketRefused();
@@ -2733,6 +2742,7 @@ message_rows! {
     page_feed_hold PageFeedHold();
     page_interrupted PageInterrupted();
     page_keeps_nothing PageKeepsNothing();
+    page_load PageLoad();
     page_machine_position PageMachinePosition();
     page_no_alarm PageNoAlarm();
     page_no_file PageNoFile(address, error);

@@ -39,4 +39,4 @@ pub use query::{AgentError, AgentRequest};
 pub use readers::program_name;
 pub use reading::{ActiveFault, FaultLevel, MachineReading};
 pub use time_stamp::TimeStamp;
-pub use value::{AgentValue, MachineSource};
+pub use value::{AgentValue, MachineLoad, MachineSource};

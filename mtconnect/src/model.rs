@@ -217,12 +217,12 @@ pub static DATA_ITEMS: [DataItem; 50] = [
     ),
     position("x", "x_machine", "MACHINE", readers::x_machine),
     position("x", "x_work", "WORK", readers::x_work),
-    sample("x", "x_load", LOAD, "PERCENT", readers::unavailable),
+    sample("x", "x_load", LOAD, "PERCENT", readers::x_load),
     condition("x", "x_travel", "POSITION"),
     condition("x", "x_drive", "ACTUATOR"),
     position("z", "z_machine", "MACHINE", readers::z_machine),
     position("z", "z_work", "WORK", readers::z_work),
-    sample("z", "z_load", LOAD, "PERCENT", readers::unavailable),
+    sample("z", "z_load", LOAD, "PERCENT", readers::z_load),
     condition("z", "z_travel", "POSITION"),
     condition("z", "z_drive", "ACTUATOR"),
     sample(
@@ -257,7 +257,7 @@ pub static DATA_ITEMS: [DataItem; 50] = [
         ["ROTARY_MODE", "RotaryMode", ""],
         readers::rotary_mode,
     ),
-    sample("c", "spindle_load", LOAD, "PERCENT", readers::unavailable),
+    sample("c", "spindle_load", LOAD, "PERCENT", readers::spindle_load),
     event(
         "chuck",
         "chuck_state",

@@ -8,7 +8,7 @@ use gsk_core::command::ProgramId;
 use gsk_core::operation::{OperatingMode, RunState};
 use gsk_core::units::Point;
 
-use crate::value::{AgentValue, MachineSource, tool_asset_id};
+use crate::value::{AgentValue, MachineLoad, MachineSource, tool_asset_id};
 
 /// Greatest length of a block text in an observation, characters.
 const MAX_BLOCK_CHARACTERS: usize = 256;
@@ -64,6 +64,26 @@ pub(crate) fn z_machine(from: &MachineSource<'_>) -> AgentValue {
 
 pub(crate) fn z_work(from: &MachineSource<'_>) -> AgentValue {
     thousandths(from.cnc.position_absolute().z)
+}
+
+/// Reads a load, % to a tenth. A board does not measure it.
+fn load(from: &MachineSource<'_>, select: impl FnOnce(MachineLoad) -> f64) -> AgentValue {
+    let load = from.load.filter(|_| !from.cnc.has_board());
+    load.map_or(AgentValue::Unavailable, |load| {
+        AgentValue::Number((select(load) * 10.0).round() / 10.0)
+    })
+}
+
+pub(crate) fn x_load(from: &MachineSource<'_>) -> AgentValue {
+    load(from, |load| load.x)
+}
+
+pub(crate) fn z_load(from: &MachineSource<'_>) -> AgentValue {
+    load(from, |load| load.z)
+}
+
+pub(crate) fn spindle_load(from: &MachineSource<'_>) -> AgentValue {
+    load(from, |load| load.spindle)
 }
 
 pub(crate) fn path_machine(from: &MachineSource<'_>) -> AgentValue {

@@ -9,7 +9,7 @@ use crate::time_stamp::TimeStamp;
 use crate::value::AgentValue;
 
 /// Identifiers of the data items that the page in the browser shows.
-const SHOWN_ITEMS: [&str; 18] = [
+const SHOWN_ITEMS: [&str; 21] = [
     "mode",
     "execution",
     "program",
@@ -25,6 +25,9 @@ const SHOWN_ITEMS: [&str; 18] = [
     "rapid_override",
     "speed",
     "speed_override",
+    "spindle_load",
+    "x_load",
+    "z_load",
     "tool",
     "parts",
     "process_time",

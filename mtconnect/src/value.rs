@@ -7,6 +7,17 @@ use gsk_core::cnc::Cnc;
 use gsk_core::machine::SimulatedLathe;
 use gsk_workpiece::job::Job;
 
+/// The load of the current cut, % of what the machine bears.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MachineLoad {
+    /// Torque of the spindle, compared to its torque at the current speed.
+    pub spindle: f64,
+    /// Force of the slide X.
+    pub x: f64,
+    /// Force of the slide Z.
+    pub z: f64,
+}
+
 /// Control, lathe and job from which the values of data items are read.
 #[derive(Clone, Copy, Debug)]
 pub struct MachineSource<'a> {
@@ -16,6 +27,8 @@ pub struct MachineSource<'a> {
     pub lathe: &'a SimulatedLathe,
     /// Job of the selected program; `None` without one.
     pub job: Option<&'a Job>,
+    /// Load of the simulated lathe; `None` if it is not known.
+    pub load: Option<MachineLoad>,
     /// Machine time since the cycle start of the current or the last run, ms.
     pub run_ms: u64,
 }

@@ -15,8 +15,8 @@ use gsk_core::setup::Setup;
 use gsk_mtconnect::model::DATA_ITEMS;
 use gsk_mtconnect::query::{AssetQuery, CurrentQuery, ErrorCode, SampleQuery};
 use gsk_mtconnect::{
-    Agent, AgentAssets, AgentError, AgentIdentity, AgentRequest, DeviceDescription, MachineReading,
-    MachineSource, SchemaVersion, program_name,
+    Agent, AgentAssets, AgentError, AgentIdentity, AgentRequest, DeviceDescription, MachineLoad,
+    MachineReading, MachineSource, SchemaVersion, program_name,
 };
 use gsk_panel::emulator::{Emulator, WaitCondition, WaitOutcome};
 use gsk_panel::keys::Key;
@@ -68,6 +68,11 @@ impl Bench {
             cnc: &simulation.cnc,
             lathe: &simulation.lathe,
             job: self.job.as_ref(),
+            load: Some(MachineLoad {
+                spindle: 41.26,
+                x: 3.0,
+                z: 12.34,
+            }),
             run_ms: self.ticks,
         });
         let now_ms = self.now_ms();
@@ -275,6 +280,9 @@ fn a_running_program_is_active_at_its_block_and_ends() {
             "subType=\"ACTUAL\">1</PathFeedrate>",
             ">500</RotaryVelocity>",
             ">CLOCKWISE</Direction>",
+            ">41.3</Load>",
+            ">3</Load>",
+            ">12.3</Load>",
         ],
     );
     bench.wait(&WaitCondition::Stopped);

@@ -2,12 +2,15 @@
 
 use gsk_core::command::{ExecutedMove, ProgramId};
 use gsk_core::machine::LoadLimits;
+use gsk_core::operation::RunState;
 use gsk_core::preview::Lint;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
+use gsk_core::simulation::Simulation;
 use gsk_messages::Language;
 use gsk_runner::curves::RapidRates;
-use gsk_runner::machining::{LoadSummary, Machining};
+use gsk_runner::machining::live_part::LivePart;
+use gsk_runner::machining::{CutLoad, LoadSummary, Machining};
 use gsk_runner::report::{ProgramReport, check_program};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::stock::{Stock, StockMaterial};
@@ -292,5 +295,75 @@ fn the_text_lists_the_heaviest_blocks_and_counts_the_others() {
     assert!(
         text.contains(&format!("and {omitted} blocks with less force")),
         "{text}"
+    );
+}
+
+/// The loads of the running control after each tick of a program.
+fn live_loads(text: &str, job: Job, measures: bool) -> Vec<Option<CutLoad>> {
+    let mut setup = Setup::default();
+    setup.memory.programs.open_external(Program::new(text));
+    setup.memory.programs.select(ProgramId::External);
+    let mut simulation = Simulation::new(setup);
+    let mut live = LivePart::new(Machining::new(job));
+    live.set_measures_load(measures);
+    simulation.start_automatic();
+    let mut loads = Vec::new();
+    let mut state = RunState::Run;
+    while state != RunState::Reset && loads.len() < 120_000 {
+        simulation.tick();
+        live.follow_tick(&simulation);
+        loads.push(live.load());
+        state = simulation.cnc.run_state();
+    }
+    assert_eq!(state, RunState::Reset, "the program does not end");
+    loads
+}
+
+#[test]
+fn the_running_control_has_the_load_of_the_check_and_none_outside_the_cut() {
+    let thread = "G50 X100 Z50\nG97 M03 S300\nT0303\nG00 X54 Z6\nG92 X49.4 Z-20 F1.5\nX49\n\
+                  G00 X100 Z50\nM30\n";
+    let drill = "G50 X100 Z50\nG97 G99 M03 S600\nT0404\nG00 X0 Z2\nG01 Z-15 F0.2\nG00 Z5\n\
+                 X100 Z50\nM30\n";
+    for text in [PASS, thread, drill] {
+        let (summary, _) = check_load(text, &job(), &LoadLimits::default());
+        let heaviest = (summary.blocks().iter()).max_by(|a, b| a.power_kw.total_cmp(&b.power_kw));
+        let heaviest = heaviest.expect("a cut").heaviest;
+        let loads = live_loads(text, job(), true);
+        let loads: Vec<CutLoad> = loads.into_iter().map(|load| load.expect("steel")).collect();
+        assert_eq!(
+            (loads[0].torque_nm, loads.last().unwrap().torque_nm),
+            (0.0, 0.0)
+        );
+        let mut cuts: Vec<CutLoad> = loads
+            .iter()
+            .filter(|it| it.force_n > 0.0)
+            .copied()
+            .collect();
+        assert!(
+            cuts.len() > 200 && cuts.len() < loads.len() * 9 / 10,
+            "{}",
+            cuts.len()
+        );
+        cuts.sort_by(|a, b| a.torque_nm.total_cmp(&b.torque_nm));
+        // The end of a program of one pass; the last pass of a thread is the heaviest or the first.
+        let usual = cuts[cuts.len() * 3 / 4];
+        for (name, found, wanted) in [
+            ("torque", usual.torque_nm, heaviest.torque_nm),
+            ("radial", usual.radial_force_n, heaviest.radial_force_n),
+            ("axial", usual.axial_force_n, heaviest.axial_force_n),
+        ] {
+            let error = (found - wanted).abs() / wanted.abs().max(1.0);
+            assert!(error < 0.05, "{text} {name}: {found} instead of {wanted}");
+        }
+    }
+    let idle = live_loads(PASS, job(), false);
+    assert!(idle.iter().all(|load| *load == Some(CutLoad::default())));
+    let mut plastic = job();
+    plastic.stock.material = StockMaterial::Plastic;
+    let unknown = live_loads(PASS, plastic, true);
+    assert!(
+        unknown.iter().all(Option::is_none),
+        "no constants for plastic"
     );
 }

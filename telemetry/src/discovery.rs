@@ -54,6 +54,7 @@ fn sensors() -> Vec<DiscoveredEntity> {
             "duration",
         ),
         entity("c", "speed", say::page_speed(), "rpm", ""),
+        entity("c", "spindle_load", say::mqtt_spindle_load(), "%", ""),
         entity("x", "x_work", say::mqtt_position("X"), "mm", "distance"),
         entity("z", "z_work", say::mqtt_position("Z"), "mm", "distance"),
         entity(

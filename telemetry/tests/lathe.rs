@@ -40,6 +40,7 @@ impl Bench {
             cnc: &self.simulation.cnc,
             lathe: &self.simulation.lathe,
             job: None,
+            load: None,
             run_ms: 0,
         })
     }
@@ -173,7 +174,7 @@ fn discovery_describes_existing_members() {
         .iter()
         .filter(|(topic, _)| topic.starts_with("homeassistant/"))
         .collect();
-    assert_eq!(configs.len(), 14);
+    assert_eq!(configs.len(), 15);
     let mut ids: Vec<&Value> = Vec::new();
     for (topic, config) in configs {
         assert!(
@@ -190,5 +191,5 @@ fn discovery_describes_existing_members() {
     }
     ids.sort_by_key(ToString::to_string);
     ids.dedup();
-    assert_eq!(ids.len(), 14);
+    assert_eq!(ids.len(), 15);
 }

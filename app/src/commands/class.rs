@@ -58,6 +58,7 @@ pub fn show_class(args: &ClassArgs) -> Result<u8, CommandError> {
         results,
         language: output::language(),
         exercises: exercises::load_exercises(args.data.as_deref()),
+        data: args.data.clone(),
     })?;
     Ok(EXIT_OK)
 }

@@ -6,8 +6,8 @@ use gsk_host::network::mqtt::{self, BrokerLine, DEFAULT_RATE_HZ, LatheOptions};
 use gsk_host::network::mtconnect::{AgentFeed, AgentServer, MachinePacer};
 use gsk_host::network::service_state::{ServiceState, SharedServiceState};
 use gsk_messages::say;
+use gsk_runner::machining::live_part::LivePart;
 use gsk_runner::script::TickObserver;
-use gsk_workpiece::job::Job;
 
 use super::{CommandError, output};
 use crate::cli::{MqttArgs, MtconnectArgs};
@@ -63,8 +63,8 @@ fn report_broker(state: &ServiceState) {
 /// Passes the state of a machine that a command ticks itself to the network.
 pub struct CommandNetwork {
     feeds: Vec<AgentFeed>,
-    /// Job of the program; `None` without one.
-    job: Option<Job>,
+    /// The part that the program makes; `None` without a job.
+    part: Option<LivePart>,
     /// Slows a simulated machine down; `None` with a board, which sets the pace.
     pacer: Option<MachinePacer>,
     /// Answers requests as long as the command runs.
@@ -74,13 +74,13 @@ pub struct CommandNetwork {
 }
 
 impl CommandNetwork {
-    /// Starts what the options request; `None` if they request nothing. `job` is the job of the
-    /// program; `has_board`: a board moves the slides. Returns an error if the agent cannot listen
+    /// Starts what the options request; `None` if they request nothing. `part` is the part that the
+    /// program makes; `has_board`: a board moves the slides. Returns an error if the agent cannot listen
     /// or the password cannot be read.
     pub fn start(
         (agent, broker): (&MtconnectArgs, &MqttArgs),
         simulation: &Simulation,
-        job: Option<Job>,
+        part: Option<LivePart>,
         has_board: bool,
     ) -> Result<Option<Self>, CommandError> {
         let agent = start_agent(agent, simulation)?;
@@ -89,9 +89,13 @@ impl CommandNetwork {
         let (server, agent_feed) = agent.unzip();
         let (line, broker_feed) = broker.unzip();
         let feeds: Vec<AgentFeed> = agent_feed.into_iter().chain(broker_feed).collect();
+        let part = part.map(|mut part| {
+            part.set_measures_load(!has_board);
+            part
+        });
         Ok((!feeds.is_empty()).then(|| Self {
             feeds,
-            job,
+            part,
             pacer: (!has_board).then(MachinePacer::default),
             _server: server,
             _line: line,
@@ -102,8 +106,13 @@ impl CommandNetwork {
 impl TickObserver for CommandNetwork {
     /// Passes the state on. A simulated machine keeps to the speed of a real lathe.
     fn follow_tick(&mut self, simulation: &Simulation) {
+        let part = self.part.as_mut();
+        let (job, load) = part.map_or((None, None), |part| {
+            part.follow_tick(simulation);
+            (Some(part.machining().job()), part.load())
+        });
         for feed in &mut self.feeds {
-            feed.follow_tick(simulation, self.job.as_ref());
+            feed.follow_tick(simulation, job, load);
         }
         if let Some(pacer) = &mut self.pacer {
             pacer.wait_for_tick();

@@ -23,6 +23,7 @@ use gsk_panel::script::{Script, ScriptAction};
 use gsk_panel::why::CauseChain;
 use gsk_plot::{encode_lcd, encode_panel};
 use gsk_runner::board::PulseBoard;
+use gsk_runner::machining::live_part::LivePart;
 use gsk_runner::partner::ProgramPartner;
 use gsk_runner::script::{
     ScriptEnd, ScriptHost, ScriptPicture, ScriptRecord, ScriptSession, TickObserver,
@@ -83,7 +84,7 @@ pub fn operate(args: &OperateArgs, language: Option<Language>) -> Result<u8, Com
     let mut network = CommandNetwork::start(
         (&args.mtconnect, &args.mqtt),
         emulator.simulation(),
-        job.map(|chosen| chosen.job),
+        job.map(|chosen| LivePart::new(chosen.create_machining())),
         link.is_some(),
     )?;
     let mut record = args.record.is_some().then(|| ScriptRecord::new(&script));

@@ -109,12 +109,12 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
         &mut outputs.live_part,
         &outputs.debugger,
     )?;
+    let services = (&args.mtconnect, &args.mqtt);
+    let part = outputs.live_part.clone();
+    outputs.network = CommandNetwork::start(services, &simulation, part, board.is_some())?;
     if !wants_part(args, needs_part) {
         outputs.live_part = None;
     }
-    let job = job_choice.as_ref().map(|chosen| chosen.job.clone());
-    let services = (&args.mtconnect, &args.mqtt);
-    outputs.network = CommandNetwork::start(services, &simulation, job, board.is_some())?;
     let partner = partner.as_mut().map(|it| it as &mut dyn ProgramPartner);
     let (mut report, simulation) = execution::execute(
         &name,

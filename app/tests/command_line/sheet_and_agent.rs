@@ -21,7 +21,7 @@ fn a_sheet_is_written_beside_its_program() {
     for part in [
         "Setup sheet collar.CNC",
         ">O0044",
-        "X 1.500  Z -2.250  R 0.800  T 3",
+        "X\u{a0}1.500 Z\u{a0}-2.250 R\u{a0}0.800 T\u{a0}3",
         ">⌀40<",
         ">N60<",
         "Line 2, G50 X100 Z50;",

@@ -45,7 +45,7 @@ pub struct CourseTaskFile {
     pub text: String,
     /// A hand-made drawing, PNG in base64; `None` without one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    drawing: Option<String>,
+    pub drawing: Option<String>,
 }
 
 impl CourseTaskFile {

@@ -88,6 +88,17 @@ pub fn find_source(name: &Path, data: Option<&Path>) -> Result<CourseTaskFile, M
     }
 }
 
+/// Reads the files of an exercise in the folder of a teacher, for a seat that does not have it;
+/// `None` for one that comes with the program.
+///
+/// # Errors
+/// A file cannot be read.
+pub fn find_own_source(id: &str, data: Option<&Path>) -> Result<Option<CourseTaskFile>, Message> {
+    let folder = data.map(|data| data.join(FOLDER).join(id));
+    let folder = folder.filter(|folder| platform::is_taken(&folder.join(TASK_FILE)));
+    folder.map(|folder| read_source(&folder)).transpose()
+}
+
 /// Returns the path of the file of a task: `path` is the file or its folder.
 fn task_path(path: &Path) -> PathBuf {
     match path.extension() {
@@ -160,6 +171,41 @@ pub fn load_exercises(data: Option<&Path>) -> AvailableExercises {
 /// # Errors
 /// The name cannot be that of a folder, the folder is not empty, or the file cannot be written.
 pub fn write_new(data: &Path, name: &str, task: &str) -> Result<PathBuf, Message> {
+    let folder = make_task_folder(data, name)?;
+    let file = folder.join(TASK_FILE);
+    atomic::write(&file, task.as_bytes())
+        .map_err(|error| WriteError::new(&file, error).message())?;
+    Ok(file)
+}
+
+/// Writes an exercise that the class has sent into a separate folder of a data directory, with its
+/// drawing, and returns that folder. An exercise of the same name stays as it is.
+///
+/// # Errors
+/// There is an exercise of this name, or a file cannot be written.
+pub fn keep_sent(
+    data: &Path,
+    id: &str,
+    task: &str,
+    drawing: Option<&[u8]>,
+) -> Result<PathBuf, Message> {
+    if EXERCISES.iter().any(|(known, _)| *known == id) {
+        return Err(say::class_task_name_taken(id));
+    }
+    let folder = make_task_folder(data, id)?;
+    // The task is the last: a folder without it is no exercise.
+    let files = [(DRAWING_FILE, drawing), (TASK_FILE, Some(task.as_bytes()))];
+    for (name, bytes) in files {
+        let file = folder.join(name);
+        if let Some(bytes) = bytes {
+            atomic::write(&file, bytes).map_err(|error| WriteError::new(&file, error).message())?;
+        }
+    }
+    Ok(folder)
+}
+
+/// Makes the folder of a new exercise in a data directory.
+fn make_task_folder(data: &Path, name: &str) -> Result<PathBuf, Message> {
     let is_plain = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_');
     if name.is_empty() || !name.chars().all(is_plain) {
         return Err(say::exercise_part_bad_name(name));
@@ -168,11 +214,8 @@ pub fn write_new(data: &Path, name: &str, task: &str) -> Result<PathBuf, Message
     if platform::list(&folder).is_ok_and(|files| !files.is_empty()) {
         return Err(say::exercise_draft_folder(folder.display()));
     }
-    let not_written = |path: &Path, error| WriteError::new(path, error).message();
-    platform::make_folder(&folder).map_err(|error| not_written(&folder, error))?;
-    let file = folder.join(TASK_FILE);
-    atomic::write(&file, task.as_bytes()).map_err(|error| not_written(&file, error))?;
-    Ok(file)
+    platform::make_folder(&folder).map_err(|error| WriteError::new(&folder, error).message())?;
+    Ok(folder)
 }
 
 /// Saves a recording as the reference solution of an exercise of a data directory and checks the

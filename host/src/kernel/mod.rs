@@ -344,9 +344,14 @@ impl Kernel {
         if now.is_multiple_of(BIT_LOG_TICKS) {
             self.bit_log.follow_tick(self.emulator.cnc(), now);
         }
-        if self.network.follows_ticks() {
-            let job = self.part.state().machining().map(Machining::job);
-            self.network.follow_tick(self.emulator.simulation(), job);
+        let is_published = self.network.follows_ticks();
+        self.part.set_measures_load(is_published);
+        if is_published {
+            let part = self.part.state();
+            let job = part.machining().map(Machining::job);
+            let load = part.load();
+            self.network
+                .follow_tick(self.emulator.simulation(), job, load);
         }
         if let Some(probing) = &mut self.active_probe {
             probing.take_sample(self.tick, &self.emulator);

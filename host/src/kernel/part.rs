@@ -258,6 +258,11 @@ impl KernelPart {
         self.apply(PartInput::Overload(is_on));
     }
 
+    /// Sets whether the load of the current cut is measured.
+    pub(super) fn set_measures_load(&mut self, is_on: bool) {
+        self.state.set_measures_load(is_on);
+    }
+
     /// Sets whether a view shows the part. Its section is published only then.
     pub(super) fn set_visible(&mut self, visible: bool) {
         self.visible = visible;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use gsk_core::simulation::Simulation;
 use gsk_messages::{Language, Message, say};
+use gsk_runner::machining::CutLoad;
 use gsk_workpiece::job::Job;
 
 use super::settings::{AgentSettings, BrokerSettings, ClassSettings, NetworkSettings};
@@ -189,10 +190,16 @@ impl NetworkServices {
         self.agent_feed.is_some() || self.broker_feed.is_some()
     }
 
-    /// Passes the state of the machine on after a tick. `job` is the job of the program.
-    pub fn follow_tick(&mut self, simulation: &Simulation, job: Option<&Job>) {
+    /// Passes the state of the machine on after a tick. `job` is the job of the program, `load`
+    /// that of the current cut.
+    pub fn follow_tick(
+        &mut self,
+        simulation: &Simulation,
+        job: Option<&Job>,
+        load: Option<CutLoad>,
+    ) {
         for feed in self.agent_feed.iter_mut().chain(&mut self.broker_feed) {
-            feed.follow_tick(simulation, job);
+            feed.follow_tick(simulation, job, load);
         }
     }
 }

@@ -10,6 +10,8 @@ use gsk_workpiece::cutting::CuttingMaterial;
 use gsk_workpiece::motion::{MotionKind, ToolMotion};
 use gsk_workpiece::tool::Tool;
 
+use super::load_meter::LoadMeter;
+use super::move_load::CutLoad;
 use super::thread_log::ThreadLog;
 pub use super::thread_log::ThreadZone;
 use super::{CollisionFinding, CutFault, Machining};
@@ -39,7 +41,10 @@ pub struct LivePart {
     /// Whether the program has ended; the next program begins with new stock.
     program_ended: bool,
     threads: ThreadLog,
+    /// The material of the stock; `None` without constants for it.
+    material: Option<CuttingMaterial>,
     overload: OverloadWatch,
+    load_meter: LoadMeter,
 }
 
 /// Whether cuts above the limits break something, and what they have broken.
@@ -49,8 +54,6 @@ struct OverloadWatch {
     is_on: bool,
     /// The limits of the lathe; `None` while no cut has an effect.
     limits: Option<LoadLimits>,
-    /// The material of the stock; `None` without constants for it.
-    material: Option<CuttingMaterial>,
     /// The tool whose insert is broken.
     broken_tool: Option<u8>,
     /// Whether an insert was replaced and the tool has not stopped since: the cut that broke it is
@@ -98,13 +101,11 @@ struct MotionConditions {
 impl LivePart {
     /// Creates a live part from `machining`, whose part must be uncut.
     pub fn new(machining: Machining) -> Self {
-        let overload = OverloadWatch {
-            material: machining.job().cutting_material(),
-            ..OverloadWatch::default()
-        };
         Self {
+            material: machining.job().cutting_material(),
             machining,
-            overload,
+            overload: OverloadWatch::default(),
+            load_meter: LoadMeter::default(),
             last_tick: None,
             pending: None,
             last_motion: Point::default(),
@@ -139,6 +140,17 @@ impl LivePart {
     /// one.
     pub const fn take_cut_fault(&mut self) -> Option<CutFault> {
         self.overload.found.take()
+    }
+
+    /// Sets whether the load of the current cut is measured.
+    pub fn set_measures_load(&mut self, is_on: bool) {
+        self.load_meter.switch(is_on);
+    }
+
+    /// Returns the load of the current cut while it is measured, 0 while nothing is cut; `None` if
+    /// the material of the stock has no constants.
+    pub fn load(&self) -> Option<CutLoad> {
+        self.material.map(|_| self.load_meter.load())
     }
 
     /// Clamps new stock and discards the findings. Wherever the slides are at the next tick, they
@@ -211,6 +223,7 @@ impl LivePart {
             // At standstill the pending motion shows at once.
             _ => {
                 self.cut_pending();
+                self.load_meter.set_idle();
                 self.overload.awaits_standstill = false;
             }
         }
@@ -287,6 +300,7 @@ impl LivePart {
         };
         let MotionConditions { source, tool, .. } = piece.conditions;
         if self.overload.broken_tool == Some(tool) {
+            self.load_meter.set_idle();
             self.machining.move_broken_tool(source, tool, &motion);
             return;
         }
@@ -294,6 +308,16 @@ impl LivePart {
             let feed_mm = (piece.to - piece.from).length() / piece.turns;
             let rpm = piece.turns * 60_000.0 / f64::from(piece.ticks);
             self.check_limits(source, tool, &motion, (feed_mm, rpm));
+            if self.load_meter.is_due(&motion, piece.ticks) {
+                let material = self.material.as_ref();
+                let load = material.and_then(|material| {
+                    (self.machining).heaviest_load(tool, &motion, (feed_mm, rpm), material)
+                });
+                self.load_meter.set(load);
+            }
+        }
+        if piece.conditions.rapid || !piece.conditions.turning {
+            self.load_meter.set_idle();
         }
         let seconds = f64::from(piece.ticks) * TICK_S;
         self.machining.move_tool(source, tool, &motion, seconds);
@@ -309,7 +333,7 @@ impl LivePart {
         feed: (f64, f64),
     ) {
         let overload = &mut self.overload;
-        let (Some(limits), Some(material)) = (&overload.limits, &overload.material) else {
+        let (Some(limits), Some(material)) = (&overload.limits, &self.material) else {
             return;
         };
         if overload.found.is_none() && !overload.awaits_standstill {

@@ -7,6 +7,7 @@
 mod cut_fault;
 pub mod guess;
 pub mod live_part;
+mod load_meter;
 mod load_summary;
 mod motion_track;
 mod mounting;
@@ -19,7 +20,7 @@ use std::collections::BTreeMap;
 use gsk_core::command::{ExecutedMove, SourcePosition};
 use gsk_core::machine::LoadLimits;
 use gsk_workpiece::collision::Collision;
-use gsk_workpiece::cutting::CuttingMaterial;
+use gsk_workpiece::cutting::{ChipSample, CuttingMaterial};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::motion::{MotionKind, ToolMotion};
 use gsk_workpiece::region::Region;
@@ -228,6 +229,38 @@ impl Machining {
         limits: &LoadLimits,
         material: &CuttingMaterial,
     ) -> Option<CutFaultKind> {
+        let (conditions, samples) = self.sample_motion(number, motion, feed_mm, material)?;
+        let feed = (feed_mm, matches!(motion.kind, MotionKind::Thread(_)));
+        samples
+            .iter()
+            .find_map(|sample| conditions.exceeded_limit(sample, feed, rpm, limits))
+    }
+
+    /// The load with the greatest force along a straight motion or a thread with a feed per
+    /// revolution, mm, at a spindle speed, r/min; `None` if nothing is cut.
+    fn heaviest_load(
+        &self,
+        number: u8,
+        motion: &ToolMotion,
+        (feed_mm, rpm): (f64, f64),
+        material: &CuttingMaterial,
+    ) -> Option<CutLoad> {
+        let (conditions, samples) = self.sample_motion(number, motion, feed_mm, material)?;
+        let loads = samples
+            .iter()
+            .map(|sample| conditions.load(sample, 1.0, rpm));
+        loads.max_by(|one, other| one.force_n.total_cmp(&other.force_n))
+    }
+
+    /// The chips of a motion with a feed per revolution, mm, and what their load depends on; `None`
+    /// for a tool that the job does not have.
+    fn sample_motion(
+        &self,
+        number: u8,
+        motion: &ToolMotion,
+        feed_mm: f64,
+        material: &CuttingMaterial,
+    ) -> Option<(CutConditions<'_>, Vec<ChipSample>)> {
         let (tool, cutter) = (self.job.tools.get(&number)?, self.cutters.get(&number)?);
         let feed_of_edge_mm = feed_mm / f64::from(tool.edge_count());
         let samples = self.scene.chip_samples(cutter, motion, feed_of_edge_mm);
@@ -236,10 +269,7 @@ impl Machining {
             material: self.job.material_at_rake(material, number),
             scene: &self.scene,
         };
-        let feed = (feed_mm, matches!(motion.kind, MotionKind::Thread(_)));
-        samples
-            .iter()
-            .find_map(|sample| conditions.exceeded_limit(sample, feed, rpm, limits))
+        Some((conditions, samples))
     }
 
     fn is_grooving(&self, tool: u8) -> bool {

@@ -28,6 +28,8 @@ pub struct CutLoad {
     /// Force across the spindle axis, N, which bends boring bar and stock. The tool is pushed
     /// outwards if it is positive.
     pub radial_force_n: f64,
+    /// Force along the spindle axis on the tool, N, positive in Z+.
+    pub axial_force_n: f64,
     /// Change of the turned diameter because boring bar and stock give way, mm.
     pub size_error_mm: f64,
     /// Cutting speed at the greatest radius of the cut, m/min.
@@ -140,9 +142,11 @@ impl CutConditions<'_> {
             let (torque, thrust) =
                 chisel_edge_factors(sample.inner_radius_mm, sample.outer_radius_mm);
             load.feed_force_n *= thrust;
+            load.axial_force_n = -pressing.z * thrust;
             sample.mean_radius_mm * torque
         } else {
             load.radial_force_n = -pressing.x;
+            load.axial_force_n = -pressing.z;
             load.size_error_mm = 2.0 * load.radial_force_n * self.flexibility(sample.tip_z);
             sample.outer_radius_mm
         };

@@ -243,7 +243,7 @@ impl SetupSheet<'_> {
             let row = self.offsets.get(offset.unwrap_or(0));
             let values = offset.map_or_else(String::new, |_| {
                 format!(
-                    "X {:.3}  Z {:.3}  R {:.3}  T {}",
+                    "X\u{a0}{:.3} Z\u{a0}{:.3} R\u{a0}{:.3} T\u{a0}{}",
                     row.x, row.z, row.r, row.t
                 )
             });

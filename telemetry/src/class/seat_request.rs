@@ -5,7 +5,7 @@ use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 /// Greatest size of a request, bytes.
-pub const MAX_REQUEST_BYTES: usize = 128 * 1024;
+pub const MAX_REQUEST_BYTES: usize = 1024 * 1024;
 /// Longest time for which a request keeps the LCD live, s.
 const MAX_LCD_S: u16 = 60;
 /// Greatest number of exercises of an exam.
@@ -49,6 +49,9 @@ pub enum SeatRequest {
         exercise: String,
         /// Its file `task.ron`.
         text: String,
+        /// Its drawing, PNG in base64; `None` without one.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        drawing: Option<String>,
     },
     /// Offer an exam to the learner.
     BeginExam {
@@ -104,6 +107,8 @@ pub enum SeatRefusal {
     Learner,
     /// The seat does not have the exercise.
     Unknown,
+    /// The seat is a page in a browser, which cannot store the recordings of an exam.
+    Browser,
     /// The request is malformed.
     Malformed,
 }
@@ -120,6 +125,7 @@ impl SeatRefusal {
             Self::Exercise => say::class_refused_exercise(),
             Self::Learner => say::class_refused_learner(),
             Self::Unknown => say::class_refused_unknown(),
+            Self::Browser => say::class_refused_browser(),
             Self::Malformed => say::class_refused_malformed(),
         }
     }
@@ -183,8 +189,8 @@ impl SeatRequest {
 
 /// Whether a text is the name of an exercise, and no path.
 fn is_name(text: &str) -> bool {
-    let is_character = |byte: u8| byte.is_ascii_alphanumeric() || b"-_".contains(&byte);
-    (1..=80).contains(&text.len()) && text.bytes().all(is_character)
+    let is_plain = |character: char| character.is_alphanumeric() || "-_".contains(character);
+    (1..=80).contains(&text.len()) && text.chars().all(is_plain)
 }
 
 /// The answer of a seat.
@@ -229,6 +235,7 @@ mod tests {
             SeatRequest::TaskFile {
                 exercise: "own".to_owned(),
                 text: "()".to_owned(),
+                drawing: Some("iVBORw0K".to_owned()),
             },
             SeatRequest::BeginExam {
                 exercises: vec!["01-a".to_owned(), "b_2".to_owned()],
@@ -282,6 +289,11 @@ mod tests {
             r#"{"request":"key","key":"CycleStart"}"#,
             r#"{"request":"task","exercise":"../../etc"}"#,
             r#"{"request":"task","exercise":"a","key":"x"}"#,
+            r#"{"request":"task_file","exercise":"..","text":"()"}"#,
+            r#"{"request":"task_file","exercise":"a/b","text":"()"}"#,
+            r#"{"request":"task_file","exercise":"a\\b","text":"()"}"#,
+            r#"{"request":"task_file","exercise":"C:","text":"()"}"#,
+            r#"{"request":"task_file","exercise":"a","text":"()","path":"/tmp"}"#,
             r#"{"request":"lcd","seconds":3600}"#,
             r#"{"request":"fault","fault":"Everything"}"#,
             "",
@@ -290,6 +302,8 @@ mod tests {
             let read = SeatRequest::parse(text.as_bytes());
             assert_eq!(read, Err(SeatRefusal::Malformed), "{text}");
         }
+        let chinese = r#"{"request":"task","exercise":"车外圆-1"}"#;
+        assert!(SeatRequest::parse(chinese.as_bytes()).is_ok());
         let long = vec![b' '; MAX_REQUEST_BYTES + 1];
         assert_eq!(SeatRequest::parse(&long), Err(SeatRefusal::Malformed));
     }

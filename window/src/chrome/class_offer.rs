@@ -11,6 +11,7 @@ use gsk_host::kernel::{Command, SeatAction};
 use gsk_host::network::class::seat_request::{SeatAnswer, SeatPin, SeatRefusal, SeatRequest};
 use gsk_host::platform;
 use gsk_messages::{Language, Message, say};
+use gsk_plot::decode_png;
 
 use crate::Window;
 use crate::view::ViewId;
@@ -19,6 +20,12 @@ use crate::widgets::questions::show_question;
 /// What the instructor offers.
 enum OfferedWork {
     Task(Arc<ExerciseTask>),
+    /// An exercise of the instructor's own that the seat does not have.
+    NewTask {
+        task: Arc<ExerciseTask>,
+        /// Its file `task.ron`.
+        text: String,
+    },
     Exam {
         tasks: Vec<Arc<ExerciseTask>>,
         pin: ExamPin,
@@ -40,6 +47,14 @@ impl ClassOffer {
                 say::class_offer_title(),
                 say::class_offer(task.title.in_language(language)),
             ),
+            OfferedWork::NewTask { task, .. } => {
+                let title = task.title.in_language(language);
+                let text = match platform::has_folders() {
+                    true => say::class_offer_new(title),
+                    false => say::class_offer_new_page(title),
+                };
+                (say::class_offer_title(), text)
+            }
             OfferedWork::Exam { tasks, .. } => {
                 let time_ms: u64 = tasks.iter().map(|task| task.time_limit_ms).sum();
                 let minutes = time_ms.div_ceil(60_000);
@@ -77,25 +92,44 @@ impl Window {
                     self.answer_class(&earlier.subject, Some(SeatRefusal::Learner));
                 }
             }
-            Err(refusal) => self.answer_class(&subject, Some(refusal)),
+            Err(refusal) => {
+                if refusal == SeatRefusal::Browser {
+                    self.show_message(say::class_exam_in_browser());
+                }
+                self.answer_class(&subject, Some(refusal));
+            }
         }
     }
 
-    /// The exercises that a request names; an error if the seat does not have them.
+    /// The exercises that a request names or contains; an error if the seat cannot begin them.
     fn find_offered_work(&mut self, request: &SeatRequest) -> Result<OfferedWork, SeatRefusal> {
         let exercises = self.views.lessons().exercises();
         let found = match request {
             SeatRequest::Task { exercise } => exercises.task(exercise).map(OfferedWork::Task),
-            SeatRequest::TaskFile { exercise, text } => {
-                let file = CourseTaskFile::new(exercise.clone(), text.clone(), None);
-                let task = file.read_task(exercise).ok();
-                task.map(|task| OfferedWork::Task(Arc::new(task)))
+            SeatRequest::TaskFile {
+                exercise,
+                text,
+                drawing,
+            } => {
+                let task = read_sent_task(exercise, text, drawing.as_ref())?;
+                let known = exercises.task(exercise);
+                let is_known = known.is_some_and(|known| known.hash == task.hash);
+                Some(match is_known {
+                    true => OfferedWork::Task(task),
+                    false => OfferedWork::NewTask {
+                        task,
+                        text: text.clone(),
+                    },
+                })
             }
             // The recordings of an exam need a folder.
+            SeatRequest::BeginExam { .. } if !platform::has_folders() => {
+                return Err(SeatRefusal::Browser);
+            }
             SeatRequest::BeginExam {
                 exercises: ids,
                 pin,
-            } if platform::has_folders() => {
+            } => {
                 let tasks: Option<_> = ids.iter().map(|id| exercises.task(id)).collect();
                 let pin = exam_pin(pin);
                 tasks.map(|tasks| OfferedWork::Exam { tasks, pin })
@@ -132,6 +166,13 @@ impl Window {
         let exercises = self.views.lessons().exercises();
         match work {
             OfferedWork::Task(task) => exercises.begin_offered(task),
+            OfferedWork::NewTask { task, text } => {
+                let kept = exercises.keep_offered(&task, &text);
+                exercises.begin_offered(task);
+                if let Some(message) = kept {
+                    self.show_message(message);
+                }
+            }
             OfferedWork::Exam { tasks, pin } => {
                 let learner = match exercises.learner().trim() {
                     "" => name,
@@ -151,6 +192,24 @@ impl Window {
         };
         self.console.send(Command::Seat(SeatAction::Answer(answer)));
     }
+}
+
+/// Reads an exercise that a request contains, and its drawing.
+fn read_sent_task(
+    id: &str,
+    text: &str,
+    drawing: Option<&String>,
+) -> Result<Arc<ExerciseTask>, SeatRefusal> {
+    let file = CourseTaskFile {
+        id: id.to_owned(),
+        text: text.to_owned(),
+        drawing: drawing.cloned(),
+    };
+    let task = file.read_task(id).map_err(|_| SeatRefusal::Malformed)?;
+    let is_readable = (task.drawing.as_ref()).is_none_or(|drawing| decode_png(drawing).is_some());
+    is_readable
+        .then(|| Arc::new(task))
+        .ok_or(SeatRefusal::Malformed)
 }
 
 /// The PIN of a request.

@@ -11,10 +11,11 @@ use std::io;
 use std::path::PathBuf;
 
 use eframe::egui::{self, Frame, Margin, Panel, RichText, Ui};
-use gsk_host::files::exercises::AvailableExercises;
+use gsk_host::files::exercises::{AvailableExercises, find_own_source};
 use gsk_host::message_format::describe_io_error;
 use gsk_host::network::class::class_address::ClassAddress;
 use gsk_host::network::class::class_roster::ClassRoster;
+use gsk_host::network::class::seat_request::{MAX_REQUEST_BYTES, SeatRequest};
 use gsk_host::network::class::{ClassEvent, ClassLink, ClassPageServer};
 use gsk_host::network::page_url;
 use gsk_host::network::service_state::ServiceState;
@@ -51,6 +52,8 @@ pub struct ClassStart {
     pub language: Language,
     /// The exercises that the instructor can send.
     pub exercises: AvailableExercises,
+    /// Data folder with his own exercises; `None` without one.
+    pub data: Option<PathBuf>,
     /// Where the page of the class is; `None` without one.
     pub page_address: Option<String>,
     /// The page for browsers with which a seat joins; `None` without one.
@@ -166,8 +169,11 @@ impl ClassWindow {
                     self.pane
                         .show(ui, language, seat, &self.start.exercises.tasks, now_ms)
                 });
-            if let Some(request) = request.inner {
-                self.link.request(&seat.id, request);
+            let request = request.inner.map(|request| self.with_own_task(request));
+            match request {
+                Some(Ok(request)) => self.link.request(&seat.id, request),
+                Some(Err(reason)) => self.add_message(reason),
+                None => {}
             }
             // The pane renews its request for the LCD.
             ui.ctx().request_repaint_after(Duration::from_secs(1));
@@ -189,6 +195,29 @@ impl ClassWindow {
             let is_same = self.selected.as_deref() == Some(&*clicked);
             self.selected = (!is_same).then_some(clicked);
             self.pane = SeatPane::default();
+        }
+    }
+
+    /// Adds the files of an exercise of the instructor's own to a request that offers it. A seat
+    /// has the others.
+    fn with_own_task(&self, request: SeatRequest) -> Result<SeatRequest, Message> {
+        let SeatRequest::Task { exercise } = &request else {
+            return Ok(request);
+        };
+        let Some(file) = find_own_source(exercise, self.start.data.as_deref())? else {
+            return Ok(request);
+        };
+        let request = SeatRequest::TaskFile {
+            exercise: file.id,
+            text: file.text,
+            drawing: file.drawing,
+        };
+        match request.to_json().len() {
+            size if size > MAX_REQUEST_BYTES => {
+                let [size, limit] = [size, MAX_REQUEST_BYTES].map(|bytes| bytes / 1024);
+                Err(say::class_task_too_large(size, limit))
+            }
+            _ => Ok(request),
         }
     }
 
@@ -240,14 +269,16 @@ impl ClassWindow {
                         self.pane.set_lcd(*picture);
                     }
                 }
-                ClassEvent::Message(message) => {
-                    if self.messages.len() >= MAX_MESSAGES {
-                        self.messages.remove(0);
-                    }
-                    self.messages.push(message);
-                }
+                ClassEvent::Message(message) => self.add_message(message),
             }
         }
+    }
+
+    fn add_message(&mut self, message: Message) {
+        if self.messages.len() >= MAX_MESSAGES {
+            self.messages.remove(0);
+        }
+        self.messages.push(message);
     }
 
     fn show_bar(&mut self, ui: &mut Ui, language: Language) {

@@ -62,7 +62,7 @@ impl Bench {
         let feed = feed.expect("runs");
         for _ in 0..ticks {
             self.simulation.tick();
-            feed.follow_tick(&self.simulation, None);
+            feed.follow_tick(&self.simulation, None, None);
         }
     }
 

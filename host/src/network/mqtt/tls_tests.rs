@@ -77,7 +77,7 @@ fn connect(address: &str, ca_file: Option<PathBuf>) -> (BrokerUrl, ServiceState)
     let reached = loop {
         // The machine ticks whatever the handshake does.
         simulation.tick();
-        feed.follow_tick(&simulation, None);
+        feed.follow_tick(&simulation, None, None);
         match state.get() {
             ServiceState::Off | ServiceState::Connecting(_) => {}
             reached => break reached,

@@ -9,7 +9,8 @@ use gsk_core::operation::RunState;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
-use gsk_mtconnect::{AgentAssets, MachineReading, MachineSource, program_name};
+use gsk_mtconnect::{AgentAssets, MachineLoad, MachineReading, MachineSource, program_name};
+use gsk_runner::machining::CutLoad;
 use gsk_workpiece::job::Job;
 
 use crate::preview::setup::make_preview_setup;
@@ -90,8 +91,14 @@ impl AgentFeed {
         (feed, queue)
     }
 
-    /// Passes the state on after every twentieth tick. `job` is the job of the program.
-    pub fn follow_tick(&mut self, simulation: &Simulation, job: Option<&Job>) {
+    /// Passes the state on after every twentieth tick. `job` is the job of the program, `load` that
+    /// of the current cut.
+    pub fn follow_tick(
+        &mut self,
+        simulation: &Simulation,
+        job: Option<&Job>,
+        load: Option<CutLoad>,
+    ) {
         let is_due = self.ticks.is_multiple_of(FEED_TICKS);
         let checks_assets = self.ticks.is_multiple_of(FEED_TICKS * ASSET_CHECK_FEEDS);
         self.ticks += 1;
@@ -105,6 +112,7 @@ impl AgentFeed {
             cnc,
             lathe: &simulation.lathe,
             job,
+            load: load.map(|load| machine_load(simulation, &load)),
             run_ms: self.run_clock.run_ms,
         };
         let change = checks_assets
@@ -156,6 +164,16 @@ impl AgentFeed {
             },
             setup: make_preview_setup(simulation),
         }))
+    }
+}
+
+/// The load of a cut as a share of what the lathe bears.
+fn machine_load(simulation: &Simulation, load: &CutLoad) -> MachineLoad {
+    let limits = &simulation.lathe.config().load;
+    MachineLoad {
+        spindle: limits.spindle_load_percent(load.torque_nm, load.rpm),
+        x: limits.axis_load_percent(load.radial_force_n),
+        z: limits.axis_load_percent(load.axial_force_n),
     }
 }
 

@@ -20,7 +20,7 @@ pub(super) fn render_page(language: Language) -> String {
 }
 
 /// Returns the texts of the page, each with its name in the template.
-fn texts() -> [(&'static str, Message); 20] {
+fn texts() -> [(&'static str, Message); 21] {
     [
         ("title", say::page_title()),
         ("lost", say::page_connection_lost()),
@@ -34,6 +34,7 @@ fn texts() -> [(&'static str, Message); 20] {
         ("machine", say::page_machine_position()),
         ("feed", say::page_feed()),
         ("speed", say::page_speed()),
+        ("load", say::page_load()),
         ("tool", say::page_tool()),
         ("read_only", say::page_read_only()),
         ("active", say::page_active()),

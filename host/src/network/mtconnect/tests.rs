@@ -38,7 +38,7 @@ impl Bench {
     fn tick(&mut self, ticks: u32) {
         for _ in 0..ticks {
             self.simulation.tick();
-            self.feed.follow_tick(&self.simulation, None);
+            self.feed.follow_tick(&self.simulation, None, None);
         }
     }
 

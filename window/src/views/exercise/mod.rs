@@ -19,7 +19,7 @@ use gsk_exercise::exam::{Exam, ExamPin};
 use gsk_exercise::part_size::{MeasuredSize, measure_sizes};
 use gsk_exercise::task::ExerciseTask;
 use gsk_host::files::exams::UnfinishedExam;
-use gsk_host::files::exercises::AvailableExercises;
+use gsk_host::files::exercises::{self, AvailableExercises};
 use gsk_host::kernel::part::PartView;
 use gsk_host::kernel::{
     Command, Console, ExerciseAction, ExerciseState, HandedInSolution, LessonAction, PanelSnapshot,
@@ -216,6 +216,20 @@ impl ExercisePane {
             self.tasks.push(Arc::clone(&task));
         }
         self.begin(task);
+    }
+
+    /// Stores an exercise that the instructor of the class has sent; `text` is its file. Returns a
+    /// message about it; `None` where nothing can be stored.
+    pub fn keep_offered(&self, task: &ExerciseTask, text: &str) -> Option<Message> {
+        if !platform::has_folders() {
+            return None;
+        }
+        let data = self.report.data()?;
+        let kept = exercises::keep_sent(data, &task.id, text, task.drawing.as_deref());
+        Some(match kept {
+            Ok(folder) => say::class_task_kept(folder.display()),
+            Err(reason) => say::class_task_not_kept(reason),
+        })
     }
 
     /// Begins an exam that the instructor of the class has offered.

@@ -82,6 +82,11 @@ impl SolutionReport {
         }
     }
 
+    /// The data folder; `None` before it is set.
+    pub fn data(&self) -> Option<&Path> {
+        self.data.as_deref()
+    }
+
     /// Sets the data folder, with the key that seals results.
     pub fn set_data(&mut self, data: PathBuf) {
         self.data = Some(data);
