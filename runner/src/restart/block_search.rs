@@ -9,6 +9,8 @@ use gsk_messages::{Message, say};
 
 use super::copy_run::{CopyProgress, CopyRun};
 use super::machine_functions::MachineFunctions;
+use super::words::RestartWords;
+use crate::block_calls::calls_of_block;
 use crate::machining::live_part::LivePart;
 
 /// Machine time after which the search for the block ends, hours.
@@ -25,7 +27,8 @@ pub trait BlockWatcher {
     fn follow_tick(&mut self, simulation: &Simulation) -> Option<SourcePosition>;
 }
 
-/// Recognizes the first time that the block in a certain line begins.
+/// Recognizes the first time that the block in a certain line begins. A line that only calls a
+/// program never begins: its block is the first one of the program that it calls.
 #[derive(Clone, Copy, Debug)]
 pub struct LineWatcher {
     program: ProgramId,
@@ -51,8 +54,12 @@ impl LineWatcher {
 
 impl BlockWatcher for LineWatcher {
     fn follow_tick(&mut self, simulation: &Simulation) -> Option<SourcePosition> {
-        begun_blocks(simulation)
-            .find(|source| source.program == self.program && source.line == self.line)
+        begun_blocks(simulation).find(|source| {
+            let calls = || calls_of_block(&simulation.cnc, *source);
+            (source.program, source.line) == (self.program, self.line)
+                || (calls().iter())
+                    .any(|call| (call.caller, call.caller_line) == (self.program, self.line))
+        })
     }
 }
 
@@ -78,6 +85,22 @@ pub struct BlockState {
     pub clear_point: Point,
     /// Messages about the state before the block that the operator must read.
     pub remarks: Vec<Message>,
+    /// Words that the operator has put in place of those of the program.
+    pub(super) words: RestartWords,
+}
+
+impl BlockState {
+    /// The M code (M03, M04 or M05) of the direction in which the spindle turns at the block.
+    pub(super) fn spindle_code(&self) -> u8 {
+        let cnc = &self.simulation.cnc;
+        self.words.spindle().unwrap_or_else(|| cnc.spindle_m_code())
+    }
+
+    /// Whether coolant is on at the block.
+    pub(super) fn is_coolant_on(&self) -> bool {
+        let is_on = self.simulation.lathe.is_coolant_on();
+        self.words.coolant().map_or(is_on, |code| code == 8)
+    }
 }
 
 /// A stored state of the search, from which the run to the block is repeated.
@@ -194,6 +217,7 @@ pub fn find_block(
             part,
             functions: stopped.functions,
             remarks,
+            words: RestartWords::default(),
         });
     }
 }

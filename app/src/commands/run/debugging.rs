@@ -88,11 +88,6 @@ impl RunDebugger {
         &self.sources
     }
 
-    /// Returns the name of a program for messages.
-    pub fn name_of(&self, program: ProgramId) -> String {
-        program_name(program, &self.sources)
-    }
-
     /// Whether any breakpoint needs the collisions of the part.
     pub const fn needs_part(&self) -> bool {
         self.needs_part
