@@ -72,6 +72,29 @@ fn click(bench: &mut WindowBench, label: &str) {
     bench.run(1);
 }
 
+/// The last text field with this value.
+#[track_caller]
+fn find_field<'a>(bench: &'a WindowBench, value: &'a str) -> egui_kittest::Node<'a> {
+    let fields = bench
+        .harness
+        .query_all_by_role(egui::accesskit::Role::TextInput);
+    let has_value = |field: &egui_kittest::Node<'_>| field.value().unwrap_or_default() == value;
+    fields.filter(has_value).last().expect("a field")
+}
+
+#[track_caller]
+fn focus_field(bench: &mut WindowBench, value: &str) {
+    find_field(bench, value).focus();
+    bench.run(1);
+}
+
+#[track_caller]
+fn type_in_field(bench: &mut WindowBench, value: &str, typed: &str) {
+    focus_field(bench, value);
+    find_field(bench, value).type_text(typed);
+    bench.run(1);
+}
+
 /// Opens the dialog of a restart at the line of the cursor.
 fn open_dialog(bench: &mut WindowBench, line: u32) {
     let text = bench.harness.get_by_label("Program text");
@@ -105,13 +128,7 @@ fn watched_values_are_shown_and_kept_for_the_next_start() {
     ));
     click(&mut bench, "Watches (0)");
     for (name, shown) in [("P22", "P22 = "), ("#100+1", "#100+1 = 1")] {
-        let mut fields = bench
-            .harness
-            .query_all_by_role(egui::accesskit::Role::TextInput);
-        let field = fields.next_back().expect("a field");
-        field.focus();
-        field.type_text(name);
-        bench.run(1);
+        type_in_field(&mut bench, "", name);
         click(&mut bench, "Watch");
         wait_for(&mut bench, shown);
     }
@@ -157,20 +174,17 @@ fn the_list_of_differences_is_edited_and_checked_again() {
     click(&mut bench, "Leave out, keep M09");
     wait_for(&mut bench, "(changed; the program has M08)");
     click(&mut bench, "Change S800…");
-    let mut fields = bench
+    focus_field(&mut bench, "S800");
+    bench
         .harness
-        .query_all_by_role(egui::accesskit::Role::TextInput);
-    let field = fields.find(|it| it.value().is_some_and(|it| it == "S800"));
-    let field = field.expect("a field with the word");
-    field.focus();
-    field.type_text("0");
+        .key_press_modifiers(Modifiers::COMMAND, Key::A);
     bench.run(1);
+    type_in_field(&mut bench, "S800", "S500");
     click(&mut bench, "Check");
     wait_for(&mut bench, "(changed; the program has 800)");
-    assert!(is_shown(&bench, "Output G97 S8000"));
-    // A word that the block cannot take leaves the plan as it is.
-    click(&mut bench, "Change 0101…");
-    click(&mut bench, "Cancel");
+    assert!(is_shown(&bench, "Output G97 S500"));
+    click(&mut bench, "Take over the values");
+    wait_for(&mut bench, "in AUTO goes to the start point");
 }
 
 /// A control whose board has made its reference return and is no longer served.

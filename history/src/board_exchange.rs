@@ -8,8 +8,7 @@ use gsk_link::LinkConfig;
 use gsk_messages::Message;
 use serde::{Deserialize, Serialize};
 
-use crate::moment::{MachineMoment, RecordedInput};
-use crate::recording::RecordingEvent;
+use crate::moment::MachineMoment;
 
 /// Greatest number of ticks in one step.
 const MAX_STEP_TICKS: u32 = 1000;
@@ -91,35 +90,6 @@ impl ExchangeSummary {
     fn note_difference(&mut self, tick: u64) {
         self.first_difference.get_or_insert(tick);
     }
-}
-
-/// Joins inputs and steps of the exchange in the order in which they acted.
-pub fn join_exchange(inputs: &[RecordedInput], steps: &[StampedStep]) -> Vec<RecordingEvent> {
-    let mut events = Vec::with_capacity(inputs.len() + steps.len());
-    let mut inputs = inputs.iter().peekable();
-    let as_event = |input: &RecordedInput| RecordingEvent::Input(Box::new(input.clone()));
-    let board = |step| RecordingEvent::Board(Box::new(step));
-    for StampedStep { tick, step } in steps {
-        while let Some(input) = inputs.next_if(|input| input.tick <= *tick) {
-            events.push(as_event(input));
-        }
-        let BoardStep::Ticked(count, is_refused) = *step else {
-            events.push(board(step.clone()));
-            continue;
-        };
-        let end = tick + u64::from(count);
-        let mut at = *tick;
-        while let Some(input) = inputs.next_if(|input| input.tick < end) {
-            if input.tick > at {
-                events.push(board(BoardStep::Ticked((input.tick - at) as u32, false)));
-                at = input.tick;
-            }
-            events.push(as_event(input));
-        }
-        events.push(board(BoardStep::Ticked((end - at) as u32, is_refused)));
-    }
-    events.extend(inputs.map(as_event));
-    events
 }
 
 /// The link to a board in a replay.

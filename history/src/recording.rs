@@ -11,6 +11,7 @@
 //! missing or exchanged frame is noticed. A process that is killed leaves at most an incomplete
 //! last frame.
 
+mod exchange_events;
 mod frame;
 mod long_texts;
 mod session;
@@ -23,6 +24,7 @@ use serde::{Deserialize, Serialize};
 use crate::board_exchange::BoardStep;
 use crate::machine_part::PartInput;
 use crate::moment::RecordedInput;
+pub use exchange_events::join_exchange;
 use frame::{FrameEncoder, FrameReader};
 use long_texts::{TextNumbers, restore_texts};
 pub use session::encode_session;

@@ -12,10 +12,10 @@ use std::io;
 use std::path::PathBuf;
 
 use crossbeam::channel::{Receiver, Sender, TrySendError, bounded};
-use gsk_history::board_exchange::{BoardStep, StampedStep, join_exchange};
+use gsk_history::board_exchange::{BoardStep, StampedStep};
 use gsk_history::machine_part::{MachinePart, PartInput};
 use gsk_history::moment::{HistoryInput, RecordedInput, state_hash};
-use gsk_history::recording::{FORMAT, RecordingEncoder, RecordingEvent};
+use gsk_history::recording::{FORMAT, RecordingEncoder, RecordingEvent, join_exchange};
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::{Emulator, StampedInput};
 use tracing::error;
@@ -30,8 +30,8 @@ pub const FOLDER: &str = "recordings";
 const HASH_INTERVAL_TICKS: u64 = 10_000;
 /// Size at which a recording in a folder continues in a new file, bytes.
 const MAX_FILE_BYTES: usize = 5_000_000;
-/// Size at which the exchange with a board is no longer recorded in a folder, bytes: about 20
-/// minutes. It cannot continue in a new file, because the state of the link is in no file.
+/// Size at which the exchange with a board is no longer recorded in a folder, bytes: 10
+/// minutes of motion. It cannot continue in a new file, because the state of the link is in no file.
 const MAX_BOARD_FILE_BYTES: usize = 15_000_000;
 /// Number of parcels that wait for the disk; more are kept until the disk is faster.
 const DISK_QUEUE: usize = 16;

@@ -90,16 +90,43 @@ pub struct BlockState {
 }
 
 impl BlockState {
+    /// The state before the block with the words of the operator in force.
+    ///
+    /// # Errors
+    /// Why a word cannot be changed at this block.
+    pub(super) fn with_words(&self, words: &RestartWords) -> Result<Self, Message> {
+        let mut target = self.clone();
+        target.words = *words;
+        let cnc = &mut target.simulation.cnc;
+        if let Some(feed) = words.feed {
+            cnc.set_restart_feed(feed)?;
+        }
+        if let Some((tool, offset)) = words.tool {
+            let (_, in_force) = cnc.tool();
+            if offset.is_some_and(|offset| offset != in_force) {
+                return Err(say::restart_offset_stays(in_force));
+            }
+            cnc.set_restart_tool(tool);
+        }
+        if let Some(speed) = words.speed {
+            cnc.set_restart_speed(speed);
+        }
+        for code in [words.spindle, words.coolant].into_iter().flatten() {
+            target.functions.add(code);
+        }
+        Ok(target)
+    }
+
     /// The M code (M03, M04 or M05) of the direction in which the spindle turns at the block.
     pub(super) fn spindle_code(&self) -> u8 {
         let cnc = &self.simulation.cnc;
-        self.words.spindle().unwrap_or_else(|| cnc.spindle_m_code())
+        self.words.spindle.unwrap_or_else(|| cnc.spindle_m_code())
     }
 
     /// Whether coolant is on at the block.
     pub(super) fn is_coolant_on(&self) -> bool {
         let is_on = self.simulation.lathe.is_coolant_on();
-        self.words.coolant().map_or(is_on, |code| code == 8)
+        self.words.coolant.map_or(is_on, |code| code == 8)
     }
 }
 

@@ -65,7 +65,7 @@ pub fn plan_restart(
     if let Some(why) = now.cnc.restart_state_refusal() {
         return Err(why);
     }
-    let target = &words.apply(found)?;
+    let target = &found.with_words(words)?;
     let block = target.simulation.cnc.next_block();
     let block = block.ok_or_else(say::restart_block_ended)?;
     let moves_real_slides = now.cnc.has_board();

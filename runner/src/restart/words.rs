@@ -2,8 +2,6 @@
 
 use gsk_messages::{Message, say};
 
-use super::block_search::BlockState;
-
 /// Greatest S and F of a restart; every speed and feed of a lathe is below it.
 const MAX_VALUE: f64 = 99_999.0;
 
@@ -38,12 +36,14 @@ impl RestartWord {
 /// The words that the operator has changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RestartWords {
-    feed: Option<f64>,
+    pub(super) feed: Option<f64>,
     /// Tool number, and the offset number if it was written.
-    tool: Option<(u8, Option<u8>)>,
-    speed: Option<f64>,
-    spindle: Option<u8>,
-    coolant: Option<u8>,
+    pub(super) tool: Option<(u8, Option<u8>)>,
+    pub(super) speed: Option<f64>,
+    /// M03, M04 or M05.
+    pub(super) spindle: Option<u8>,
+    /// M08 or M09.
+    pub(super) coolant: Option<u8>,
 }
 
 impl RestartWords {
@@ -90,43 +90,6 @@ impl RestartWords {
             RestartWord::Coolant => self.coolant = None,
         }
     }
-
-    /// The M code of the spindle; `None` if the operator has not changed it.
-    pub(super) const fn spindle(&self) -> Option<u8> {
-        self.spindle
-    }
-
-    /// The M code of the coolant; `None` if the operator has not changed it.
-    pub(super) const fn coolant(&self) -> Option<u8> {
-        self.coolant
-    }
-
-    /// The state before the block with the changed words in force.
-    ///
-    /// # Errors
-    /// Why a word cannot be changed at this block.
-    pub(super) fn apply(&self, target: &BlockState) -> Result<BlockState, Message> {
-        let mut target = target.clone();
-        target.words = *self;
-        let cnc = &mut target.simulation.cnc;
-        if let Some(feed) = self.feed {
-            cnc.set_restart_feed(feed)?;
-        }
-        if let Some((tool, offset)) = self.tool {
-            let (_, in_force) = cnc.tool();
-            if offset.is_some_and(|offset| offset != in_force) {
-                return Err(say::restart_offset_stays(in_force));
-            }
-            cnc.set_restart_tool(tool);
-        }
-        if let Some(speed) = self.speed {
-            cnc.set_restart_speed(speed);
-        }
-        for code in [self.spindle, self.coolant].into_iter().flatten() {
-            target.functions.add(code);
-        }
-        Ok(target)
-    }
 }
 
 #[cfg(test)]
@@ -161,7 +124,7 @@ mod tests {
             assert_eq!(changed, words);
         }
         words.remove(RestartWord::Spindle);
-        assert_eq!(words.spindle(), None);
+        assert_eq!(words.spindle, None);
         assert_eq!(RestartWord::Speed.with_value("800"), "S800");
         assert_eq!(RestartWord::Coolant.with_value("M08"), "M08");
     }

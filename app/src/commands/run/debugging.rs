@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::io;
 use std::path::PathBuf;
 
-use gsk_core::command::ProgramId;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_debugger::breakpoints::{BreakHit, BreakpointSet};

@@ -39,7 +39,7 @@ impl Cnc {
     /// the feed mode.
     ///
     /// # Errors
-    /// The block has an F word of its own, or its moves are already computed with the F before it.
+    /// The block has a separate F word, or its moves are already computed with the F before it.
     pub fn set_restart_feed(&mut self, feed: f64) -> Result<(), Message> {
         let run = &mut self.run;
         let before = run.modal.feed;
