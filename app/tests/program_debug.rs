@@ -25,8 +25,10 @@ use gsk_window::layout::{Layouts, WindowLayout};
 
 use crate::common::WindowBench;
 
+/// The block of the restarts is the last line: there a click below the text puts the cursor.
 const TURNED: &str = "O0007\nG50 X100 Z100\nG97 G98 S800 M03\nT0101 M08\nG00 X52 Z2\n\
-                      G01 X40 F120\nZ-10\nG00 X100 Z100 M09\nM30\n";
+                      G01 X40 F120\nZ-10";
+const LAST_LINE: u32 = 7;
 
 fn settings() -> WindowSettings {
     WindowSettings {
@@ -95,20 +97,13 @@ fn type_in_field(bench: &mut WindowBench, value: &str, typed: &str) {
     bench.run(1);
 }
 
-/// Opens the dialog of a restart at the line of the cursor.
-fn open_dialog(bench: &mut WindowBench, line: u32) {
-    let text = bench.harness.get_by_label("Program text");
-    text.focus();
-    bench.run(1);
-    for _ in 1..line {
-        bench.harness.key_press(Key::ArrowDown);
-        bench.run(1);
-    }
+/// Opens the dialog of a restart at the last line.
+fn open_dialog(bench: &mut WindowBench) {
     let text = bench.harness.get_by_label("Program text");
     text.click_secondary();
     bench.run(1);
     bench.run(1);
-    click(bench, &format!("Restart at line {line}…"));
+    click(bench, &format!("Restart at line {LAST_LINE}…"));
     wait_for(bench, "Take over the values");
 }
 
@@ -120,27 +115,26 @@ fn difference(bench: &WindowBench, begin: &str) -> String {
 }
 
 #[test]
-fn watched_values_are_shown_and_kept_for_the_next_start() {
-    let mut bench = open_program(WindowBench::with_settings(
-        Setup::default(),
-        settings(),
-        vec2(1280.0, 806.0),
-    ));
-    click(&mut bench, "Watches (0)");
-    for (name, shown) in [("P22", "P22 = "), ("#100+1", "#100+1 = 1")] {
-        type_in_field(&mut bench, "", name);
-        click(&mut bench, "Watch");
-        wait_for(&mut bench, shown);
-    }
-    assert_eq!(bench.harness.state().settings().watches, ["P22", "#100+1"]);
+fn watched_values_are_kept_shown_and_removed() {
+    let names = ["P22", "#100+1", "no such value"];
     let kept = WindowSettings {
-        watches: vec!["tick".to_owned(), "no such value".to_owned()],
+        watches: names.map(str::to_owned).to_vec(),
         ..settings()
     };
-    let again = WindowBench::with_settings(Setup::default(), kept, vec2(1280.0, 806.0));
-    let mut again = open_program(again);
-    wait_for(&mut again, "tick = ");
-    assert!(!is_shown(&again, "no such value"));
+    let size = vec2(1280.0, 806.0);
+    let mut bench = open_program(WindowBench::with_settings(Setup::default(), kept, size));
+    wait_for(&mut bench, "P22 = ");
+    wait_for(&mut bench, "#100+1 = 1");
+    assert!(!is_shown(&bench, "no such value"));
+    assert_eq!(bench.harness.state().settings().watches, ["P22", "#100+1"]);
+    click(&mut bench, "Watches (2)");
+    let mut buttons = bench.harness.query_all_by_label("✕");
+    buttons.next().expect("a button for each value").click();
+    drop(buttons);
+    wait_for(&mut bench, "Watches (1)");
+    bench.run(1);
+    assert!(!is_shown(&bench, "P22 = "));
+    assert_eq!(bench.harness.state().settings().watches, ["#100+1"]);
 }
 
 #[test]
@@ -169,7 +163,7 @@ fn the_list_of_differences_is_edited_and_checked_again() {
         settings(),
         vec2(1280.0, 806.0),
     ));
-    open_dialog(&mut bench, 7);
+    open_dialog(&mut bench);
     assert!(is_shown(&bench, "coolant: M09, at the block M08"));
     click(&mut bench, "Leave out, keep M09");
     wait_for(&mut bench, "(changed; the program has M08)");
@@ -212,7 +206,7 @@ fn with_real_slides_each_difference_must_be_ticked() {
     let size = vec2(1280.0, 806.0);
     let bench = WindowBench::with_emulator(emulator_with_board(), settings(), size);
     let mut bench = open_program(bench);
-    open_dialog(&mut bench, 7);
+    open_dialog(&mut bench);
     assert!(is_shown(&bench, "REAL MOTION: check each difference"));
     let confirm = |bench: &WindowBench| {
         let button = bench.harness.get_by_label("Take over the values");

@@ -8,6 +8,9 @@ use super::{ExecutionEnd, ProgramRun};
 use crate::board::{BoardRestart, OperatorAnswer};
 use crate::restart::StateDifference;
 
+/// Ticks within which the board is ready for a restart.
+const READY_TICKS: u32 = 5000;
+
 impl ProgramRun<'_> {
     /// Plans the restart with which the run begins and hands it to the control, or ends the run.
     /// Does nothing without a restart.
@@ -16,6 +19,14 @@ impl ProgramRun<'_> {
         let Some(mut planner) = planner else {
             return;
         };
+        // After a reference return the board reports its count a little later.
+        for _ in 0..READY_TICKS {
+            let refusal = self.simulation.cnc.restart_state_refusal();
+            if refusal.is_none() || self.pending_end.is_some() {
+                break;
+            }
+            self.run_tick();
+        }
         planner.begin(&self.simulation);
         while self.pending_end.is_none() {
             match planner.poll() {
