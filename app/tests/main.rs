@@ -30,6 +30,7 @@ mod part;
 mod pitch;
 #[path = "common/process.rs"]
 mod process;
+mod program_debug;
 mod program_forms;
 mod program_port;
 mod program_start;

@@ -5,8 +5,8 @@ use gsk_core::cnc::{Cnc, Event};
 use gsk_core::command::{ProgramId, SourcePosition};
 use gsk_core::interpreter::RunningCall;
 use gsk_core::simulation::Simulation;
+use gsk_runner::block_calls::calls_of_block;
 
-use crate::call_stack::calls_of_block;
 use crate::location::{BreakEvent, BreakLocation, ProgramFilter};
 use crate::watch::{WatchTarget, WatchedValue};
 

@@ -22,6 +22,8 @@ pub enum DebugStep {
     Out,
     /// Runs to the next pass of a cycle, or to the next block of this program or of its caller.
     Pass,
+    /// Runs to the next slot of the ladder (8 ms).
+    Slot,
     /// Runs for one tick (1 ms).
     Tick,
 }
@@ -311,6 +313,7 @@ fn is_step_end(run: &DebuggedRun, kind: DebugStep, depth: usize) -> bool {
             let is_pass = |event: &Event| matches!(event, Event::Explained(_));
             has_begun && now <= depth || events.iter().any(is_pass)
         }
+        DebugStep::Slot => run.simulation().cnc.has_run_ladder_slot(),
         DebugStep::Tick => true,
     }
 }

@@ -144,6 +144,9 @@ impl<J> RecordingObserver<J> {
         if let Some(error) = replayed.error {
             return Err(JudgeError::Recording(error));
         }
+        if replayed.exchange.is_some() {
+            return Err(JudgeError::ForeignInput(0));
+        }
         if let Some(difference) = replayed.difference {
             return Err(JudgeError::Differs(difference.tick));
         }

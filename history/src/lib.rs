@@ -7,6 +7,7 @@
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+pub mod board_exchange;
 pub mod history;
 pub mod machine_part;
 pub mod moment;

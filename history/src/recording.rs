@@ -11,6 +11,7 @@
 //! missing or exchanged frame is noticed. A process that is killed leaves at most an incomplete
 //! last frame.
 
+mod exchange_events;
 mod frame;
 mod long_texts;
 mod session;
@@ -20,15 +21,17 @@ use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
 use serde::{Deserialize, Serialize};
 
+use crate::board_exchange::BoardStep;
 use crate::machine_part::PartInput;
 use crate::moment::RecordedInput;
+pub use exchange_events::join_exchange;
 use frame::{FrameEncoder, FrameReader};
 use long_texts::{TextNumbers, restore_texts};
 pub use session::encode_session;
 use value_reader::read_value;
 
 /// Version of the format; a reader refuses newer ones.
-pub const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 2;
 
 /// First byte of the content of a frame.
 const TEXT_CONTENT: u8 = 0;
@@ -62,8 +65,10 @@ pub enum RecordingEvent {
         /// [`crate::moment::state_hash`] at this tick.
         hash: u64,
     },
-    /// A pulse board was connected at this tick: its exchange is not recorded.
+    /// A pulse board was connected at this tick, and from here on its exchange is not recorded.
     BoardLinked(u64),
+    /// A step of the exchange with a pulse board, at the tick that the machine has reached.
+    Board(Box<BoardStep>),
     /// The program has ended the recording.
     End(u64),
 }

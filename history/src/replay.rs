@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use gsk_runner::machining::CollisionFinding;
 
+use crate::board_exchange::{BoardStep, ExchangeSummary, ReplayedBoard};
 use crate::history::{DEFAULT_BUDGET_BYTES, History};
 use crate::machine_part::MachinePart;
 use crate::moment::{MachineMoment, RecordedInput, state_hash};
@@ -35,6 +36,8 @@ pub struct Replay {
     pub equal_hashes: usize,
     /// The first difference from the recorded session; `None` if all hashes were equal.
     pub difference: Option<HashDifference>,
+    /// The exchange with a pulse board; `None` if no board was connected.
+    pub exchange: Option<ExchangeSummary>,
     /// Whether the program has ended the recording: `false` after a crash.
     pub is_complete: bool,
     /// The reason for which the rest of the file was not read; `None` if all of it was read.
@@ -54,6 +57,10 @@ pub trait ReplayObserver {
     /// A tick has passed, with the first collision in it, if any.
     fn after_tick(&mut self, moment: &MachineMoment, collision: Option<&CollisionFinding>) -> bool;
 
+    /// A pulse board was connected to the machine or disconnected from it. While it is connected
+    /// the machine cannot be simulated from a state and the inputs alone.
+    fn change_board(&mut self, _moment: &MachineMoment, _is_linked: bool) {}
+
     /// The replay has ended with the machine in this state. Not called without a state.
     fn end(&mut self, moment: MachineMoment);
 }
@@ -71,6 +78,10 @@ impl<O: ReplayObserver + ?Sized> ReplayObserver for &mut O {
         (**self).after_tick(moment, collision)
     }
 
+    fn change_board(&mut self, moment: &MachineMoment, is_linked: bool) {
+        (**self).change_board(moment, is_linked);
+    }
+
     fn end(&mut self, moment: MachineMoment) {
         (**self).end(moment);
     }
@@ -84,7 +95,7 @@ pub fn replay(bytes: &[u8]) -> Result<Replay, RecordingError> {
     let mut keeper = HistoryKeeper::default();
     let replayed = replay_observed(bytes, &mut keeper)?;
     Ok(Replay {
-        history: keeper.0,
+        history: keeper.history,
         ..replayed
     })
 }
@@ -191,18 +202,32 @@ impl<O: ReplayObserver> SlicedReplay<O> {
     }
 }
 
-/// Stores the history of the replayed session since its last state.
+/// Stores the history of the replayed session since its last state, without the time with a
+/// board.
 #[derive(Default)]
-struct HistoryKeeper(Option<History>);
+struct HistoryKeeper {
+    history: Option<History>,
+    has_board: bool,
+}
+
+impl HistoryKeeper {
+    const fn followed(&mut self) -> Option<&mut History> {
+        match self.has_board {
+            true => None,
+            false => self.history.as_mut(),
+        }
+    }
+}
 
 impl ReplayObserver for HistoryKeeper {
     fn begin(&mut self, moment: &MachineMoment) -> bool {
-        self.0 = Some(History::new(moment.clone(), DEFAULT_BUDGET_BYTES));
+        self.history = Some(History::new(moment.clone(), DEFAULT_BUDGET_BYTES));
+        self.has_board = false;
         true
     }
 
     fn before_input(&mut self, moment: &MachineMoment, recorded: &RecordedInput) -> bool {
-        if let Some(history) = &mut self.0 {
+        if let Some(history) = self.followed() {
             if recorded.input.is_expensive() {
                 history.store_state(&moment.emulator, &moment.part);
             }
@@ -212,10 +237,19 @@ impl ReplayObserver for HistoryKeeper {
     }
 
     fn after_tick(&mut self, moment: &MachineMoment, _: Option<&CollisionFinding>) -> bool {
-        if let Some(history) = &mut self.0 {
+        if let Some(history) = self.followed() {
             history.follow(&moment.emulator, &moment.part);
         }
         true
+    }
+
+    fn change_board(&mut self, moment: &MachineMoment, is_linked: bool) {
+        match is_linked {
+            true => self.has_board = true,
+            false => {
+                self.begin(moment);
+            }
+        }
     }
 
     fn end(&mut self, _: MachineMoment) {}
@@ -233,6 +267,9 @@ struct Player<O> {
     is_complete: bool,
     /// The machine since the last state.
     moment: Option<MachineMoment>,
+    /// The link to a board; `None` while none is connected.
+    board: Option<ReplayedBoard>,
+    exchange: Option<ExchangeSummary>,
 }
 
 /// The result of playing one event of a recording.
@@ -258,7 +295,9 @@ enum ReplayRunEnd {
 /// The tick before which an event acts; `None` if it acts at once.
 fn event_tick(event: &RecordingEvent) -> Option<u64> {
     match event {
-        RecordingEvent::Start { .. } | RecordingEvent::State { .. } => None,
+        RecordingEvent::Start { .. } | RecordingEvent::State { .. } | RecordingEvent::Board(_) => {
+            None
+        }
         RecordingEvent::Input(recorded) => Some(recorded.tick),
         RecordingEvent::Reached(tick)
         | RecordingEvent::BoardLinked(tick)
@@ -279,11 +318,16 @@ impl<O: ReplayObserver> Player<O> {
             difference: None,
             is_complete: false,
             moment: None,
+            board: None,
+            exchange: None,
         }
     }
 
     /// Runs the machine to an event, at most `budget` ticks, and plays it.
     fn play(&mut self, event: RecordingEvent, budget: &mut u64) -> PlayedEvent {
+        if let RecordingEvent::Board(step) = event {
+            return self.play_board(*step, budget);
+        }
         if let Some(tick) = event_tick(&event) {
             match self.run_until(tick, budget) {
                 ReplayRunEnd::Reached => {}
@@ -308,6 +352,7 @@ impl<O: ReplayObserver> Player<O> {
                     part: MachinePart::default(),
                 };
                 part.into_iter().for_each(|input| moment.part.apply(input));
+                self.board = None;
                 let continues = self.observer.begin(&moment);
                 self.moment = Some(moment);
                 return continues;
@@ -320,7 +365,13 @@ impl<O: ReplayObserver> Player<O> {
                     return continues;
                 }
             }
-            RecordingEvent::Reached(_) | RecordingEvent::BoardLinked(_) => {}
+            RecordingEvent::BoardLinked(_) => {
+                self.board = None;
+                if let Some(moment) = &self.moment {
+                    self.observer.change_board(moment, true);
+                }
+            }
+            RecordingEvent::Reached(_) | RecordingEvent::Board(_) => {}
             RecordingEvent::Hash { tick, hash } => {
                 let emulator = self.moment.as_ref().map(|moment| &moment.emulator);
                 let is_equal = emulator.and_then(state_hash) == Some(hash);
@@ -329,6 +380,57 @@ impl<O: ReplayObserver> Player<O> {
             RecordingEvent::End(_) => self.is_complete = true,
         }
         true
+    }
+
+    /// Plays a step of the exchange with a board.
+    fn play_board(&mut self, step: BoardStep, budget: &mut u64) -> PlayedEvent {
+        let Some(moment) = &mut self.moment else {
+            return PlayedEvent::OutOfOrder;
+        };
+        let summary = self.exchange.get_or_insert_default();
+        match (step, &mut self.board) {
+            (
+                BoardStep::Opened {
+                    config,
+                    dictionaries,
+                },
+                None,
+            ) => {
+                self.board = ReplayedBoard::open(*config, dictionaries, moment);
+                if self.board.is_none() {
+                    return PlayedEvent::OutOfOrder;
+                }
+                self.observer.change_board(moment, true);
+            }
+            (BoardStep::Closed, board @ Some(_)) => {
+                if let Some(board) = board.take() {
+                    board.close(moment);
+                }
+                self.observer.change_board(moment, false);
+            }
+            (BoardStep::Ticked(count, is_refused), Some(board)) => {
+                for done in 0..count {
+                    if *budget == 0 {
+                        let rest = BoardStep::Ticked(count - done, is_refused);
+                        return PlayedEvent::Waiting(RecordingEvent::Board(Box::new(rest)));
+                    }
+                    *budget -= 1;
+                    board.before_tick(moment, summary);
+                    let collision = moment.tick();
+                    board.after_tick(moment);
+                    self.replayed_ticks += 1;
+                    if !self.observer.after_tick(moment, collision.as_ref()) {
+                        return PlayedEvent::Stopped;
+                    }
+                }
+                if is_refused {
+                    board.refuse_tick(moment, summary);
+                }
+            }
+            (step, Some(board)) => board.play(&step, moment, summary),
+            (_, None) => return PlayedEvent::OutOfOrder,
+        }
+        PlayedEvent::Done
     }
 
     fn compare(&mut self, tick: u64, is_equal: bool) {
@@ -350,7 +452,9 @@ impl<O: ReplayObserver> Player<O> {
             return ReplayRunEnd::OutOfOrder;
         };
         let gap = tick.checked_sub(moment.ticks());
-        if gap.is_none_or(|gap| gap > MAX_GAP_TICKS) {
+        // With a board the steps of the exchange make the ticks.
+        let is_ahead = |gap| gap > MAX_GAP_TICKS || (gap > 0 && self.board.is_some());
+        if gap.is_none_or(is_ahead) {
             return ReplayRunEnd::OutOfOrder;
         }
         while moment.ticks() < tick {
@@ -378,6 +482,7 @@ impl<O: ReplayObserver> Player<O> {
             replayed_ticks: self.replayed_ticks,
             equal_hashes: self.equal_hashes,
             difference: self.difference,
+            exchange: self.exchange,
             is_complete: self.is_complete,
             error,
             history: None,

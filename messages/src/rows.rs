@@ -139,6 +139,8 @@ message_rows! {
     breakpoint_menu BreakpointMenu(count);
     breakpoint_next_block BreakpointNextBlock();
     breakpoint_next_block_hint BreakpointNextBlockHint();
+    breakpoint_next_slot BreakpointNextSlot();
+    breakpoint_next_slot_hint BreakpointNextSlotHint();
     breakpoint_remove BreakpointRemove(location);
     breakpoint_stepped BreakpointStepped(place);
     breakpoint_time_stands BreakpointTimeStands();
@@ -3257,6 +3259,8 @@ message_rows! {
     rename_nothing RenameNothing();
     replay_differs ReplayDiffers(tick, last);
     replay_differs_at_once ReplayDiffersAtOnce(tick);
+    replay_exchange ReplayExchange(sent, received);
+    replay_exchange_differs ReplayExchangeDiffers(sent, received, tick);
     replay_not_ended ReplayNotEnded();
     replay_outside ReplayOutside(first, last);
     replay_recorded_by ReplayRecordedBy(recorded, own);
@@ -3327,9 +3331,13 @@ message_rows! {
     restart_block RestartBlock(program, line, block);
     restart_block_ended RestartBlockEnded();
     restart_call RestartCall(program, line, runs);
+    restart_checking RestartChecking();
+    restart_code_wrong RestartCodeWrong(code);
     restart_confirm RestartConfirm();
     restart_confirm_each RestartConfirmEach();
     restart_difference RestartDifference(name: message, now, then);
+    restart_difference_changed RestartDifferenceChanged(name: message, now, then, program);
+    restart_feed_is_read RestartFeedIsRead();
     restart_in_alarm RestartInAlarm();
     restart_machine_function RestartMachineFunction(code: "{:02}");
     restart_menu RestartMenu(line);
@@ -3344,9 +3352,11 @@ message_rows! {
     restart_name_tool_offset RestartNameToolOffset();
     restart_name_work_zero RestartNameWorkZero();
     restart_needs_auto RestartNeedsAuto();
+    restart_needs_code RestartNeedsCode(code);
     restart_needs_part RestartNeedsPart();
     restart_no_program RestartNoProgram();
     restart_not_reached RestartNotReached(hours);
+    restart_offset_stays RestartOffsetStays(offset: "{:02}");
     restart_pass_missing RestartPassMissing(pass);
     restart_path RestartPath(x: "{:.3}", z: "{:.3}");
     restart_planning RestartPlanning();
@@ -3362,6 +3372,11 @@ message_rows! {
     restart_title RestartTitle();
     restart_under_lock RestartUnderLock();
     restart_while_running RestartWhileRunning();
+    restart_word_change RestartWordChange(word);
+    restart_word_keep RestartWordKeep(word);
+    restart_word_program RestartWordProgram();
+    restart_word_set RestartWordSet();
+    restart_word_wrong RestartWordWrong(text);
     return_before_switch ReturnBeforeSwitch(axis);
     return_broken_off ReturnBrokenOff(axis);
     return_broken_off_late ReturnBrokenOffLate(axis, way);
@@ -4000,6 +4015,10 @@ message_rows! {
     wait_in_feed_hold WaitInFeedHold();
     wait_in_interlock WaitInInterlock();
     wait_in_start_lock WaitInStartLock();
+    watch_add WatchAdd();
+    watch_entry_hint WatchEntryHint();
+    watch_menu WatchMenu(count);
+    watch_remove WatchRemove(name);
     why_alarm WhyAlarm(number: "{:03}", reason: message);
     why_alarm_inactive WhyAlarmInactive(number: "{:03}");
     why_axis_moves WhyAxisMoves(axis);

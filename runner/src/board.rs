@@ -2,6 +2,10 @@
 //! terminal.
 
 use gsk_core::simulation::Simulation;
+use gsk_messages::Message;
+
+use crate::machining::live_part::LivePart;
+use crate::restart::RestartPlan;
 
 /// A pulse board that moves the axes and determines the pace of machine time.
 pub trait PulseBoard {
@@ -21,6 +25,27 @@ pub trait TerminalOperator {
     fn discard_input(&self);
     /// Returns the operator's input since the last call; returns at once, also without input.
     fn read_answer(&self) -> OperatorAnswer;
+}
+
+/// Plans a restart at a block while a board is served.
+pub trait RestartPlanner {
+    /// Begins to plan with a copy of the machine, and returns at once.
+    fn begin(&mut self, simulation: &Simulation);
+    /// Returns the plan or why there is none; `None` while it is not finished.
+    fn poll(&mut self) -> Option<Result<BoardRestart, Message>>;
+}
+
+/// A planned restart on a real machine.
+#[derive(Clone, Debug)]
+pub struct BoardRestart {
+    /// The plan, with the differences that the operator confirms.
+    pub plan: RestartPlan,
+    /// The part that the skipped blocks leave; `None` without one.
+    pub part: Option<LivePart>,
+    /// The lines that name the block and the calls that lead to it.
+    pub block_lines: Vec<Message>,
+    /// Whether an option has confirmed all differences.
+    pub is_confirmed: bool,
 }
 
 /// The operator's input at the terminal since the last query.

@@ -3,6 +3,7 @@
 //! the operator presses cycle start after each stop.
 
 mod board;
+mod board_restart;
 
 use gsk_core::alarm::Alarm;
 use gsk_core::cnc::Event;
@@ -18,6 +19,7 @@ use gsk_messages::{Language, Message, say};
 use board::StopState;
 pub use board::SupervisedBoard;
 
+use crate::machining::live_part::LivePart;
 use crate::move_output::{is_reported, round_to_millionth};
 use crate::partner::{PartnerWait, ProgramPartner};
 use crate::report::{self, AlarmReport, FinalPositions, ProgramReport};
@@ -89,6 +91,9 @@ pub trait ExecutionWatcher {
     fn wants_explanations(&self) -> bool;
     /// Shows a message to the operator at the terminal.
     fn show(&mut self, message: &Message);
+    /// Called when a run on a board begins in the middle of its program, with the part that the
+    /// skipped blocks leave.
+    fn on_restart(&mut self, _part: Option<LivePart>) {}
 }
 
 /// The reason for which an execution ended.
@@ -191,6 +196,7 @@ pub fn execute<'a>(
         .cnc
         .set_explaining(run.watcher.wants_explanations());
     run.prepare_board();
+    run.prepare_board_restart();
     run.press(AUTO_KEY);
     if run.partner.is_some() {
         run.press(AUTO_KEY);

@@ -2,6 +2,7 @@
 //! part, reports. It does no I/O itself; the caller passes in files, the terminal, ports and
 //! pulse boards.
 
+pub mod block_calls;
 pub mod board;
 pub mod curves;
 pub mod dialect;

@@ -1,9 +1,12 @@
 //! Restarts at random blocks: the rest of the path and the end state equal those of an
-//! uninterrupted run. `RESTART_BLOCKS=500` sets the number of blocks (default 20).
+//! uninterrupted run. `RESTART_BLOCKS=500` sets the number of blocks (default 20),
+//! `RESTART_SEED=2` draws others.
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
 
 #[path = "restart/programs.rs"]
 mod programs;
+#[path = "restart/words.rs"]
+mod words;
 
 use gsk_core::cnc::{ControlRequest, Event};
 use gsk_core::command::{ExecutedMove, ProgramId, SourcePosition};
@@ -18,7 +21,7 @@ use gsk_runner::machining::Machining;
 use gsk_runner::machining::guess::{guess_program_job, practice_job};
 use gsk_runner::machining::live_part::LivePart;
 use gsk_runner::report::modal_codes;
-use gsk_runner::restart::{BlockWatcher, find_block, plan_restart};
+use gsk_runner::restart::{BlockWatcher, RestartWords, find_block, plan_restart};
 
 use programs::{PROGRAMS, TestProgram};
 
@@ -250,13 +253,13 @@ struct Figures {
 fn restart(now: &Simulation, part: &LivePart, reference: &RecordedRun, number: u64) -> Figures {
     let target = find_block(now, Some(part.clone()), &mut BlockNumber(number), None);
     let target = target.unwrap_or_else(|why| panic!("{}", why.text(gsk_messages::Language::En)));
-    let plan = plan_restart(now, target.part.as_ref(), &target);
+    let plan = plan_restart(now, target.part.as_ref(), &target, &RestartWords::default());
     // A tool that stands within the part cannot reach its point by rapids of one axis: the
     // restart is refused, and its path is compared without the part.
     let is_refused = plan.is_err();
     let plan = plan.or_else(|why| {
         assert_eq!(why, gsk_messages::say::restart_approach_collision());
-        plan_restart(now, None, &target)
+        plan_restart(now, None, &target, &RestartWords::default())
     });
     let plan = plan.unwrap_or_else(|why| panic!("{}", why.text(gsk_messages::Language::En)));
     let (moves_before, source) = reference.blocks[number as usize - 1];
@@ -371,7 +374,9 @@ fn restarts_at_random_blocks_equal_an_uninterrupted_run() {
     let wanted = std::env::var("RESTART_BLOCKS").ok();
     let wanted: usize = wanted.and_then(|it| it.parse().ok()).unwrap_or(20);
     let only = std::env::var("RESTART_PROGRAM").ok();
-    let mut random = Random(0x9e37_79b9_7f4a_7c15);
+    let seed = std::env::var("RESTART_SEED").ok();
+    let seed: u64 = seed.and_then(|it| it.parse().ok()).unwrap_or(1);
+    let mut random = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
     let mut greatest = Figures::default();
     let mut done = 0;
     for (index, program) in PROGRAMS.iter().enumerate() {

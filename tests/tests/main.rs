@@ -10,6 +10,7 @@
 
 mod alarm_coverage;
 mod board_path;
+mod board_recording;
 mod causes;
 mod code_words;
 mod collisions;

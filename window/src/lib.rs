@@ -453,6 +453,10 @@ impl Window {
         if self.settings.transfer != *transfer {
             self.settings.transfer.clone_from(transfer);
         }
+        let watched = self.views.program().watched();
+        if self.settings.watches != watched {
+            watched.clone_into(&mut self.settings.watches);
+        }
         let projects = self.views.project().settings();
         if self.settings.projects != *projects {
             self.settings.projects.clone_from(projects);

@@ -77,6 +77,8 @@ pub struct WindowSettings {
     pub timeline: bool,
     /// Volume of the machine's sound, per cent; `None`: the sound is off.
     pub sound: Option<u8>,
+    /// Names of the values that the program view watches.
+    pub watches: Vec<String>,
 }
 
 impl Default for WindowSettings {
@@ -100,6 +102,7 @@ impl Default for WindowSettings {
             fingers: false,
             timeline: false,
             sound: None,
+            watches: Vec::new(),
         }
     }
 }

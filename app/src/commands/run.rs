@@ -38,6 +38,7 @@ use gsk_runner::{move_output, narration, report};
 use indicatif::ProgressBar;
 
 use debugging::{RunDebugger, uses_standard_output};
+use restarting::RequestedRestart;
 
 use super::network::CommandNetwork;
 use super::results::report_exit_code;
@@ -93,22 +94,29 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
         None => None,
     };
     let mut simulation = Simulation::new(setup);
+    let mut restart = RequestedRestart::from_args(args, outputs.debugger.sources())?;
     let board = match link {
         Some(link) => match open_board(link, &mut simulation, &outputs.progress_bar)? {
             Ok(live) => {
                 let operator = terminal.map(|person| Box::new(person) as Box<dyn TerminalOperator>);
-                Some(SupervisedBoard::new(Box::new(live), args.home, operator))
+                let board = SupervisedBoard::new(Box::new(live), args.home, operator);
+                Some(match restart.take() {
+                    Some(restart) => {
+                        let keeps_part = wants_part(args, needs_part);
+                        let planner = restart.into_planner(outputs.live_part.clone(), keeps_part);
+                        board.with_restart(Box::new(planner))
+                    }
+                    None => board,
+                })
             }
             Err(exit_code) => return Ok(exit_code),
         },
         None => None,
     };
-    restarting::prepare_restart(
-        args,
-        &mut simulation,
-        &mut outputs.live_part,
-        &outputs.debugger,
-    )?;
+    if let Some(restart) = restart {
+        let is_result_elsewhere = args.json || uses_standard_output(args);
+        restart.prepare(&mut simulation, &mut outputs.live_part, is_result_elsewhere)?;
+    }
     let services = (&args.mtconnect, &args.mqtt);
     let part = outputs.live_part.clone();
     outputs.network = CommandNetwork::start(services, &simulation, part, board.is_some())?;
@@ -525,5 +533,9 @@ impl ExecutionWatcher for RunOutputs {
 
     fn show(&mut self, message: &Message) {
         self.progress_bar.suspend(|| output::report_error(message));
+    }
+
+    fn on_restart(&mut self, part: Option<LivePart>) {
+        self.live_part = part;
     }
 }

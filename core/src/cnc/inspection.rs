@@ -1,6 +1,6 @@
 //! Read access for a debugger: formulas that no program contains, and the running calls.
 
-use super::Cnc;
+use super::{Cnc, SLOT_TICKS};
 use crate::alarm::Alarm;
 use crate::interpreter::RunningCall;
 use crate::program::WatchFormula;
@@ -18,6 +18,11 @@ impl Cnc {
         let mut copy = self.clone();
         let (interpreter, host) = copy.interpreter_and_world(true);
         interpreter.evaluate_watch(formula, &host)
+    }
+
+    /// Whether the last tick has run a slot of the ladder.
+    pub const fn has_run_ladder_slot(&self) -> bool {
+        self.ticks % SLOT_TICKS == 1
     }
 
     /// The running calls of subprograms and macros after the block that the control has read

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use gsk_messages::{Message, say};
 
-use super::{MAX_FILE_BYTES, RecordingTarget};
+use super::{MAX_BOARD_FILE_BYTES, MAX_FILE_BYTES, RecordingTarget};
 use crate::message_format::describe_io_error;
 use crate::platform;
 
@@ -80,7 +80,7 @@ pub(super) fn prepare_folder(folder: &Path) -> io::Result<u64> {
     fs::create_dir_all(folder)?;
     let recordings = list_recordings(folder)?;
     let mut total: u64 = recordings.iter().map(|(_, _, length)| length).sum();
-    let limit = MAX_FOLDER_BYTES.saturating_sub(MAX_FILE_BYTES as u64);
+    let limit = MAX_FOLDER_BYTES.saturating_sub((MAX_FILE_BYTES + MAX_BOARD_FILE_BYTES) as u64);
     for (_, path, length) in &recordings {
         if total <= limit {
             break;

@@ -12,9 +12,10 @@ use std::io;
 use std::path::PathBuf;
 
 use crossbeam::channel::{Receiver, Sender, TrySendError, bounded};
+use gsk_history::board_exchange::{BoardStep, StampedStep};
 use gsk_history::machine_part::{MachinePart, PartInput};
 use gsk_history::moment::{HistoryInput, RecordedInput, state_hash};
-use gsk_history::recording::{FORMAT, RecordingEncoder, RecordingEvent};
+use gsk_history::recording::{FORMAT, RecordingEncoder, RecordingEvent, join_exchange};
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::{Emulator, StampedInput};
 use tracing::error;
@@ -29,6 +30,9 @@ pub const FOLDER: &str = "recordings";
 const HASH_INTERVAL_TICKS: u64 = 10_000;
 /// Size at which a recording in a folder continues in a new file, bytes.
 const MAX_FILE_BYTES: usize = 5_000_000;
+/// Size at which the exchange with a board is no longer recorded in a folder, bytes: 10
+/// minutes of motion. It cannot continue in a new file, because the state of the link is in no file.
+const MAX_BOARD_FILE_BYTES: usize = 15_000_000;
 /// Number of parcels that wait for the disk; more are kept until the disk is faster.
 const DISK_QUEUE: usize = 16;
 
@@ -51,6 +55,8 @@ pub struct FlightRecorder {
     file_bytes: usize,
     /// Whether the current file has a state from which its inputs continue.
     has_state: bool,
+    /// Whether the exchange with the board is recorded, from the opening of its link on.
+    follows_board: bool,
     last_tick: u64,
     next_hash: u64,
     to_disk: Option<Sender<DiskJob>>,
@@ -85,6 +91,7 @@ impl FlightRecorder {
             pending: Vec::new(),
             file_bytes: 0,
             has_state: false,
+            follows_board: false,
             last_tick: 0,
             next_hash: 0,
             to_disk: Some(to_disk),
@@ -93,8 +100,31 @@ impl FlightRecorder {
         })
     }
 
-    /// Records the inputs that the machine has received since the last call.
-    pub fn follow(&mut self, machine: &Emulator, part: &MachinePart, inputs: &[RecordedInput]) {
+    /// Decides whether the exchange with a board is recorded; call it before [`Self::follow`].
+    /// `steps` are those since the last call. A recording that does not contain the opening of
+    /// the link is interrupted while a board moves the slides.
+    pub fn follow_board(&mut self, steps: &[StampedStep], has_board: bool) {
+        let is_opening = |it: &StampedStep| matches!(it.step, BoardStep::Opened { .. });
+        self.follows_board |= self.has_state && steps.iter().any(is_opening);
+        if has_board && !self.follows_board {
+            self.interrupt();
+        }
+    }
+
+    /// Whether the exchange with a board is recorded.
+    pub const fn follows_board(&self) -> bool {
+        self.follows_board
+    }
+
+    /// Records the inputs that the machine has received since the last call, and the exchange
+    /// with a board.
+    pub fn follow(
+        &mut self,
+        machine: &Emulator,
+        part: &MachinePart,
+        inputs: &[RecordedInput],
+        steps: &[StampedStep],
+    ) {
         if self.to_disk.is_none() {
             return;
         }
@@ -102,8 +132,15 @@ impl FlightRecorder {
         if !self.has_state {
             return self.store_state(machine, part);
         }
-        for input in inputs {
-            self.add(&RecordingEvent::Input(Box::new(input.clone())));
+        let steps = if self.follows_board { steps } else { &[] };
+        for event in join_exchange(inputs, steps) {
+            self.add(&event);
+        }
+        if steps
+            .last()
+            .is_some_and(|last| last.step == BoardStep::Closed)
+        {
+            self.follows_board = false;
         }
     }
 
@@ -125,9 +162,10 @@ impl FlightRecorder {
         self.next_hash = machine.ticks() + 1;
     }
 
-    /// Ends the recorded section, because a pulse board moves the slides from now on. The next
-    /// call of [`Self::follow`] begins another one.
-    pub fn interrupt(&mut self) {
+    /// Ends the recorded section, because a pulse board moves the slides and its exchange is not
+    /// recorded. The next call of [`Self::follow`] begins another one.
+    fn interrupt(&mut self) {
+        self.follows_board = false;
         if self.has_state {
             self.add(&RecordingEvent::BoardLinked(self.last_tick));
             self.has_state = false;
@@ -177,10 +215,17 @@ impl FlightRecorder {
             self.add_hash(machine);
         }
         self.hand_over();
+        let limit = match self.follows_board {
+            true => MAX_BOARD_FILE_BYTES,
+            false => MAX_FILE_BYTES,
+        };
         let is_full = matches!(self.target, RecordingTarget::Folder(_))
-            && self.file_bytes > MAX_FILE_BYTES
+            && self.file_bytes > limit
             && self.pending.is_empty();
         if is_full {
+            if self.follows_board {
+                self.interrupt();
+            }
             self.add(&RecordingEvent::End(self.last_tick));
             self.hand_over();
             self.encoder = None;

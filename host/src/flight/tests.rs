@@ -30,7 +30,8 @@ impl Flight {
         for _ in 0..ticks {
             self.emulator.tick();
             let inputs = join_inputs(0, self.emulator.take_inputs(), Vec::new());
-            self.recorder.follow(&self.emulator, &self.part, &inputs);
+            self.recorder
+                .follow(&self.emulator, &self.part, &inputs, &[]);
         }
     }
 }
@@ -59,13 +60,14 @@ fn a_recording_reaches_the_end_of_the_session() {
 }
 
 #[test]
-fn a_board_interrupts_the_recording() {
+fn a_board_whose_opening_is_missing_interrupts_the_recording() {
     let folder = test_folder("flight-board");
     let file = folder.join("flight.gskrec");
     let mut flight = Flight::start(RecordingTarget::File(file.clone()));
     flight.run(100);
-    flight.recorder.interrupt();
-    flight.recorder.interrupt();
+    // The opening of the link is not among the steps.
+    flight.recorder.follow_board(&[], true);
+    flight.recorder.follow_board(&[], true);
     // Unrecorded time with a board.
     flight.emulator.press(Key::EmergencyStop);
     flight.emulator.take_inputs();

@@ -74,6 +74,7 @@ impl Kernel {
             }
             Command::Timeline(command) => self.execute_timeline_command(command),
             Command::Breakpoints(command) => self.execute_breakpoint_command(command),
+            Command::Watch(targets) => self.watches = targets,
             Command::CrashStops(stops) => self.part.set_crash_stops(stops),
             Command::Overload(is_on) => self.part.set_overload(is_on),
             Command::ShowPart(visible) => self.show_part(visible),

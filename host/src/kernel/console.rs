@@ -19,6 +19,7 @@ use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
+use gsk_debugger::watch::WatchTarget;
 use gsk_link::LinkState;
 use gsk_messages::{Language, Message};
 use gsk_panel::alarm_log::AlarmRecord;
@@ -43,6 +44,7 @@ use super::probe::Probe;
 use super::program::breakpoints::{BreakpointCommand, BreakpointHalt};
 use super::program::start::StartDistance;
 use super::program::wait::ProgramWait;
+use super::program::watches::WatchReading;
 use super::timeline::{PastMoment, TimelineCommand, TimelineView};
 use crate::files::tool_library::ToolMinutes;
 use crate::input_watch::InputWatch;
@@ -159,6 +161,8 @@ pub enum Command {
     Timeline(TimelineCommand),
     /// Set the breakpoints, or end the halt at one of them.
     Breakpoints(BreakpointCommand),
+    /// Publish these values with the snapshots.
+    Watch(Vec<WatchTarget>),
     /// Switch services of the network on and off; names in discovery topics have this language.
     Network(Box<NetworkSettings>, Language),
     /// Answer the instructor of the class, ask for help or hand a result in.
@@ -320,6 +324,8 @@ pub struct PanelSnapshot {
     pub running_block: Option<SourcePosition>,
     /// The breakpoint at which machine time is halted; `None` while it runs.
     pub halt: Option<BreakpointHalt>,
+    /// The watched values, in the order of [`Command::Watch`].
+    pub watches: Vec<WatchReading>,
     /// The condition for which the running program waits; `None` unless that takes longer than
     /// usual.
     pub program_wait: Option<ProgramWait>,

@@ -11,6 +11,7 @@ use crossbeam::channel::Receiver;
 use gsk_core::command::ProgramId;
 use gsk_core::linked::{LinkNote, LinkedControl, MotionStamp};
 use gsk_core::simulation::Simulation;
+use gsk_history::board_exchange::{BoardStep, ExchangeLog, ExchangedBytes, StampedStep};
 use gsk_link::{LinkConfig, LinkState, SettingDifference};
 use gsk_messages::{Message, say};
 use web_time::Duration;
@@ -111,6 +112,8 @@ pub(super) struct Drive {
     position_checks: VecDeque<PositionCheck>,
     /// Messages for the operator that the kernel has not taken yet.
     messages: Vec<Message>,
+    /// What the flight recorders need of the exchange.
+    exchange: ExchangeLog,
 }
 
 impl core::fmt::Debug for Drive {
@@ -123,16 +126,22 @@ impl core::fmt::Debug for Drive {
 }
 
 impl Drive {
-    /// Opens the port of the board. If that fails, the control raises an alarm.
-    pub fn open(connection: BoardConnection, simulation: &mut Simulation) -> Self {
+    /// Opens the port of the board. If that fails, the control raises an alarm. `recorded_from`:
+    /// the exchange is recorded from this tick of the machine on; `None`: it is not.
+    pub fn open(
+        connection: BoardConnection,
+        simulation: &mut Simulation,
+        recorded_from: Option<u64>,
+    ) -> Self {
         tracing::info!(port = connection.config.port, "port of the board");
         let mut linked = LinkedControl::open(connection.config.clone(), simulation, Duration::ZERO);
-        linked.add_dictionaries(
-            connection
-                .dictionary_folder
-                .as_deref()
-                .map_or_else(Vec::new, read_dictionaries),
-        );
+        let folder = connection.dictionary_folder.as_deref();
+        let dictionaries = folder.map_or_else(Vec::new, read_dictionaries);
+        let mut exchange = match recorded_from {
+            Some(tick) => ExchangeLog::open(tick, connection.config.clone(), dictionaries.clone()),
+            None => ExchangeLog::default(),
+        };
+        linked.add_dictionaries(dictionaries);
         let port_io = match PortIo::open(&connection.config, &connection.holder_program) {
             Ok(mut carrier) => {
                 // The link page shows after a fault what came before it.
@@ -141,6 +150,7 @@ impl Drive {
             }
             Err(cause) => {
                 tracing::error!("{cause}");
+                exchange.add(BoardStep::PortFailed(cause.message()));
                 linked.handle_port_failure(cause.message());
                 None
             }
@@ -161,12 +171,20 @@ impl Drive {
             differences: Vec::new(),
             position_checks: VecDeque::new(),
             messages: Vec::new(),
+            exchange,
         }
     }
 
+    /// Returns and removes the recorded steps of the exchange so far.
+    pub fn take_exchange(&mut self) -> Vec<StampedStep> {
+        self.exchange.take_steps()
+    }
+
     /// Stops the board, closes its port and returns the slides to the simulation. Returns the
-    /// connection, with which the board can be opened again.
-    pub fn close(mut self, simulation: &mut Simulation) -> BoardConnection {
+    /// connection, with which the board can be opened again, and the last recorded steps.
+    pub fn close(mut self, simulation: &mut Simulation) -> (BoardConnection, Vec<StampedStep>) {
+        self.exchange.add(BoardStep::Closed);
+        let steps = self.take_exchange();
         self.linked.check_count_before_close();
         for note in self.linked.take_notes() {
             self.handle_note(&note, None);
@@ -181,7 +199,7 @@ impl Drive {
         if let Some(carrier) = &mut carrier {
             carrier.close(&last);
         }
-        connection
+        (connection, steps)
     }
 
     /// Reads the bytes that the board has sent and advances the time of its link; waits at most 2
@@ -198,11 +216,13 @@ impl Drive {
         let answered = self.stop_answer.as_ref().map(Receiver::try_recv);
         if let Some(Ok(answered)) = answered {
             self.stop_answer = None;
-            self.linked.handle_guard_stop(&answered);
+            self.handle_guard_stop(&answered);
         }
         let now = self.clock.now();
         let jump = self.clock.take_wall_clock_jump();
         if !jump.is_zero() {
+            let gap_ns = jump.as_nanos() as u64;
+            self.exchange.add(BoardStep::HostGap(gap_ns));
             self.linked.handle_host_gap(jump);
         }
         if self.linked.is_opening() {
@@ -214,6 +234,7 @@ impl Drive {
             };
         }
         self.absence.record_read(now);
+        self.exchange.add_read(now, &bytes);
         self.linked.pump(&bytes, now);
         if self.linked.state() == LinkState::Opening {
             // The board reports all differences again.
@@ -232,12 +253,19 @@ impl Drive {
         let orphan = self.port_io.take().and_then(|mut it| it.take_orphan());
         let cause = ports::failure_message(error);
         tracing::error!("{cause}");
+        self.exchange.add(BoardStep::PortFailed(cause.clone()));
         self.linked.handle_port_failure(cause);
         match orphan {
-            Some(Orphan::Stopped(answered)) => self.linked.handle_guard_stop(&answered),
+            Some(Orphan::Stopped(answered)) => self.handle_guard_stop(&answered),
             Some(Orphan::BeingStopped(answered)) => self.stop_answer = Some(answered),
             None => {}
         }
+    }
+
+    fn handle_guard_stop(&mut self, answered: &[u8]) {
+        let bytes = ExchangedBytes(answered.to_vec());
+        self.exchange.add(BoardStep::GuardStopped(bytes));
+        self.linked.handle_guard_stop(answered);
     }
 
     /// Whether the computer was too busy recently to read the port in time.
@@ -255,7 +283,9 @@ impl Drive {
     }
 
     pub fn may_tick(&mut self) -> bool {
-        self.linked.can_tick()
+        let is_permitted = self.linked.can_tick();
+        self.exchange.add_tick_request(is_permitted);
+        is_permitted
     }
 
     /// Passes the inputs that the board reads to the simulation before a tick.
@@ -279,6 +309,8 @@ impl Drive {
             }
             None => self.linked.tx().len(),
         };
+        let taken = self.linked.tx().get(..written).unwrap_or_default();
+        self.exchange.add_written(taken);
         self.linked.mark_written(written);
         for note in self.linked.take_notes() {
             self.handle_note(&note, program);
@@ -391,11 +423,13 @@ impl Drive {
     /// Writes to the board those settings that differ from the configuration.
     pub fn write_settings(&mut self) {
         self.differences.clear();
+        self.exchange.add(BoardStep::SettingsWritten);
         self.linked.write_settings();
     }
 
     /// Queries the board's count at once and compares it with the commanded pulses.
     pub fn check(&mut self) {
+        self.exchange.add(BoardStep::CountChecked);
         self.linked.check_count();
     }
 

@@ -12,8 +12,8 @@ impl Kernel {
         self.follow_with_recorders();
     }
 
-    /// Passes the inputs since the last call to the time line and to the recorders. A pulse board
-    /// interrupts them: its exchange is not recorded.
+    /// Passes the inputs since the last call to the time line and to the recorders, which also
+    /// receive the exchange with a pulse board.
     pub(super) fn follow_with_recorders(&mut self) {
         self.record_exercise();
         let (own, part, timeline) = match &mut self.lesson {
@@ -26,11 +26,11 @@ impl Kernel {
         };
         let inputs = join_inputs(own.ticks(), own.take_inputs(), part.take_inputs());
         timeline.follow(own, part.state(), &inputs, self.has_real_slides);
+        let steps = core::mem::take(&mut self.exchange);
         for recorder in &mut self.recorders {
-            if self.has_real_slides {
-                recorder.interrupt();
-            } else {
-                recorder.follow(own, part.state(), &inputs);
+            recorder.follow_board(&steps, self.has_real_slides);
+            if recorder.follows_board() || !self.has_real_slides {
+                recorder.follow(own, part.state(), &inputs, &steps);
             }
         }
     }

@@ -74,7 +74,7 @@ impl HeadlessBoard {
     ) -> Result<Self, SignalError> {
         Ok(Self {
             ending: TerminationFlag::install_signal_handlers()?,
-            drive: Some(Drive::open(connection, simulation)),
+            drive: Some(Drive::open(connection, simulation, None)),
             last_read: Instant::now(),
             journal: ChangeLog::default(),
         })
@@ -176,8 +176,8 @@ impl PulseBoard for HeadlessBoard {
             if drive.needs_reopen()
                 && let Some(drive) = self.drive.take()
             {
-                let connection = drive.close(simulation);
-                self.drive = Some(Drive::open(connection, simulation));
+                let (connection, _) = drive.close(simulation);
+                self.drive = Some(Drive::open(connection, simulation, None));
             }
             // Set after all slow work: the control ticks on without a port, too.
             self.last_read = Instant::now();

@@ -21,7 +21,10 @@ impl Kernel {
     /// raises an alarm of the control.
     pub fn connect(&mut self, connection: BoardConnection) {
         self.disconnect();
-        let mut drive = Drive::open(connection, self.emulator.board_simulation());
+        self.follow_with_recorders();
+        let recorded_from = (!self.recorders.is_empty()).then(|| self.emulator.ticks());
+        let simulation = self.emulator.board_simulation();
+        let mut drive = Drive::open(connection, simulation, recorded_from);
         drive.request_view(self.link_watched);
         self.drive = Some(drive);
         self.has_real_slides = true;
@@ -29,10 +32,14 @@ impl Kernel {
     }
 
     pub(super) fn disconnect(&mut self) -> Option<BoardConnection> {
-        let drive = self.drive.take()?;
+        let mut drive = self.drive.take()?;
         self.has_real_slides = false;
         self.input_watch.set_linked(false);
-        Some(drive.close(self.emulator.board_simulation()))
+        self.exchange.extend(drive.take_exchange());
+        let (connection, last_steps) = drive.close(self.emulator.board_simulation());
+        self.exchange.extend(last_steps);
+        self.follow_with_recorders();
+        Some(connection)
     }
 
     /// Returns the time at which the kernel thread has work again; `None` if it has work at once,
@@ -79,6 +86,7 @@ impl Kernel {
         }
         let program = self.last_opened.as_ref().map(|opened| opened.name.as_str());
         drive.write_board(program);
+        self.exchange.extend(drive.take_exchange());
         let mut shown = self.publish_machine();
         if let Some(view) = drive.due_view() {
             self.links.force_push(view);

@@ -34,6 +34,8 @@ use crossbeam::queue::ArrayQueue;
 use gsk_core::alarm::Alarm;
 use gsk_core::cnc::{Cnc, ControlRequest, Event};
 use gsk_core::operation::{OperatingMode, RunState};
+use gsk_debugger::watch::WatchTarget;
+use gsk_history::board_exchange::StampedStep;
 use gsk_messages::{Language, say};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::{KeyEvent, SerialCable};
@@ -76,6 +78,7 @@ use program::opening::LastOpened;
 pub use program::start::StartDistance;
 use program::start::StartWatch;
 use program::wait::WaitWatch;
+pub use program::watches::WatchReading;
 pub use thread::{KernelEnvironment, KernelThread, start};
 use timeline::{Timeline, TimelineMarkKind};
 
@@ -140,6 +143,7 @@ pub struct Kernel {
     wait_watch: WaitWatch,
     start_watch: StartWatch,
     program_breakpoints: ProgramBreakpoints,
+    watches: Vec<WatchTarget>,
     tick: u64,
     last_snapshot: Option<PanelSnapshot>,
     speed_percent: u32,
@@ -155,6 +159,8 @@ pub struct Kernel {
     handwheel_run: HandwheelRun,
     /// The recorders of the learner's own machine, outside exercises and lessons.
     recorders: Vec<FlightRecorder>,
+    /// Steps of the exchange with a board that the recorders have not taken yet.
+    exchange: Vec<StampedStep>,
     /// What passes the state of the machine to the network; off unless it is switched on.
     network: NetworkServices,
     /// What the class knows of this seat.
@@ -205,6 +211,7 @@ impl Kernel {
             wait_watch: WaitWatch::default(),
             start_watch: StartWatch::default(),
             program_breakpoints: ProgramBreakpoints::default(),
+            watches: Vec::new(),
             tick: 0,
             last_snapshot: None,
             speed_percent: 100,
@@ -215,6 +222,7 @@ impl Kernel {
             timeline: Timeline::new(Arc::clone(&timeline)),
             handwheel_run: HandwheelRun::default(),
             recorders: Vec::new(),
+            exchange: Vec::new(),
             network: NetworkServices::default(),
             class_seat: ClassSeatState::default(),
             command_count: 0,

@@ -82,6 +82,7 @@ impl Kernel {
             run_state: cnc.run_state(),
             running_block: running_block(shown.simulation()),
             halt: self.program_breakpoints.halt().filter(|_| is_present),
+            watches: self.read_watches(),
             program_wait: self
                 .wait_watch
                 .report(self.tick, cnc.run_state())

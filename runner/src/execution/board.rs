@@ -7,7 +7,7 @@ use gsk_core::units::Axis;
 use gsk_messages::{Message, say};
 
 use super::{ExecutionEnd, ProgramRun, SETTLE_MS};
-use crate::board::{OperatorAnswer, PulseBoard, TerminalOperator};
+use crate::board::{OperatorAnswer, PulseBoard, RestartPlanner, TerminalOperator};
 
 const RESET_KEY: BitAddress = BitAddress::new(Area::X, 26, 0);
 const MACHINE_ZERO_KEY: BitAddress = BitAddress::new(Area::X, 20, 3);
@@ -37,7 +37,11 @@ pub struct SupervisedBoard {
     /// The board that moves the axes.
     pub(super) pulse_board: Box<dyn PulseBoard>,
     needs_reference_return: bool,
-    operator: Option<Box<dyn TerminalOperator>>,
+    pub(super) operator: Option<Box<dyn TerminalOperator>>,
+    /// Plans the restart with which the run begins; `None`: the run begins at the head.
+    pub(super) restart: Option<Box<dyn RestartPlanner>>,
+    /// Whether the run is on the way to the start point of a restart, where it stops.
+    pub(super) is_approaching: bool,
     /// Whether an alarm ends the run. Set after RESET, because alarms from before it do not
     /// count.
     checks_alarms: bool,
@@ -56,8 +60,17 @@ impl SupervisedBoard {
             pulse_board,
             needs_reference_return,
             operator,
+            restart: None,
+            is_approaching: false,
             checks_alarms: false,
         }
+    }
+
+    /// Begins the run with a restart at a block.
+    #[must_use]
+    pub fn with_restart(mut self, planner: Box<dyn RestartPlanner>) -> Self {
+        self.restart = Some(planner);
+        self
     }
 }
 
@@ -188,6 +201,9 @@ impl ProgramRun<'_> {
             return;
         }
         let hold = state == RunState::Hold;
+        if !hold && self.continues_restart() {
+            return self.press_cycle_start_again();
+        }
         let stop = self.stop_message(hold);
         if !self.stop_state.is_question_shown {
             self.stop_state.is_question_shown = true;
@@ -224,7 +240,7 @@ impl ProgramRun<'_> {
 
     /// Shows `stop` and the question whether to continue. Returns false if no operator is at
     /// the terminal.
-    fn show_question(&mut self, stop: &Message) -> bool {
+    pub(super) fn show_question(&mut self, stop: &Message) -> bool {
         let operator = self
             .board
             .as_ref()
@@ -239,7 +255,7 @@ impl ProgramRun<'_> {
 
     /// Reads the operator's answer without blocking. An invalid answer repeats the question
     /// about `stop`.
-    fn read_answer(&mut self, stop: &Message) -> OperatorAnswer {
+    pub(super) fn read_answer(&mut self, stop: &Message) -> OperatorAnswer {
         let operator = self
             .board
             .as_ref()

@@ -9,6 +9,8 @@ use gsk_messages::{Message, say};
 
 use super::copy_run::{CopyProgress, CopyRun};
 use super::machine_functions::MachineFunctions;
+use super::words::RestartWords;
+use crate::block_calls::calls_of_block;
 use crate::machining::live_part::LivePart;
 
 /// Machine time after which the search for the block ends, hours.
@@ -25,7 +27,8 @@ pub trait BlockWatcher {
     fn follow_tick(&mut self, simulation: &Simulation) -> Option<SourcePosition>;
 }
 
-/// Recognizes the first time that the block in a certain line begins.
+/// Recognizes the first time that the block in a certain line begins. A line that only calls a
+/// program never begins: its block is the first one of the program that it calls.
 #[derive(Clone, Copy, Debug)]
 pub struct LineWatcher {
     program: ProgramId,
@@ -51,8 +54,12 @@ impl LineWatcher {
 
 impl BlockWatcher for LineWatcher {
     fn follow_tick(&mut self, simulation: &Simulation) -> Option<SourcePosition> {
-        begun_blocks(simulation)
-            .find(|source| source.program == self.program && source.line == self.line)
+        begun_blocks(simulation).find(|source| {
+            let calls = || calls_of_block(&simulation.cnc, *source);
+            (source.program, source.line) == (self.program, self.line)
+                || (calls().iter())
+                    .any(|call| (call.caller, call.caller_line) == (self.program, self.line))
+        })
     }
 }
 
@@ -78,6 +85,49 @@ pub struct BlockState {
     pub clear_point: Point,
     /// Messages about the state before the block that the operator must read.
     pub remarks: Vec<Message>,
+    /// Words that the operator has put in place of those of the program.
+    pub(super) words: RestartWords,
+}
+
+impl BlockState {
+    /// The state before the block with the words of the operator in force.
+    ///
+    /// # Errors
+    /// Why a word cannot be changed at this block.
+    pub(super) fn with_words(&self, words: &RestartWords) -> Result<Self, Message> {
+        let mut target = self.clone();
+        target.words = *words;
+        let cnc = &mut target.simulation.cnc;
+        if let Some(feed) = words.feed {
+            cnc.set_restart_feed(feed)?;
+        }
+        if let Some((tool, offset)) = words.tool {
+            let (_, in_force) = cnc.tool();
+            if offset.is_some_and(|offset| offset != in_force) {
+                return Err(say::restart_offset_stays(in_force));
+            }
+            cnc.set_restart_tool(tool);
+        }
+        if let Some(speed) = words.speed {
+            cnc.set_restart_speed(speed);
+        }
+        for code in [words.spindle, words.coolant].into_iter().flatten() {
+            target.functions.add(code);
+        }
+        Ok(target)
+    }
+
+    /// The M code (M03, M04 or M05) of the direction in which the spindle turns at the block.
+    pub(super) fn spindle_code(&self) -> u8 {
+        let cnc = &self.simulation.cnc;
+        self.words.spindle.unwrap_or_else(|| cnc.spindle_m_code())
+    }
+
+    /// Whether coolant is on at the block.
+    pub(super) fn is_coolant_on(&self) -> bool {
+        let is_on = self.simulation.lathe.is_coolant_on();
+        self.words.coolant.map_or(is_on, |code| code == 8)
+    }
 }
 
 /// A stored state of the search, from which the run to the block is repeated.
@@ -194,6 +244,7 @@ pub fn find_block(
             part,
             functions: stopped.functions,
             remarks,
+            words: RestartWords::default(),
         });
     }
 }

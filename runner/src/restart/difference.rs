@@ -8,6 +8,7 @@ use gsk_messages::{Message, say};
 
 use super::block_search::BlockState;
 use super::machine_functions::Equipment;
+use super::words::RestartWord;
 use crate::report;
 
 /// A value of the machine that a restart changes.
@@ -19,13 +20,42 @@ pub struct StateDifference {
     pub now: String,
     /// The value at the beginning of the block of the restart, as text.
     pub then: String,
+    /// The value that the program has there, if the operator has put another one in its place.
+    pub replaced: Option<String>,
+    /// The word by which the operator can change the value; `None` if he cannot.
+    pub word: Option<RestartWord>,
 }
 
 impl StateDifference {
     /// Returns the name with the current and the new value as one line.
     pub fn to_message(&self) -> Message {
-        say::restart_difference(self.name.clone(), &self.now, &self.then)
+        let name = self.name.clone();
+        match &self.replaced {
+            None => say::restart_difference(name, &self.now, &self.then),
+            Some(replaced) => {
+                say::restart_difference_changed(name, &self.now, &self.then, replaced)
+            }
+        }
     }
+
+    /// The word that leaves the value of the machine as it is now; `None` if the operator cannot
+    /// change the value.
+    pub fn keeping_word(&self) -> Option<String> {
+        let word = self.word?;
+        // The offset number of T comes from the program.
+        let length = match word {
+            RestartWord::Tool => self.now.len().min(2),
+            _ => self.now.len(),
+        };
+        Some(word.with_value(self.now.get(..length)?))
+    }
+}
+
+/// A value now, before the block, and there by the program alone.
+struct ComparedValues {
+    now: String,
+    then: String,
+    program: String,
 }
 
 /// Collects the values that a restart changes.
@@ -35,7 +65,28 @@ struct DifferenceList(Vec<StateDifference>);
 impl DifferenceList {
     fn compare(&mut self, name: Message, now: String, then: String) {
         if now != then {
-            self.0.push(StateDifference { name, now, then });
+            self.0.push(StateDifference {
+                name,
+                now,
+                then,
+                replaced: None,
+                word: None,
+            });
+        }
+    }
+
+    /// Compares a value that the operator can change; `program` is that of the program. A changed
+    /// value is in the list even if the machine has it.
+    fn compare_word(&mut self, word: RestartWord, name: Message, values: ComparedValues) {
+        let ComparedValues { now, then, program } = values;
+        if now != then || then != program {
+            self.0.push(StateDifference {
+                name,
+                replaced: (then != program).then_some(program),
+                now,
+                then,
+                word: Some(word),
+            });
         }
     }
 
@@ -44,12 +95,17 @@ impl DifferenceList {
     }
 }
 
-/// Lists the values that a restart changes in the machine `now`.
-pub(super) fn find_differences(now: &Simulation, target: &BlockState) -> Vec<StateDifference> {
+/// Lists the values that a restart changes in the machine `now`. `found` is the state before the
+/// block without the words of the operator.
+pub(super) fn find_differences(
+    now: &Simulation,
+    target: &BlockState,
+    found: &BlockState,
+) -> Vec<StateDifference> {
     let mut list = DifferenceList::default();
     let (before, after) = (&now.cnc, &target.simulation.cnc);
-    compare_words(&mut list, before, after);
-    compare_equipment(&mut list, now, target);
+    compare_words(&mut list, [before, after, &found.simulation.cnc]);
+    compare_equipment(&mut list, now, target, found);
     let frames = (before.frame(), after.frame());
     list.compare(
         say::restart_name_work_zero(),
@@ -70,24 +126,23 @@ pub(super) fn find_differences(now: &Simulation, target: &BlockState) -> Vec<Sta
     list.0
 }
 
-fn compare_words(list: &mut DifferenceList, before: &Cnc, after: &Cnc) {
-    let (now, then) = (before.modal(), after.modal());
+fn compare_words(list: &mut DifferenceList, [before, after, program]: [&Cnc; 3]) {
     let codes = |cnc: &Cnc| {
         let inch = if cnc.modal().inch { "G20" } else { "G21" };
         format!("{} {inch}", report::modal_codes(cnc.modal()).join(" "))
     };
     list.compare_code("G", codes(before), codes(after));
-    list.compare_code("F", now.feed.to_string(), then.feed.to_string());
-    list.compare_code(
-        "T",
-        report::tool_word(before.tool()),
-        report::tool_word(after.tool()),
-    );
-    list.compare_code(
-        "S",
-        before.spindle().s_word().to_string(),
-        after.spindle().s_word().to_string(),
-    );
+    let mut compare = |word: RestartWord, value: fn(&Cnc) -> String| {
+        let values = ComparedValues {
+            now: value(before),
+            then: value(after),
+            program: value(program),
+        };
+        list.compare_word(word, say::as_written(word.with_value("")), values);
+    };
+    compare(RestartWord::Feed, |cnc| cnc.modal().feed.to_string());
+    compare(RestartWord::Tool, |cnc| report::tool_word(cnc.tool()));
+    compare(RestartWord::Speed, |cnc| cnc.spindle().s_word().to_string());
     let limit = |cnc: &Cnc| {
         let limit = cnc.spindle().limit();
         limit.map_or_else(|| "-".to_owned(), |limit| limit.to_string())
@@ -95,26 +150,38 @@ fn compare_words(list: &mut DifferenceList, before: &Cnc, after: &Cnc) {
     list.compare(say::restart_name_speed_limit(), limit(before), limit(after));
 }
 
-fn compare_equipment(list: &mut DifferenceList, now: &Simulation, target: &BlockState) {
-    let then = &target.simulation;
+fn compare_equipment(
+    list: &mut DifferenceList,
+    now: &Simulation,
+    target: &BlockState,
+    found: &BlockState,
+) {
+    let is_switched = |equipment| target.functions.last(equipment).is_some();
+    let coolant = |is_on| code(is_on, "M08", "M09");
+    if is_switched(Equipment::Spindle) {
+        let values = ComparedValues {
+            now: format!("M{:02}", now.cnc.spindle_m_code()),
+            then: format!("M{:02}", target.spindle_code()),
+            program: format!("M{:02}", found.spindle_code()),
+        };
+        list.compare_word(RestartWord::Spindle, say::restart_name_spindle(), values);
+    }
+    if is_switched(Equipment::Coolant) {
+        let values = ComparedValues {
+            now: coolant(now.lathe.is_coolant_on()),
+            then: coolant(target.is_coolant_on()),
+            program: coolant(found.is_coolant_on()),
+        };
+        list.compare_word(RestartWord::Coolant, say::restart_name_coolant(), values);
+    }
     let mut compare = |name: Message, equipment, state: fn(&Simulation) -> String| {
-        if target.functions.last(equipment).is_some() {
-            list.compare(name, state(now), state(then));
+        if is_switched(equipment) {
+            list.compare(name, state(now), state(&target.simulation));
         }
     };
-    compare(
-        say::restart_name_spindle(),
-        Equipment::Spindle,
-        spindle_code,
-    );
     compare(say::restart_name_gear(), Equipment::Gear, |simulation| {
         format!("M{:02}", 40 + simulation.cnc.spindle().gear())
     });
-    compare(
-        say::restart_name_coolant(),
-        Equipment::Coolant,
-        |simulation| code(simulation.lathe.is_coolant_on(), "M08", "M09"),
-    );
     compare(
         say::restart_name_lubrication(),
         Equipment::Lubrication,
@@ -128,12 +195,6 @@ fn compare_equipment(list: &mut DifferenceList, now: &Simulation, target: &Block
         Equipment::Tailstock,
         |simulation| code(simulation.lathe.is_tailstock_forward(), "M10", "M11"),
     );
-}
-
-/// Returns the M code (M03, M04 or M05) of the direction in which the control has switched the
-/// spindle.
-fn spindle_code(simulation: &Simulation) -> String {
-    format!("M{:02}", simulation.cnc.spindle_m_code())
 }
 
 fn code(is_on: bool, on: &str, off: &str) -> String {

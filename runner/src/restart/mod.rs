@@ -14,17 +14,19 @@ mod copy_run;
 mod difference;
 mod machine_functions;
 mod route;
+mod words;
 
 use gsk_core::command::{ProgramId, SourcePosition};
 use gsk_core::interpreter::RunningCall;
 use gsk_core::operation::PreparedRestart;
 use gsk_core::simulation::Simulation;
-use gsk_messages::{Message, say};
+use gsk_messages::{Language, Message, say};
 
 use crate::machining::live_part::LivePart;
 
 pub use block_search::{BlockState, BlockWatcher, LineWatcher, find_block};
 pub use difference::StateDifference;
+pub use words::{RestartWord, RestartWords};
 
 /// A prepared restart at a block, with the information that the operator needs before it.
 #[derive(Clone, Debug)]
@@ -47,19 +49,23 @@ pub struct RestartPlan {
     pub restart: Box<PreparedRestart>,
 }
 
-/// Plans the restart of the machine `now` at the block before which `target` has stopped.
+/// Plans the restart of the machine `now` at the block before which the copy `found` has stopped.
 /// `part` is the part in the machine now; without it the way is not checked for collisions.
+/// `words` are put in place of those of the program, and the way is checked with them.
 ///
 /// # Errors
-/// Why the machine cannot restart now, or why no way leads to the start point.
+/// Why the machine cannot restart now, why a word cannot be changed, or why no way leads to the
+/// start point.
 pub fn plan_restart(
     now: &Simulation,
     part: Option<&LivePart>,
-    target: &BlockState,
+    found: &BlockState,
+    words: &RestartWords,
 ) -> Result<RestartPlan, Message> {
     if let Some(why) = now.cnc.restart_state_refusal() {
         return Err(why);
     }
+    let target = &found.with_words(words)?;
     let block = target.simulation.cnc.next_block();
     let block = block.ok_or_else(say::restart_block_ended)?;
     let moves_real_slides = now.cnc.has_board();
@@ -76,7 +82,7 @@ pub fn plan_restart(
         block,
         block_text: text.map_or_else(String::new, |it| it.line(block.line).trim().to_owned()),
         calls: target.simulation.cnc.running_calls().collect(),
-        differences: difference::find_differences(now, target),
+        differences: difference::find_differences(now, target, found),
         steps: route::step_messages(&route, &target.simulation),
         remarks,
         moves_real_slides,
@@ -101,6 +107,18 @@ impl RestartPlan {
             say::restart_call(program_name(call.caller), call.caller_line, call.runs_left)
         }));
         lines
+    }
+
+    /// Returns the code with which an operator confirms exactly these differences: eight digits,
+    /// FNV-1a of their English texts.
+    pub fn confirmation_code(&self) -> String {
+        let lines = self.differences.iter();
+        let texts = lines.map(|it| it.to_message().text(Language::En));
+        let mut hash: u32 = 0x811c_9dc5;
+        for byte in texts.flat_map(String::into_bytes) {
+            hash = (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193);
+        }
+        format!("{hash:08x}")
     }
 
     /// Returns the lines after the differences: the way to the start point, and what follows.

@@ -111,7 +111,7 @@ fn function_codes(
     functions: &MachineFunctions,
 ) -> (Vec<u8>, Vec<u8>) {
     let spindle = functions.last(Equipment::Spindle);
-    let spindle = spindle.map(|_| target.simulation.cnc.spindle_m_code());
+    let spindle = spindle.map(|_| target.spindle_code());
     let turning = now.cnc.spindle_m_code();
     let holders = [Equipment::Chuck, Equipment::Tailstock].map(|it| functions.last(it));
     let is_stopped_first = turning != 5

@@ -2,7 +2,7 @@
 
 use gsk_core::alarm::Alarm;
 use gsk_core::command::ProgramId;
-use gsk_debugger::session::DebugSession;
+use gsk_debugger::session::{DebugSession, DebugStep};
 use gsk_debugger::source_files::{ProgramSources, find_block_line};
 use gsk_messages::Language;
 use serde_json::{Value, json};
@@ -35,6 +35,8 @@ pub struct LaunchedProgram {
     pub goto_targets: Vec<(ProgramId, u32)>,
     /// Line of the `goto` under way, and whether it already runs from the beginning.
     pub goto: Option<(ProgramId, u32, bool)>,
+    /// The step of the granularity `instruction`.
+    pub instruction: DebugStep,
 }
 
 impl LaunchedProgram {

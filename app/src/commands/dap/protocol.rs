@@ -86,6 +86,8 @@ pub struct LaunchArguments {
     pub no_debug: bool,
     /// Whether the run cuts a part and reports collisions.
     pub part: bool,
+    /// The step of the granularity `instruction`: `tick` or `slot`; empty is `tick`.
+    pub instruction: String,
 }
 
 /// `variables`, `dataBreakpointInfo`, `evaluate`, and what requests for a step or a jump name.

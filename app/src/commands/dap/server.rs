@@ -133,6 +133,10 @@ impl<W: Write> DapServer<'_, W> {
                 exception: None,
                 goto_targets: Vec::new(),
                 goto: None,
+                instruction: match args.instruction.as_str() {
+                    "slot" => DebugStep::Slot,
+                    _ => DebugStep::Tick,
+                },
             })
         });
         match launched {
@@ -250,8 +254,9 @@ impl<W: Write> DapServer<'_, W> {
         let Some(program) = &mut self.program else {
             return Ok(());
         };
-        let is_tick = args.granularity == "instruction";
-        let step = |kind: DebugStep| if is_tick { DebugStep::Tick } else { kind };
+        let is_instruction = args.granularity == "instruction";
+        let instruction = program.instruction;
+        let step = |kind: DebugStep| if is_instruction { instruction } else { kind };
         let forwards = match request.command.as_str() {
             "configurationDone" if program.stops_on_entry => Some(DebugStep::Into),
             "configurationDone" | "continue" => Some(DebugStep::Continue),

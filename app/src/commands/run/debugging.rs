@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::io;
 use std::path::PathBuf;
 
-use gsk_core::command::ProgramId;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_debugger::breakpoints::{BreakHit, BreakpointSet};
@@ -86,11 +85,6 @@ impl RunDebugger {
     /// Returns the program files, for locations of breakpoints.
     pub const fn sources(&self) -> &ProgramSources {
         &self.sources
-    }
-
-    /// Returns the name of a program for messages.
-    pub fn name_of(&self, program: ProgramId) -> String {
-        program_name(program, &self.sources)
     }
 
     /// Whether any breakpoint needs the collisions of the part.

@@ -6,6 +6,7 @@ mod interlock;
 mod intervention;
 mod refusal;
 pub(in crate::cnc) mod restart;
+mod restart_words;
 mod speed_arrival;
 mod thread;
 mod wait_reason;

@@ -377,6 +377,25 @@ impl Interpreter {
         self.state.modal.tool = tool;
     }
 
+    /// Puts another S word into force for the blocks after the one read last.
+    pub(crate) const fn set_speed_word(&mut self, s: f64) {
+        self.state.modal.spindle = s;
+        if self.state.modal.surface_speed {
+            self.state.surface = s;
+        }
+    }
+
+    /// Puts another F word into force for the blocks after the one read last.
+    pub(crate) const fn set_feed_word(&mut self, feed: f64) {
+        self.state.modal.feed = feed;
+    }
+
+    /// Whether moves are computed that have not been taken: those of a cycle, or under G41 and
+    /// G42.
+    pub(crate) fn has_moves_ahead(&self) -> bool {
+        self.is_in_block() || self.compensation.is_on() || self.compensation.has_pending()
+    }
+
     /// Carries out RESET or the end of a program: ends the runs, deletes the stored words of
     /// cycles, ends scaling, cancels G41 and G42 and drops their vector. Other modal codes
     /// stay. 004.3 TOC decides whether the tool offset stays.

@@ -4,12 +4,13 @@
 //! ```text
 //!   tick --> a breakpoint, or the block after a step --> halt: no more ticks
 //!     ^                                                    |
-//!     +---- Continue, Next block, cycle start, a stop key -+
+//!     +-- Continue, Next block, Ladder slot, a stop key ---+
 //! ```
 
 use gsk_core::alarm::Alarm;
 use gsk_core::cnc::Event;
 use gsk_core::command::SourcePosition;
+use gsk_core::simulation::Simulation;
 use gsk_debugger::breakpoints::BreakpointSet;
 use gsk_debugger::location::BreakLocation;
 use gsk_messages::say;
@@ -33,6 +34,8 @@ pub enum BreakpointCommand {
     Continue,
     /// Continue machine time until the next block begins.
     NextBlock,
+    /// Continue machine time until the next slot of the ladder (8 ms) has run.
+    NextSlot,
 }
 
 /// A halt of machine time, as the window shows it.
@@ -48,11 +51,36 @@ pub struct BreakpointHalt {
     pub variables: Vec<(u16, f64)>,
 }
 
+/// A step from one halt to the next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum HaltStep {
+    Block,
+    Slot,
+}
+
+impl HaltStep {
+    /// Whether the last tick ends the step, and the block that begins or is being executed.
+    fn find_end(self, simulation: &Simulation) -> Option<Option<SourcePosition>> {
+        let mut events = simulation.cnc.events().iter();
+        match self {
+            Self::Block => events.find_map(|event| match event {
+                Event::BlockStarted(source, _) => Some(Some(*source)),
+                _ => None,
+            }),
+            Self::Slot => {
+                let has_run = simulation.cnc.has_run_ladder_slot();
+                has_run.then(|| running_block(simulation))
+            }
+        }
+    }
+}
+
 /// The breakpoints, and the halt at one of them.
 #[derive(Debug, Default)]
 pub(in crate::kernel) struct ProgramBreakpoints {
     breakpoints: BreakpointSet,
-    steps_block: bool,
+    /// The step that is under way; `None` without one.
+    step: Option<HaltStep>,
     /// The halt of machine time; `None` while machine time runs.
     halt: Option<BreakpointHalt>,
 }
@@ -69,7 +97,7 @@ impl ProgramBreakpoints {
     /// Ends the halt and a step; the breakpoints remain.
     pub(in crate::kernel) fn release(&mut self) {
         self.halt = None;
-        self.steps_block = false;
+        self.step = None;
     }
 }
 
@@ -87,7 +115,11 @@ impl Kernel {
             BreakpointCommand::Continue => own.release(),
             BreakpointCommand::NextBlock => {
                 own.halt = None;
-                own.steps_block = true;
+                own.step = Some(HaltStep::Block);
+            }
+            BreakpointCommand::NextSlot => {
+                own.halt = None;
+                own.step = Some(HaltStep::Slot);
             }
         }
     }
@@ -106,7 +138,7 @@ impl Kernel {
     /// a lesson or an exercise have none.
     pub(in crate::kernel) fn follow_breakpoints(&mut self, has_collided: bool) {
         let own = &mut self.program_breakpoints;
-        let is_armed = own.steps_block || !own.breakpoints.is_empty();
+        let is_armed = own.step.is_some() || !own.breakpoints.is_empty();
         if !is_armed || self.has_real_slides || self.lesson.is_some() {
             return;
         }
@@ -114,22 +146,16 @@ impl Kernel {
         let hit = (own.breakpoints.follow_tick(simulation, has_collided))
             .into_iter()
             .next();
-        let mut events = simulation.cnc.events().iter();
-        let step = own.steps_block.then(|| {
-            events.find_map(|event| match event {
-                Event::BlockStarted(source, _) => Some(*source),
-                _ => None,
-            })
-        });
-        let (location, block, fault) = match (hit, step.flatten()) {
+        let step_end = own.step.and_then(|step| step.find_end(simulation));
+        let (location, block, fault) = match (hit, step_end) {
             (Some(hit), _) => {
                 let location = own.breakpoints.location(hit.id);
                 (location.map(|it| it.text.clone()), hit.block, hit.fault)
             }
-            (None, Some(block)) => (None, Some(block), None),
+            (None, Some(block)) => (None, block, None),
             (None, None) => return,
         };
-        own.steps_block = false;
+        own.step = None;
         own.halt = Some(BreakpointHalt {
             location,
             block,

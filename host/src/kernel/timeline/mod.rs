@@ -524,6 +524,7 @@ pub(super) const fn changes_machine(command: &Command) -> bool {
         | Command::ShowPart(_)
         | Command::Timeline(_)
         | Command::Breakpoints(_)
+        | Command::Watch(_)
         | Command::Alive
         | Command::ReleaseAll
         | Command::Quit => false,

@@ -5,7 +5,7 @@ use gsk_core::cnc::ControlRequest;
 use gsk_core::command::ProgramId;
 use gsk_core::operation::RunState;
 use gsk_messages::{Message, say};
-use gsk_runner::restart::{LineWatcher, RestartPlan, find_block, plan_restart};
+use gsk_runner::restart::{LineWatcher, RestartPlan, RestartWords, find_block, plan_restart};
 use gsk_twins::grbl::Variant;
 
 use super::{GROOVE, LINES, PIN, SHAFT, SHORT, assert_counts_agree};
@@ -18,7 +18,7 @@ fn plan<T: BenchBoard>(machine: &LinkedMachine<T>, line: u32) -> Result<RestartP
     let program = now.cnc.programs().get(ProgramId::External).unwrap();
     let mut watcher = LineWatcher::new(ProgramId::External, program, line);
     let target = find_block(now, None, &mut watcher, None)?;
-    plan_restart(now, None, &target)
+    plan_restart(now, None, &target, &RestartWords::default())
 }
 
 fn wait_for_standstill<T: BenchBoard>(machine: &mut LinkedMachine<T>) {

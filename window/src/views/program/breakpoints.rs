@@ -12,6 +12,7 @@ use gsk_host::kernel::{BreakpointCommand, BreakpointHalt, Command, Console, Pane
 use gsk_messages::{Language, Message, say};
 
 use super::document::{ProgramDocument, TextOrigin};
+use super::watches::WatchList;
 use crate::theme;
 use crate::widgets::alarm_text;
 
@@ -35,6 +36,8 @@ pub struct MarginMarks {
 
 /// The user's breakpoints, and the state of the program that runs.
 pub struct BreakpointList {
+    /// The watched values, which the view shows with the breakpoints.
+    pub watches: WatchList,
     console: Console,
     /// Lines with a breakpoint, by the number of their program; `None`: a text without number.
     lines: BTreeMap<Option<u16>, BTreeSet<u32>>,
@@ -49,8 +52,10 @@ pub struct BreakpointList {
 }
 
 impl BreakpointList {
-    pub const fn new(console: Console) -> Self {
+    /// `watched` are the names of the values that are watched.
+    pub fn new(console: Console, watched: &[String]) -> Self {
         Self {
+            watches: WatchList::new(console.clone(), watched),
             console,
             lines: BTreeMap::new(),
             locations: Vec::new(),
@@ -65,6 +70,7 @@ impl BreakpointList {
     /// Stores the state of the program that runs. Returns the block of a new halt.
     pub fn take_snapshot(&mut self, snapshot: &PanelSnapshot) -> Option<SourcePosition> {
         self.running_block = snapshot.running_block;
+        self.watches.take_readings(&snapshot.watches);
         self.is_active = snapshot.board.is_none() && !snapshot.is_at_practice_machine();
         if self.halt == snapshot.halt {
             return None;
@@ -131,7 +137,7 @@ impl BreakpointList {
         self.console.send(Command::Breakpoints(command));
     }
 
-    /// Draws the menu with the list of breakpoints and the field for another one.
+    /// Draws the menus with the lists of breakpoints and watches, and the fields for others.
     pub fn show_menu(&mut self, ui: &mut Ui, language: Language) {
         let name = say::breakpoint_menu(self.count()).text(language);
         ui.menu_button(name, |ui| {
@@ -143,6 +149,7 @@ impl BreakpointList {
             self.show_list(ui, language);
             self.show_entry(ui, language);
         });
+        self.watches.show_menu(ui, language);
     }
 
     fn show_list(&mut self, ui: &mut Ui, language: Language) {
@@ -218,8 +225,10 @@ impl BreakpointList {
         }
     }
 
-    /// Draws the bar of a halt: why, the buttons that end it, and the variables.
+    /// Draws the watched values, and the bar of a halt: why, the buttons that end it, and the
+    /// variables.
     pub fn show_halt(&self, ui: &mut Ui, language: Language) {
+        self.watches.show_values(ui, language);
         let Some(halt) = &self.halt else {
             return;
         };
@@ -260,6 +269,11 @@ pub fn show_halt_buttons(ui: &mut Ui, language: Language) -> Option<BreakpointCo
             say::breakpoint_next_block(),
             say::breakpoint_next_block_hint(),
             BreakpointCommand::NextBlock,
+        ),
+        (
+            say::breakpoint_next_slot(),
+            say::breakpoint_next_slot_hint(),
+            BreakpointCommand::NextSlot,
         ),
     ];
     let mut chosen = None;

@@ -14,6 +14,7 @@ mod port_pane;
 mod print;
 mod restart;
 mod targets;
+mod watches;
 pub use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -122,7 +123,7 @@ enum EditorMessage {
 
 impl View for ProgramView {
     fn create(start: ViewStart<'_>) -> Self {
-        Self::new(start.console.clone())
+        Self::new(start.console.clone(), &start.settings.watches)
     }
 
     fn show(&mut self, ui: &mut Ui, frame: ViewFrame<'_>) {
@@ -136,7 +137,7 @@ impl View for ProgramView {
 
 impl ProgramView {
     /// Creates the view, which loads the selected program of the control first.
-    pub fn new(console: Console) -> Self {
+    pub fn new(console: Console, watched: &[String]) -> Self {
         Self {
             document: ProgramDocument::new(TextOrigin::New, ""),
             checker: TextChecker::new(&console),
@@ -144,7 +145,7 @@ impl ProgramView {
             form: FormPane::new(&console),
             port: PortPane::default(),
             sections: SectionFinder::default(),
-            breakpoints: BreakpointList::new(console.clone()),
+            breakpoints: BreakpointList::new(console.clone(), watched),
             shows_running_line: false,
             document_store: DocumentStore::new(console),
             last_check: None,
@@ -158,6 +159,11 @@ impl ProgramView {
             reported_revision: 0,
             message: None,
         }
+    }
+
+    /// The names of the watched values.
+    pub fn watched(&self) -> &[String] {
+        self.breakpoints.watches.names()
     }
 
     /// Loads a program that was opened in the window, from its file or from the control.
