@@ -6,6 +6,7 @@ use std::sync::LazyLock;
 use gsk_messages::Language;
 use serde::Deserialize;
 
+use super::contacts::ContactAssignment;
 use super::conventions::Conventions;
 use super::program_calls::CallRange;
 use super::{GCode, MCode, ModelId};
@@ -46,23 +47,20 @@ pub struct ModelRecord {
     /// Contact of the model's input 0, counted in bits of the X area from X0.0 (16 is X2.0).
     #[serde(default)]
     pub(crate) first_input: u8,
-    /// The action that a rising edge of each input triggers in manual modes, by input number.
+    /// The assignment of signals to inputs and outputs; `None` if they cannot be assigned.
     #[serde(default)]
-    pub(crate) edges: BTreeMap<u8, EdgeAction>,
+    pub(super) contacts: Option<ContactAssignment>,
     /// The action that a press of each model-specific key triggers in manual modes, by the bit of
     /// the key's contact in X27.
     #[serde(default)]
     pub(crate) key_edges: BTreeMap<u8, EdgeAction>,
-    /// Inputs, by number, that also act as a contact of the machine.
-    #[serde(default)]
-    pub(crate) wires: BTreeMap<u8, WiredContact>,
     /// Outputs of the ladder whose changes, from any cause, switch outputs of the model as M
     /// codes do.
     #[serde(default)]
     pub(crate) followers: Vec<OutputFollower>,
-    /// Number of the model's output that follows the spindle brake; `None` without one.
+    /// Outputs of the ladder that an output of the model follows, with the number of the latter.
     #[serde(default)]
-    pub(crate) brake_output: Option<u8>,
+    pub(crate) followed: Vec<(LadderOutput, u8)>,
     /// Whether the operator can teach points on the graphic page.
     #[serde(default)]
     pub teaches: bool,
@@ -176,6 +174,10 @@ pub(crate) enum LadderOutput {
     SpindleForward,
     /// Output that turns the spindle in reverse, as after M04.
     SpindleReverse,
+    /// Output that applies the spindle brake.
+    Brake,
+    /// Output that switches the lubrication, as after M32.
+    Lubrication,
 }
 
 /// The function of an M code of a model, and the outputs that it switches.
@@ -196,7 +198,7 @@ pub struct MFunction {
 #[derive(Clone, Debug, Deserialize)]
 pub struct ModelParameter {
     /// Name of the parameter in English and Chinese.
-    name: BilingualName,
+    pub(super) name: BilingualName,
     /// Unit of the value; empty without one.
     pub unit: String,
     /// Least and greatest value of the parameter.
@@ -206,9 +208,9 @@ pub struct ModelParameter {
 }
 
 #[derive(Clone, Debug, Deserialize)]
-struct BilingualName {
-    en: String,
-    zh: String,
+pub(super) struct BilingualName {
+    pub(super) en: String,
+    pub(super) zh: String,
 }
 
 const fn four() -> u8 {
@@ -349,6 +351,9 @@ fn read_record(id: ModelId) -> ModelRecord {
         Err(error) => unreachable!("the record of {id:?} is part of the program: {error}"),
     };
     record.id = id;
+    if let Some(contacts) = &record.contacts {
+        record.parameters.extend(contacts.parameters());
+    }
     record.g_table = (0..G_CODES)
         .map(|code| record.g.get(&(code as u8)).copied())
         .collect();
