@@ -7,7 +7,7 @@ use gsk_link::LinkState;
 use gsk_twins::grbl::Variant;
 
 use super::{LINES, assert_counts_agree};
-use crate::bench::board::LinkedMachine;
+use crate::bench::board::{BenchBoard, LinkedMachine};
 use crate::bench::keys::{CYCLE_START, FEED_HOLD, JOG, RESET, Z_MINUS, Z_PLUS};
 
 /// A part in the language of the NC-B08: straight rapids, a long arc by a negative R, a dwell
