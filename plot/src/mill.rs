@@ -376,8 +376,7 @@ mod tests {
         );
         let parts = items::picture_items(&drawing, Language::En);
         // A circle has 17 points with its first point again at its end; XY alone shows it.
-        let is_circle =
-            |part: &&PictureItem| matches!(part, PictureItem::Line(_, points) if points.len() == 17);
+        let is_circle = |part: &&PictureItem| matches!(part, PictureItem::Line(_, points) if points.len() == 17);
         assert_eq!(parts.iter().filter(is_circle).count(), 2);
     }
 

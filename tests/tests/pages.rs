@@ -138,7 +138,7 @@ fn proof_rows(text: &str, folder: &str) -> Vec<(String, String)> {
     let is_heading =
         |line: &&str| line.starts_with("| Page, key") || line.starts_with("| 页面、按键");
     let tables = lines.split(is_heading).skip(1);
-    // Behind the heading is the line of the columns; the table ends at a blank line.
+    // After the heading comes the line of the columns; the table ends at a blank line.
     let tables = tables.map(|lines| {
         let rows = lines
             .iter()
@@ -155,8 +155,8 @@ fn proof_rows(text: &str, folder: &str) -> Vec<(String, String)> {
     tables.next().unwrap_or_default()
 }
 
-/// The numbers behind `letter` in a text, ranges such as `X0 to X7` and `P200~P231` included.
-fn numbers_behind(letter: char, text: &str) -> Vec<u16> {
+/// The numbers after `letter` in a text, ranges such as `X0 to X7` and `P200~P231` included.
+fn numbers_after(letter: char, text: &str) -> Vec<u16> {
     let text = text.replace(" to ", "~").replace('～', "~");
     let mut found = Vec::new();
     for part in text.split(|c: char| !(c.is_ascii_alphanumeric() || c == '~')) {
@@ -197,12 +197,12 @@ fn the_table_of_a_model_is_complete() {
                 assert!(is_named, "{name}, {model:?}: key {} ({legend})", key.id);
             }
             for number in model.record().parameters.keys() {
-                let is_named = numbers_behind('P', &named).contains(number);
+                let is_named = numbers_after('P', &named).contains(number);
                 assert!(is_named, "{name}, {model:?}: P{number}");
             }
             if model == ModelId::Ncb08 {
                 for (letter, contacts) in [('X', face.inputs), ('Y', face.outputs)] {
-                    let listed = numbers_behind(letter, &named);
+                    let listed = numbers_after(letter, &named);
                     for number in 0..contacts.len() as u16 {
                         assert!(listed.contains(&number), "{name}: {letter}{number}");
                     }

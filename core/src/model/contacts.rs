@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 use super::ControlModel;
-use super::record::{BilingualName, EdgeAction, ModelParameter, WiredContact};
+use crate::units::Axis;
 
 /// The assignment of signals to the inputs and outputs of a model. A parameter of each contact
 /// holds the number of its signal, 0 for none; a negative number inverts the level.
@@ -24,6 +24,35 @@ pub(super) struct ContactAssignment {
     output_signals: i32,
     /// What each signal of an input does.
     input_signals: BTreeMap<u8, InputSignal>,
+}
+
+/// The action that a rising edge of an input triggers in a manual mode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub(crate) enum EdgeAction {
+    /// Executes the two M codes in turn, one at each edge.
+    Toggles(u8, u8),
+    /// Each edge executes this M code.
+    Does(u8),
+}
+
+/// The contact of the machine that an input of a model is wired to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub(crate) enum WiredContact {
+    /// The contact of the emergency-stop button.
+    EmergencyStop,
+    /// The limit switch at an end of an axis.
+    Limit(Axis, AxisEnd),
+    /// The contact of the deceleration switch of an axis.
+    Deceleration(Axis),
+}
+
+/// An end of the travel of an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub(crate) enum AxisEnd {
+    /// The end of the axis in positive direction.
+    Plus,
+    /// The end of the axis in negative direction.
+    Minus,
 }
 
 /// What the signal of an input does.
@@ -52,31 +81,38 @@ fn numbered(first: u16, delivered: &[i32]) -> impl Iterator<Item = (u16, u8, i32
     contacts.map(move |(signal, contact)| (first + u16::from(contact), contact, *signal))
 }
 
+/// The parameter with the signal of a contact.
+pub(super) struct ContactParameter {
+    pub(super) number: u16,
+    pub(super) name_en: String,
+    pub(super) name_zh: String,
+    /// The greatest number of a signal.
+    pub(super) greatest: i32,
+    /// The signal as delivered.
+    pub(super) delivered: i32,
+}
+
 impl ContactAssignment {
-    /// The parameters of all contacts, by number.
-    pub(super) fn parameters(&self) -> Vec<(u16, ModelParameter)> {
-        let parameter = |name: BilingualName, greatest: i32, delivered: i32| ModelParameter {
-            name,
-            unit: "-".to_owned(),
-            range: (-greatest, greatest),
-            delivered,
-        };
+    /// The parameters of all contacts.
+    pub(super) fn parameters(&self) -> impl Iterator<Item = ContactParameter> {
         let last_input = self.input_signals.keys().next_back().copied().unwrap_or(0);
-        let inputs = numbered(self.first_input, &self.inputs).map(|(number, input, signal)| {
-            let name = BilingualName {
-                en: format!("signal of X{input}, - inverted"),
-                zh: format!("输入 X{input} 的信号, 负: 取反"),
-            };
-            (number, parameter(name, last_input.into(), signal))
+        let inputs = numbered(self.first_input, &self.inputs);
+        let inputs = inputs.map(move |(number, input, delivered)| ContactParameter {
+            number,
+            name_en: format!("signal of X{input}, - inverted"),
+            name_zh: format!("输入 X{input} 的信号, 负: 取反"),
+            greatest: last_input.into(),
+            delivered,
         });
-        let outputs = numbered(self.first_output, &self.outputs).map(|(number, output, signal)| {
-            let name = BilingualName {
-                en: format!("signal of Y{output}, - inverted"),
-                zh: format!("输出 Y{output} 的信号, 负: 取反"),
-            };
-            (number, parameter(name, self.output_signals, signal))
+        let outputs = numbered(self.first_output, &self.outputs);
+        let outputs = outputs.map(|(number, output, delivered)| ContactParameter {
+            number,
+            name_en: format!("signal of Y{output}, - inverted"),
+            name_zh: format!("输出 Y{output} 的信号, 负: 取反"),
+            greatest: self.output_signals,
+            delivered,
         });
-        inputs.chain(outputs).collect()
+        inputs.chain(outputs)
     }
 }
 

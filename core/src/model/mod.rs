@@ -15,9 +15,9 @@ use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 pub use code_meanings::{GCode, MCode};
-pub(crate) use contacts::InputSignal;
+pub(crate) use contacts::{AxisEnd, EdgeAction, InputSignal, WiredContact};
 pub use conventions::{Conventions, Increments, MacroForm, ToolForm, WorkPlane, XMeasure};
-pub(crate) use record::{AxisEnd, EdgeAction, LadderOutput, MFunction, WiredContact};
+pub(crate) use record::{LadderOutput, MFunction};
 pub use record::{ModelParameter, ModelRecord};
 
 /// A control model whose programs this control reads.

@@ -6,11 +6,10 @@ use std::sync::LazyLock;
 use gsk_messages::Language;
 use serde::Deserialize;
 
-use super::contacts::ContactAssignment;
+use super::contacts::{ContactAssignment, EdgeAction};
 use super::conventions::Conventions;
 use super::program_calls::CallRange;
 use super::{GCode, MCode, ModelId};
-use crate::units::Axis;
 
 /// Number of possible G codes: they have two digits.
 const G_CODES: usize = 100;
@@ -125,35 +124,6 @@ pub struct ModelRecord {
     g_table: Vec<Option<GCode>>,
 }
 
-/// The action that a rising edge of an input triggers in a manual mode.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-pub(crate) enum EdgeAction {
-    /// Executes the two M codes in turn, one at each edge.
-    Toggles(u8, u8),
-    /// Each edge executes this M code.
-    Does(u8),
-}
-
-/// The contact of the machine that an input of a model is wired to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-pub(crate) enum WiredContact {
-    /// The contact of the emergency-stop button.
-    EmergencyStop,
-    /// The limit switch at an end of an axis.
-    Limit(Axis, AxisEnd),
-    /// The contact of the deceleration switch of an axis.
-    Deceleration(Axis),
-}
-
-/// An end of the travel of an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-pub(crate) enum AxisEnd {
-    /// The end of the axis in positive direction.
-    Plus,
-    /// The end of the axis in negative direction.
-    Minus,
-}
-
 /// An output of the ladder whose changes switch outputs of the model as M codes do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub(crate) struct OutputFollower {
@@ -198,7 +168,7 @@ pub struct MFunction {
 #[derive(Clone, Debug, Deserialize)]
 pub struct ModelParameter {
     /// Name of the parameter in English and Chinese.
-    pub(super) name: BilingualName,
+    name: BilingualName,
     /// Unit of the value; empty without one.
     pub unit: String,
     /// Least and greatest value of the parameter.
@@ -208,9 +178,9 @@ pub struct ModelParameter {
 }
 
 #[derive(Clone, Debug, Deserialize)]
-pub(super) struct BilingualName {
-    pub(super) en: String,
-    pub(super) zh: String,
+struct BilingualName {
+    en: String,
+    zh: String,
 }
 
 const fn four() -> u8 {
@@ -352,7 +322,19 @@ fn read_record(id: ModelId) -> ModelRecord {
     };
     record.id = id;
     if let Some(contacts) = &record.contacts {
-        record.parameters.extend(contacts.parameters());
+        let parameters = contacts.parameters().map(|it| {
+            let parameter = ModelParameter {
+                name: BilingualName {
+                    en: it.name_en,
+                    zh: it.name_zh,
+                },
+                unit: "-".to_owned(),
+                range: (-it.greatest, it.greatest),
+                delivered: it.delivered,
+            };
+            (it.number, parameter)
+        });
+        record.parameters.extend(parameters);
     }
     record.g_table = (0..G_CODES)
         .map(|code| record.g.get(&(code as u8)).copied())

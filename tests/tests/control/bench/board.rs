@@ -203,7 +203,8 @@ impl LinkedMachine {
         let mut setup = Setup::delivered();
         setup.memory.set_model(model);
         let twin = GrblTwin::new(variant, GrblSettings::default());
-        let gear = [(17, 5), (18, 5)];
+        // The delivered rapids of the siblings are beyond the pulse rate of the board.
+        let gear = [(17, 5), (18, 5), (22, 3800), (23, 7600)];
         Self::with_setup(setup, twin, LinkConfig::default(), &gear)
             .open()
             .returned()
