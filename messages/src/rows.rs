@@ -1873,6 +1873,7 @@ message_rows! {
     lcd_confirm_password LcdConfirmPassword(stars);
     lcd_contact_brake LcdContactBrake();
     lcd_contact_heading LcdContactHeading();
+    lcd_contact_lubrication LcdContactLubrication();
     lcd_contact_reverse LcdContactReverse();
     lcd_contact_signal LcdContactSignal(name, address, level);
     lcd_contact_stop_1 LcdContactStop1();

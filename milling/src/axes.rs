@@ -1,8 +1,11 @@
 //! Reads which axes a machine has besides X, Y and Z, with their names and units: parameters
-//! 1010, 1020, 187, 188, 1026, 1027 and 1260.
+//! 1010, 1020, 187, 188, 1026, 1027 and 1260. 001.1, 004.0 and 187 give the least increments.
+
+use gsk_core::compensation::{CompensationSettings, StartUpType};
+use gsk_core::units::Point;
 
 use crate::memory::{MillMemory, parameter};
-use crate::space::{Length, MillAxis, MillPosition};
+use crate::space::{Length, MillAxis, MillPosition, Plane, PlanePoint};
 
 /// A fourth or fifth axis of a mill, besides X, Y and Z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,9 +22,62 @@ pub struct FurtherAxis {
     by_sign: bool,
 }
 
-/// The fourth and the fifth axis of a machine; `None` for one that it does not have.
+/// The least increments of the axes (001.1, 004.0, 187).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct LeastIncrements {
+    /// Least increment of each axis in metric words, nm or millionths of a degree.
+    metric: [u16; 5],
+    /// Whether the machine is an inch machine, so that computed points are in inch increments.
+    inch_machine: bool,
+}
+
+impl Default for LeastIncrements {
+    fn default() -> Self {
+        Self {
+            metric: [IS_B; 5],
+            inch_machine: false,
+        }
+    }
+}
+
+/// Least increments of IS-A, IS-B and IS-C: 0.01, 0.001 and 0.0001 mm or degrees, in nm.
+const IS_A: u16 = 10_000;
+const IS_B: u16 = 1000;
+const IS_C: u16 = 100;
+
+impl LeastIncrements {
+    fn from_memory(memory: &MillMemory) -> Self {
+        let basic = if memory.is_fine() { IS_C } else { IS_B };
+        let increment = |axis: MillAxis| {
+            let bit = |bit| memory.bit(parameter::axis_parameter(parameter::KIND, axis), bit);
+            match (MillAxis::FURTHER.contains(&axis), bit(7), bit(6)) {
+                (true, false, true) => IS_A,
+                (true, true, false) => IS_B,
+                (true, true, true) => IS_C,
+                _ => basic,
+            }
+        };
+        Self {
+            metric: MillAxis::ALL.map(increment),
+            inch_machine: memory.is_inch_machine(),
+        }
+    }
+
+    /// Returns the least increment of an axis in inches or in mm and degrees, nm. That of an
+    /// inch system is a tenth of the metric one, counted in inches.
+    fn nm(&self, axis: MillAxis, inch: bool) -> i64 {
+        let metric = i64::from(self.metric[axis as usize]);
+        if inch { metric * 254 / 100 } else { metric }
+    }
+}
+
+/// The fourth and the fifth axis of a machine, `None` for one that it does not have, and the
+/// least increments of all its axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Axes([Option<FurtherAxis>; 2]);
+pub struct Axes {
+    further: [Option<FurtherAxis>; 2],
+    increments: LeastIncrements,
+}
 
 impl Axes {
     /// Reads the axes of a machine from its parameters. An axis that follows X, Y or Z (1026,
@@ -29,7 +85,10 @@ impl Axes {
     pub fn from_memory(memory: &MillMemory) -> Self {
         let count = memory.value(parameter::AXES);
         let follows = [parameter::FOURTH_FOLLOWS, parameter::FIFTH_FOLLOWS];
-        let mut axes = Self::default();
+        let mut axes = Self {
+            increments: LeastIncrements::from_memory(memory),
+            ..Self::default()
+        };
         for (index, axis) in MillAxis::FURTHER.into_iter().enumerate() {
             let there = count > 3 + index as i32 && memory.value(follows[index]) == 0;
             let own = |number| parameter::axis_parameter(number, axis);
@@ -43,9 +102,9 @@ impl Axes {
             let kind = |bit| memory.bit(own(parameter::KIND), bit);
             let rolls = |bit| memory.bit(own(parameter::ROLLOVER), bit);
             let (rotary, counts_on) = (kind(0), kind(1));
-            let turn = memory.length(own(parameter::TURN)).abs();
+            let turn = memory.angle(own(parameter::TURN)).abs();
             let turn = (rotary && !counts_on && rolls(0) && turn > Length::ZERO).then_some(turn);
-            axes.0[index] = Some(FurtherAxis {
+            axes.further[index] = Some(FurtherAxis {
                 letter,
                 rotary,
                 turn,
@@ -59,8 +118,8 @@ impl Axes {
     /// that it does not have.
     pub const fn further(&self, axis: MillAxis) -> Option<FurtherAxis> {
         match axis {
-            MillAxis::Fourth => self.0[0],
-            MillAxis::Fifth => self.0[1],
+            MillAxis::Fourth => self.further[0],
+            MillAxis::Fifth => self.further[1],
             _ => None,
         }
     }
@@ -97,6 +156,54 @@ impl Axes {
     /// Returns whether an axis is rotary and counts in degrees.
     pub(crate) fn is_rotary(&self, axis: MillAxis) -> bool {
         self.further(axis).is_some_and(|it| it.rotary)
+    }
+
+    /// Returns whether a word of any axis has increments of 0.0001 mm or degrees.
+    pub(crate) fn have_fine_words(&self) -> bool {
+        self.all()
+            .any(|axis| self.increments.nm(axis, false) == i64::from(IS_C))
+    }
+
+    /// Returns the value of a word of an axis, rounded to its least increment. `inch`: the word
+    /// was in inches.
+    pub(crate) fn rounded_word(&self, axis: MillAxis, value: Length, inch: bool) -> Length {
+        value.rounded_to(self.increments.nm(axis, inch))
+    }
+
+    /// Returns a computed position of an axis, rounded to the least increment of the machine.
+    pub(crate) fn rounded(&self, axis: MillAxis, value: Length) -> Length {
+        let inch = self.increments.inch_machine && !self.is_rotary(axis);
+        value.rounded_to(self.increments.nm(axis, inch))
+    }
+
+    /// Returns the point with its coordinates in a plane replaced by `flat`, rounded to the
+    /// least increment.
+    pub(crate) fn moved_to(
+        &self,
+        mut point: MillPosition,
+        plane: Plane,
+        flat: PlanePoint,
+    ) -> MillPosition {
+        let [first, second, _] = plane.axes();
+        point.set(first, self.rounded(first, Length::from_mm(flat.first)));
+        point.set(second, self.rounded(second, Length::from_mm(flat.second)));
+        point
+    }
+
+    /// Returns the settings of the cutter compensation: start-up type (002.6), angle at which
+    /// two lines count as straight or opposite (5012) and least increment.
+    pub(crate) fn compensation(&self, memory: &MillMemory) -> CompensationSettings {
+        let start_up = match memory.bit(parameter::TOOLS, 6) {
+            true => StartUpType::B,
+            false => StartUpType::A,
+        };
+        let inch = self.increments.inch_machine;
+        let per_mm = 1e6 / self.increments.nm(MillAxis::X, inch) as f64;
+        let increments = Point {
+            x: per_mm,
+            z: per_mm,
+        };
+        CompensationSettings::with_angle(start_up, memory.straight_degrees(), increments)
     }
 
     /// Returns whether the coordinates of an axis restart at 0 after a turn.

@@ -110,7 +110,7 @@ fn move_until_skip(
     let programmed = target(state, words);
     let to = state.to_machine(programmed, context.memory);
     let kind = if context.memory.bit(parameter::SKIP, 2) {
-        StepKind::CutAt(context.memory.value(parameter::SKIP_FEED).into())
+        StepKind::CutAt(context.memory.speed(parameter::SKIP_FEED))
     } else {
         StepKind::Cut
     };
@@ -261,6 +261,11 @@ fn return_to_reference(
     }
     context.go(state, intermediate_point, StepKind::Rapid, true)?;
     rapid_to_point(state, words, &reference, context)?;
+    if index == 0 {
+        for axis in named_axes(words) {
+            context.tracker.set_homed(axis);
+        }
+    }
     if context.memory.bit(parameter::LOCAL, 0) {
         for axis in named_axes(words) {
             state.local.set(axis, Length::ZERO);
@@ -296,11 +301,11 @@ fn measure_tool(
     let mut near = to;
     near.set(axis, to.get(axis) + if forward { -before } else { before });
     context.go(state, near, StepKind::Rapid, true)?;
-    let feed = context.memory.value(parameter::MEASURE_FEED);
-    context.go(state, to, StepKind::CutAt(feed.into()), true)
+    let feed = context.memory.speed(parameter::MEASURE_FEED);
+    context.go(state, to, StepKind::CutAt(feed), true)
 }
 
-/// The greatest scale: P of G51 and parameter 5411, in the unit of 036.7.
+/// The greatest scale: P of G51 and parameter 5411, in the unit of 60036.7.
 const MAX_SCALE: i64 = 99_999_999;
 /// The greatest scale of an axis (I, J, K): 9.999, or 9.99999 in units of 0.00001.
 const AXIS_SCALE: [i64; 2] = [9999, 999_999];

@@ -14,10 +14,15 @@ use crate::space::{AxisValues, Length, MillAxis, MillPosition};
 pub mod parameter {
     use crate::space::MillAxis;
 
-    /// Parameter 002. Bit 7: D is a diameter. Bit 1: cutter radius compensation is available.
+    /// Parameter 001. Bit 1: the least increment is 0.0001 mm (IS-C), otherwise 0.001 mm (IS-B).
+    pub const INCREMENTS: u16 = 1;
+    /// Parameter 002. Bit 7: D is a diameter. Bit 6: cutter compensation starts and ends by type
+    /// B. Bit 1: cutter radius compensation is available.
     pub const TOOLS: u16 = 2;
     /// Parameter 003. Bit 4: offsets shift the coordinates without motion.
     pub const OFFSETS: u16 = 3;
+    /// Parameter 004. Bit 0: inch machine, lengths and speeds of parameters are in inches.
+    pub const UNITS: u16 = 4;
     /// Parameter 007. Bit 6: every motion block ends with an exact stop.
     pub const CORNERS: u16 = 7;
     /// Parameter 010: rate at which backlash is taken up, bits of kpps.
@@ -25,7 +30,7 @@ pub mod parameter {
     /// Parameter 011. Bit 7: backlash in mode B. Bit 6: an eighth of the rate of 010.
     pub const BACKLASH_MODE: u16 = 11;
     /// Parameter 012. Bit 7: the axes of a rapid arrive together. Bit 4: G01 is in force at
-    /// power-on.
+    /// power-on. Bit 1: soft limits of an axis act after its reference return.
     pub const MOTION: u16 = 12;
     /// Parameter 013. Bit 7: length offsets stay in force after a reference return and G53.
     pub const LENGTHS: u16 = 13;
@@ -43,8 +48,13 @@ pub mod parameter {
     pub const FEED_START: u16 = 30;
     /// Parameter 034: backlash of an axis, 0.001 mm.
     pub const BACKLASH: u16 = 34;
-    /// Parameter 036. Bit 7: a scale counts in 0.00001 instead of 0.001.
-    pub const SCALE_UNIT: u16 = 36;
+    /// Parameter 036: time constant of flexible taps, ms.
+    pub const FLEXIBLE_TAP_TIME: u16 = 36;
+    /// Parameter 037: speed at which flexible taps begin and end, mm/min.
+    pub const FLEXIBLE_TAP_START: u16 = 37;
+    /// Parameter 036 of the older control of the appendices. Bit 7: a scale counts in 0.00001
+    /// instead of 0.001.
+    pub const SCALE_UNIT: u16 = 60_036;
     /// Parameter 045: positive travel limit, machine coordinates, 0.001 mm.
     pub const TRAVEL_PLUS: u16 = 45;
     /// Parameter 046: negative travel limit, machine coordinates, 0.001 mm.
@@ -58,7 +68,7 @@ pub mod parameter {
     /// Parameter 174. Bit 6: cuts wait for the speed of the spindle.
     pub const SPINDLE_CHECK: u16 = 174;
     /// Parameter 187. Type of a fourth or fifth axis, bits 1 and 0: 00 linear, 01 rotary A, 11
-    /// rotary B.
+    /// rotary B. Bits 7 and 6 its least increment: 00 as X, Y and Z, 01 IS-A, 10 IS-B, 11 IS-C.
     pub const KIND: u16 = 187;
     /// Parameter 188. Rollover of a rotary axis A. Bit 0: coordinates restart after a turn. Bit 1:
     /// the sign of an absolute word is the direction.
@@ -106,6 +116,9 @@ pub mod parameter {
     pub const SPINDLE_DELAY: u16 = 3740;
     /// Parameters 3741 to 3744: greatest speed of the gears 1 to 4, r/min.
     pub const GEAR_SPEEDS: core::ops::RangeInclusive<u16> = 3741..=3744;
+    /// Parameter 5012: greatest difference from 0 and 180 degrees at which two lines count as
+    /// straight and as opposite in cutter compensation, 0.001 degrees (IS-C: 0.0001 degrees).
+    pub const STRAIGHT_ANGLE: u16 = 5012;
     /// Parameter 5040: feed of G37, mm/min.
     pub const MEASURE_FEED: u16 = 5040;
     /// Parameter 5043: distance before the measuring point at which G37 changes to its feed, 0.001
@@ -127,9 +140,9 @@ pub mod parameter {
     pub const TAP_TIME_OUT: u16 = 5271;
     /// Parameter 5410: angle of G68 without R, 0.001 degrees.
     pub const ANGLE: u16 = 5410;
-    /// Parameter 5411: scale of G51 without P, in the unit of 036.7.
+    /// Parameter 5411: scale of G51 without P, in the unit of 60036.7.
     pub const SCALE: u16 = 5411;
-    /// Parameter 5421: scale of an axis for G51 without I, J or K, in the unit of 036.7.
+    /// Parameter 5421: scale of an axis for G51 without I, J or K, in the unit of 60036.7.
     pub const AXIS_SCALE: u16 = 5421;
     /// Returns the number of a parameter of one axis.
     pub const fn axis_parameter(number: u16, axis: MillAxis) -> u16 {
@@ -142,6 +155,11 @@ const OFFSETS: u16 = 400;
 /// The greatest tool offset: 999.999 mm, or 99.9999 inches.
 const GREATEST: Length = Length::from_increments(999_999);
 const GREATEST_INCHES: Length = Length::from_nm(2_539_997_460);
+
+/// Unit of a length parameter on an inch machine: 0.0001 inch, nm.
+const PARAMETER_INCH_NM: i64 = 2540;
+/// The greatest value of 5012 in IS-B: one degree.
+const MAX_STRAIGHT: i32 = 1000;
 
 /// A row of the tool offset table: length and radius of a tool, each with its wear.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -248,14 +266,62 @@ impl MillMemory {
         self.value(number) >> bit & 1 == 1
     }
 
-    /// Returns the value of a parameter that is in 0.001 mm, as a length.
+    /// Returns whether the least increment of X, Y and Z is 0.0001 mm (IS-C).
+    pub(crate) fn is_fine(&self) -> bool {
+        self.bit(parameter::INCREMENTS, 1)
+    }
+
+    /// Returns whether the machine is an inch machine.
+    pub(crate) fn is_inch_machine(&self) -> bool {
+        self.bit(parameter::UNITS, 0)
+    }
+
+    /// Returns the value of a parameter that is in 0.001 mm, or in 0.0001 inch on an inch
+    /// machine, as a length.
     pub(crate) fn length(&self, number: u16) -> Length {
+        let value = i64::from(self.value(number));
+        match self.is_inch_machine() {
+            true => Length::from_nm(value.saturating_mul(PARAMETER_INCH_NM)),
+            false => Length::from_increments(value),
+        }
+    }
+
+    /// Returns the value of a parameter in 0.001 degrees as an angle.
+    pub(crate) fn angle(&self, number: u16) -> Length {
         Length::from_increments(self.value(number).into())
+    }
+
+    /// Returns the value of a speed parameter, mm/min. On an inch machine it is in 0.1 inch/min.
+    pub(crate) fn speed(&self, number: u16) -> f64 {
+        let unit = if self.is_inch_machine() { 2.54 } else { 1.0 };
+        f64::from(self.value(number)) * unit
+    }
+
+    /// Returns whether an axis is a rotary one (187), whose parameters are in degrees.
+    pub(crate) fn is_rotary(&self, axis: MillAxis) -> bool {
+        let kind = parameter::axis_parameter(parameter::KIND, axis);
+        MillAxis::FURTHER.contains(&axis) && self.bit(kind, 0)
     }
 
     /// Returns the values of a parameter that each axis has, as a point.
     pub(crate) fn point(&self, number: u16) -> MillPosition {
-        AxisValues(MillAxis::ALL.map(|axis| self.length(parameter::axis_parameter(number, axis))))
+        AxisValues(MillAxis::ALL.map(|axis| {
+            let own = parameter::axis_parameter(number, axis);
+            match self.is_rotary(axis) {
+                true => self.angle(own),
+                false => self.length(own),
+            }
+        }))
+    }
+
+    /// Returns the greatest difference from 0 and 180 degrees at which two lines count as
+    /// straight and as opposite (5012), degrees.
+    pub(crate) fn straight_degrees(&self) -> f64 {
+        let value = self.value(parameter::STRAIGHT_ANGLE);
+        match self.is_fine() {
+            true => f64::from(value) / 10_000.0,
+            false => f64::from(value.min(MAX_STRAIGHT)) / 1000.0,
+        }
     }
 
     /// Returns the tool offset with a number; zeros if it was never set.

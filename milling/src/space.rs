@@ -20,7 +20,7 @@ impl Length {
         Self(nm)
     }
 
-    /// Creates a length from least increments of 0.001 mm, the unit of parameters.
+    /// Creates a length from increments of 0.001 mm, the unit of parameters of a metric machine.
     pub const fn from_increments(increments: i64) -> Self {
         Self(increments.saturating_mul(INCREMENT))
     }
@@ -40,15 +40,22 @@ impl Length {
         self.0 as f64 / PER_MM
     }
 
-    /// Returns the length rounded to the least increment of 0.001 mm, halves away from zero.
+    /// Returns the length rounded to 0.001 mm, halves away from zero.
     #[must_use]
     pub const fn rounded(self) -> Self {
+        self.rounded_to(INCREMENT)
+    }
+
+    /// Returns the length rounded to a multiple of `increment` nanometres, which is positive,
+    /// halves away from zero.
+    #[must_use]
+    pub(crate) const fn rounded_to(self, increment: i64) -> Self {
         let half = if self.0 < 0 {
-            -INCREMENT / 2
+            -increment / 2
         } else {
-            INCREMENT / 2
+            increment / 2
         };
-        Self(self.0.saturating_add(half) / INCREMENT * INCREMENT)
+        Self(self.0.saturating_add(half) / increment * increment)
     }
 
     /// Returns the length without its sign.
@@ -155,16 +162,6 @@ impl MillPosition {
     pub fn flat(&self, plane: Plane) -> PlanePoint {
         let [first, second, _] = plane.axes();
         PlanePoint::new(self.get(first).mm(), self.get(second).mm())
-    }
-
-    /// Returns the point with its coordinates in a plane replaced by `flat`, rounded to the
-    /// least increment.
-    #[must_use]
-    pub fn moved_to(mut self, plane: Plane, flat: PlanePoint) -> Self {
-        let [first, second, _] = plane.axes();
-        self.set(first, Length::from_mm(flat.first).rounded());
-        self.set(second, Length::from_mm(flat.second).rounded());
-        self
     }
 
     /// Returns the distance to another point along X, Y and Z, mm.

@@ -70,7 +70,7 @@ impl MillState {
     /// are in.
     pub(crate) fn to_machine(&self, programmed: MillPosition, memory: &MillMemory) -> MillPosition {
         let distance = programmed - self.programmed;
-        let to = self.transform.apply(programmed) + self.frame(memory);
+        let to = self.transform.apply(programmed, &self.axes) + self.frame(memory);
         to.with_further_of(&(self.machine + distance))
     }
 
@@ -88,8 +88,8 @@ impl MillState {
     /// angles.
     pub(crate) fn axis_value(&self, axis: MillAxis, value: WordNumber) -> Length {
         let rotary = self.axes.is_rotary(axis);
-        let value = length(value, self.modal.inch && !rotary);
-        if rotary { value.rounded() } else { value }
+        let inch = self.modal.inch && !rotary;
+        self.axes.rounded_word(axis, length(value, inch), inch)
     }
 
     /// Sets the programmed point to the current position of the tool tip.

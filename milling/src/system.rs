@@ -363,7 +363,8 @@ impl VariableWriter for VariableContext<'_> {
             let detail = say::variable_of_macro_read_only(variable);
             return Err(Alarm::new(number::READ_ONLY).with_detail(detail).into());
         };
-        let length = Length::from_mm(value.unwrap_or(0.0)).rounded();
+        let length = Length::from_mm(value.unwrap_or(0.0));
+        let length = self.state.axes.rounded(MillAxis::X, length);
         match stored {
             StoredVariable::Offset(offset, column) => {
                 self.memory

@@ -1,5 +1,6 @@
 //! Applies G51 and G68: scaling about a point, then rotation about another.
 
+use crate::axes::Axes;
 use crate::space::{AxisValues, Length, MillAxis, MillPosition, Plane, PlanePoint};
 
 /// The scaling that is in force (G51): its centre and factors.
@@ -60,8 +61,8 @@ impl Transform {
         core::array::from_fn(|axis| center[axis] + factors.0[axis] * (point[axis] - center[axis]))
     }
 
-    /// Scales and rotates a programmed point, and rounds it to the least increment.
-    pub(crate) fn apply(&self, point: MillPosition) -> MillPosition {
+    /// Scales and rotates a programmed point, and rounds it to the least increment of `axes`.
+    pub(crate) fn apply(&self, point: MillPosition, axes: &Axes) -> MillPosition {
         if self.is_none() {
             return point;
         }
@@ -72,7 +73,12 @@ impl Transform {
             let turned = rotation.center + from.rotated(rotation.degrees);
             (mm[first], mm[second]) = (turned.first, turned.second);
         }
-        point.with_basic(mm.map(|value| Length::from_mm(value).rounded()))
+        // An axis that neither scaling nor rotation moves keeps its programmed position.
+        let rounded = |axis: MillAxis| match Length::from_mm(mm[axis as usize]) {
+            value if value == point.get(axis) => value,
+            value => axes.rounded(axis, value),
+        };
+        point.with_basic(MillAxis::BASIC.map(rounded))
     }
 
     /// Returns the programmed point whose scaled and rotated point is `point`.
@@ -136,7 +142,7 @@ mod tests {
             rotation: Some(rotation),
         };
         let point = position("12.345,-6.789,1").expect("point");
-        let back = both.undo(both.apply(point));
+        let back = both.undo(both.apply(point, &Axes::default()));
         // One increment of rounding, halved by the scale of Y, and rotated.
         assert!(back.distance(&point) < 0.002, "{back:?}");
     }

@@ -1,5 +1,5 @@
 //! The path of a mill: from above (XY), from the front (XZ), from the right (YZ), and in an
-//! isometric view.
+//! isometric view. A view across a hole shows it as a circle with a cross.
 //!
 //! ```text
 //!   title                 time
@@ -11,6 +11,7 @@
 //!   +--------+ +-----------+
 //! ```
 
+mod holes;
 mod items;
 mod views;
 
@@ -23,6 +24,7 @@ use crate::extent::PictureSize;
 use crate::path_pieces::PathLine;
 use crate::{PictureError, PictureFormat, png_file, svg};
 use gsk_runner::mill::MillTimes;
+use holes::HoleFinder;
 use items::{PictureItem, TextAnchor};
 
 /// Maximum number of points that a drawing stores.
@@ -76,6 +78,7 @@ pub struct MillDrawing {
     options: DrawingOptions,
     strokes: Vec<MillStroke>,
     tools: Vec<u16>,
+    holes: HoleFinder,
     zero: Option<[f64; 3]>,
     cut_box: Option<PathBox>,
     full_box: Option<PathBox>,
@@ -95,6 +98,7 @@ impl MillDrawing {
             options,
             strokes: Vec::new(),
             tools: Vec::new(),
+            holes: HoleFinder::default(),
             zero: None,
             cut_box: None,
             full_box: None,
@@ -129,6 +133,12 @@ impl MillDrawing {
             _ => PathLine::Cut(self.tool_index(made.tool)),
         };
         let begin: [f64; 3] = from_first_zero(made.from.mm());
+        let tool = match line_kind {
+            PathLine::Cut(tool) => tool,
+            _ => 0,
+        };
+        let end = from_first_zero(made.to.mm());
+        self.holes.follow(made.kind, (begin, end), tool);
         let points: Vec<[f64; 3]> = move_points(made).into_iter().map(from_first_zero).collect();
         self.point_count += points.len();
         for point in core::iter::once(&begin).chain(&points) {
@@ -356,6 +366,18 @@ mod tests {
         let svg = encode_mill(PictureFormat::Svg, &drawing, Language::En).expect("picture");
         assert!(String::from_utf8_lossy(&svg).contains("A -30 … 330°"));
         assert_eq!(drawn(&[(1010, 4), (12, 128)]).strokes[0].points.len(), 2);
+    }
+
+    #[test]
+    fn holes_are_marked_in_the_view_from_above() {
+        let drawing = drawing(
+            "T1\nG00 X0 Y0 Z5\nG83 X10 Y10 Z-9 R2 Q4 F100\nX30\nG80\nG00 X50\nG01 Z-2\n\
+             X60\nG00 Z5\nM30\n",
+        );
+        let parts = items::picture_items(&drawing, Language::En);
+        // A circle has 17 points with its first point again at its end; XY alone shows it.
+        let is_circle = |part: &&PictureItem| matches!(part, PictureItem::Line(_, points) if points.len() == 17);
+        assert_eq!(parts.iter().filter(is_circle).count(), 2);
     }
 
     #[test]

@@ -131,3 +131,89 @@ fn cases_named_in_the_tables_of_models_exist() {
         assert!(count > 80, "{name}: {count}");
     }
 }
+
+/// The rows of the table of a model in a document: what the manual names, and its cases.
+fn proof_rows(text: &str, folder: &str) -> Vec<(String, String)> {
+    let lines: Vec<&str> = text.lines().collect();
+    let is_heading =
+        |line: &&str| line.starts_with("| Page, key") || line.starts_with("| 页面、按键");
+    let tables = lines.split(is_heading).skip(1);
+    // After the heading comes the line of the columns; the table ends at a blank line.
+    let tables = tables.map(|lines| {
+        let rows = lines
+            .iter()
+            .skip(1)
+            .take_while(|line| line.starts_with('|'));
+        let cells = rows.filter_map(|line| {
+            let cells = line.strip_prefix("| ")?.strip_suffix(" |")?;
+            let (named, proof) = cells.split_once(" | ")?;
+            Some((named.to_owned(), proof.to_owned()))
+        });
+        cells.collect::<Vec<_>>()
+    });
+    let mut tables = tables.filter(|rows| rows.iter().any(|(_, proof)| proof.contains(folder)));
+    tables.next().unwrap_or_default()
+}
+
+/// The numbers after `letter` in a text, ranges such as `X0 to X7` and `P200~P231` included.
+fn numbers_after(letter: char, text: &str) -> Vec<u16> {
+    let text = text.replace(" to ", "~").replace('～', "~");
+    let mut found = Vec::new();
+    for part in text.split(|c: char| !(c.is_ascii_alphanumeric() || c == '~')) {
+        let number = |word: &str| word.strip_prefix(letter)?.parse::<u16>().ok();
+        match part.split_once('~') {
+            Some((first, last)) => {
+                let ends = number(first).zip(number(last));
+                found.extend(ends.into_iter().flat_map(|(first, last)| first..=last));
+            }
+            None => found.extend(number(part)),
+        }
+    }
+    found
+}
+
+/// The table of a model has all that the program derives of it (keys, parameters, contacts) and
+/// all that `model-contents.tsv` lists, each with a case or the words for a title alone.
+#[test]
+fn the_table_of_a_model_is_complete() {
+    let contents = include_str!("../model-contents.tsv");
+    for (name, title_only) in [
+        ("docs/models.md", "title only in the source"),
+        ("docs/models.zh-CN.md", "资料中只有标题"),
+    ] {
+        let text = std::fs::read_to_string(repository().join(name)).unwrap();
+        for (model, folders) in MODELS {
+            let rows = proof_rows(&text, folders[1]);
+            assert!(rows.len() > 20, "{name}, {model:?}: {} rows", rows.len());
+            for (named, proof) in &rows {
+                let is_proved = proof.contains('`') || proof == title_only;
+                assert!(is_proved, "{name}, {model:?}: {named} has no case");
+            }
+            let named: String = rows.iter().map(|(named, _)| format!("{named} ;")).collect();
+            let face = face_of(model);
+            for key in own_keys(face).filter(|key| !key.id.starts_with('F')) {
+                let legend = key.legend.first().copied().unwrap_or(key.name_zh);
+                let is_named = named.contains(legend) || named.contains(key.id);
+                assert!(is_named, "{name}, {model:?}: key {} ({legend})", key.id);
+            }
+            for number in model.record().parameters.keys() {
+                let is_named = numbers_after('P', &named).contains(number);
+                assert!(is_named, "{name}, {model:?}: P{number}");
+            }
+            if model == ModelId::Ncb08 {
+                for (letter, contacts) in [('X', face.inputs), ('Y', face.outputs)] {
+                    let listed = numbers_after(letter, &named);
+                    for number in 0..contacts.len() as u16 {
+                        assert!(listed.contains(&number), "{name}: {letter}{number}");
+                    }
+                }
+            }
+            let words = contents.lines().filter_map(|line| line.split_once('\t'));
+            for (_, word) in words.filter(|(of, _)| *of == model.command_word()) {
+                let mut parts = named.split(|c: char| !(c.is_ascii_alphanumeric() || c == '.'));
+                let is_named = parts.any(|part| part == word);
+                assert!(is_named, "{name}, {model:?}: {word}");
+            }
+        }
+    }
+}

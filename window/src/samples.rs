@@ -119,7 +119,7 @@ static SAMPLES: [ProgramSample; 11] = [
 ];
 
 /// Outlines of the parts that the samples cut, by the file names of the samples.
-static OUTLINES: [(&str, SampleOutline); 4] = [
+static OUTLINES: [(&str, SampleOutline); 8] = [
     (
         "01-stepped-shaft.CNC",
         &[
@@ -179,6 +179,68 @@ static OUTLINES: [(&str, SampleOutline); 4] = [
             (90.0, 0.0),
         ],
     ),
+    (
+        "ncb08/01-stepped-pin.CNC",
+        &[
+            (0.0, 0.0),
+            (0.0, 11.0),
+            (1.0, 12.0),
+            (30.0, 12.0),
+            (30.0, 14.0),
+            (30.6, 15.4),
+            (32.0, 16.0),
+            (45.0, 16.0),
+            (45.0, 20.0),
+            (56.0, 20.0),
+            (56.0, 0.0),
+        ],
+    ),
+    (
+        "ncb08/02-outputs.CNC",
+        &[
+            (0.0, 0.0),
+            (0.0, 11.0),
+            (15.0, 11.0),
+            (15.0, 13.0),
+            (30.0, 13.0),
+            (30.0, 15.0),
+            (42.0, 15.0),
+            (42.0, 0.0),
+        ],
+    ),
+    (
+        "hx31/01-turned-pin.CNC",
+        &[
+            (0.0, 0.0),
+            (0.0, 13.0),
+            (2.0, 15.0),
+            (30.0, 15.0),
+            (30.0, 20.0),
+            (42.0, 20.0),
+            (42.0, 0.0),
+        ],
+    ),
+    (
+        "hx31/02-grooves.CNC",
+        &[
+            (0.0, 0.0),
+            (0.0, 20.0),
+            (10.0, 20.0),
+            (10.0, 16.0),
+            (13.0, 16.0),
+            (13.0, 20.0),
+            (18.0, 20.0),
+            (18.0, 16.0),
+            (21.0, 16.0),
+            (21.0, 20.0),
+            (26.0, 20.0),
+            (26.0, 16.0),
+            (29.0, 16.0),
+            (29.0, 20.0),
+            (42.0, 20.0),
+            (42.0, 0.0),
+        ],
+    ),
 ];
 
 /// The samples of a control model, in the order of the menu.
@@ -186,9 +248,9 @@ pub fn samples_of(model: ModelId) -> impl Iterator<Item = &'static ProgramSample
     SAMPLES.iter().filter(move |sample| sample.model == model)
 }
 
-/// The samples of the GSK980TD that run to their end without an alarm.
-pub fn good_samples() -> impl Iterator<Item = &'static ProgramSample> {
-    samples_of(ModelId::Gsk980td).filter(|sample| !sample.name.starts_with("faulty/"))
+/// The samples of a control model that run to their end without an alarm.
+pub fn good_samples(model: ModelId) -> impl Iterator<Item = &'static ProgramSample> {
+    samples_of(model).filter(|sample| !sample.name.starts_with("faulty/"))
 }
 
 impl ProgramSample {
@@ -258,12 +320,11 @@ mod tests {
         for model in [ModelId::Ncb08, ModelId::Hx31] {
             assert_eq!(samples_of(model).count(), 2, "{model:?}");
         }
-        let of_models = [ModelId::Ncb08, ModelId::Hx31]
-            .into_iter()
-            .flat_map(samples_of);
-        for sample in good_samples().chain(of_models) {
+        for sample in ModelId::ALL.into_iter().flat_map(good_samples) {
             let chosen = job_of(&sample.to_opened().program).unwrap();
             assert!(!chosen.job.tools.is_empty(), "{}", sample.name);
+            let picture = sample.picture();
+            assert!(matches!(picture, CardPicture::Part(_)), "{}", sample.name);
         }
         assert!(job_of(&Program::new("O0001\nM30\n")).is_none());
         let pin = SAMPLES[2].to_opened();

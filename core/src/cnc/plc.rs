@@ -5,7 +5,7 @@ use super::{Cnc, SerialPort};
 use crate::alarm::{Alarm, number};
 use crate::command::Action;
 use crate::machine::{MachineInputs, TrippedLimit, pins};
-use crate::model::{AxisEnd, EdgeAction, LadderOutput, MCode, WiredContact, ncb08};
+use crate::model::{AxisEnd, EdgeAction, InputSignal, LadderOutput, MCode, WiredContact, ncb08};
 use crate::motion::JogRate;
 use crate::operation::{FromPlc, InputFilter, OperatingMode, RunState, ToPlc, ZeroReturnStage};
 use crate::program::DncBuffer;
@@ -28,9 +28,6 @@ const fn limit_at(side: AxisEnd) -> TrippedLimit {
 const PROGRAM_OUTPUTS: u16 = 54;
 /// X byte of the keys that only the panel of another model has.
 const MODEL_KEYS: u16 = 27;
-/// First bit of the stored input levels that belongs to those keys; edges act on inputs up to
-/// number 23.
-const FIRST_KEY_LEVEL: u8 = 24;
 
 impl Cnc {
     /// Switches outputs for a program. `on` and `off` are masks with Y0 in bit 0; after
@@ -49,12 +46,14 @@ impl Cnc {
         }
     }
 
-    fn program_outputs(&self) -> u32 {
+    /// The outputs that are active, as a mask with Y0 in bit 0. An inverted one is then off.
+    pub(super) fn program_outputs(&self) -> u32 {
         let f = |byte| self.plc.engine.memory().f(PROGRAM_OUTPUTS + byte);
-        u32::from_le_bytes([f(0), f(1), f(2), 0])
+        u32::from_le_bytes([f(0), f(1), f(2), 0]) ^ self.memory.model.inverted_outputs()
     }
 
-    fn set_program_outputs(&mut self, outputs: u32) {
+    pub(super) fn set_program_outputs(&mut self, outputs: u32) {
+        let outputs = outputs ^ self.memory.model.inverted_outputs();
         let memory = self.plc.engine.memory_mut();
         let [low, middle, high, _] = outputs.to_le_bytes();
         memory.set_f(PROGRAM_OUTPUTS, low);
@@ -75,7 +74,8 @@ impl Cnc {
 
     /// Whether the output with the number `output`, from 0, of the control model is on.
     pub fn model_output(&self, output: u8) -> bool {
-        output < 24 && self.program_outputs() >> output & 1 == 1
+        let (byte, bit) = Self::output_signal(output);
+        output < 24 && self.plc.engine.memory().f(byte) >> bit & 1 == 1
     }
 
     /// Whether the input with the number `input`, from 0, of the control model is on.
@@ -99,25 +99,29 @@ impl Cnc {
             }
         };
         let pressed = self.memory.parameters.is_deceleration_closed();
-        for (input, wire) in &record.wires {
-            let contact = record.first_input + input;
+        for assigned in self.memory.model.assigned_inputs() {
+            let InputSignal::Wire(wire) = assigned.signal else {
+                continue;
+            };
+            let contact = record.first_input + assigned.input;
             let input_contact = (contact / 8, contact % 8);
-            let (pin, operated) = match *wire {
+            let active = !assigned.inverted;
+            let (pin, operated) = match wire {
                 // The contact of the emergency-stop loop opens.
                 WiredContact::EmergencyStop => (pins::EMERGENCY_STOP, false),
                 WiredContact::Limit(axis, side) => {
                     if *inputs.over_limit.get(axis) == Some(limit_at(side)) {
-                        set(input_contact, true);
+                        set(input_contact, active);
                     }
                     (pins::EMERGENCY_STOP, false)
                 }
                 WiredContact::Deceleration(Axis::X) => (pins::DECELERATION_X, pressed),
                 WiredContact::Deceleration(Axis::Z) => (pins::DECELERATION_Z, pressed),
             };
-            if is_on(input_contact) {
+            if is_on(input_contact) == active {
                 set(pin, operated);
             } else if matches!(wire, WiredContact::Deceleration(_)) && is_on(pin) == operated {
-                set(input_contact, true);
+                set(input_contact, active);
             }
         }
     }
@@ -125,9 +129,11 @@ impl Cnc {
     /// The limit switch of an axis that an input of the model reports as tripped; `None`
     /// without one.
     pub(super) fn limit_reported_by_input(&self, axis: Axis) -> Option<TrippedLimit> {
-        let wires = &self.memory.model.record().wires;
-        wires.iter().find_map(|(input, wire)| match *wire {
-            WiredContact::Limit(of, side) if of == axis && self.input_level(*input) => {
+        let mut assigned = self.memory.model.assigned_inputs();
+        assigned.find_map(|it| match it.signal {
+            InputSignal::Wire(WiredContact::Limit(of, side))
+                if of == axis && self.input_level(it.input) != it.inverted =>
+            {
                 Some(limit_at(side))
             }
             _ => None,
@@ -137,7 +143,7 @@ impl Cnc {
     /// Switches the outputs of the model that follow outputs of the ladder.
     fn update_following_outputs(&mut self) {
         let record = self.memory.model.record();
-        if record.followers.is_empty() && record.brake_output.is_none() {
+        if record.followers.is_empty() && record.followed.is_empty() {
             return;
         }
         let memory = self.plc.engine.memory();
@@ -146,13 +152,14 @@ impl Cnc {
             LadderOutput::Coolant => pins::COOLANT,
             LadderOutput::SpindleForward => pins::FORWARD,
             LadderOutput::SpindleReverse => pins::REVERSE,
+            LadderOutput::Brake => pins::BRAKE,
+            LadderOutput::Lubrication => pins::LUBRICATION,
         };
-        let followed = record
-            .followers
-            .iter()
-            .map(|follower| is_on(pin(follower.output)));
-        let levels = followed
-            .chain([is_on(pins::BRAKE)])
+        let by_codes = record.followers.iter().map(|it| it.output);
+        let by_outputs = record.followed.iter().map(|(output, _)| *output);
+        let levels = by_codes
+            .chain(by_outputs)
+            .map(|output| is_on(pin(output)))
             .enumerate()
             .fold(0_u32, |levels, (index, on)| levels | u32::from(on) << index);
         let before = core::mem::replace(&mut self.plc.followed_levels, levels);
@@ -167,45 +174,60 @@ impl Cnc {
                 });
             }
         }
-        let brake = record.followers.len();
-        if let Some(output) = record.brake_output.filter(|_| changed(brake)) {
-            let bit = 1 << output;
-            match is_on_now(brake) {
-                true => self.switch_outputs(bit, 0, 0),
-                false => self.switch_outputs(0, bit, 0),
+        for (index, (_, output)) in record.followed.iter().enumerate() {
+            let index = index + record.followers.len();
+            let bit = self.memory.model.outputs_of(1 << output);
+            match (changed(index), is_on_now(index)) {
+                (true, true) => self.switch_outputs(bit, 0, 0),
+                (true, false) => self.switch_outputs(0, bit, 0),
+                (false, _) => {}
             }
         }
+    }
+
+    /// The inputs whose edges act and whose signal is active, as bits.
+    pub(super) fn edge_levels(&self) -> u32 {
+        let assigned = self.memory.model.assigned_inputs();
+        let edges = assigned.filter(|it| matches!(it.signal, InputSignal::Edge(_)));
+        edges.fold(0, |levels, it| {
+            levels | u32::from(self.input_level(it.input) != it.inverted) << it.input
+        })
     }
 
     /// Handles inputs and keys of the model that have a function in manual operation: their
     /// rising edges switch outputs, or start an M function.
     fn handle_input_edges(&mut self) {
         let record = self.memory.model.record();
-        if record.edges.is_empty() {
+        if record.key_edges.is_empty() {
             return;
         }
-        let keys = self.plc.engine.memory().x(MODEL_KEYS);
-        let keys = u32::from(keys) << FIRST_KEY_LEVEL;
-        let levels = record.edges.keys().fold(keys, |levels, input| {
-            levels | u32::from(self.input_level(*input)) << input
-        });
-        let risen = levels & !core::mem::replace(&mut self.plc.input_levels, levels);
+        let keys = u32::from(self.plc.engine.memory().x(MODEL_KEYS));
+        let key_risen = keys & !core::mem::replace(&mut self.plc.model_keys, keys);
+        let levels = self.edge_levels();
+        let before = core::mem::replace(&mut self.plc.input_levels, levels);
+        // An inverted input that is open at power-on is no edge.
+        let risen = if self.ticks == 1 { 0 } else { levels & !before };
+        if risen | key_risen == 0 {
+            return;
+        }
         let is_manual = self.run.mode.is_manual() && !self.run.automatic.is_operating();
         if !is_manual || self.is_alarm_active() {
             return;
         }
+        let by_input = self.memory.model.assigned_inputs();
+        let by_input = by_input.filter_map(|it| match it.signal {
+            InputSignal::Edge(edge) if risen >> it.input & 1 == 1 => Some(edge),
+            _ => None,
+        });
         let by_key = record.key_edges.iter();
-        let by_key = by_key.map(|(key, edge)| (FIRST_KEY_LEVEL + key, edge));
-        let by_input = record.edges.iter().map(|(input, edge)| (*input, edge));
-        for (level, edge) in by_input.chain(by_key) {
-            if risen >> level & 1 == 0 {
-                continue;
-            }
-            match *edge {
+        let by_key = by_key.filter(|(key, _)| key_risen >> **key & 1 == 1);
+        let edges: Vec<_> = by_input.chain(by_key.map(|(_, edge)| *edge)).collect();
+        for edge in edges {
+            match edge {
                 EdgeAction::Toggles(first, second) => {
-                    let on = record
-                        .m_function(first)
-                        .map_or(0, |function| output_mask(&function.on));
+                    let function = record.m_function(first);
+                    let on = function.map_or(0, |function| output_mask(&function.on));
+                    let on = self.memory.model.outputs_of(on);
                     let is_on = self.program_outputs() & on == on;
                     self.switch_m_outputs(if is_on { second } else { first });
                 }
@@ -227,7 +249,8 @@ impl Cnc {
             MCode::Clamp => model.parameter(ncb08::CLAMP_TIME).unsigned_abs(),
             _ => 0,
         };
-        self.switch_outputs(output_mask(&function.on), output_mask(&function.off), ms);
+        let [on, off] = [&function.on, &function.off].map(|it| model.outputs_of(output_mask(it)));
+        self.switch_outputs(on, off, ms);
     }
 
     pub(super) fn sample_contacts(&mut self, inputs: &MachineInputs) {

@@ -73,6 +73,7 @@ impl Cnc {
             events: Vec::new(),
             memory,
         };
+        cnc.set_program_outputs(0);
         if let Some(absolute) = absolute {
             cnc.coordinates.frame.zero = start - absolute;
             cnc.settle_coordinates();

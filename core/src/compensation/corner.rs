@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 use super::fault::CompensationFault;
 use super::intersection::intersect;
 use super::segment::ContourSegment;
+use super::settings::{COS_1_DEGREE, CompensationSettings, StartUpType};
 
 use crate::units::Point;
 
@@ -34,20 +35,6 @@ const SHORT_MOVE_TANGENT_MM: f64 = 0.02;
 const SHORT_MOVE_MM: f64 = 0.35;
 /// Cross product of two unit vectors below which their directions count as parallel.
 const PARALLEL: f64 = 1e-9;
-/// Cosine of one degree, the least angle between the paths of a corner that is not sharp.
-const COS_1_DEGREE: f64 = 0.999_847_695_156_391_3;
-
-/// How the compensation starts or is cancelled at a corner. Type A has one vector, perpendicular to
-/// the compensated move; type B moves around the corner.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum StartUpType {
-    /// One perpendicular vector; only machines that are set to type A use it.
-    A,
-    B,
-}
-
-/// The start-up type of this control, type B.
-const START_TYPE: StartUpType = StartUpType::B;
 
 /// The role of the two moves of a corner in the compensation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,27 +109,27 @@ enum CornerKind {
     /// The direction changes so little that the two perpendicular vectors count as equal.
     Straight,
     Inner,
-    /// An inner corner with less than one degree between the paths.
+    /// An inner corner whose paths count as opposite.
     InnerSharp,
     Obtuse,
     Acute,
-    /// An outer corner with less than one degree between the paths.
+    /// An outer corner whose paths count as opposite.
     OuterSharp,
 }
 
 /// Classifies the corner between two moves from the unit vectors of travel at the end of the first
 /// (`exit`) and at the start of the second (`entry`). The nose centre is `rho` to the left, mm;
-/// negative values mean right.
-fn classify_corner(exit: Point, entry: Point, rho: f64) -> CornerKind {
+/// negative values mean right. `reversal` is the cosine below which the paths count as opposite.
+fn classify_corner(exit: Point, entry: Point, rho: f64, reversal: f64) -> CornerKind {
     let turned = (exit - entry) * rho;
     if turned.dot(turned) <= SAME_VECTOR_MM * SAME_VECTOR_MM {
         return CornerKind::Straight;
     }
     let along = exit.dot(entry);
     let turn = exit.cross(entry) * rho.signum();
-    let reversal = along < 0.0 && turn.abs() < PARALLEL;
-    let sharp = along < -COS_1_DEGREE;
-    if turn > -PARALLEL && !reversal {
+    let is_opposite = along < 0.0 && turn.abs() < PARALLEL;
+    let sharp = along < reversal;
+    if turn > -PARALLEL && !is_opposite {
         return if sharp {
             CornerKind::InnerSharp
         } else {
@@ -164,11 +151,10 @@ fn classify_corner(exit: Point, entry: Point, rho: f64) -> CornerKind {
 /// # Errors
 /// The nose is too large for an inner arc, the nose paths do not meet, or the corner is too sharp.
 pub(super) fn corner_vectors(
-    a: &ContourSegment,
-    rho_a: f64,
-    b: &ContourSegment,
-    rho_b: f64,
+    (a, rho_a): (&ContourSegment, f64),
+    (b, rho_b): (&ContourSegment, f64),
     role: CornerRole,
+    settings: &CompensationSettings,
 ) -> Result<CornerVectors, CompensationFault> {
     for (piece, rho) in [(a, rho_a), (b, rho_b)] {
         if let Some(circle) = &piece.circle {
@@ -178,7 +164,7 @@ pub(super) fn corner_vectors(
     let vectors = if rho_a * rho_b < 0.0 {
         Ok(side_change_vectors(a, rho_a, b, rho_b))
     } else {
-        same_side_vectors(a, b, rho_b, role)
+        same_side_vectors(a, b, rho_b, role, settings)
     };
     let is_finite = |vector: &Point| vector.x.is_finite() && vector.z.is_finite();
     match &vectors {
@@ -207,6 +193,7 @@ fn same_side_vectors(
     b: &ContourSegment,
     rho: f64,
     role: CornerRole,
+    settings: &CompensationSettings,
 ) -> Result<CornerVectors, CompensationFault> {
     let (square_a, square_b) = (perpendicular_at_end(a, rho), perpendicular_at_start(b, rho));
     // The compensated move of a start-up or a cancel determines the vector.
@@ -233,13 +220,18 @@ fn same_side_vectors(
             met.map(CornerVectors::at_meeting)
         }
     };
-    Ok(match classify_corner(a.exit, b.entry, rho) {
+    // Between two compensated lines the meeting point is as near, and does not cut in.
+    let kind = match around && lines && settings.is_straight(a.exit, b.entry) {
+        true => CornerKind::Straight,
+        false => classify_corner(a.exit, b.entry, rho, settings.reversal_cosine),
+    };
+    Ok(match kind {
         CornerKind::Straight => CornerVectors::from_points(&[kept]),
         CornerKind::Inner | CornerKind::InnerSharp if around => CornerVectors::from_points(&[kept]),
         CornerKind::InnerSharp => return Err(CompensationFault::SharpCorner),
         CornerKind::OuterSharp if around && lines => CornerVectors::from_points(&[kept]),
         CornerKind::Obtuse | CornerKind::Acute | CornerKind::OuterSharp
-            if around && START_TYPE == StartUpType::A =>
+            if around && settings.start_up == StartUpType::A =>
         {
             CornerVectors::from_points(&[kept])
         }

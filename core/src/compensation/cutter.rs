@@ -2,7 +2,7 @@
 //! is no imaginary tip. Moves are passed as they lie in the plane of G17 to G19. The caller
 //! keeps all other data of a move, its block included, under a number.
 
-use super::{CommandContext, Nose, NoseCompensation};
+use super::{CommandContext, CompensationSettings, Nose, NoseCompensation};
 use crate::alarm::Alarm;
 use crate::command::{Action, ControlCommand, Frame, ModalState, ProgramId, SourcePosition};
 use crate::units::{Feed, Point};
@@ -70,6 +70,13 @@ pub struct CutterCompensation {
 }
 
 impl CutterCompensation {
+    /// Creates a compensation that is off, with the settings of the control.
+    pub fn new(settings: CompensationSettings) -> Self {
+        Self {
+            stream: NoseCompensation::with_settings(settings),
+        }
+    }
+
     /// Whether compensation is active: from the move that starts it to the move that cancels it.
     pub const fn is_on(&self) -> bool {
         self.stream.is_on()

@@ -32,6 +32,7 @@ mod nose;
 mod open_move;
 mod plane;
 mod segment;
+mod settings;
 mod stream;
 
 #[cfg(test)]
@@ -41,14 +42,12 @@ pub(crate) use box_legs::box_corners;
 pub(crate) use fault::CompensationFault;
 pub(crate) use nose::Nose;
 pub(crate) use segment::check_arc;
+pub use settings::{CompensationSettings, StartUpType};
 pub(crate) use stream::{CommandContext, NoseCompensation};
 
-use crate::units::{Point, round};
+use crate::units::Point;
 
-/// Rounds a point to the least increment: 0.001 mm in Z and in the diameter X.
+/// Rounds a point to the least increment of the lathe: 0.001 mm in Z and in the diameter X.
 fn round_to_increment(point: Point) -> Point {
-    Point::new(
-        round(point.x * 2000.0) / 2000.0,
-        round(point.z * 1000.0) / 1000.0,
-    )
+    CompensationSettings::default().round(point)
 }

@@ -7,7 +7,6 @@ use super::open_move::{
     HeldCommand, MoveEnd, NextMove, OpenMove, SpareBox, TipState, corner_move, destination,
     shifted_arc, straight_action, with_programmed_x,
 };
-use super::round_to_increment;
 use super::segment::{ContourSegment, are_same};
 use super::stream::NoseCompensation;
 use crate::alarm::Alarm;
@@ -30,7 +29,7 @@ impl NoseCompensation {
                 CornerRole::Both
             };
             let (rho, next_rho) = (moving.rho(), next.side * moving.nose.radius);
-            match corner::corner_vectors(&moving.piece, rho, &next.piece, next_rho, role) {
+            match self.corner(&moving.piece, rho, &next.piece, next_rho, role) {
                 Ok(vectors) => {
                     let surface = Some((&next.piece, next_rho));
                     let next = Some(NextMove { source, surface });
@@ -96,7 +95,7 @@ impl NoseCompensation {
                     CornerRole::Cancel
                 };
                 let rho = moving.rho();
-                match corner::corner_vectors(&moving.piece, rho, piece, rho, role) {
+                match self.corner(&moving.piece, rho, piece, rho, role) {
                     Ok(vectors) => {
                         let next = NextMove {
                             source: command.source,
@@ -117,7 +116,7 @@ impl NoseCompensation {
             return;
         }
         for vector in self.tip_state.vectors.as_slice().iter().skip(1) {
-            let to = round_to_increment(self.tip_state.base + *vector);
+            let to = self.settings.round(self.tip_state.base + *vector);
             self.ready.push_back(corner_move(&command, to, from_x));
         }
         self.on = false;
@@ -125,6 +124,19 @@ impl NoseCompensation {
         let to = self.machine.x;
         let programmed = || ProgrammedX::Linear { from: from_x, to };
         self.ready.push_back(with_programmed_x(command, programmed));
+    }
+
+    /// Computes the vectors of the corner between the moves `a` and `b` with the settings of the
+    /// control, mm.
+    fn corner(
+        &self,
+        a: &ContourSegment,
+        rho_a: f64,
+        b: &ContourSegment,
+        rho_b: f64,
+        role: CornerRole,
+    ) -> Result<CornerVectors, CompensationFault> {
+        corner::corner_vectors((a, rho_a), (b, rho_b), role, &self.settings)
     }
 
     /// Executes a T word without axis words after the open move: the tool moves by `by`, the
@@ -245,7 +257,7 @@ impl NoseCompensation {
     /// that move.
     pub(super) fn push_corner_moves(&mut self, moving: &OpenMove, vectors: &CornerVectors) {
         for vector in vectors.as_slice().iter().skip(1) {
-            let to = round_to_increment(self.tip_state.base + *vector);
+            let to = self.settings.round(self.tip_state.base + *vector);
             self.ready.push_back(moving.corner_command(to));
         }
     }
@@ -253,7 +265,7 @@ impl NoseCompensation {
     /// Releases the move itself. It ends at the first vector of its end; with `cancelled` a
     /// straight move to the programmed point follows.
     fn push_main_move(&mut self, moving: &OpenMove, way: &EndVectors, cancelled: bool) {
-        let to = round_to_increment(moving.base() + way.end.first());
+        let to = self.settings.round(moving.base() + way.end.first());
         let arc = if way.straight {
             None
         } else {

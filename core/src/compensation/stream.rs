@@ -12,6 +12,7 @@ use super::open_move::{
     side_sign,
 };
 use super::segment::are_same;
+use super::settings::CompensationSettings;
 use crate::alarm::Alarm;
 use crate::command::{Action, ControlCommand, Frame};
 use crate::units::Point;
@@ -34,6 +35,8 @@ pub(crate) struct CommandContext {
 /// Compensation C: converts the commands of the interpreter into commands for the tip.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct NoseCompensation {
+    #[serde(skip)]
+    pub(super) settings: CompensationSettings,
     pub(super) on: bool,
     /// Programmed end of the last command, machine coordinates without the tool offset, mm.
     pub(super) machine: Point,
@@ -62,6 +65,14 @@ pub(crate) struct NoseCompensation {
 }
 
 impl NoseCompensation {
+    /// Creates a compensation that is off, with the settings of the control.
+    pub(super) fn with_settings(settings: CompensationSettings) -> Self {
+        Self {
+            settings,
+            ..Self::default()
+        }
+    }
+
     /// Whether compensation is active: from the start-up move to the move that cancels it.
     pub(crate) const fn is_on(&self) -> bool {
         self.on
@@ -88,7 +99,10 @@ impl NoseCompensation {
 
     /// Resets the compensation without motion: at RESET and at the start of a run.
     pub(crate) fn clear(&mut self) {
-        *self = Self::default();
+        *self = Self {
+            settings: self.settings,
+            ..Self::default()
+        };
     }
 
     /// Sets the position of the tool before a block, machine coordinates, mm, and the coordinate

@@ -4,6 +4,7 @@
 //! models that have it.
 
 mod code_meanings;
+mod contacts;
 mod conventions;
 mod program_calls;
 mod record;
@@ -14,8 +15,9 @@ use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 pub use code_meanings::{GCode, MCode};
+pub(crate) use contacts::{AxisEnd, EdgeAction, InputSignal, WiredContact};
 pub use conventions::{Conventions, Increments, MacroForm, ToolForm, WorkPlane, XMeasure};
-pub(crate) use record::{AxisEnd, EdgeAction, LadderOutput, MFunction, WiredContact};
+pub(crate) use record::{LadderOutput, MFunction};
 pub use record::{ModelParameter, ModelRecord};
 
 /// A control model whose programs this control reads.
@@ -179,6 +181,8 @@ pub(crate) mod hx31 {
 pub(crate) mod ncb08 {
     /// Number of the parameter with the greatest rapid rate, mm/min.
     pub(crate) const RAPID_LIMIT: u16 = 17;
+    /// Number of the parameter with the speed profile of rapids: 0 S-curve, 1 straight.
+    pub(crate) const RAPID_PROFILE: u16 = 18;
     /// Number of the parameter with the duration of M21, ms.
     pub(crate) const CLAMP_TIME: u16 = 41;
     /// Parameter with the X coordinate of the reference point as a diameter, 0.001 mm.
@@ -222,7 +226,7 @@ mod tests {
         assert_eq!(model.set_parameter(17, 6000), Ok(()));
         assert_eq!(model.parameter(17), 6000);
         assert!(model.set_parameter(17, 15001).is_err());
-        assert!(model.set_parameter(18, 1).is_err());
+        assert!(model.set_parameter(19, 1).is_err());
         assert!(ControlModel::default().set_parameter(17, 1).is_err());
     }
 }

@@ -6,10 +6,10 @@ use std::sync::LazyLock;
 use gsk_messages::Language;
 use serde::Deserialize;
 
+use super::contacts::{ContactAssignment, EdgeAction};
 use super::conventions::Conventions;
 use super::program_calls::CallRange;
 use super::{GCode, MCode, ModelId};
-use crate::units::Axis;
 
 /// Number of possible G codes: they have two digits.
 const G_CODES: usize = 100;
@@ -46,23 +46,20 @@ pub struct ModelRecord {
     /// Contact of the model's input 0, counted in bits of the X area from X0.0 (16 is X2.0).
     #[serde(default)]
     pub(crate) first_input: u8,
-    /// The action that a rising edge of each input triggers in manual modes, by input number.
+    /// The assignment of signals to inputs and outputs; `None` if they cannot be assigned.
     #[serde(default)]
-    pub(crate) edges: BTreeMap<u8, EdgeAction>,
+    pub(super) contacts: Option<ContactAssignment>,
     /// The action that a press of each model-specific key triggers in manual modes, by the bit of
     /// the key's contact in X27.
     #[serde(default)]
     pub(crate) key_edges: BTreeMap<u8, EdgeAction>,
-    /// Inputs, by number, that also act as a contact of the machine.
-    #[serde(default)]
-    pub(crate) wires: BTreeMap<u8, WiredContact>,
     /// Outputs of the ladder whose changes, from any cause, switch outputs of the model as M
     /// codes do.
     #[serde(default)]
     pub(crate) followers: Vec<OutputFollower>,
-    /// Number of the model's output that follows the spindle brake; `None` without one.
+    /// Outputs of the ladder that an output of the model follows, with the number of the latter.
     #[serde(default)]
-    pub(crate) brake_output: Option<u8>,
+    pub(crate) followed: Vec<(LadderOutput, u8)>,
     /// Whether the operator can teach points on the graphic page.
     #[serde(default)]
     pub teaches: bool,
@@ -127,35 +124,6 @@ pub struct ModelRecord {
     g_table: Vec<Option<GCode>>,
 }
 
-/// The action that a rising edge of an input triggers in a manual mode.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-pub(crate) enum EdgeAction {
-    /// Executes the two M codes in turn, one at each edge.
-    Toggles(u8, u8),
-    /// Each edge executes this M code.
-    Does(u8),
-}
-
-/// The contact of the machine that an input of a model is wired to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-pub(crate) enum WiredContact {
-    /// The contact of the emergency-stop button.
-    EmergencyStop,
-    /// The limit switch at an end of an axis.
-    Limit(Axis, AxisEnd),
-    /// The contact of the deceleration switch of an axis.
-    Deceleration(Axis),
-}
-
-/// An end of the travel of an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-pub(crate) enum AxisEnd {
-    /// The end of the axis in positive direction.
-    Plus,
-    /// The end of the axis in negative direction.
-    Minus,
-}
-
 /// An output of the ladder whose changes switch outputs of the model as M codes do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub(crate) struct OutputFollower {
@@ -176,6 +144,10 @@ pub(crate) enum LadderOutput {
     SpindleForward,
     /// Output that turns the spindle in reverse, as after M04.
     SpindleReverse,
+    /// Output that applies the spindle brake.
+    Brake,
+    /// Output that switches the lubrication, as after M32.
+    Lubrication,
 }
 
 /// The function of an M code of a model, and the outputs that it switches.
@@ -349,6 +321,21 @@ fn read_record(id: ModelId) -> ModelRecord {
         Err(error) => unreachable!("the record of {id:?} is part of the program: {error}"),
     };
     record.id = id;
+    if let Some(contacts) = &record.contacts {
+        let parameters = contacts.parameters().map(|it| {
+            let parameter = ModelParameter {
+                name: BilingualName {
+                    en: it.name_en,
+                    zh: it.name_zh,
+                },
+                unit: "-".to_owned(),
+                range: (-it.greatest, it.greatest),
+                delivered: it.delivered,
+            };
+            (it.number, parameter)
+        });
+        record.parameters.extend(parameters);
+    }
     record.g_table = (0..G_CODES)
         .map(|code| record.g.get(&(code as u8)).copied())
         .collect();

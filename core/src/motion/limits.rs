@@ -24,6 +24,9 @@ pub struct MotionLimits {
     /// axis moves at its own rate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     straight_rapid: Option<f64>,
+    /// Whether the speed of straight rapids rises and falls linearly instead of in an S-curve.
+    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+    linear_rapid: bool,
     cutting: f64,
     cutting_law: SpeedLaw,
     exact_corners: bool,
@@ -52,6 +55,7 @@ impl From<&ControlParameters> for MotionLimits {
             rapid_law: PerAxis::new(law(Axis::X), law(Axis::Z)),
             lowest_rapid: per_second(parameters.lowest_rapid_rate()),
             straight_rapid: None,
+            linear_rapid: false,
             cutting: per_second(parameters.feed_limit()),
             cutting_law: SpeedLaw::exponential(time, lowest(parameters.feed_start_speed())),
             exact_corners: parameters.has_exact_corners(),
@@ -79,6 +83,7 @@ impl MotionLimits {
         let limit = f64::from(model.parameter(ncb08::RAPID_LIMIT)) / 60.0;
         Self {
             straight_rapid: Some(limit),
+            linear_rapid: model.parameter(ncb08::RAPID_PROFILE) == 1,
             ..limits
         }
     }
@@ -91,6 +96,11 @@ impl MotionLimits {
     /// Highest speed along a straight rapid, mm/s; infinite if the model sets no limit.
     pub(super) fn straight_rapid(&self) -> f64 {
         self.straight_rapid.unwrap_or(f64::INFINITY)
+    }
+
+    /// Whether the speed of straight rapids rises and falls linearly instead of in an S-curve.
+    pub(super) const fn has_linear_rapids(&self) -> bool {
+        self.linear_rapid
     }
 
     /// Rapid rate of an axis at 100 % (022, 023; X as a radius), mm/min.

@@ -1,5 +1,5 @@
 //! Rapid traverse in a straight line (NC-B08): both axes arrive together. Their speed
-//! follows an S-curve: the acceleration begins and ends at zero.
+//! follows an S-curve: the acceleration begins and ends at zero. P18 = 1 makes it linear.
 //!
 //! ```text
 //!   v ^        ______                 from v0 to v1 in T:
@@ -38,17 +38,27 @@ struct SpeedChange {
     /// change is never replanned.
     #[serde(rename = "last")]
     is_last: bool,
+    /// Whether the speed changes linearly instead of along an S-curve.
+    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+    linear: bool,
 }
 
 impl SpeedChange {
     /// Speed after the fraction `fraction` (0–1) of the time of the change, mm/s.
     fn speed_at(&self, fraction: f64) -> f64 {
-        self.from + (self.to - self.from) * fraction * fraction * (3.0 - 2.0 * fraction)
+        let part = match self.linear {
+            true => fraction,
+            false => fraction * fraction * (3.0 - 2.0 * fraction),
+        };
+        self.from + (self.to - self.from) * part
     }
 
     /// Distance travelled after the fraction `fraction` (0–1) of the time of the change, mm.
     fn distance_at(&self, fraction: f64) -> f64 {
-        let s = fraction * fraction * fraction * (1.0 - fraction / 2.0);
+        let s = match self.linear {
+            true => fraction * fraction / 2.0,
+            false => fraction * fraction * fraction * (1.0 - fraction / 2.0),
+        };
         self.span * (self.from * fraction + (self.to - self.from) * s)
     }
 
@@ -139,7 +149,7 @@ impl StraightRapid {
             if self.is_finished() || left <= 0.0 {
                 break;
             }
-            self.plan(target, acceleration);
+            self.plan(target, acceleration, limits.has_linear_rapids());
             left -= self.follow_change(left, acceleration);
         }
         if self.is_finished() { dt - left } else { dt }
@@ -147,7 +157,7 @@ impl StraightRapid {
 
     /// Plans the next change of speed towards `target`, mm/s, with the mean acceleration
     /// `acceleration`, mm/s², unless the planned change is still valid.
-    fn plan(&mut self, target: f64, acceleration: f64) {
+    fn plan(&mut self, target: f64, acceleration: f64, linear: bool) {
         let braking = self.speed * self.speed / (2.0 * acceleration);
         // The planned change continues unless the target speed has changed.
         if let Some(change) = &self.change
@@ -164,6 +174,7 @@ impl StraightRapid {
                 span: 2.0 * self.remaining / self.speed,
                 elapsed: 0.0,
                 is_last: true,
+                linear,
             });
             return;
         }
@@ -176,6 +187,7 @@ impl StraightRapid {
                 span: (goal - self.speed).abs() / acceleration,
                 elapsed: 0.0,
                 is_last: false,
+                linear,
             });
         }
     }
@@ -238,14 +250,18 @@ fn speed_along(direction: Point, axis_speeds: PerAxis<f64>) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// Highest mean acceleration of an S-curve along a unit vector at which no axis exceeds its
-/// acceleration, mm/s².
+/// Highest mean acceleration along a unit vector at which no axis exceeds its acceleration,
+/// mm/s².
 fn mean_acceleration(limits: &MotionLimits, direction: Point) -> f64 {
     let axis_acceleration = |axis| limits.rapid_law(axis).acceleration();
-    speed_along(
+    let steepest = speed_along(
         direction,
         PerAxis::new(axis_acceleration(Axis::X), axis_acceleration(Axis::Z)),
-    ) / STEEPEST_RATIO
+    );
+    match limits.has_linear_rapids() {
+        true => steepest,
+        false => steepest / STEEPEST_RATIO,
+    }
 }
 
 /// Duration of a straight rapid by `displacement`, mm, from rest to rest at an override of 100 %,

@@ -16,6 +16,8 @@ pub struct Syntax {
     pub point_required: bool,
     /// Whether lengths are in inches, with 0.0001 inch as the least increment, not 0.001 mm.
     pub inch: bool,
+    /// Whether the least increment is 0.0001 mm or 0.00001 inch (IS-C of the GSK980MDi).
+    pub fine: bool,
     /// Whether the program uses macro B and the control has this option.
     pub macro_b: bool,
     /// The control model whose addresses, codes and ranges apply.
@@ -25,7 +27,11 @@ pub struct Syntax {
 impl Syntax {
     /// The least input increment of a length, in millionths of a millimetre or an inch.
     pub(super) const fn increment(self) -> i64 {
-        if self.inch { 100 } else { 1000 }
+        match (self.inch, self.fine) {
+            (true, true) => 10,
+            (true, false) | (false, true) => 100,
+            (false, false) => 1000,
+        }
     }
 
     /// The increment that `ROUND` rounds to in a word of this address, in the unit of the
@@ -57,7 +63,7 @@ impl Syntax {
 
     /// Returns the number of decimal places of the least input increment.
     pub(super) const fn decimal_places(self) -> u8 {
-        if self.inch { 4 } else { 3 }
+        3 + self.inch as u8 + self.fine as u8
     }
 }
 
@@ -66,6 +72,7 @@ impl From<&ControlParameters> for Syntax {
         Self {
             point_required: parameters.is_point_required(),
             inch: false,
+            fine: false,
             macro_b: false,
             model: ModelId::default(),
         }

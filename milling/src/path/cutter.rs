@@ -4,11 +4,13 @@
 use std::collections::BTreeMap;
 
 use gsk_core::alarm::Alarm;
+use gsk_core::compensation::CompensationSettings;
 use gsk_core::compensation::cutter::{
     CutterCompensation, CutterOutput, CutterSide, FlatMove, FlatShape,
 };
 use gsk_core::units::Point;
 
+use crate::axes::Axes;
 use crate::path::moves::{MillArc, MillMoveKind};
 use crate::path::tracker::{PathStep, Tracker};
 use crate::space::{MillPosition, Plane, PlanePoint};
@@ -22,6 +24,8 @@ pub(crate) struct CutterStream {
     stream: CutterCompensation,
     waiting: BTreeMap<u32, PathStep>,
     count: u32,
+    /// The axes, with their least increments.
+    axes: Axes,
     plane: Plane,
     /// End of the last step passed to the stream.
     at: MillPosition,
@@ -40,8 +44,10 @@ const fn flat(point: Point) -> PlanePoint {
 
 impl CutterStream {
     /// Creates a stream without compensation, with the tool at `start`.
-    pub(crate) fn new(start: MillPosition) -> Self {
+    pub(crate) fn new(start: MillPosition, axes: Axes, settings: CompensationSettings) -> Self {
         Self {
+            stream: CutterCompensation::new(settings),
+            axes,
             at: start,
             ..Self::default()
         }
@@ -147,7 +153,7 @@ impl CutterStream {
                     if let Some(mut step) = self.waiting.remove(&number) {
                         // The step moves across the plane at the position of the cutter centre.
                         let centre = tracker.machine.flat(self.plane);
-                        step.to = step.to.moved_to(self.plane, centre);
+                        step.to = self.axes.moved_to(step.to, self.plane, centre);
                         tracker.make(&step)?;
                     }
                 }
@@ -164,7 +170,7 @@ impl CutterStream {
                         step.to.set(across, tracker.machine.get(across));
                         step.to = step.to.with_further_of(&tracker.machine);
                     }
-                    step.to = step.to.moved_to(self.plane, flat(made.to));
+                    step.to = self.axes.moved_to(step.to, self.plane, flat(made.to));
                     step.arc = match made.shape {
                         FlatShape::Arc { center, .. } => Some(MillArc {
                             plane: self.plane,

@@ -5,6 +5,26 @@ use crate::commissioning::backlash_rate;
 use crate::memory::{MillMemory, parameter};
 use crate::space::{AxisValues, Length, MillAxis, MillPosition};
 
+/// How the speed of a motion rises and falls: linearly, above the speed at which it begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct SpeedRamp {
+    /// Speed up to which a motion starts and stops without acceleration time, mm/s.
+    start: f64,
+    /// Time constant, s.
+    time_s: f64,
+}
+
+impl SpeedRamp {
+    /// Returns the additional duration of a stop from `speed` (mm/s), s.
+    fn duration_s(&self, speed: f64) -> f64 {
+        if speed <= self.start {
+            0.0
+        } else {
+            self.time_s * (1.0 - self.start / speed)
+        }
+    }
+}
+
 /// The rates and time constants of the axes, from which the times of moves are computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MillRates {
@@ -16,10 +36,10 @@ pub(crate) struct MillRates {
     rapid_time_s: f64,
     /// Greatest feed of cuts, mm/s.
     feed: f64,
-    /// Speed up to which a cut starts and stops without acceleration time, mm/s.
-    feed_start: f64,
-    /// Time constant of cuts, s.
-    feed_time_s: f64,
+    /// Ramp of cuts.
+    cut_ramp: SpeedRamp,
+    /// Ramp of flexible taps.
+    flexible_tap_ramp: SpeedRamp,
     /// Time constants of rigid taps on the way in and out, s.
     tap_times_s: [f64; 2],
     /// Greatest speed of an analog or serial spindle, r/min; `None` for switched speeds.
@@ -41,13 +61,19 @@ impl MillRates {
                     MillAxis::Fifth if index == 5 => parameter::INDEX_RATE,
                     _ => parameter::axis_parameter(parameter::RAPID_RATE, axis),
                 };
-                f64::from(memory.value(number)) / 60.0
+                axis_rate(memory, axis, number) / 60.0
             })),
             is_straight: memory.bit(parameter::MOTION, 7),
             rapid_time_s: seconds(parameter::RAPID_TIME),
-            feed: f64::from(memory.value(parameter::FEED_LIMIT)) / 60.0,
-            feed_start: f64::from(memory.value(parameter::FEED_START)) / 60.0,
-            feed_time_s: seconds(parameter::FEED_TIME),
+            feed: memory.speed(parameter::FEED_LIMIT) / 60.0,
+            cut_ramp: SpeedRamp {
+                start: memory.speed(parameter::FEED_START) / 60.0,
+                time_s: seconds(parameter::FEED_TIME),
+            },
+            flexible_tap_ramp: SpeedRamp {
+                start: memory.speed(parameter::FLEXIBLE_TAP_START) / 60.0,
+                time_s: seconds(parameter::FLEXIBLE_TAP_TIME),
+            },
             tap_times_s: match memory.value(parameter::TAP_TIME_OUT) {
                 0 => [seconds(parameter::TAP_TIME); 2],
                 _ => [parameter::TAP_TIME, parameter::TAP_TIME_OUT].map(seconds),
@@ -107,12 +133,13 @@ impl MillRates {
     /// Returns the additional duration of a stop at the end of a cut at `feed` (mm/min), s.
     /// The ramps cover the speed above that at which cuts begin.
     pub(crate) fn settling(&self, feed: f64) -> f64 {
-        let speed = self.cutting(feed);
-        if speed <= self.feed_start {
-            0.0
-        } else {
-            self.feed_time_s * (1.0 - self.feed_start / speed)
-        }
+        self.cut_ramp.duration_s(self.cutting(feed))
+    }
+
+    /// Returns the additional duration of a stop at the end of a flexible tap at `feed` (mm/min),
+    /// s.
+    pub(crate) fn flexible_tap_settling_s(&self, feed: f64) -> f64 {
+        self.flexible_tap_ramp.duration_s(self.cutting(feed))
     }
 
     /// Returns the speed at which the spindle turns for a programmed one, r/min.
@@ -135,6 +162,23 @@ impl MillRates {
     /// it moves out of the hole.
     pub(crate) const fn tap_settling_s(&self, out: bool) -> f64 {
         self.tap_times_s[out as usize]
+    }
+}
+
+/// Greatest rapid rate in IS-C, mm/min: of any axis, and of the fifth one.
+const FINE_RAPID: f64 = 24_000.0;
+const FINE_RAPID_FIFTH: f64 = 6000.0;
+
+/// Returns the rapid rate of an axis that parameter `number` gives, mm/min or degrees/min.
+fn axis_rate(memory: &MillMemory, axis: MillAxis, number: u16) -> f64 {
+    let rate = match memory.is_rotary(axis) {
+        true => f64::from(memory.value(number)),
+        false => memory.speed(number),
+    };
+    match (memory.is_fine(), axis) {
+        (false, _) => rate,
+        (true, MillAxis::Fifth) => rate.min(FINE_RAPID_FIFTH),
+        (true, _) => rate.min(FINE_RAPID),
     }
 }
 

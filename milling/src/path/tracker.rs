@@ -43,6 +43,8 @@ pub(crate) struct Tracker<'a> {
     axes: Axes,
     /// Negative and positive travel limits, machine coordinates; `None` if they do not act.
     travel: Option<(MillPosition, MillPosition)>,
+    /// The axes whose travel limits act (012.1): all, or those that have returned to machine zero.
+    limited: [bool; MillAxis::ALL.len()],
     pub(crate) machine: MillPosition,
     pub(crate) now: f64,
     pub(crate) cutting_s: f64,
@@ -74,6 +76,7 @@ impl<'a> Tracker<'a> {
                     memory.point(parameter::TRAVEL_PLUS),
                 )
             }),
+            limited: [!memory.bit(parameter::MOTION, 1); MillAxis::ALL.len()],
             machine: start,
             now: 0.0,
             cutting_s: 0.0,
@@ -143,9 +146,10 @@ impl<'a> Tracker<'a> {
                 };
                 made.duration_s = distance / self.rates.cutting(feed);
                 self.cutting_s += made.duration_s;
-                settling = match step.rigid_out {
-                    Some(out) => self.rates.tap_settling_s(out),
-                    None => self.rates.settling(feed),
+                settling = match (step.rigid_out, step.kind) {
+                    (Some(out), _) => self.rates.tap_settling_s(out),
+                    (None, MillMoveKind::Tap) => self.rates.flexible_tap_settling_s(feed),
+                    (None, _) => self.rates.settling(feed),
                 };
                 *match step.kind {
                     MillMoveKind::Clockwise => &mut self.lengths.clockwise,
@@ -173,6 +177,11 @@ impl<'a> Tracker<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Notes that an axis has returned to machine zero: its travel limits act from now on.
+    pub(crate) fn set_homed(&mut self, axis: MillAxis) {
+        self.limited[axis as usize] = true;
     }
 
     /// Waits at the first cut after a rapid or a dwell, and at a cut with another speed, until the
@@ -229,7 +238,10 @@ impl<'a> Tracker<'a> {
         for axis in self.axes.all() {
             let to = step.to.get(axis);
             let (low, high) = (minus.get(axis), plus.get(axis));
-            if (low..=high).contains(&to) || self.axes.rolls_over(axis) {
+            if (low..=high).contains(&to)
+                || self.axes.rolls_over(axis)
+                || !self.limited[axis as usize]
+            {
                 continue;
             }
             let beyond = match (axis, to > high) {

@@ -266,7 +266,7 @@ pub(crate) fn target(state: &mut MillState, words: &BlockWords) -> MillPosition 
     };
     let (sine, cosine) = sine_cosine(polar.degrees);
     let offset = PlanePoint::new(cosine, sine).scaled(polar.radius.mm());
-    to.moved_to(modal.plane, center + offset)
+    state.axes.moved_to(to, modal.plane, center + offset)
 }
 
 /// Sets the centre of a rotation (G68) before the first motion: if that is incremental, to the
@@ -479,12 +479,13 @@ fn hole_levels(
             } else {
                 1.0
             };
-            return from + Length::from_mm(value.mm() * factor).rounded();
+            let scaled = Length::from_mm(value.mm() * factor);
+            return from + state.axes.rounded(across, scaled);
         }
         let mut point = state.programmed;
         point.set(across, value);
         let point = if scales {
-            state.transform.apply(point)
+            state.transform.apply(point, &state.axes)
         } else {
             point
         };

@@ -195,7 +195,7 @@ impl<'a> Run<'a> {
             machine: start,
             ..MillState::default()
         };
-        state.modal.feed = memory.value(parameter::FIRST_FEED).into();
+        state.modal.feed = memory.speed(parameter::FIRST_FEED);
         if memory.bit(parameter::MOTION, 4) {
             state.modal.motion = MillMotion::Line;
         }
@@ -205,7 +205,7 @@ impl<'a> Run<'a> {
             main: program,
             walker: Walker::new(program, &memory.model),
             state,
-            cutter: CutterStream::new(start),
+            cutter: CutterStream::new(start, axes, axes.compensation(&memory)),
             tracker: Tracker::new(&memory, start, on_move),
             memory,
             variables: MillVariables::new(setup.day_time),
@@ -275,6 +275,7 @@ impl<'a> Run<'a> {
     fn read(&mut self) -> Result<WalkedBlock, Alarm> {
         let syntax = Syntax {
             inch: self.state.modal.inch,
+            fine: self.state.axes.have_fine_words(),
             macro_b: true,
             model: ModelId::Gsk980mdi,
             ..Syntax::default()

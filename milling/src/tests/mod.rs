@@ -5,6 +5,7 @@ mod macros;
 mod offset_memory;
 mod spindle_and_backlash;
 mod transforms;
+mod units_and_start_up;
 
 use gsk_core::program::{Program, ProgramMemory};
 use proptest::prelude::*;

@@ -34,7 +34,7 @@ fn ranges_of_the_appendices() {
     assert_eq!(number(&each, "G51 X0 Y0 I9999 J-9999 K1\nM30\n"), None);
     assert_eq!(number(&each, "G51 X0 Y0 I10000 J1000\nM30\n"), Some(43));
     assert_eq!(number(&each, "G51 X0 Y0 I1000 J0\nM30\n"), Some(43));
-    let fine = with(&[(562, 0b1_0111), (36, 128)]);
+    let fine = with(&[(562, 0b1_0111), (60_036, 128)]);
     assert_eq!(number(&fine, "G51 X0 Y0 I999999 J100000\nM30\n"), None);
     assert_eq!(number(&fine, "G51 X0 Y0 I1000000\nM30\n"), Some(43));
     assert_eq!(alarm("G51 P-1\n"), (43, 1));

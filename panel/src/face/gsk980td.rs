@@ -1,5 +1,7 @@
 //! Contains the face of the GSK980TD (manual III-1.2). Other models share its grids of keys.
 
+use gsk_messages::say;
+
 use super::pages::PAGES;
 use super::{Face, GAP, KeyGrid, PanelColour, Rect};
 use crate::keys::Key as K;
@@ -213,6 +215,8 @@ pub(super) const START: KeyGrid = grid(
 );
 
 pub(super) static FACE: Face = Face {
+    maker: Some(say::lcd_maker),
+    version: "Gsk-980TD V05.05.12",
     lcd: LcdColours::BLUE,
     grids: &[
         RESET,
@@ -243,4 +247,5 @@ pub(super) static FACE: Face = Face {
     soft_keys: &[],
     inputs: &[],
     outputs: &[],
+    spare_signals: &[],
 };

@@ -53,6 +53,8 @@ const fn soft(
 }
 
 pub(super) static FACE: Face = Face {
+    maker: None,
+    version: "31/32",
     lcd: LcdColours::BLUE,
     grids: &[
         common::RESET,
@@ -164,6 +166,7 @@ pub(super) static FACE: Face = Face {
     ],
     inputs: &[FREE; 24],
     outputs: &[FREE; 17],
+    spare_signals: &[],
 };
 
 /// A contact of which the manual gives only the count: 24 inputs, 17 outputs.

@@ -25,6 +25,10 @@ pub const GAP: f32 = 6.0;
 /// The panel of a control model: its LCD colours, keys, pages and labels.
 #[derive(Debug)]
 pub struct Face {
+    /// The maker's name on the self-test picture; `None` if the manual of the model has none.
+    pub maker: Option<fn() -> Message>,
+    /// The name and version of the software that the directory shows.
+    pub version: &'static str,
     /// Colours of the LCD at full brightness.
     pub lcd: LcdColours,
     /// The keys on the panel, by size and position. Emergency stop and overtravel release are on
@@ -40,6 +44,8 @@ pub struct Face {
     pub inputs: &'static [ContactRow],
     /// The outputs of the model, from number 0; empty if it has no page of them.
     pub outputs: &'static [ContactRow],
+    /// Signals of outputs that no output has as delivered, by the number in their parameters.
+    pub spare_signals: &'static [(u32, ContactMeaning)],
 }
 
 /// Keys of one size and colour, in rows from the top.

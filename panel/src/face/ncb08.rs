@@ -53,6 +53,8 @@ const fn printed(key: Key, legend: &'static [&'static str], zh: &'static str) ->
 }
 
 pub(super) static FACE: Face = Face {
+    maker: None,
+    version: "NC-B08",
     lcd: LcdColours::GREEN,
     grids: &[
         common::RESET,
@@ -104,7 +106,7 @@ pub(super) static FACE: Face = Face {
         row(P::Edisk, "edisk", K::Set, 0, 1),
         row(P::Password, "password", K::Set, 0, 1),
         row(P::Udisk, "udisk", K::Set, 1, 1),
-        row(P::ParModel, "par-model", K::Par, 0, 1),
+        row(P::ParModel, "par-model", K::Par, 0, 8),
         row(P::ParBit, "par-bit", K::Par, 1, 2),
         row(P::ParData, "par-data", K::Par, 2, 7),
         row(P::Pitch, "pitch", K::Par, 3, 32),
@@ -122,6 +124,8 @@ pub(super) static FACE: Face = Face {
     soft_keys: &[],
     inputs: &INPUTS,
     outputs: &OUTPUTS,
+    // The lubrication has no pin in the table of connector C-DO.
+    spare_signals: &[(17, M::Signal(say::lcd_contact_lubrication))],
 };
 
 /// The inputs X0 to X31. The table of connector C-DI lists X0 to X23 with their pins.

@@ -36,16 +36,20 @@ const SOFT_WIDTH: usize = 7;
 const SOFT_STATE_COLUMN: usize = 36;
 const SOFT_MODE_COLUMN: usize = 19;
 
+/// Returns the name of a program with this number, as the control model writes it.
+pub(super) fn program_name(cnc: &Cnc, number: u16) -> String {
+    let record = cnc.model().record();
+    match record.program_name.starts_with('%') {
+        true => format!("%P{number:02}"),
+        false => format!("O{number:04}"),
+    }
+}
+
 /// Draws the parts that all pages have: title, program and sequence number, spindle, tool, run
 /// state, mode.
 pub fn draw(screen: &mut Screen, page: PageId, view: &PageView, cnc: &Cnc) {
     screen.put_message(0, 0, &page.title());
-    let record = cnc.model().record();
-    let name = if record.program_name.starts_with('%') {
-        format!("%P{:02}", program_number(cnc))
-    } else {
-        format!("O{:04}", program_number(cnc))
-    };
+    let name = program_name(cnc, program_number(cnc));
     screen.put(0, PROGRAM_COLUMN, &name);
     screen.put(0, SEQUENCE_COLUMN, &format!("N{:04}", sequence(view, cnc)));
 

@@ -7,13 +7,12 @@ use gsk_messages::say;
 use super::frame;
 use super::program_text::{self, ListingMark};
 use super::view::PageView;
+use crate::face::face_of;
 use crate::screen::Screen;
 
 /// Number of programs on one screen of the directory, and in one of its rows.
 pub(crate) const DIRECTORY_SCREEN: usize = 36;
 const DIRECTORY_ROW: usize = 6;
-/// The control's software version that the directory page shows.
-const VERSION: &str = "Gsk-980TD V05.05.12";
 
 /// Draws the program page: the editor in EDIT, otherwise the block in execution.
 pub fn text(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
@@ -76,13 +75,17 @@ pub fn directory(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let memory = cnc.programs();
     let (stored, free_programs) = (memory.count(), memory.free_count());
     let (used, free) = (memory.characters(), memory.free_characters());
-    screen.put_message(1, 0, &say::lcd_control_version(VERSION));
+    screen.put_message(
+        1,
+        0,
+        &say::lcd_control_version(face_of(cnc.model().id()).version),
+    );
     screen.put_message(2, 0, &say::lcd_programs_stored(stored, free_programs));
     screen.put_message(3, 0, &say::lcd_memory_used(used, free));
     screen.put_message(4, 0, &say::lcd_directory());
     let first = view.directory_screen % directory_screens(cnc) * DIRECTORY_SCREEN;
     for (index, number) in listed(cnc).skip(first).take(DIRECTORY_SCREEN).enumerate() {
         let (row, column) = (index / DIRECTORY_ROW, index % DIRECTORY_ROW);
-        screen.put(5 + row, column * 6, &format!("O{number:04}"));
+        screen.put(5 + row, column * 6, &frame::program_name(cnc, number));
     }
 }

@@ -70,6 +70,7 @@ pub fn picture_items(drawing: &MillDrawing, language: Language) -> Vec<PictureIt
             text: pane.view.name(language),
             anchor: TextAnchor::Left,
         });
+        add_hole_marks(&pane, drawing, &mut parts);
         add_range_figures(&pane, &drawing.shown_box(), &mut parts);
         for rapid in [true, false] {
             let strokes = drawing.strokes.iter();
@@ -145,6 +146,40 @@ fn head_items(drawing: &MillDrawing, wide: f64, language: Language) -> (Vec<Pict
         x += entry;
     }
     (parts, y + ROW_HEIGHT)
+}
+
+/// Radius of the mark of a hole, and the length of an arm of its cross, picture units.
+const HOLE_RADIUS: f64 = 4.0;
+const HOLE_ARM: f64 = 6.5;
+/// Number of chords of the circle of the mark.
+const HOLE_CHORDS: u32 = 16;
+
+/// Adds a circle with a cross for each hole that a view shows from above.
+fn add_hole_marks(pane: &MillPane, drawing: &MillDrawing, parts: &mut Vec<PictureItem>) {
+    let Some(axes) = pane.view.axes() else {
+        return;
+    };
+    for hole in drawing.holes.marks() {
+        if axes.contains(&hole.along) {
+            continue;
+        }
+        let (x, y) = pane.to_units(hole.point);
+        let circle = (0..=HOLE_CHORDS).map(|chord| {
+            let angle = core::f64::consts::TAU * f64::from(chord) / f64::from(HOLE_CHORDS);
+            (x + HOLE_RADIUS * angle.cos(), y + HOLE_RADIUS * angle.sin())
+        });
+        let pen = LinePen::for_line(PathLine::Cut(hole.tool));
+        let lines = [
+            circle.collect(),
+            vec![(x - HOLE_ARM, y), (x + HOLE_ARM, y)],
+            vec![(x, y - HOLE_ARM), (x, y + HOLE_ARM)],
+        ];
+        for line in lines {
+            clip_to_frame(line.into_iter(), pane.frame, |part| {
+                parts.push(PictureItem::Line(pen, part.to_vec()));
+            });
+        }
+    }
 }
 
 /// Adds the least and greatest coordinates of the path, mm, along the two axes of a view.

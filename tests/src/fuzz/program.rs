@@ -39,10 +39,11 @@ pub(super) fn fuzz_program(input: &[u8]) {
 }
 
 fn syntaxes() -> impl Iterator<Item = Syntax> {
-    (0..16).map(|bits| Syntax {
+    (0..32).map(|bits| Syntax {
         point_required: bits & 1 != 0,
         inch: bits & 2 != 0,
         macro_b: bits & 4 != 0,
+        fine: bits & 16 != 0,
         model: match bits & 8 {
             0 => ModelId::Gsk980td,
             _ => ModelId::Ncb08,

@@ -202,7 +202,7 @@ impl LessonView {
     fn list(&mut self, ui: &mut Ui, language: Language, part: Option<&Arc<PartView>>) {
         let heading = say::lesson_samples().text(language);
         card::show_heading(ui, Icon::SAMPLE, &heading);
-        let samples: Vec<_> = good_samples().collect();
+        let samples: Vec<_> = good_samples(self.model).collect();
         let cards: Vec<Card> = samples
             .iter()
             .map(|sample| Card {

@@ -7,6 +7,7 @@ use std::collections::BTreeSet;
 use crate::alarm::{Alarm, number};
 use crate::cnc::Cnc;
 use crate::command::{ProgramId, SequenceNumber, SourcePosition, ThreadPassFeature};
+use crate::model::{GCode, ModelRecord};
 use crate::program::Program;
 use gsk_link::{MissingForThreads, ThreadCapability};
 use gsk_messages::{Message, say};
@@ -44,7 +45,12 @@ impl Cnc {
             .board
             .map_or_else(Default::default, |board| board.threads);
         let mut threads = ThreadScan::new(self.memory.parameters.run_out_tenths());
-        let passes = thread_capability == ThreadCapability::Passes && !self.plc.signals.dry_run;
+        let record = self.memory.model.record();
+        // The search for more than one pass reads the thread codes of the GSK980TD.
+        let has_thread_cycle = record.g_code(92) == Some(GCode::ThreadCycle);
+        let passes = thread_capability == ThreadCapability::Passes
+            && !self.plc.signals.dry_run
+            && has_thread_cycle;
         let without_surface = self
             .drives
             .board
@@ -59,6 +65,7 @@ impl Cnc {
             for index in 0..program.block_count() {
                 let needs = block_needs(
                     program.block(index),
+                    record,
                     thread_capability,
                     self.plc.signals.dry_run,
                 );
@@ -99,9 +106,15 @@ fn refusal_alarm(id: ProgramId, program: &Program, index: u32, refused: RefusedF
         })
 }
 
-/// Determines which functions a block requires from the board. `threads` gives the threads that the
+/// Determines which functions a block requires from the board. `record` gives the meanings of its
+/// codes, `threads` the threads that the
 /// board can cut; in `dry_run` a thread is an ordinary cut.
-fn block_needs(block: &str, threads: ThreadCapability, dry_run: bool) -> BlockNeeds {
+fn block_needs(
+    block: &str,
+    record: &ModelRecord,
+    threads: ThreadCapability,
+    dry_run: bool,
+) -> BlockNeeds {
     let mut needs = BlockNeeds::default();
     let (mut call, mut called) = (false, None);
     let mut comment = false;
@@ -114,10 +127,11 @@ fn block_needs(block: &str, threads: ThreadCapability, dry_run: bool) -> BlockNe
                 let number = parse_number(&block[at + 1..]);
                 match (letter.to_ascii_uppercase(), number) {
                     // In dry run all motion is feed.
-                    ('G', Some(96)) if !dry_run => needs.surface_speed = true,
-                    ('G', Some(number)) if !dry_run => {
-                        needs.refused_function = g_code_refusal(number, threads);
-                    }
+                    ('G', Some(number)) if !dry_run => match record.g_code(number.into()) {
+                        Some(GCode::SurfaceSpeed) => needs.surface_speed = true,
+                        Some(code) => needs.refused_function = g_code_refusal(code, threads),
+                        None => {}
+                    },
                     ('M', Some(98)) => call = true,
                     ('P', number) => called = number,
                     _ => {}
@@ -137,18 +151,32 @@ fn block_needs(block: &str, threads: ThreadCapability, dry_run: bool) -> BlockNe
 
 /// Returns the function of the G code `code` that the board cannot execute; `None` if the board can
 /// execute the code.
-fn g_code_refusal(code: u32, threads: ThreadCapability) -> Option<RefusedFunction> {
+fn g_code_refusal(code: GCode, threads: ThreadCapability) -> Option<RefusedFunction> {
     let reason = match (code, threads) {
-        (32 | 34 | 76 | 92, ThreadCapability::None(lacks)) => {
-            return Some(RefusedFunction::ThreadLacks(lacks));
+        (
+            GCode::Thread
+            | GCode::VariableThread
+            | GCode::CompoundThread
+            | GCode::ThreadCycle
+            | GCode::MetricThreadPass
+            | GCode::InchThreadPass
+            | GCode::MetricThreadCycle
+            | GCode::InchThreadCycle,
+            ThreadCapability::None(lacks),
+        ) => return Some(RefusedFunction::ThreadLacks(lacks)),
+        (
+            GCode::Tapping | GCode::MetricRigidTapping | GCode::InchRigidTapping,
+            ThreadCapability::Followed,
+        ) => say::cannot_tap_by_index(),
+        (GCode::Tapping | GCode::MetricRigidTapping | GCode::InchRigidTapping, _) => {
+            say::cannot_tap()
         }
-        (33, ThreadCapability::Followed) => say::cannot_tap_by_index(),
-        (33, _) => say::cannot_tap(),
-        (99, ThreadCapability::Followed) => return None,
-        (99, ThreadCapability::None(MissingForThreads { index: true, .. })) => {
-            say::cannot_feed_per_revolution_unwired()
-        }
-        (99, _) => say::cannot_feed_per_revolution(),
+        (GCode::FeedPerRevolution, ThreadCapability::Followed) => return None,
+        (
+            GCode::FeedPerRevolution,
+            ThreadCapability::None(MissingForThreads { index: true, .. }),
+        ) => say::cannot_feed_per_revolution_unwired(),
+        (GCode::FeedPerRevolution, _) => say::cannot_feed_per_revolution(),
         _ => return None,
     };
     Some(RefusedFunction::Unsupported(reason))
@@ -166,6 +194,7 @@ fn parse_number(text: &str) -> Option<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::ModelId;
 
     const NONE: ThreadCapability = ThreadCapability::None(MissingForThreads {
         sync: true,
@@ -176,6 +205,31 @@ mod tests {
         index: false,
     });
 
+    fn needs_of(block: &str, threads: ThreadCapability, dry_run: bool) -> BlockNeeds {
+        block_needs(block, ModelId::Gsk980td.record(), threads, dry_run)
+    }
+
+    #[test]
+    fn codes_have_the_meaning_of_the_model() {
+        let record = ModelId::Hx31.record();
+        let refuses = |block: &str| {
+            let needs = block_needs(block, record, NONE, false);
+            needs.refused_function.is_some()
+        };
+        for block in ["G92 X100 Z100", "G76", "G74 X0", "G91 G01 X2"] {
+            assert!(!refuses(block), "{block}");
+        }
+        for block in [
+            "G33 Z-20 K2",
+            "G34 Z-20 K8",
+            "G86 Z-20 K2",
+            "G87 Z-20 K8",
+            "G84 Z-5 K1",
+        ] {
+            assert!(refuses(block), "{block}");
+        }
+    }
+
     #[test]
     fn codes_are_found_in_any_notation() {
         for block in [
@@ -185,29 +239,29 @@ mod tests {
             "G97 G34 Z-1",
         ] {
             assert!(
-                block_needs(block, NONE, false).refused_function.is_some(),
+                needs_of(block, NONE, false).refused_function.is_some(),
                 "{block}"
             );
             assert_eq!(
-                block_needs(block, ThreadCapability::Followed, false).refused_function,
+                needs_of(block, ThreadCapability::Followed, false).refused_function,
                 None,
                 "{block}"
             );
         }
         assert!(
-            block_needs("G96 S120", NONE, false).surface_speed
-                && !block_needs("G96 S120", NONE, true).surface_speed
+            needs_of("G96 S120", NONE, false).surface_speed
+                && !needs_of("G96 S120", NONE, true).surface_speed
         );
-        assert!(block_needs("G99", NONE, false).refused_function.is_some());
+        assert!(needs_of("G99", NONE, false).refused_function.is_some());
         assert_eq!(
-            block_needs("G99", ThreadCapability::Followed, false).refused_function,
+            needs_of("G99", ThreadCapability::Followed, false).refused_function,
             None
         );
-        let tap = block_needs("X1 G33 Z-5 F1", ThreadCapability::Followed, false);
+        let tap = needs_of("X1 G33 Z-5 F1", ThreadCapability::Followed, false);
         assert!(tap.refused_function.is_some());
         for block in ["(G92) G01 X1", "G98", "G9", "G920", "G0 X32", "N92 G01"] {
             assert_eq!(
-                block_needs(block, NONE, false),
+                needs_of(block, NONE, false),
                 BlockNeeds::default(),
                 "{block}"
             );
@@ -217,7 +271,7 @@ mod tests {
     #[test]
     fn lacking_equipment_is_named() {
         let Some(RefusedFunction::ThreadLacks(lacks)) =
-            block_needs("G92 X1 Z1 F1", NONE, false).refused_function
+            needs_of("G92 X1 Z1 F1", NONE, false).refused_function
         else {
             panic!("not refused");
         };
@@ -227,7 +281,7 @@ mod tests {
             "{text}"
         );
         assert_eq!(
-            block_needs("G92 X1 Z1 F1", NONE, true).refused_function,
+            needs_of("G92 X1 Z1 F1", NONE, true).refused_function,
             None,
             "dry run"
         );
@@ -236,13 +290,10 @@ mod tests {
     #[test]
     fn calls_name_their_program() {
         assert_eq!(
-            block_needs("N130 M98 P41031", NONE, false).called_program,
+            needs_of("N130 M98 P41031", NONE, false).called_program,
             Some(1031)
         );
-        assert_eq!(block_needs("M98P7", NONE, false).called_program, Some(7));
-        assert_eq!(
-            block_needs("G65 H01 P#100", NONE, false).called_program,
-            None
-        );
+        assert_eq!(needs_of("M98P7", NONE, false).called_program, Some(7));
+        assert_eq!(needs_of("G65 H01 P#100", NONE, false).called_program, None);
     }
 }

@@ -44,6 +44,10 @@ pub(crate) struct PlcPort {
     /// bits.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub input_levels: u32,
+    /// Levels, at the last sample, of the keys that only the panel of the control model has, as
+    /// bits.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub model_keys: u32,
     /// Levels, at the last sample, of the ladder outputs that outputs of the control model follow,
     /// as bits.
     #[serde(default, skip_serializing_if = "is_zero")]
@@ -80,6 +84,7 @@ impl PlcPort {
             y: vec![0; Y_BYTES],
             output_timers: OutputTimers::default(),
             input_levels: 0,
+            model_keys: 0,
             followed_levels: 0,
             negative: PerAxis::default(),
             last_rapid: false,

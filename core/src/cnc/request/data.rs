@@ -59,8 +59,13 @@ impl Cnc {
         if self.rights().check_parameters().is_err() {
             return Ok(());
         }
+        let outputs = self.program_outputs();
         let set = self.memory.model.set_parameter(number, value);
-        set.map_err(|why| Alarm::new(number::OUT_OF_RANGE).with_detail(why))
+        set.map_err(|why| Alarm::new(number::OUT_OF_RANGE).with_detail(why))?;
+        // Another assignment switches no output and is no edge of an input.
+        self.set_program_outputs(outputs);
+        self.plc.input_levels = self.edge_levels();
+        Ok(())
     }
 
     /// Shifts the work zero so that the tool is at the coordinate `value`.

@@ -110,7 +110,10 @@ pub(crate) fn plan_interface(
     else {
         return Ok(None);
     };
-    let bits = |numbers: &[u8]| numbers.iter().fold(0_u32, |bits, it| bits | 1 << it);
+    let bits = |numbers: &[u8]| {
+        let signals = numbers.iter().fold(0_u32, |bits, it| bits | 1 << it);
+        context.model.outputs_of(signals)
+    };
     let outputs_action = |on, off, ms| Ok(Some(Action::Outputs { on, off, ms }));
     match does {
         MCode::InputWait => plan_input_wait(words).map(Some),

@@ -4,6 +4,7 @@ use core::time::Duration;
 
 use gsk_core::cnc::ControlRequest;
 use gsk_core::linked::{LinkNote, LinkedControl};
+use gsk_core::model::ControlModel;
 use gsk_core::operation::RunState;
 use gsk_core::plc::address::BitAddress;
 use gsk_core::program::Program;
@@ -197,6 +198,18 @@ impl LinkedMachine {
         Self::with_flush_speed(variant, 10_000)
     }
 
+    /// A machine with the control of another model, after its reference return.
+    pub fn with_model(variant: Variant, model: ControlModel) -> Self {
+        let mut setup = Setup::delivered();
+        setup.memory.set_model(model);
+        let twin = GrblTwin::new(variant, GrblSettings::default());
+        // The delivered rapids of the siblings are beyond the pulse rate of the board.
+        let gear = [(17, 5), (18, 5), (22, 3800), (23, 7600)];
+        Self::with_setup(setup, twin, LinkConfig::default(), &gear)
+            .open()
+            .returned()
+    }
+
     /// The same with another speed (mm/min) up to which a stop keeps the steps.
     pub fn with_flush_speed(variant: Variant, flush_keep_speed: u32) -> Self {
         Self::unlocked(variant, flush_keep_speed, 5).returned()
@@ -275,7 +288,10 @@ impl LinkedMachine<TimedBoard> {
 impl<T: BenchBoard> LinkedMachine<T> {
     /// A board with these wires and parameters.
     pub fn with_wiring(twin: T, config: LinkConfig, changes: &[(u16, i32)]) -> Self {
-        let mut setup = Setup::delivered();
+        Self::with_setup(Setup::delivered(), twin, config, changes)
+    }
+
+    fn with_setup(mut setup: Setup, twin: T, config: LinkConfig, changes: &[(u16, i32)]) -> Self {
         for (number, value) in changes {
             setup.memory.parameters.set(*number, *value).unwrap();
         }

@@ -8,6 +8,7 @@ mod faults;
 mod limits;
 mod lines;
 mod long_run;
+mod models;
 mod motion;
 mod parameters;
 mod passes;
