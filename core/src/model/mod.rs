@@ -1,10 +1,11 @@
 //! Control models: the GSK980TD, and related systems or other controls of the same shop. The
-//! record of a model (`assets/models/`) lists which number means which code, and the
-//! parameters that only this model has. The effect of a code is implemented once for all
-//! models that have it.
+//! record of a model (`assets/models/`) lists which number means which code. The parameters that
+//! only this model has are in a file of their own. The effect of a code is implemented once for
+//! all models that have it.
 
 mod code_meanings;
 mod conventions;
+mod parameters;
 mod program_calls;
 mod record;
 
@@ -15,8 +16,9 @@ use serde::{Deserialize, Serialize};
 
 pub use code_meanings::{GCode, MCode};
 pub use conventions::{Conventions, Increments, MacroForm, ToolForm, WorkPlane, XMeasure};
+pub use parameters::ModelParameter;
+pub use record::ModelRecord;
 pub(crate) use record::{AxisEnd, EdgeAction, LadderOutput, MFunction, WiredContact};
-pub use record::{ModelParameter, ModelRecord};
 
 /// A control model whose programs this control reads.
 #[derive(
@@ -119,7 +121,12 @@ impl ControlModel {
 
     /// The value of a parameter that only this model has; 0 if it has no such number.
     pub fn parameter(&self, number: u16) -> i32 {
-        let delivered = || self.record().parameters.get(&number).map(|it| it.delivered);
+        let delivered = || {
+            self.record()
+                .parameters()
+                .get(&number)
+                .map(|it| it.delivered)
+        };
         self.parameters
             .get(&number)
             .copied()
@@ -133,7 +140,7 @@ impl ControlModel {
     /// The message that the model has no such number, or that the value is outside its range.
     pub fn set_parameter(&mut self, number: u16, value: i32) -> Result<(), Message> {
         let record = self.record();
-        let Some(parameter) = record.parameters.get(&number) else {
+        let Some(parameter) = record.parameters().get(&number) else {
             return Err(say::model_parameter_unknown(self.id.name(), number));
         };
         let (low, high) = parameter.range;
@@ -198,6 +205,7 @@ mod tests {
             let name = id.name();
             assert!(record.g_code(0).is_some(), "{name} has no G00");
             assert!(record.m_function(30).is_some(), "{name} has no M30");
+            assert!(!record.parameters().is_empty(), "{name} has no parameters");
             assert_eq!(ModelId::from_command_word(id.command_word()), Some(id));
         }
     }
