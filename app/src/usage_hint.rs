@@ -15,7 +15,10 @@ use crate::cli::{CommandLine, chinese, find_language};
 /// process.
 pub fn parse_command_line() -> CommandLine {
     let words: Vec<OsString> = env::args_os().collect();
-    CommandLine::try_parse_from(&words).unwrap_or_else(|error| localize_error(error, &words).exit())
+    let parse_whole = || CommandLine::try_parse_from(&words);
+    CommandLine::parse_command_call(&words)
+        .map_or_else(parse_whole, Ok)
+        .unwrap_or_else(|error| localize_error(error, &words).exit())
 }
 
 /// Translates a clap error, or requested help, into the language of the command line `words`.

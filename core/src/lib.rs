@@ -12,6 +12,7 @@ pub mod command;
 pub mod compensation;
 pub mod dialect;
 pub mod interpreter;
+pub mod json_line;
 pub mod linked;
 pub mod machine;
 pub mod memory;

@@ -142,7 +142,7 @@ fn panel_topics(model: ModelId) -> impl Iterator<Item = Topic> {
 
 /// Returns topics for the parameters that only this model has.
 fn parameters(record: &'static ModelRecord) -> impl Iterator<Item = Topic> {
-    record.parameters.iter().map(|(number, parameter)| {
+    record.parameters().iter().map(|(number, parameter)| {
         let (low, high) = parameter.range;
         let rule = [Language::Zh, Language::En].map(|language| {
             let name = parameter.name(language);

@@ -84,7 +84,7 @@ mod tests {
         };
         for row in mill_parameter_rows() {
             for number in of_axes(row) {
-                let Some(there) = record.parameters.get(&number) else {
+                let Some(there) = record.parameters().get(&number) else {
                     assert!(!row.acts, "{number} acts, and the model has none");
                     continue;
                 };
@@ -99,7 +99,7 @@ mod tests {
             }
         }
         let listed: Vec<u16> = mill_parameter_rows().iter().flat_map(of_axes).collect();
-        for (number, parameter) in &record.parameters {
+        for (number, parameter) in record.parameters() {
             let rows = mill_parameter_rows().iter();
             let acts = rows
                 .clone()

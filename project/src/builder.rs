@@ -331,7 +331,7 @@ impl StateBuilder<'_> {
             return ControlModel::new(ModelId::default());
         };
         let mut model = ControlModel::new(id);
-        for (number, parameter) in &id.record().parameters {
+        for (number, parameter) in id.record().parameters() {
             let (low, high) = parameter.range;
             let key = ProjectKey::ModelParameter(*number);
             if id.is_main() && !self.remaining.contains_key(&key) {

@@ -65,7 +65,7 @@ pub fn unit(key: ProjectKey, model: ModelId) -> &'static str {
     match key {
         ProjectKey::Parameter(..) => parameter_row(key).map_or("", |row| row.unit),
         ProjectKey::ModelParameter(number) => {
-            let parameter = model.record().parameters.get(&number);
+            let parameter = model.record().parameters().get(&number);
             parameter.map_or("", |parameter| parameter.unit.as_str())
         }
         ProjectKey::Offset(_, _, OffsetColumn::T) => "",
@@ -77,7 +77,7 @@ pub fn unit(key: ProjectKey, model: ModelId) -> &'static str {
 
 fn parameter_name(key: ProjectKey, model: ModelId, language: Language) -> String {
     if let ProjectKey::ModelParameter(number) = key {
-        let parameter = model.record().parameters.get(&number);
+        let parameter = model.record().parameters().get(&number);
         return parameter
             .map_or("", |parameter| parameter.name(language))
             .to_owned();

@@ -154,7 +154,7 @@ impl ProjectState {
         let mut entries = BTreeMap::new();
         entries.insert(ProjectKey::Format, ProjectValue::Whole(FORMAT_VERSION));
         entries.insert(ProjectKey::Model, ProjectValue::Model(memory.model.id()));
-        for (number, parameter) in &memory.model.record().parameters {
+        for (number, parameter) in memory.model.record().parameters() {
             let value = memory.model.parameter(*number);
             // Folders of the GSK980TD from older versions have no model parameters.
             if memory.model.is_main() && value == parameter.delivered {
@@ -231,7 +231,7 @@ impl ProjectState {
 /// parameters compare as unset.
 fn drop_delivered_values(model: &ControlModel) -> ControlModel {
     let mut changed = ControlModel::new(model.id());
-    for (number, parameter) in &model.record().parameters {
+    for (number, parameter) in model.record().parameters() {
         let value = model.parameter(*number);
         if value != parameter.delivered {
             // Cannot fail: the value comes from the same model.

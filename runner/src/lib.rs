@@ -8,7 +8,6 @@ pub mod curves;
 pub mod dialect;
 pub mod execution;
 mod html;
-mod json_line;
 pub mod ladder;
 pub mod machining;
 pub mod mill;

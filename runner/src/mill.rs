@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
+use gsk_core::json_line::JsonLine;
 use gsk_core::program::ProgramMemory;
 use gsk_core::units::Feed;
 use gsk_messages::Language;
@@ -10,7 +11,6 @@ use gsk_milling::{
     MillAxis, MillMove, MillMoveKind, MillPosition, MillPreview, PreviewProgress, preview_while,
 };
 
-use crate::json_line::JsonLine;
 use crate::move_output::round_to_millionth;
 use crate::report::{
     AlarmReport, FinalPositions, MillReportPosition, PathReport, ProgramReport, ReportBounds,
@@ -199,12 +199,13 @@ impl MillTimes {
 
 /// Writes a move as one line, a JSON object: the tip of the tool in work coordinates, mm.
 /// `cx`, `cy`, `cz` give the centre of an arc. A fourth and a fifth axis use their letters, with
-/// degrees for rotary axes: `a0` is where A begins, `a` where it ends.
+/// degrees for rotary axes: `a0` is where A begins, `a` where it ends. `line` is the memory of the
+/// line, used again for the next one.
 ///
 /// # Errors
 /// Writing to `out` fails.
-pub fn write_move(out: &mut dyn Write, made: &MillMove) -> io::Result<()> {
-    let mut line = JsonLine::default();
+pub fn write_move(out: &mut dyn Write, line: &mut JsonLine, made: &MillMove) -> io::Result<()> {
+    line.clear();
     line.push_integer("{\"line\":", made.source.line.into());
     match made.source.sequence {
         Some(sequence) => line.push_integer(",\"n\":", u32::from(sequence).into()),
@@ -249,5 +250,5 @@ pub fn write_move(out: &mut dyn Write, made: &MillMove) -> io::Result<()> {
     line.push_number(",\"t\":", Some(made.start_s));
     line.push_number(",\"dt\":", Some(made.duration_s));
     line.push_text("}\n");
-    out.write_all(&line.bytes)
+    out.write_all(line.as_bytes())
 }

@@ -2,9 +2,9 @@
 
 use std::io::{self, Write};
 
-use crate::json_line::JsonLine;
 use crate::machining::MoveLoad;
 use gsk_core::command::{ExecutedMove, MoveKind};
+use gsk_core::json_line::JsonLine;
 use gsk_core::units::{Feed, Point};
 
 /// Rounds to six decimals: a nanometre in mm, a microsecond in s. Returns no negative zero.
@@ -30,9 +30,14 @@ pub fn is_reported(executed: &ExecutedMove) -> bool {
 }
 
 /// Writes a move as one line, a JSON object. X values are diameters in the program's work
-/// coordinates without tool offset, mm. Times are seconds of machine time.
-pub fn write_move(out: &mut dyn Write, executed: &ExecutedMove) -> io::Result<()> {
-    let mut line = JsonLine::default();
+/// coordinates without tool offset, mm. Times are seconds of machine time. `line` is the memory
+/// of the line, used again for the next one.
+pub fn write_move(
+    out: &mut dyn Write,
+    line: &mut JsonLine,
+    executed: &ExecutedMove,
+) -> io::Result<()> {
+    line.clear();
     line.push_integer("{\"line\":", executed.source.line.into());
     match executed.source.sequence {
         Some(sequence) => line.push_integer(",\"n\":", u32::from(sequence).into()),
@@ -67,7 +72,7 @@ pub fn write_move(out: &mut dyn Write, executed: &ExecutedMove) -> io::Result<()
     line.push_number(",\"t\":", Some(executed.start_s));
     line.push_number(",\"dt\":", Some(executed.duration_s));
     line.push_text("}\n");
-    out.write_all(&line.bytes)
+    out.write_all(line.as_bytes())
 }
 
 /// Header line of the CSV file of loads.
@@ -115,6 +120,7 @@ pub fn write_position(
 mod tests {
     use super::*;
     use gsk_core::command::{MoveConditions, ProgramId, SourcePosition};
+    use proptest::prelude::*;
 
     fn executed(kind: MoveKind) -> ExecutedMove {
         ExecutedMove {
@@ -137,7 +143,12 @@ mod tests {
     #[test]
     fn a_move_is_one_line_with_diameters() {
         let mut out = Vec::new();
-        write_move(&mut out, &executed(MoveKind::Feed)).expect("write");
+        write_move(
+            &mut out,
+            &mut JsonLine::default(),
+            &executed(MoveKind::Feed),
+        )
+        .expect("write");
         assert_eq!(
             String::from_utf8(out).expect("text"),
             "{\"line\":12,\"n\":50,\"kind\":\"feed\",\"x0\":50.0,\"z0\":0.0,\"x\":50.0,\"z\":-30.0,\
@@ -156,5 +167,67 @@ mod tests {
         still.kind = MoveKind::Clockwise;
         still.center = Some(Point::default());
         assert!(is_reported(&still), "a full circle ends where it began");
+    }
+
+    const SCALES: [f64; 7] = [1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e8];
+
+    fn json_line_text(value: f64) -> String {
+        let mut line = JsonLine::default();
+        line.push_number("", Some(value));
+        String::from_utf8(line.as_bytes().to_vec()).expect("text")
+    }
+
+    fn serde_json_text(value: f64) -> String {
+        serde_json::to_string(&round_to_millionth(value)).expect("a number")
+    }
+
+    #[test]
+    fn numbers_are_written_as_json_writes_them() {
+        for value in [
+            0.0,
+            -0.0,
+            1.0,
+            -0.25,
+            4e-7,
+            6e-7,
+            -1e-6,
+            9e-6,
+            1e-5,
+            0.1,
+            1e8,
+            999_999_999.999_999,
+            1e9,
+            123_456_789_012.3,
+            1e17,
+            1e22,
+            -1e300,
+            f64::MAX,
+            f64::INFINITY,
+            f64::NAN,
+        ] {
+            assert_eq!(json_line_text(value), serde_json_text(value), "{value}");
+        }
+        let mut line = JsonLine::default();
+        line.push_integer("n", u64::MAX);
+        line.push_number(":", None);
+        assert_eq!(line.as_bytes(), b"n18446744073709551615:null");
+    }
+
+    proptest! {
+        #[test]
+        fn any_number_is_written_as_json_writes_it(
+            (size, scale) in (-1e6..1e6, prop::sample::select(&SCALES[..]))
+        ) {
+            let value: f64 = size * scale;
+            prop_assert_eq!(json_line_text(value), serde_json_text(value));
+        }
+
+        #[test]
+        fn whole_numbers_have_all_their_digits((number, bits) in (any::<u64>(), 0..64_u32)) {
+            let mut line = JsonLine::default();
+            line.push_integer("", number >> bits);
+            let text = (number >> bits).to_string();
+            prop_assert_eq!(line.as_bytes(), text.as_bytes());
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use gsk_core::command::{ExecutedMove, ProgramId};
 use gsk_core::interpreter::{Explanation, ModalState};
+use gsk_core::json_line::JsonLine;
 use gsk_core::program::ProgramMemory;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
@@ -70,12 +71,13 @@ fn program_name(program: ProgramId) -> String {
 #[derive(Default)]
 struct MoveWriter {
     written: Vec<u8>,
+    line: JsonLine,
 }
 
 impl MoveWriter {
     fn write(&mut self, executed: &ExecutedMove) {
         // Writing to memory cannot fail.
-        let _ = move_output::write_move(&mut self.written, executed);
+        let _ = move_output::write_move(&mut self.written, &mut self.line, executed);
     }
 }
 
@@ -114,7 +116,7 @@ pub fn run_check(setup: &Setup) -> PathResult {
 
 /// Interprets the selected program of a mill as `check` does, and returns the result.
 pub fn run_mill_check(setup: &MillSetup, programs: &ProgramMemory) -> PathResult {
-    let mut written = Vec::new();
+    let (mut written, mut line) = (Vec::new(), JsonLine::default());
     let report = gsk_runner::mill::check_program(
         "",
         setup,
@@ -122,7 +124,7 @@ pub fn run_mill_check(setup: &MillSetup, programs: &ProgramMemory) -> PathResult
         None,
         &mut |made| {
             // Writing to memory cannot fail.
-            let _ = gsk_runner::mill::write_move(&mut written, made);
+            let _ = gsk_runner::mill::write_move(&mut written, &mut line, made);
         },
         &mut |progress| progress.motionless < MOTIONLESS_BLOCKS,
     );

@@ -3,6 +3,7 @@
 
 pub mod chinese;
 mod class;
+mod command_call;
 mod dap;
 mod deferred;
 mod dialect;
@@ -38,9 +39,9 @@ use clap::{Args, Parser, Subcommand};
 use gsk_core::model::ModelId;
 use gsk_panel::script::FORMS;
 pub use gsk_runner::Language;
-use tracing::level_filters::LevelFilter;
 
 pub use class::{ClassArgs, SeatArgs};
+pub use command_call::GlobalArgs;
 pub use dap::DapArgs;
 pub use dialect::{DialectArgs, ProgramOrigin};
 pub use exercise::{
@@ -53,7 +54,6 @@ pub use ladder::{
     FindDirection, LadderArgs, LadderCommand, LadderFindArgs, LadderPrintArgs, LadderReadArgs,
     LadderRunArgs, LadderSendArgs,
 };
-use language::language_parser;
 pub use language::{find_language, first_window_language, is_chinese, system_language};
 pub use lesson::{LessonCheckArgs, LessonCommand, LessonListArgs, LessonRunArgs};
 pub use link::{
@@ -117,15 +117,9 @@ pub struct CommandLine {
     /// The command to execute; `None` opens the window.
     #[command(subcommand)]
     pub command: Option<CliCommand>,
-    /// Level of the log: off, error, warn, info, debug or trace. The window logs into `log` of the
-    /// data folder, a command to standard error [default: info in the window, off for commands]
-    #[arg(long, global = true, value_name = "LEVEL", value_parser = gsk_host::log::parse_level)]
-    pub log: Option<LevelFilter>,
-    /// Language of messages; the panel keeps its printed legends [default: zh on a Chinese system,
-    /// else English with the Chinese texts of the screen; the window keeps its last choice, `lsp`
-    /// follows the editor]
-    #[arg(long, global = true, value_parser = language_parser(), value_name = "LANG")]
-    pub lang: Option<Language>,
+    /// Options of every command.
+    #[command(flatten)]
+    pub global: GlobalArgs,
     /// Options with which the window is opened.
     #[command(flatten)]
     pub window: WindowArgs,
@@ -427,7 +421,7 @@ mod tests {
     fn the_window_is_the_default() {
         let cli = CommandLine::try_parse_from(["gsk980td", "--lang", "en"]).expect("window");
         assert!(cli.command.is_none());
-        assert_eq!(cli.lang, Some(Language::En));
+        assert_eq!(cli.global.lang, Some(Language::En));
     }
 
     #[test]

@@ -75,21 +75,22 @@ fn hold_port(port: &str, baud: u32) -> Result<u8, CommandError> {
 
 /// Carries out a command line and returns the exit code of the process.
 pub fn run_command_line(cli: CommandLine) -> ExitCode {
-    let _log = match (&cli.command, cli.log) {
+    let (log_level, lang) = (cli.global.log, cli.global.lang);
+    let _log = match (&cli.command, log_level) {
         (Some(_), Some(level)) => log::start_on_terminal(level),
         _ => None,
     };
-    let message_language = cli.lang.or_else(system_language);
+    let message_language = lang.or_else(system_language);
     let language = match &cli.command {
         // The window has stored its language, and an editor sends its own.
-        None | Some(CliCommand::Lsp(_) | CliCommand::Dap(_)) => cli.lang,
+        None | Some(CliCommand::Lsp(_) | CliCommand::Dap(_)) => lang,
         Some(_) => message_language,
     };
     if let Some(message_language) = message_language {
         output::set_language(message_language);
     }
     let result = match cli.command {
-        None => window::open(cli.window, language, cli.log),
+        None => window::open(cli.window, language, log_level),
         Some(CliCommand::Run(args)) => run::run(&args, language),
         Some(CliCommand::Check(args)) => check::check(&args, language),
         Some(CliCommand::Plot(args)) => plot::plot(&args, language),

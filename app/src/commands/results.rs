@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 use gsk_core::alarm::Alarm;
+use gsk_core::json_line::JsonLine;
 use gsk_core::preview::PreviewEnd;
 use gsk_core::program::ProgramMemory;
 use gsk_host::files::folders;
@@ -133,14 +134,15 @@ pub(super) fn report_exit_code(report: &ProgramReport) -> u8 {
 /// Checks a program and writes each move with `write` into the file at `path`.
 fn check_into_file<M>(
     path: &Path,
-    write: impl Fn(&mut dyn Write, &M) -> io::Result<()>,
+    write: impl Fn(&mut dyn Write, &mut JsonLine, &M) -> io::Result<()>,
     check_program: impl FnOnce(&mut dyn FnMut(&M)) -> Result<ProgramReport, CommandError>,
 ) -> Result<ProgramReport, CommandError> {
     let mut out = output::open(path)?;
+    let mut line = JsonLine::default();
     let mut error = None;
     let report = check_program(&mut |made| {
         if error.is_none() {
-            error = write(&mut *out, made).err();
+            error = write(&mut *out, &mut line, made).err();
         }
     })?;
     match error.or(out.flush().err()) {
@@ -158,7 +160,7 @@ pub(super) type CheckOptions<'a> = (&'a CheckArgs, Option<Language>);
 pub(super) fn check_programs<S: Sync, M>(
     (args, language): CheckOptions<'_>,
     create_setup: impl FnOnce() -> Result<S, CommandError>,
-    write_move: impl Fn(&mut dyn Write, &M) -> io::Result<()>,
+    write_move: impl Fn(&mut dyn Write, &mut JsonLine, &M) -> io::Result<()>,
     check_file: impl Fn(
         &S,
         &Path,

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use gsk_core::alarm::number;
 use gsk_core::command::ExecutedMove;
 use gsk_core::interpreter::{Explanation, ModalState};
+use gsk_core::json_line::JsonLine;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
@@ -451,7 +452,7 @@ impl RunOutputs {
 impl ExecutionWatcher for RunOutputs {
     fn on_move(&mut self, executed: &ExecutedMove) {
         if let Some(out) = &mut self.moves
-            && let Err(error) = move_output::write_move(out, executed)
+            && let Err(error) = move_output::write_move(out, &mut JsonLine::default(), executed)
         {
             self.moves = None;
             self.first_error.get_or_insert(CommandError::output(error));

@@ -215,7 +215,7 @@ fn model_parameters(model: ModelId, language: Option<Language>) -> PrintedTable 
         Some(Language::Zh) => ["参数号", "单位", "范围", "出厂值", "中文", "ENGLISH"],
         Some(Language::En) | None => ["NUMBER", "UNIT", "RANGE", "FACTORY", "中文", "MEANING"],
     });
-    for (number, row) in &model.record().parameters {
+    for (number, row) in model.record().parameters() {
         let (zh, en) = (row.name(Language::Zh), row.name(Language::En));
         let range = format!("{}..{}", row.range.0, row.range.1);
         let json = json!({

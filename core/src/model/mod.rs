@@ -1,11 +1,12 @@
 //! Control models: the GSK980TD, and related systems or other controls of the same shop. The
-//! record of a model (`assets/models/`) lists which number means which code, and the
-//! parameters that only this model has. The effect of a code is implemented once for all
-//! models that have it.
+//! record of a model (`assets/models/`) lists which number means which code. The parameters that
+//! only this model has are in a file of their own. The effect of a code is implemented once for
+//! all models that have it.
 
 mod code_meanings;
 mod contacts;
 mod conventions;
+mod parameters;
 mod program_calls;
 mod record;
 
@@ -17,8 +18,9 @@ use serde::{Deserialize, Serialize};
 pub use code_meanings::{GCode, MCode};
 pub(crate) use contacts::{AxisEnd, EdgeAction, InputSignal, WiredContact};
 pub use conventions::{Conventions, Increments, MacroForm, ToolForm, WorkPlane, XMeasure};
+pub use parameters::ModelParameter;
+pub use record::ModelRecord;
 pub(crate) use record::{LadderOutput, MFunction};
-pub use record::{ModelParameter, ModelRecord};
 
 /// A control model whose programs this control reads.
 #[derive(
@@ -121,7 +123,12 @@ impl ControlModel {
 
     /// The value of a parameter that only this model has; 0 if it has no such number.
     pub fn parameter(&self, number: u16) -> i32 {
-        let delivered = || self.record().parameters.get(&number).map(|it| it.delivered);
+        let delivered = || {
+            self.record()
+                .parameters()
+                .get(&number)
+                .map(|it| it.delivered)
+        };
         self.parameters
             .get(&number)
             .copied()
@@ -135,7 +142,7 @@ impl ControlModel {
     /// The message that the model has no such number, or that the value is outside its range.
     pub fn set_parameter(&mut self, number: u16, value: i32) -> Result<(), Message> {
         let record = self.record();
-        let Some(parameter) = record.parameters.get(&number) else {
+        let Some(parameter) = record.parameters().get(&number) else {
             return Err(say::model_parameter_unknown(self.id.name(), number));
         };
         let (low, high) = parameter.range;
@@ -202,6 +209,7 @@ mod tests {
             let name = id.name();
             assert!(record.g_code(0).is_some(), "{name} has no G00");
             assert!(record.m_function(30).is_some(), "{name} has no M30");
+            assert!(!record.parameters().is_empty(), "{name} has no parameters");
             assert_eq!(ModelId::from_command_word(id.command_word()), Some(id));
         }
     }

@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-use gsk_messages::Language;
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 
 use super::contacts::{ContactAssignment, EdgeAction};
 use super::conventions::Conventions;
+use super::parameters::ModelParameter;
 use super::program_calls::CallRange;
-use super::{GCode, MCode, ModelId};
+use super::{GCode, MCode, ModelId, parameters};
 
 /// Number of possible G codes: they have two digits.
 const G_CODES: usize = 100;
@@ -116,9 +117,6 @@ pub struct ModelRecord {
     /// not give it.
     #[serde(default)]
     pub m_decided: Vec<u8>,
-    /// Parameters that only this model has, by number of the parameter.
-    #[serde(default)]
-    pub parameters: BTreeMap<u16, ModelParameter>,
     /// The meanings of `g` in an array, for fast access by number.
     #[serde(skip)]
     g_table: Vec<Option<GCode>>,
@@ -164,25 +162,6 @@ pub struct MFunction {
     pub off: Vec<u8>,
 }
 
-/// A parameter that only one model has.
-#[derive(Clone, Debug, Deserialize)]
-pub struct ModelParameter {
-    /// Name of the parameter in English and Chinese.
-    name: BilingualName,
-    /// Unit of the value; empty without one.
-    pub unit: String,
-    /// Least and greatest value of the parameter.
-    pub range: (i32, i32),
-    /// The value of the parameter as delivered.
-    pub delivered: i32,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-struct BilingualName {
-    en: String,
-    zh: String,
-}
-
 const fn four() -> u8 {
     4
 }
@@ -201,16 +180,6 @@ const fn ten_metres() -> i64 {
 
 fn four_digits() -> String {
     "O0001".to_owned()
-}
-
-impl ModelParameter {
-    /// The name of the parameter in the language `language`.
-    pub fn name(&self, language: Language) -> &str {
-        match language {
-            Language::Zh => &self.name.zh,
-            Language::En => &self.name.en,
-        }
-    }
 }
 
 impl ModelRecord {
@@ -234,6 +203,11 @@ impl ModelRecord {
     /// The name of the model for the operator.
     pub const fn name(&self) -> &'static str {
         self.id.name()
+    }
+
+    /// The parameters that only this model has, by number; read at the first call.
+    pub fn parameters(&self) -> &'static BTreeMap<u16, ModelParameter> {
+        parameters::for_model(self.id)
     }
 
     /// The X byte and bit of the model's input `number`, from 0.
@@ -314,30 +288,20 @@ fn read_record(id: ModelId) -> ModelRecord {
         ModelId::Hx31 => include_str!("../../../assets/models/hx31.ron"),
         ModelId::Ncb08 => include_str!("../../../assets/models/ncb08.ron"),
     };
-    let options =
-        ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
-    let mut record: ModelRecord = match options.from_str(text) {
-        Ok(record) => record,
-        Err(error) => unreachable!("the record of {id:?} is part of the program: {error}"),
-    };
+    let mut record: ModelRecord = read_ron(text);
     record.id = id;
-    if let Some(contacts) = &record.contacts {
-        let parameters = contacts.parameters().map(|it| {
-            let parameter = ModelParameter {
-                name: BilingualName {
-                    en: it.name_en,
-                    zh: it.name_zh,
-                },
-                unit: "-".to_owned(),
-                range: (-it.greatest, it.greatest),
-                delivered: it.delivered,
-            };
-            (it.number, parameter)
-        });
-        record.parameters.extend(parameters);
-    }
     record.g_table = (0..G_CODES)
         .map(|code| record.g.get(&(code as u8)).copied())
         .collect();
     record
+}
+
+/// Parses a RON text of the program itself; an optional value is written without `Some`.
+pub(super) fn read_ron<T: DeserializeOwned>(text: &str) -> T {
+    let options =
+        ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+    match options.from_str(text) {
+        Ok(value) => value,
+        Err(error) => unreachable!("this text is part of the program: {error}"),
+    }
 }

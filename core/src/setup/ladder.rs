@@ -65,10 +65,13 @@ impl From<Arc<Ladder>> for MachineLadder {
     }
 }
 
-/// The declarations (M codes, initial values) of the standard ladder, parsed once.
+/// The declarations (M codes, initial values) of the standard ladder, parsed once. They are
+/// before the names of its addresses, so the rest is not read: every start needs them.
 fn standard_declarations() -> &'static LadderDeclarations {
-    static DECLARED: LazyLock<LadderDeclarations> =
-        LazyLock::new(|| LadderDeclarations::read(STANDARD_LADDER));
+    static DECLARED: LazyLock<LadderDeclarations> = LazyLock::new(|| {
+        let head = STANDARD_LADDER.split_once("\n.CMT ");
+        LadderDeclarations::read(head.map_or(STANDARD_LADDER, |(head, _)| head))
+    });
     &DECLARED
 }
 

@@ -20,13 +20,13 @@ const UNIT: usize = 18;
 /// Returns the numbers of the parameters that only this model has, ascending.
 pub fn numbers(cnc: &Cnc) -> Vec<u16> {
     let record = cnc.model().record();
-    record.parameters.keys().copied().collect()
+    record.parameters().keys().copied().collect()
 }
 
 /// Draws the list of the model's own parameters, and the name and range of the one at the
 /// cursor.
 pub fn draw(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
-    let parameters = &cnc.model().record().parameters;
+    let parameters = cnc.model().record().parameters();
     let last = parameters.len().saturating_sub(1);
     let item = view.cursors.get(PageId::ParModel).item.min(last);
     screen.put_message(1, 0, &say::lcd_model_parameter_heading());
