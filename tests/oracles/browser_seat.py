@@ -31,7 +31,7 @@ CODE, NAME = "K7M2", "Li Ming"
 SEATS = f"gsk980td/class/{CODE}/seats"
 REFUSAL = "a seat in a browser holds no exam, because it cannot store the recordings"
 # Positions on a page of the size of `browser.py` in English, pixels.
-NAME_FIELD, BEGIN = (975, 232), (503, 429)
+NAME_FIELD, BEGIN = (975, 232), (775, 401)
 ENTER = "\ue007"
 
 
