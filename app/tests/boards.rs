@@ -94,6 +94,8 @@ fn trials() -> Vec<Trial> {
             a_holder_started_by_hand_explains_itself,
         }
         run_link {
+            a_restart_begins_with_the_code_of_its_differences,
+            the_operator_confirms_each_difference_of_a_restart,
             a_program_runs_to_its_end_and_the_pulses_agree,
             a_step_board_runs_a_program_to_its_end,
             a_dnc_program_runs_to_its_end,

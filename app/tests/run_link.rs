@@ -257,3 +257,46 @@ pub fn options_for_simulation_only_are_refused_before_the_port_is_opened() {
         assert!(output_text.contains(message), "{output_text}");
     }
 }
+
+/// Restarts at the cut in line 4. Without a terminal the run prints the list of differences with
+/// a code, and begins only with this code.
+pub fn a_restart_begins_with_the_code_of_its_differences() {
+    let folder = part_folder("run-restart", "grbl", PART);
+    let part = folder.path("part.CNC");
+    let restart = [&part, "--restart", "4"];
+    let refused = run_until_end("refused", &folder, &restart);
+    let text = all_output(&refused);
+    assert!(text.contains("Restart at"), "{text}");
+    assert!(text.contains("slides, machine coordinates"), "{text}");
+    let (_, code) = text.split_once("--confirm ").expect("a code");
+    let code: String = code.chars().take(8).collect();
+    let line = folder.last_count();
+    assert!(!line.contains("X -2000"), "no motion: {line}");
+    let other = [&restart[..], &["--confirm", "00000000"]].concat();
+    let refused = run_until_end("refused", &folder, &other);
+    assert!(all_output(&refused).contains(&code), "{text}");
+    let confirmed = [&restart[..], &["--confirm", &code]].concat();
+    let output = run_until_end("M30", &folder, &confirmed);
+    assert_eq!(output.status.code(), Some(0), "{}", all_output(&output));
+    let line = folder.last_count();
+    assert!(line.ends_with(AT_END), "{line}");
+}
+
+pub fn the_operator_confirms_each_difference_of_a_restart() {
+    let folder = part_folder("run-restart-enter", "grbl", PART);
+    let mut last_output = String::new();
+    let is_done = (0..ATTEMPTS).any(|_| {
+        // One Enter for each difference, one at the start point.
+        let enters = ["no\n", "\n", "\n", "\n", "\n", "\n", "\n", "\n", "\n"];
+        let (code, output) = run_at_terminal(&folder, &["--restart", "4"], &enters);
+        last_output = output;
+        code == Some(0)
+    });
+    assert!(is_done, "{last_output}");
+    assert!(
+        last_output.matches("at the block").count() >= 3,
+        "{last_output}"
+    );
+    let line = folder.last_count();
+    assert!(line.ends_with(AT_END), "{line}");
+}

@@ -3,7 +3,7 @@
 
 #[allow(dead_code, reason = "the whole bench of the link")]
 #[path = "control/bench/board.rs"]
-mod board;
+pub mod board;
 #[path = "control/bench/keys.rs"]
 mod keys;
 

@@ -1,16 +1,8 @@
 //! A recording with a pulse board: the replay computes the link and the machine again without the
 //! board, bit for bit, and notices bytes that do not belong to it.
 
-#[allow(dead_code, reason = "only the boards of the bench")]
-#[path = "control/bench/board.rs"]
-mod board;
-#[allow(dead_code, reason = "keys of the bench")]
-#[path = "control/bench/keys.rs"]
-mod keys;
-
 use std::time::Duration;
 
-use board::{BenchBoard, TimedBoard};
 use gsk_core::linked::LinkedControl;
 use gsk_core::setup::Setup;
 use gsk_history::board_exchange::{BoardStep, ExchangeLog, ExchangedBytes};
@@ -24,6 +16,8 @@ use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
 use gsk_twins::grbl::{GrblSettings, GrblTwin, Variant};
 use gsk_twins::klipper::{KlipperHardware, KlipperTwin};
+
+use crate::board_path::board::{BenchBoard, TimedBoard};
 
 /// A panel with a board whose exchange is recorded as the kernel does it.
 struct RecordedLathe<T> {

@@ -196,7 +196,7 @@ fn the_table_of_a_model_is_complete() {
                 let is_named = named.contains(legend) || named.contains(key.id);
                 assert!(is_named, "{name}, {model:?}: key {} ({legend})", key.id);
             }
-            for number in model.record().parameters.keys() {
+            for number in model.record().parameters().keys() {
                 let is_named = numbers_after('P', &named).contains(number);
                 assert!(is_named, "{name}, {model:?}: P{number}");
             }

@@ -3,10 +3,9 @@
 use egui_kittest::kittest::Queryable;
 use gsk_core::command::ProgramId;
 use gsk_core::operation::RunState;
-use gsk_core::program::Program;
 use gsk_panel::keys::{KEYS, Key, KeyRole};
 
-use super::is_shown;
+use super::{click, is_shown};
 use crate::common::WindowBench;
 
 #[test]

@@ -3,10 +3,10 @@
 
 use egui_kittest::kittest::Queryable;
 use gsk_core::machine::LatheFault;
+use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_host::kernel::{Command, OpenedProgram, StorePolicy};
 use gsk_link::LinkState;
-use gsk_panel::keys::Key;
 
 use super::is_shown;
 use crate::common::WindowBench;

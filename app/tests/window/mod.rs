@@ -4,7 +4,6 @@
 use egui::{ViewportCommand, ViewportEvent, ViewportId};
 use egui_kittest::kittest::Queryable;
 use gsk_core::command::ProgramId;
-use gsk_panel::keys::Key;
 
 use crate::common::WindowBench;
 

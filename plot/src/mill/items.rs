@@ -166,7 +166,10 @@ fn add_hole_marks(pane: &MillPane, drawing: &MillDrawing, parts: &mut Vec<Pictur
         let (x, y) = pane.to_units(hole.point);
         let circle = (0..=HOLE_CHORDS).map(|chord| {
             let angle = core::f64::consts::TAU * f64::from(chord) / f64::from(HOLE_CHORDS);
-            (x + HOLE_RADIUS * angle.cos(), y + HOLE_RADIUS * angle.sin())
+            (
+                x + HOLE_RADIUS * libm::cos(angle),
+                y + HOLE_RADIUS * libm::sin(angle),
+            )
         });
         let pen = LinePen::for_line(PathLine::Cut(hole.tool));
         let lines = [

@@ -6,7 +6,6 @@
 use std::sync::Arc;
 
 use gsk_core::memory::{OperationLevel, ToolOffset};
-use gsk_core::plc::Ladder;
 use gsk_core::setup::{STANDARD_LADDER, Setup};
 use gsk_messages::Language;
 use gsk_project::{

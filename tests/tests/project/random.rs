@@ -56,7 +56,7 @@ impl ProjectRandom {
 /// A control that is changed through its own functions.
 #[derive(Clone)]
 pub(super) struct ProjectControl {
-    memory: BatteryMemory,
+    pub(super) memory: BatteryMemory,
     plc: Plc,
     panel: Option<PanelRetained>,
 }

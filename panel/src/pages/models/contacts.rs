@@ -57,7 +57,7 @@ impl ContactList<'_> {
         // The row whose parameter has this signal as delivered names it.
         let is_its_row = |index: u8| {
             let number = (self.parameter)(index);
-            let parameters = &model.record().parameters;
+            let parameters = model.record().parameters();
             let row = number.and_then(|number| parameters.get(&number));
             value != 0 && row.is_some_and(|it| it.delivered == value.abs())
         };
