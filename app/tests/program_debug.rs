@@ -3,20 +3,15 @@
 use std::time::Duration;
 
 use egui::{Key, Modifiers, vec2};
-use egui_kittest::kittest::{NodeT, Queryable};
+use egui_kittest::kittest::Queryable;
 use gsk_core::cnc::ControlRequest;
-use gsk_core::command::ProgramId;
-use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_host::kernel::{BreakpointCommand, Command};
 use gsk_messages::Language;
-use gsk_panel::emulator::Emulator;
-use gsk_twins::grbl::Variant;
 use gsk_window::WindowSettings;
 use gsk_window::layout::{Layouts, WindowLayout};
 
 use crate::common::WindowBench;
-use crate::lease::bench::board::LinkedMachine;
 
 /// The block of the restarts is the last line: there a click below the text puts the cursor.
 const TURNED: &str = "O0007\nG50 X100 Z100\nG97 G98 S800 M03\nT0101 M08\nG00 X52 Z2\n\
@@ -100,13 +95,6 @@ fn open_dialog(bench: &mut WindowBench) {
     wait_for(bench, "Take over the values");
 }
 
-/// The label of a difference that begins with this text.
-fn difference(bench: &WindowBench, begin: &str) -> String {
-    let mut nodes = bench.harness.query_all_by_label_contains(begin);
-    let label = nodes.find_map(|node| node.accesskit_node().label());
-    label.unwrap_or_default()
-}
-
 #[test]
 fn watched_values_are_kept_shown_and_removed() {
     let names = ["P22", "#100+1", "no such value"];
@@ -170,62 +158,6 @@ fn the_list_of_differences_is_edited_and_checked_again() {
     click(&mut bench, "Check");
     wait_for(&mut bench, "(changed; the program has 800)");
     assert!(is_shown(&bench, "Output G97 S500"));
-    click(&mut bench, "Take over the values");
-    wait_for(&mut bench, "in AUTO goes to the start point");
-}
-
-/// A control whose board has made its reference return and is no longer served.
-fn emulator_with_board() -> Emulator {
-    let mut machine = LinkedMachine::referenced(Variant::Grbl);
-    let text = Program::new(TURNED);
-    let store = ControlRequest::StoreProgram(text.text().to_owned());
-    machine.simulation.cnc.request(store).unwrap();
-    machine.run_ms(200);
-    assert!(
-        machine
-            .simulation
-            .cnc
-            .programs()
-            .get(ProgramId::Stored(7))
-            .is_some()
-    );
-    let mut emulator = Emulator::new(Setup::delivered());
-    *emulator.board_simulation() = machine.simulation;
-    emulator
-}
-
-#[test]
-fn with_real_slides_each_difference_must_be_ticked() {
-    let size = vec2(1280.0, 806.0);
-    let bench = WindowBench::with_emulator(emulator_with_board(), settings(), size);
-    let mut bench = open_program(bench);
-    open_dialog(&mut bench);
-    assert!(is_shown(&bench, "REAL MOTION: check each difference"));
-    let confirm = |bench: &WindowBench| {
-        let button = bench.harness.get_by_label("Take over the values");
-        !button.accesskit_node().is_disabled()
-    };
-    assert!(!confirm(&bench), "nothing is ticked");
-    let boxes = bench
-        .harness
-        .query_all_by_role(egui::accesskit::Role::CheckBox);
-    let names: Vec<String> = boxes
-        .filter_map(|it| it.accesskit_node().label())
-        .filter(|it| it.contains("at the block"))
-        .collect();
-    assert!(names.len() >= 5, "{names:?}");
-    for (index, name) in names.iter().enumerate() {
-        assert!(!confirm(&bench), "{index} of {} ticked", names.len());
-        click(&mut bench, name);
-    }
-    assert!(confirm(&bench), "each is ticked");
-    // A changed value is another difference, which needs its own tick.
-    click(&mut bench, "Leave out, keep M09");
-    wait_for(&mut bench, "(changed; the program has M08)");
-    assert!(!confirm(&bench));
-    let changed = difference(&bench, "coolant:");
-    click(&mut bench, &changed);
-    assert!(confirm(&bench));
     click(&mut bench, "Take over the values");
     wait_for(&mut bench, "in AUTO goes to the start point");
 }

@@ -46,7 +46,8 @@ impl JsonLine {
             self.push_millionths(round_to_i64(millionths));
         } else if millionths.is_finite() {
             let rounded = millionths.round() / MILLIONTHS_PER_UNIT as f64;
-            self.push_text(&format!("{rounded:?}"));
+            // Numbers this large have positive exponents, before which JSON writes a plus.
+            self.push_text(&format!("{rounded:?}").replace('e', "e+"));
         } else {
             self.push_text("null");
         }

@@ -52,12 +52,7 @@ impl WindowBench {
 
     /// The same with stored settings.
     pub fn with_settings(setup: Setup, settings: WindowSettings, size: egui::Vec2) -> Self {
-        Self::with_emulator(Emulator::new(setup), settings, size)
-    }
-
-    /// The same with an emulator that has already run.
-    pub fn with_emulator(emulator: Emulator, settings: WindowSettings, size: egui::Vec2) -> Self {
-        let (kernel, console) = Kernel::new(emulator);
+        let (kernel, console) = Kernel::new(Emulator::new(setup));
         let harness = Harness::builder()
             .with_size(size)
             .with_context_setup(fonts::set_up)

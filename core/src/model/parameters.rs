@@ -9,7 +9,7 @@ use serde::Deserialize;
 
 use super::ModelId;
 use super::contacts::ContactAssignment;
-use super::record::read_ron;
+use super::record::{ModelRecord, read_ron};
 
 /// A parameter that only one model has.
 #[derive(Clone, Debug, Deserialize)]
@@ -40,28 +40,30 @@ impl ModelParameter {
     }
 }
 
-/// The parameters of the model `id`, by number.
-pub(super) fn for_model(id: ModelId) -> &'static BTreeMap<u16, ModelParameter> {
-    static PARAMETERS: [LazyLock<BTreeMap<u16, ModelParameter>>; 4] = [
-        LazyLock::new(|| {
-            read_ron(include_str!(
-                "../../../assets/models/parameters/gsk980td.ron"
-            ))
-        }),
-        LazyLock::new(|| {
-            read_ron(include_str!(
-                "../../../assets/models/parameters/gsk980mdi.ron"
-            ))
-        }),
-        LazyLock::new(|| read_ron(include_str!("../../../assets/models/parameters/hx31.ron"))),
-        LazyLock::new(|| {
-            let text = include_str!("../../../assets/models/parameters/ncb08.ron");
-            let mut parameters: BTreeMap<u16, ModelParameter> = read_ron(text);
-            parameters.extend(contact_parameters(ModelId::Ncb08));
-            parameters
-        }),
-    ];
-    &PARAMETERS[id as usize]
+impl ModelRecord {
+    /// The parameters that only this model has, by number; read at the first call.
+    pub fn parameters(&self) -> &'static BTreeMap<u16, ModelParameter> {
+        static PARAMETERS: [LazyLock<BTreeMap<u16, ModelParameter>>; 4] = [
+            LazyLock::new(|| {
+                read_ron(include_str!(
+                    "../../../assets/models/parameters/gsk980td.ron"
+                ))
+            }),
+            LazyLock::new(|| {
+                read_ron(include_str!(
+                    "../../../assets/models/parameters/gsk980mdi.ron"
+                ))
+            }),
+            LazyLock::new(|| read_ron(include_str!("../../../assets/models/parameters/hx31.ron"))),
+            LazyLock::new(|| {
+                let text = include_str!("../../../assets/models/parameters/ncb08.ron");
+                let mut parameters: BTreeMap<u16, ModelParameter> = read_ron(text);
+                parameters.extend(contact_parameters(ModelId::Ncb08));
+                parameters
+            }),
+        ];
+        &PARAMETERS[self.id() as usize]
+    }
 }
 
 /// The parameters that assign the contacts of a model.

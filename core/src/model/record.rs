@@ -8,9 +8,8 @@ use serde::de::DeserializeOwned;
 
 use super::contacts::{ContactAssignment, EdgeAction};
 use super::conventions::Conventions;
-use super::parameters::ModelParameter;
 use super::program_calls::CallRange;
-use super::{GCode, MCode, ModelId, parameters};
+use super::{GCode, MCode, ModelId};
 
 /// Number of possible G codes: they have two digits.
 const G_CODES: usize = 100;
@@ -203,11 +202,6 @@ impl ModelRecord {
     /// The name of the model for the operator.
     pub const fn name(&self) -> &'static str {
         self.id.name()
-    }
-
-    /// The parameters that only this model has, by number; read at the first call.
-    pub fn parameters(&self) -> &'static BTreeMap<u16, ModelParameter> {
-        parameters::for_model(self.id)
     }
 
     /// The X byte and bit of the model's input `number`, from 0.

@@ -103,7 +103,7 @@ fn a_folder_keeps_the_newest_recordings() {
     let folder = test_folder("flight-folder");
     let path = |number: u64| folder.join(format!("session-{number:06}.{ENDING}"));
     assert_eq!(prepare_folder(&folder).expect("a folder"), 1);
-    let length = usize::try_from(MAX_FOLDER_BYTES / 4).expect("a length");
+    let length = usize::try_from(MAX_FOLDER_BYTES / 5).expect("a length");
     for number in 7..=10 {
         fs::write(path(number), vec![0; length]).expect("written");
     }

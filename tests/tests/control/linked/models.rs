@@ -18,8 +18,8 @@ const OF_NCB08: &str = "O21\nG50 X60 Z20\nG98 S500 M03\nG00 X40 Z5 M08\nM10 P0\n
 /// A part in the language of the Huaxing lathe: increments by G91, a diameter in I, blocks that
 /// are repeated, and M02.
 const OF_HX31: &str = "%P22\nN10 G92 X60 Z20\nN20 G98 S500 M03\nN30 G90 G00 X40 Z5\n\
-    N40 G01 Z-10 F300\nN50 G91 G01 X2 Z-1\nN60 X-1\nN70 G25 N50.60.2\n\
-    N80 G90 G02 X52 Z-20 I8 K0\nN90 G00 X60 Z20\nN95 M05\nN99 M02\n";
+    N40 G01 Z-10 F300\nN50 G91 G01 X2 Z-1\nN60 X-1\nN70 G26 N50.60.2\n\
+    N80 G90 G02 X53 Z-18 I10 K0\nN90 G00 X60 Z20\nN95 M05\nN99 M02\n";
 
 /// The models, each with its program.
 const SIBLINGS: [(ModelId, &str); 2] = [(ModelId::Ncb08, OF_NCB08), (ModelId::Hx31, OF_HX31)];
