@@ -371,9 +371,15 @@ struct BlockProgress {
     explained_pass: Option<u64>,
 }
 
+/// The file of the moves, and the line that is written next.
+struct MoveFile {
+    out: Box<dyn Write>,
+    line: JsonLine,
+}
+
 /// The result files and progress output of a running program.
 struct RunOutputs {
-    moves: Option<Box<dyn Write>>,
+    moves: Option<MoveFile>,
     positions: Option<Box<dyn Write>>,
     drawing: Option<PathDrawing>,
     rates: RapidRates,
@@ -409,8 +415,12 @@ impl RunOutputs {
             .selected()
             .and_then(|program| setup.memory.programs.get(program))
             .map_or(0, gsk_core::program::Program::line_count);
+        let moves = args.moves.as_deref().map(output::open).transpose()?;
         Ok(Self {
-            moves: args.moves.as_deref().map(output::open).transpose()?,
+            moves: moves.map(|out| MoveFile {
+                out,
+                line: JsonLine::default(),
+            }),
             positions: args.positions.as_deref().map(output::open).transpose()?,
             drawing: args.plot.is_some().then(|| {
                 let title = main.map(picture_title).unwrap_or_default();
@@ -440,7 +450,8 @@ impl RunOutputs {
 
     fn end(&mut self) -> Result<(), CommandError> {
         self.progress_bar.finish_and_clear();
-        for out in [&mut self.moves, &mut self.positions].into_iter().flatten() {
+        let moves = self.moves.iter_mut().map(|file| &mut file.out);
+        for out in moves.chain(&mut self.positions) {
             if let Err(error) = out.flush() {
                 self.first_error.get_or_insert(CommandError::output(error));
             }
@@ -451,8 +462,8 @@ impl RunOutputs {
 
 impl ExecutionWatcher for RunOutputs {
     fn on_move(&mut self, executed: &ExecutedMove) {
-        if let Some(out) = &mut self.moves
-            && let Err(error) = move_output::write_move(out, &mut JsonLine::default(), executed)
+        if let Some(MoveFile { out, line }) = &mut self.moves
+            && let Err(error) = move_output::write_move(out, line, executed)
         {
             self.moves = None;
             self.first_error.get_or_insert(CommandError::output(error));

@@ -77,7 +77,7 @@ fn assert_stops_without_focus(hold_key: impl Fn(&WindowBench)) {
     assert!(is_moving(&bench), "held: the axis moves");
     bench.harness.input_mut().focused = false;
     bench.run(1000);
-    assert!(!is_moving(&bench), "nobody sees whether it is held");
+    assert!(!is_moving(&bench), "a release would not arrive");
     let stopped_pulses = bench.kernel.emulator().cnc().pulses();
     bench.harness.input_mut().focused = true;
     bench.run(1000);

@@ -2,6 +2,7 @@
 
 pub mod alarm_text;
 pub mod card;
+pub mod field_menu;
 pub mod files;
 pub mod icons;
 pub mod key_label;

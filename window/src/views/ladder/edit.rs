@@ -12,9 +12,10 @@ use gsk_host::platform;
 
 use super::draft::LadderDraft;
 use super::element_change::{ElementChange, change_rung, format_rung};
-use super::{LadderView, Tab, compiler_text, field_menu};
+use super::{LadderView, Tab, compiler_text};
 use crate::focus;
 use crate::theme;
+use crate::widgets::field_menu::field_menu;
 use gsk_messages::{Language, say};
 
 /// Number for [`LadderDraft::set_text`] of changes typed into the whole list, where rungs

@@ -21,8 +21,7 @@ mod tables;
 use std::sync::Arc;
 
 use crossbeam::queue::ArrayQueue;
-use egui::containers::menu::{MenuButton, MenuConfig};
-use egui::{Panel, PopupCloseBehavior, Pos2, RichText, ScrollArea, Sense, Ui, vec2};
+use egui::{Panel, Pos2, RichText, ScrollArea, Sense, Ui, vec2};
 use gsk_core::cnc::{ControlRequest, LadderStep};
 use gsk_core::memory::WriteRefusal;
 use gsk_core::plc::address::BitAddress;
@@ -463,12 +462,6 @@ impl LadderView {
             }
         });
     }
-}
-
-/// Draws a menu button whose menu has text fields: a click into it leaves the menu open.
-fn field_menu(ui: &mut Ui, text: String, content: impl FnOnce(&mut Ui)) {
-    let config = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
-    MenuButton::new(text).config(config).ui(ui, content);
 }
 
 /// Returns the addresses that a statement uses.

@@ -6,8 +6,9 @@ use gsk_core::plc::{Ladder, PlcAddress};
 use gsk_messages::{Language, Message, say};
 use gsk_runner::ladder::{LadderMatches, SearchDirection, search_ladder};
 
+use super::LadderView;
 use super::tables::show_table;
-use super::{LadderView, field_menu};
+use crate::widgets::field_menu::field_menu;
 
 /// The search text of the ladder view and its results.
 #[derive(Clone, Debug, Default)]

@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use egui::{Key, RichText, ScrollArea, TextEdit, Ui};
+use egui::{ScrollArea, Ui};
 use gsk_core::command::{ProgramId, SourcePosition};
 use gsk_core::program::Program;
 use gsk_debugger::location::{BreakEvent, BreakLocation, ProgramFilter};
@@ -12,12 +12,12 @@ use gsk_host::kernel::{BreakpointCommand, BreakpointHalt, Command, Console, Pane
 use gsk_messages::{Language, Message, say};
 
 use super::document::{ProgramDocument, TextOrigin};
+use super::list_entry::{EntryTexts, ListEntry, MENU_WIDTH};
 use super::watches::WatchList;
 use crate::theme;
 use crate::widgets::alarm_text;
+use crate::widgets::field_menu::field_menu;
 
-/// Width of the field for a breakpoint location, points.
-const ENTRY_WIDTH: f32 = 260.0;
 /// Greatest height of the list of breakpoints, points.
 const LIST_HEIGHT: f32 = 200.0;
 /// Length of the beginning of a text in which its O number is looked for, bytes.
@@ -43,8 +43,7 @@ pub struct BreakpointList {
     lines: BTreeMap<Option<u16>, BTreeSet<u32>>,
     /// Locations that are not lines of the text.
     locations: Vec<BreakLocation>,
-    entry: String,
-    entry_error: Option<Message>,
+    entry: ListEntry,
     running_block: Option<SourcePosition>,
     halt: Option<BreakpointHalt>,
     /// Whether breakpoints have an effect: not on real slides, in a lesson or an exercise.
@@ -59,8 +58,7 @@ impl BreakpointList {
             console,
             lines: BTreeMap::new(),
             locations: Vec::new(),
-            entry: String::new(),
-            entry_error: None,
+            entry: ListEntry::default(),
             running_block: None,
             halt: None,
             is_active: true,
@@ -140,14 +138,23 @@ impl BreakpointList {
     /// Draws the menus with the lists of breakpoints and watches, and the fields for others.
     pub fn show_menu(&mut self, ui: &mut Ui, language: Language) {
         let name = say::breakpoint_menu(self.count()).text(language);
-        ui.menu_button(name, |ui| {
-            ui.set_min_width(ENTRY_WIDTH + 80.0);
+        field_menu(ui, name, |ui| {
+            ui.set_min_width(MENU_WIDTH);
             if !self.is_active {
                 ui.colored_label(theme::WARNING, say::breakpoint_inactive().text(language));
             }
             ui.weak(say::breakpoint_margin_hint().text(language));
             self.show_list(ui, language);
-            self.show_entry(ui, language);
+            let texts = EntryTexts {
+                examples: "N50, alarm 11, X<20, #500>3",
+                hint: say::breakpoint_entry_hint(),
+                add: say::breakpoint_add(),
+            };
+            let parse = |text: &str| BreakLocation::parse(text, &ProgramSources::default());
+            if let Some(location) = self.entry.show(ui, language, &texts, parse) {
+                self.locations.push(location);
+                self.send();
+            }
         });
         self.watches.show_menu(ui, language);
     }
@@ -189,39 +196,6 @@ impl BreakpointList {
         if let Some(index) = removed_location {
             self.locations.remove(index);
             self.send();
-        }
-    }
-
-    fn show_entry(&mut self, ui: &mut Ui, language: Language) {
-        ui.horizontal(|ui| {
-            let field = TextEdit::singleline(&mut self.entry)
-                .hint_text("N50, alarm 11, X<20, #500>3")
-                .desired_width(ENTRY_WIDTH);
-            let hint = say::breakpoint_entry_hint().text(language);
-            let response = ui.add(field).on_hover_text(hint);
-            let is_entered =
-                response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
-            let add = ui.button(say::breakpoint_add().text(language));
-            if add.clicked() || is_entered {
-                self.add_entry();
-            }
-        });
-        if let Some(error) = &self.entry_error {
-            let words = RichText::new(error.text(language)).color(theme::CODE_ALARM_TEXT);
-            ui.label(words);
-        }
-    }
-
-    /// Adds the breakpoint location that was typed.
-    fn add_entry(&mut self) {
-        match BreakLocation::parse(&self.entry, &ProgramSources::default()) {
-            Ok(location) => {
-                self.locations.push(location);
-                self.entry.clear();
-                self.entry_error = None;
-                self.send();
-            }
-            Err(why) => self.entry_error = Some(why),
         }
     }
 

@@ -9,6 +9,7 @@ mod document_store;
 mod editor;
 mod findings;
 mod form_sections;
+mod list_entry;
 mod paint;
 mod port_pane;
 mod print;

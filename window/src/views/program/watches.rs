@@ -1,15 +1,14 @@
 //! The watched values of the program view: a menu that adds and removes them, and their values
 //! above the text.
 
-use egui::{Key, RichText, TextEdit, Ui};
+use egui::{RichText, Ui};
 use gsk_debugger::watch::WatchTarget;
 use gsk_host::kernel::{Command, Console, WatchReading};
-use gsk_messages::{Language, Message, say};
+use gsk_messages::{Language, say};
 
+use super::list_entry::{EntryTexts, ListEntry, MENU_WIDTH};
 use crate::theme;
-
-/// Width of the field for the name of a value, points.
-const ENTRY_WIDTH: f32 = 260.0;
+use crate::widgets::field_menu::field_menu;
 
 /// The values that the operator watches.
 pub struct WatchList {
@@ -18,8 +17,7 @@ pub struct WatchList {
     /// The names of the values, for the settings.
     names: Vec<String>,
     readings: Vec<WatchReading>,
-    entry: String,
-    entry_error: Option<Message>,
+    entry: ListEntry,
 }
 
 impl WatchList {
@@ -33,8 +31,7 @@ impl WatchList {
             targets: targets.collect(),
             names: Vec::new(),
             readings: Vec::new(),
-            entry: String::new(),
-            entry_error: None,
+            entry: ListEntry::default(),
         };
         if !list.targets.is_empty() {
             list.send();
@@ -63,8 +60,8 @@ impl WatchList {
     /// Draws the menu with the list of values and the field for another one.
     pub fn show_menu(&mut self, ui: &mut Ui, language: Language) {
         let name = say::watch_menu(self.targets.len()).text(language);
-        ui.menu_button(name, |ui| {
-            ui.set_min_width(ENTRY_WIDTH + 80.0);
+        field_menu(ui, name, |ui| {
+            ui.set_min_width(MENU_WIDTH);
             let mut removed = None;
             for (index, target) in self.targets.iter().enumerate() {
                 ui.horizontal(|ui| {
@@ -79,40 +76,16 @@ impl WatchList {
                 self.targets.remove(index);
                 self.send();
             }
-            self.show_entry(ui, language);
-        });
-    }
-
-    fn show_entry(&mut self, ui: &mut Ui, language: Language) {
-        ui.horizontal(|ui| {
-            let field = TextEdit::singleline(&mut self.entry)
-                .hint_text("#100, X, Y1.2, T1.X")
-                .desired_width(ENTRY_WIDTH);
-            let hint = say::watch_entry_hint().text(language);
-            let response = ui.add(field).on_hover_text(hint);
-            let is_entered =
-                response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
-            let add = ui.button(say::watch_add().text(language));
-            if add.clicked() || is_entered {
-                self.add_entry();
-            }
-        });
-        if let Some(error) = &self.entry_error {
-            let words = RichText::new(error.text(language)).color(theme::CODE_ALARM_TEXT);
-            ui.label(words);
-        }
-    }
-
-    fn add_entry(&mut self) {
-        match WatchTarget::parse(&self.entry) {
-            Ok(target) => {
+            let texts = EntryTexts {
+                examples: "#100, X, Y1.2, T1.X",
+                hint: say::watch_entry_hint(),
+                add: say::watch_add(),
+            };
+            if let Some(target) = self.entry.show(ui, language, &texts, WatchTarget::parse) {
                 self.targets.push(target);
-                self.entry.clear();
-                self.entry_error = None;
                 self.send();
             }
-            Err(why) => self.entry_error = Some(why),
-        }
+        });
     }
 
     /// Draws the values, if any is watched.
