@@ -3539,6 +3539,7 @@ message_rows! {
     sheet_path SheetPath();
     sheet_program SheetProgram();
     sheet_stock SheetStock();
+    sheet_subprogram SheetSubprogram(name);
     sheet_times SheetTimes();
     sheet_tip SheetTip(tip);
     sheet_title SheetTitle();

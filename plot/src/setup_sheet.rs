@@ -2,7 +2,9 @@
 
 use core::fmt::Write;
 
+use gsk_core::command::ProgramId;
 use gsk_core::preview::PreviewProgress;
+use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
 use gsk_messages::{Language, Message, say};
 use gsk_runner::curves::RapidRates;
@@ -81,6 +83,7 @@ pub fn make_setup_sheet(
     let sheet = SetupSheet {
         file_name: source.file_name,
         program,
+        subprograms: subprograms(&report, programs),
         hash: &hex(&Sha256::digest(source.file)),
         report: &report,
         job,
@@ -91,6 +94,21 @@ pub fn make_setup_sheet(
     };
     let page = sheet.render(language);
     Ok((page, report))
+}
+
+/// The programs of the memory that the checked one called, with their names.
+fn subprograms<'a>(
+    report: &ProgramReport,
+    programs: &'a ProgramMemory,
+) -> Vec<(String, &'a Program)> {
+    let called = report.path.as_ref();
+    let called = called.map_or(&[][..], |path| path.programs.as_slice());
+    let others = called.iter().filter(|id| programs.selected() != Some(**id));
+    let named = others.filter_map(|id| match id {
+        ProgramId::Stored(number) => Some((format!("O{number:04}"), programs.get(*id)?)),
+        _ => None,
+    });
+    named.collect()
 }
 
 /// Returns a drawing of the finished part with its dimensions, without a path.

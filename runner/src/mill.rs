@@ -92,6 +92,8 @@ fn build_report(
                 ("tap", round_to_millionth(preview.lengths.tap)),
                 ("thread", round_to_millionth(preview.lengths.thread)),
             ]),
+            // A mill has no setup sheet.
+            programs: Vec::new(),
             tools: preview.tools.iter().copied().map(tool_word).collect(),
             bounds: preview.bounds.map(|it| path_bounds(preview, &it)),
             times: times.total,

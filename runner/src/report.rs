@@ -258,6 +258,9 @@ pub struct PathReport {
     pub unchecked_after: Option<u32>,
     /// Path length of each kind of move, mm; the key names the kind.
     pub lengths: BTreeMap<&'static str, f64>,
+    /// The programs that executed a block, in the order of first use; the checked one first.
+    #[serde(skip)]
+    pub programs: Vec<ProgramId>,
     /// The tools that the program selects, as digits of T words.
     pub tools: Vec<String>,
     /// Bounds of the path; `None` for a program without a path.

@@ -40,6 +40,30 @@ fn a_sheet_is_written_beside_its_program() {
 }
 
 #[test]
+fn a_sheet_prints_the_subprograms_in_the_order_of_their_calls() {
+    let program = TempFile::new(
+        "calls.CNC",
+        b"O0048;\nM98 P7002;\nM98 P27001;\nM98 P7002;\nM30;\n",
+    );
+    let folder = Path::new(program.path()).parent().unwrap();
+    for (name, text) in [
+        ("O7001.CNC", "O7001;\nG04 X0.1 (FIRST);\nM99;\n"),
+        ("O7002.CNC", "O7002;\nG04 X0.2 (SECOND);\nM99;\n"),
+        ("O7003.CNC", "O7003;\nG04 X0.3 (NEVER);\nM99;\n"),
+    ] {
+        std::fs::write(folder.join(name), text).unwrap();
+    }
+    let (_, sheet, err) = run_gsk(&["sheet", program.path(), "-o", "-", "--lang", "en"]);
+    let place = |part: &str| sheet.find(part).unwrap_or_else(|| panic!("{part} {err}"));
+    let second = place("Subprogram O7002</h2>");
+    let first = place("Subprogram O7001</h2>");
+    assert!(second < place("<em>SECOND</em>") && place("<em>SECOND</em>") < first);
+    assert!(first < place("<em>FIRST</em>"));
+    assert_eq!(sheet.matches("Subprogram").count(), 2);
+    assert!(!sheet.contains("NEVER"));
+}
+
+#[test]
 fn a_sheet_is_html_or_pdf_and_keeps_its_inputs() {
     let program = TempFile::new("ring.html", b"O0045;\nM30;\n");
     let (code, _, err) = run_gsk(&["sheet", program.path(), "-o", "ring.odt"]);

@@ -2,7 +2,7 @@
 
 use super::{PreviewEnd, PreviewRun};
 use crate::alarm::Alarm;
-use crate::command::{Action, ControlCommand, Frame, MoveKind, ThreadStart};
+use crate::command::{Action, ControlCommand, Frame, MoveKind, ProgramId, ThreadStart};
 use crate::motion::ThreadMove;
 use crate::units::{PerAxis, Point, TICK_S};
 
@@ -12,6 +12,10 @@ impl PreviewRun<'_> {
         command: &ControlCommand,
     ) -> Result<Option<PreviewEnd>, Alarm> {
         self.motionless += 1;
+        let program = command.source.program;
+        if self.source.is_none_or(|last| last.program != program) {
+            self.record_program(program);
+        }
         self.source = Some(command.source);
         self.report_return(Some(command));
         self.settle_uncertainty(command);
@@ -84,6 +88,13 @@ impl PreviewRun<'_> {
             self.clock.end_block();
         }
         Ok(None)
+    }
+
+    fn record_program(&mut self, program: ProgramId) {
+        let programs = &mut self.preview.programs;
+        if !programs.contains(&program) {
+            programs.push(program);
+        }
     }
 
     /// Executes a rapid, a line or an arc, or returns its alarm.

@@ -319,6 +319,7 @@ impl<'a> PreviewRun<'a> {
                 moves: 0,
                 stops: 0,
                 parts: 0,
+                programs: Vec::new(),
                 tools: Vec::new(),
                 cautions: Vec::new(),
                 bounds: None,

@@ -3,7 +3,7 @@
 use super::caution::Caution;
 use super::{FurtherAlarms, PathBounds, SpindleRotation};
 use crate::alarm::Alarm;
-use crate::command::Frame;
+use crate::command::{Frame, ProgramId};
 use crate::interpreter::ModalState;
 use crate::memory::ControlParameters;
 use crate::units::Point;
@@ -62,6 +62,8 @@ pub struct Preview {
     pub stops: u32,
     /// Number of finished parts that the control counts during the program.
     pub parts: u32,
+    /// Programs that executed a block, in the order of first use; each once, the main program first.
+    pub programs: Vec<ProgramId>,
     /// Tool and offset number of each T word, in the order of first use; each pair once.
     pub tools: Vec<(u8, u8)>,
     /// Bounding box of the path in work coordinates, mm; `None` without motion.

@@ -94,6 +94,7 @@ fn path_report(preview: &Preview) -> PathReport {
             ("ccw", round_to_millionth(lengths.counter_clockwise)),
             ("thread", round_to_millionth(lengths.thread)),
         ]),
+        programs: preview.programs.clone(),
         tools: preview.tools.iter().map(|tool| tool_word(*tool)).collect(),
         bounds: preview.bounds.map(|bounds| {
             let (low, high) = (diameter_z(bounds.least), diameter_z(bounds.greatest));

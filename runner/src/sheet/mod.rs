@@ -32,6 +32,8 @@ pub struct SetupSheet<'a> {
     pub file_name: &'a str,
     /// The program whose lines the sheet prints.
     pub program: &'a Program,
+    /// The subprograms that it calls, by their names, in the order of first use.
+    pub subprograms: Vec<(String, &'a Program)>,
     /// The SHA-256 of the program file, hexadecimal.
     pub hash: &'a str,
     /// Report of the program check, with the measured part.
@@ -71,7 +73,11 @@ impl SetupSheet<'_> {
         page.heading(&say::sheet_path());
         page.picture(self.path_picture);
         page.heading(&say::sheet_program());
-        self.write_program(&mut page);
+        write_program(&mut page, self.program);
+        for (name, subprogram) in &self.subprograms {
+            page.heading(&say::sheet_subprogram(name));
+            write_program(&mut page, subprogram);
+        }
         page.finish()
     }
 
@@ -276,28 +282,28 @@ impl SetupSheet<'_> {
         };
         format!("{} {size} × {length} mm", page.text(&name))
     }
+}
 
-    fn write_program(&self, page: &mut HtmlWriter) {
-        page.raw("<ol class=\"program\">");
-        let text = self.program.text();
-        for line in text.lines().take(MAX_LINES) {
-            page.raw("<li>");
-            let (code, comments) = split_comments(line);
-            page.escaped(&code);
-            if !comments.is_empty() {
-                page.raw(" <em>");
-                page.escaped(&comments);
-                page.raw("</em>");
-            }
-            page.raw("</li>");
+fn write_program(page: &mut HtmlWriter, program: &Program) {
+    page.raw("<ol class=\"program\">");
+    let text = program.text();
+    for line in text.lines().take(MAX_LINES) {
+        page.raw("<li>");
+        let (code, comments) = split_comments(line);
+        page.escaped(&code);
+        if !comments.is_empty() {
+            page.raw(" <em>");
+            page.escaped(&comments);
+            page.raw("</em>");
         }
-        page.raw("</ol>");
-        let left_out = text.lines().count().saturating_sub(MAX_LINES);
-        if left_out > 0 {
-            page.raw("<p>");
-            page.message(&say::sheet_lines_left_out(left_out));
-            page.raw("</p>");
-        }
+        page.raw("</li>");
+    }
+    page.raw("</ol>");
+    let left_out = text.lines().count().saturating_sub(MAX_LINES);
+    if left_out > 0 {
+        page.raw("<p>");
+        page.message(&say::sheet_lines_left_out(left_out));
+        page.raw("</p>");
     }
 }
 
@@ -362,9 +368,11 @@ mod tests {
         let spoken = Some(language);
         let mut report = check_program("p", &setup, spoken, &mut |_| {}, &mut |_| true);
         report.part = Some(PartReport::new(&machining, None, true, spoken));
+        let subprogram = Program::new("O1031;\nG00 U-1 (GROOVE);\nM99;\n");
         let sheet = SetupSheet {
             file_name: "a&b.CNC",
             program: &program,
+            subprograms: vec![("O1031".to_owned(), &subprogram)],
             hash: "00ff",
             report: &report,
             job: &job,
@@ -387,6 +395,8 @@ mod tests {
                 "a&amp;b.CNC",
                 "O0031",
                 "G50 X100 Z100;",
+                "O1031</h2>",
+                "<em>GROOVE</em>",
                 "<em>ROUGH &lt;1&gt;</em>",
                 "id=\"part\"",
                 "id=\"path\"",
