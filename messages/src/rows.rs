@@ -1790,6 +1790,7 @@ message_rows! {
     lathe_axis_z LatheAxisZ();
     lathe_changed LatheChanged();
     lathe_chuck_clamped LatheChuckClamped();
+    lathe_chuck_empty LatheChuckEmpty();
     lathe_chuck_open LatheChuckOpen();
     lathe_collision LatheCollision(block, what: message, x: "{:.3}", z: "{:.3}");
     lathe_collisions LatheCollisions(count);

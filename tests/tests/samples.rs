@@ -142,7 +142,9 @@ fn samples_of_other_models_end_at_their_start_point() {
     ] {
         let mut setup = start_setup(&[name]);
         setup.memory.model = ControlModel::new(model);
-        for seen in [run_check(&setup), run_kernel(&setup)] {
+        let checked = run_check(&setup);
+        assert_eq!(checked.result["warnings"], serde_json::json!([]), "{name}");
+        for seen in [checked, run_kernel(&setup)] {
             assert_eq!(seen.result["end"], "M02", "{name}: {}", seen.result);
             assert_eq!(
                 seen.result["final"]["abs"],

@@ -30,8 +30,18 @@ impl PreviewRun<'_> {
     }
 }
 
-/// Whether a block always ends its program: M02, M30, or M99 without the number of a block.
+/// Whether a block begins a subprogram in the text of its main program: G22 N of the Huaxing
+/// lathes, which no other model has.
+fn begins_subprogram(words: &[WrittenWord]) -> bool {
+    numbers_of(words, b'G').any(|code| code == Some(22))
+}
+
+/// Whether a block always ends its program: M02, M30, M99 without the number of a block, or G24
+/// after G22.
 fn ends_program(words: &[WrittenWord]) -> bool {
+    if numbers_of(words, b'G').any(|code| code == Some(24)) {
+        return true;
+    }
     let m_codes = numbers_of(words, b'M');
     let is_plain = !words
         .iter()
@@ -60,6 +70,9 @@ fn named_numbers(program: &Program) -> Option<Vec<u32>> {
             );
         } else if !block.trim_start().starts_with('#') {
             let words = split_line(block);
+            if begins_subprogram(&words) {
+                continue;
+            }
             // An N elsewhere than at the beginning names a block on some models.
             let named = words.iter().enumerate().filter(|(at, (letter, _))| {
                 matches!(letter, b'P' | b'Q') || *letter == b'N' && *at > 0
@@ -87,8 +100,11 @@ fn find_unreachable_line(program: &Program, end: u32) -> Option<u32> {
     for index in rest {
         let words = split_line(block_text(program, index));
         let is_named = (program.sequence(index)).is_some_and(|it| targets.contains(&it));
+        let is_called = begins_subprogram(&words)
+            && numbers_of(&words, b'N').any(|it| it.is_some_and(|it| targets.contains(&it)));
         // Another program of the same text begins with its name.
-        is_reached |= is_named || matches!(words.first(), Some((b'O', Some(_))));
+        let is_program = matches!(words.first(), Some((b'O', Some(_))));
+        is_reached |= is_named || is_called || is_program;
         if !is_reached && !words.is_empty() {
             return Some(program.block_line(index));
         }
@@ -124,6 +140,9 @@ mod tests {
                 Some(4),
             ),
             ("O1\nN5 G00 X1\nM99\nM30\n", 3, Some(4)),
+            ("G20 N05 L3\nM02\nN160 G22 N05\nN170 G00 X1\nG24\n", 2, None),
+            ("G20 N05\nM02\nG22 N05\nG24\nG22 N06\nN9 G24\n", 2, Some(5)),
+            ("G20 N05\nM02\nG22 N05\nG24\nN6 G00 X1\nG24\n", 2, Some(5)),
         ];
         for (text, end, line) in cases {
             let program = Program::new(text);

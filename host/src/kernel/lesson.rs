@@ -131,7 +131,8 @@ impl Kernel {
     pub(super) fn start_session(&mut self, work: PracticeWork, machine: Emulator) {
         self.leave_lesson();
         self.release_keys();
-        let beside = self.part.empty_for_same_window();
+        let lathe = machine.lathe().config();
+        let beside = self.part.empty_for_same_window().with_empty_chuck(lathe);
         let timeline = match work {
             PracticeWork::Exercise(_) => {
                 let empty = self.timeline.empty_for_same_window();

@@ -279,6 +279,7 @@ mod tests {
         PartView {
             job: Arc::new(job),
             job_name: None,
+            empty_chuck: None,
             section,
             threads: Arc::default(),
             tool: 9,

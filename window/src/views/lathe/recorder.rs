@@ -129,6 +129,7 @@ impl SceneRecorder {
         let view = PartView {
             job: Arc::clone(&self.job),
             job_name: None,
+            empty_chuck: None,
             section: Arc::clone(&self.section.1),
             // Drawn as rings: the preview has no spindle angle.
             threads: Arc::default(),

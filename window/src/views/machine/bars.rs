@@ -185,6 +185,9 @@ impl LatheView {
         let load = &mut self.instruments.load;
         load.show_bar(ui, total_s, elapsed, language);
         let (words, color) = match &self.part {
+            Some(part) if part.empty_chuck.is_some() => {
+                (say::lathe_chuck_empty(), theme::STATE_TEXT)
+            }
             Some(part) => match &part.job_name {
                 Some(name) => (say::lathe_job(name), theme::STATE_TEXT),
                 None if self.instruments.job.is_own_change(&part.job) => {

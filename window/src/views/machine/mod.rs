@@ -279,7 +279,9 @@ impl LatheView {
 
     /// Draws the job panel beside the picture.
     fn show_job(&mut self, ui: &mut Ui, language: Language) {
-        let Some(part) = &self.part else { return };
+        // An exercise without a part has no stock to clamp.
+        let part = self.part.as_ref().filter(|part| part.empty_chuck.is_none());
+        let Some(part) = part else { return };
         let tools = self.preview.times.tools();
         // The job file must not be that of a program that is not selected.
         let selected = self.preview.path.programs.selected();

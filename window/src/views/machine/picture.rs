@@ -128,14 +128,19 @@ impl LatheView {
             let clamped = Rect::from_min_max(pos2(back, -jaws), pos2(front, jaws));
             let tools = self.picture.tool_bounds.as_ref();
             let tools = tools.map_or(Rect::ZERO, |(_, bounds)| *bounds);
-            // The whole tool is visible while its tip is at the end of the bar.
-            let tip = pos2(front, radius);
+            // The whole tool is visible while its tip is at the end of the bar, or anywhere with
+            // an empty chuck.
+            let tip = match part.empty_chuck {
+                Some(far) => to_pos2(far),
+                None => pos2(front, radius),
+            };
             clamped.union(tools.translate(tip.to_vec2()))
         });
+        let is_chuck_empty = (self.part.as_ref()).is_some_and(|part| part.empty_chuck.is_some());
         let bounds = match (part, self.preview.path.bounds) {
             (Some(part), Some(path)) => part.union(path),
             // The path shows where the tool is. Without a path the tool needs a margin.
-            (Some(part), None) => part.expand2(TOOL_MARGIN_MM),
+            (Some(part), None) if !is_chuck_empty => part.expand2(TOOL_MARGIN_MM),
             (one, other) => one
                 .or(other)
                 .unwrap_or(Rect::from_center_size(Pos2::ZERO, vec2(200.0, 120.0))),

@@ -1,19 +1,22 @@
 //! The part in the simulated lathe: the slides cut it as they move, whether a view shows it
 //! or not. A collision may stop the lathe.
 
+mod empty_chuck;
+mod fittings;
+
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
 use crossbeam::queue::ArrayQueue;
 use gsk_core::command::SourcePosition;
-use gsk_core::machine::{LatheConstruction, LatheFault, SimulatedLathe};
+use gsk_core::machine::{LatheConfig, LatheFault, SimulatedLathe};
 use gsk_core::units::Point;
 use gsk_history::machine_part::{CRASH_FAULTS, MachinePart, NamedJob, PartInput};
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
 use gsk_runner::machining::live_part::{ThreadZone, running_block};
-use gsk_runner::machining::{CollisionFinding, CutFault};
+use gsk_runner::machining::{CollisionFinding, CutFault, Mounting};
 use gsk_workpiece::collision::Collision;
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
@@ -21,6 +24,8 @@ use gsk_workpiece::tool::Tool;
 
 use crate::files::tool_library::ToolMinutes;
 use crate::job::SelectedJob;
+use empty_chuck::EmptyChuck;
+pub use fittings::LatheFittings;
 
 /// The part and the lathe around it at one moment.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +33,9 @@ pub struct PartView {
     pub job: Arc<Job>,
     /// Name of the job file; `None` if the job was guessed.
     pub job_name: Option<Arc<str>>,
+    /// The farthest position of the tip if the chuck holds nothing, in an exercise without a part:
+    /// part coordinates, mm. `job` describes the lathe alone then, and its stock is not there.
+    pub empty_chuck: Option<Point>,
     /// Half section of the part in its current state.
     pub section: Arc<Region>,
     /// The threads that were cut on the part.
@@ -59,33 +67,31 @@ pub struct PartView {
     pub block: Option<SourcePosition>,
 }
 
-/// Construction, steady rest, signal lamps and handwheel of the lathe, which the 3D view shows in
-/// addition to the part.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct LatheFittings {
-    /// The construction by the machine file; `None`: it follows from tool post and chuck.
-    pub construction: Option<LatheConstruction>,
-    /// Distance of the steady rest from the front of the chuck's body, mm; `None`: no steady
-    /// rest.
-    pub steady_rest: Option<f64>,
-    /// Whether the green, yellow and red lamp of the tower are lit.
-    pub lit_lamps: [bool; 3],
-    /// Position of the handwheel since the start, detents, clockwise positive.
-    pub wheel_detents: i32,
-}
-
-impl LatheFittings {
-    fn from_emulator(emulator: &Emulator) -> Self {
-        let lathe = emulator.lathe();
-        let picture = &lathe.config().picture;
-        let memory = emulator.simulation().cnc.plc().memory();
-        let is_lit = |address| emulator.panel().powered() && memory.bit(address);
-        let lamps = picture.tower.addresses().unwrap_or_default();
+impl PartView {
+    /// The state of the lathe around an empty chuck.
+    fn of_lathe(emulator: &Emulator, job: &Arc<Job>, mounting: &Mounting) -> Self {
+        let simulation = emulator.simulation();
+        let (cnc, lathe) = (&simulation.cnc, &simulation.lathe);
+        let tool = lathe.station().unwrap_or(cnc.tool().0);
         Self {
-            construction: picture.construction,
-            steady_rest: picture.steady_rest,
-            lit_lamps: lamps.map(|address| address.is_some_and(is_lit)),
-            wheel_detents: lathe.handwheel_detents(),
+            job: Arc::clone(job),
+            job_name: None,
+            empty_chuck: None,
+            section: Arc::default(),
+            threads: Arc::default(),
+            tool,
+            tip: mounting.tip_in_part(tool, cnc.position_machine(), &cnc.frame()),
+            spindle_rpm: lathe.spindle_rpm(),
+            coolant: lathe.is_coolant_on(),
+            clamped: lathe.is_chuck_clamped(),
+            chuck_open: false,
+            tailstock_forward: lathe.is_tailstock_forward(),
+            door_open: lathe.has_fault(LatheFault::DoorOpen),
+            rear_tool_post: lathe.config().rear_tool_post,
+            fittings: LatheFittings::from_emulator(emulator),
+            findings: Vec::new(),
+            crash: None,
+            block: running_block(simulation),
         }
     }
 }
@@ -118,6 +124,8 @@ pub(super) struct KernelPart {
     inputs: Vec<PartInput>,
     /// Whether any view shows the part.
     visible: bool,
+    /// What a lathe without a part shows; `None`: nothing.
+    empty_chuck: Option<EmptyChuck>,
     section: Arc<Region>,
     threads: Arc<Vec<ThreadZone>>,
     /// The last collision that has stopped the lathe; `None` without one.
@@ -139,6 +147,7 @@ impl KernelPart {
             state: MachinePart::default(),
             inputs: Vec::new(),
             visible: false,
+            empty_chuck: None,
             section: Arc::default(),
             threads: Arc::default(),
             crash: None,
@@ -163,6 +172,12 @@ impl KernelPart {
         }
         self.visible = other.visible;
         self.force_publish();
+        self
+    }
+
+    /// Shows the lathe with an empty chuck as long as there is no part.
+    pub(super) fn with_empty_chuck(mut self, lathe: &LatheConfig) -> Self {
+        self.empty_chuck = Some(EmptyChuck::of_lathe(lathe));
         self
     }
 
@@ -341,10 +356,29 @@ impl KernelPart {
     /// Publishes the part if a view shows it and it has changed since the last time; returns
     /// true if so.
     pub(super) fn publish(&mut self, emulator: &Emulator) -> bool {
-        let simulation = emulator.simulation();
-        let Some(live) = self.state.live().filter(|_| self.visible) else {
+        if !self.visible {
+            return false;
+        }
+        let view = match (self.state.live().is_some(), &self.empty_chuck) {
+            (true, _) => self.part_view(emulator),
+            (false, Some(empty)) => Some(empty.view(emulator)),
+            (false, None) => None,
+        };
+        let Some(view) = view else {
             return false;
         };
+        if self.last.as_deref() == Some(&view) {
+            return false;
+        }
+        let view = Arc::new(view);
+        self.views.force_push(Arc::clone(&view));
+        self.last = Some(view);
+        true
+    }
+
+    /// The part, with its outline made anew if it has changed; `None` without a part.
+    fn part_view(&mut self, emulator: &Emulator) -> Option<PartView> {
+        let live = self.state.live()?;
         let machining = live.machining();
         let part = machining.scene().part();
         if self.shown_version != Some(part.version()) {
@@ -354,35 +388,15 @@ impl KernelPart {
         if *self.threads != live.threads() {
             self.threads = Arc::new(live.threads().to_vec());
         }
-        let (cnc, lathe) = (&simulation.cnc, &simulation.lathe);
-        let tool = lathe.station().unwrap_or(cnc.tool().0);
-        let mounting = machining.mounting();
-        let view = PartView {
-            job: Arc::clone(self.state.job()),
+        Some(PartView {
             job_name: self.state.job_name().cloned(),
             section: Arc::clone(&self.section),
             threads: Arc::clone(&self.threads),
-            tool,
-            tip: mounting.tip_in_part(tool, cnc.position_machine(), &cnc.frame()),
-            spindle_rpm: lathe.spindle_rpm(),
-            coolant: lathe.is_coolant_on(),
-            clamped: lathe.is_chuck_clamped(),
-            chuck_open: self.state.has_gripped() && !lathe.is_chuck_clamped(),
-            tailstock_forward: lathe.is_tailstock_forward(),
-            door_open: lathe.has_fault(LatheFault::DoorOpen),
-            rear_tool_post: lathe.config().rear_tool_post,
-            fittings: LatheFittings::from_emulator(emulator),
+            chuck_open: self.state.has_gripped() && !emulator.lathe().is_chuck_clamped(),
             findings: machining.findings().to_vec(),
-            crash: self.stopping_crash(lathe),
-            block: running_block(simulation),
-        };
-        if self.last.as_deref() == Some(&view) {
-            return false;
-        }
-        let view = Arc::new(view);
-        self.views.force_push(Arc::clone(&view));
-        self.last = Some(view);
-        true
+            crash: self.stopping_crash(emulator.lathe()),
+            ..PartView::of_lathe(emulator, self.state.job(), machining.mounting())
+        })
     }
 }
 
@@ -393,45 +407,6 @@ mod tests {
     use gsk_panel::keys::Key;
 
     use super::*;
-
-    fn run(emulator: &mut Emulator, ticks: u32) -> [bool; 3] {
-        (0..ticks).for_each(|_| emulator.tick());
-        LatheFittings::from_emulator(emulator).lit_lamps
-    }
-
-    #[test]
-    fn the_lamps_of_the_tower_follow_run_hold_alarm_and_power() {
-        let mut setup = Setup::default();
-        let programs = &mut setup.memory.programs;
-        let number = programs.store("O0001\nG04 X9\nM30\n").unwrap();
-        programs.select(ProgramId::Stored(number));
-        let mut emulator = Emulator::new(setup);
-        assert_eq!(run(&mut emulator, 5000), [false; 3]);
-        emulator.press(Key::Auto);
-        run(&mut emulator, 100);
-        emulator.press(Key::CycleStart);
-        assert_eq!(run(&mut emulator, 300), [true, false, false]);
-        emulator.press(Key::FeedHold);
-        assert_eq!(run(&mut emulator, 300), [false, true, false]);
-        emulator.set_fault(LatheFault::DriveX, true);
-        assert!(run(&mut emulator, 500)[2]);
-    }
-
-    #[test]
-    fn fittings_come_from_the_machine_file_and_the_handwheel() {
-        let mut setup = Setup::default();
-        setup.lathe.picture.steady_rest = Some(120.0);
-        setup.lathe.picture.construction = Some(LatheConstruction::Bench);
-        setup.lathe.picture.tower.red = String::new();
-        let mut emulator = Emulator::new(setup);
-        emulator.set_fault(LatheFault::DriveX, true);
-        assert_eq!(run(&mut emulator, 5000), [false; 3]);
-        emulator.turn(-7);
-        let fittings = LatheFittings::from_emulator(&emulator);
-        assert_eq!(fittings.steady_rest, Some(120.0));
-        assert_eq!(fittings.construction, Some(LatheConstruction::Bench));
-        assert_eq!(fittings.wheel_detents, -7);
-    }
 
     #[test]
     fn time_in_the_material_counts_for_tools_of_the_library() {
