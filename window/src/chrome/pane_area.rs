@@ -6,7 +6,7 @@ use gsk_messages::say;
 use gsk_panel::why::CauseSubject;
 
 use crate::focus;
-use crate::layout::{self, PaneTabs, WindowPane};
+use crate::layout::{self, PaneTabs, Scales, WindowPane};
 use crate::placement::panel_placement;
 use crate::views::header;
 use crate::{Window, theme};
@@ -19,13 +19,16 @@ impl Window {
     pub(crate) fn show_panes(&mut self, ui: &mut Ui) {
         let language = self.settings.language;
         let pixels_per_point = ui.pixels_per_point();
-        let min_key_size = match self.settings.fingers {
-            true => panel_placement::FINGER_KEY_SIZE,
-            false => 0.0,
-        };
+        let mut scales = Scales::new(pixels_per_point);
+        if self.settings.fingers {
+            scales.min_key_size = panel_placement::FINGER_KEY_SIZE;
+        }
+        if self.settings.timeline {
+            scales.min_legend_height = panel_placement::MIN_LEGEND_HEIGHT_ABOVE_TIME_LINE;
+        }
         let layouts = &mut self.settings.layouts;
         layouts.choose_first_layout(ui.max_rect(), pixels_per_point);
-        let arrangement = layouts.arrange(ui.max_rect(), pixels_per_point, min_key_size);
+        let arrangement = layouts.arrange(ui.max_rect(), scales);
         layouts.set_tabbed(arrangement.tabs.is_some());
         let panel_is_shown = arrangement
             .panes

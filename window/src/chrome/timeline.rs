@@ -17,7 +17,7 @@ use crate::widgets::right_aligned;
 use band::Band;
 
 /// Height of the time line strip, points.
-const HEIGHT: f32 = 58.0;
+pub const HEIGHT: f32 = 58.0;
 /// Height of the row with text and buttons, points.
 const ROW_HEIGHT: f32 = 26.0;
 /// Height of the band with the marks, points.

@@ -2,6 +2,7 @@
 
 use egui::{Rect, pos2, vec2};
 
+use super::Scales;
 use super::{LAYOUTS, Layouts, WindowPane, panel_placement};
 use panel_placement::{MIN_LEGEND_HEIGHT, PlacedArea};
 
@@ -18,7 +19,7 @@ const BARS: f32 = 50.0;
 
 fn panel_pane(layouts: &Layouts, (width, height): (f32, f32)) -> Option<Rect> {
     let room = Rect::from_min_size(pos2(0.0, 28.0), vec2(width, height - BARS));
-    let arranged = layouts.arrange(room, 1.0, 0.0);
+    let arranged = layouts.arrange(room, Scales::new(1.0));
     let mut panes = arranged.panes.into_iter();
     panes.find_map(|(pane, bounds)| (pane == WindowPane::Panel).then_some(bounds))
 }

@@ -236,19 +236,14 @@ impl Layouts {
     }
 
     /// Arranges the panes in `bounds`: all together, or if that is too crowded one of them
-    /// with a bar to switch to the others. Keys are at least `min_key_size` points large if
-    /// they fit.
-    pub fn arrange(&self, bounds: Rect, pixels_per_point: f32, min_key_size: f32) -> Arrangement {
+    /// with a bar to switch to the others.
+    pub fn arrange(&self, bounds: Rect, scales: Scales) -> Arrangement {
         let shares = self.changes.get(&self.current());
         let share = |split: u8| {
             let share = shares.and_then(|changes| changes.shares.get(&split))?;
             Some(f32::from(*share) / 1000.0)
         };
         let proportions = self.current().row().proportions;
-        let scales = Scales {
-            pixels_per_point,
-            min_key_size,
-        };
         let together = arrange_panes(bounds, &self.docked(), proportions, scales, &share);
         // After the operator has dragged a splitter, the panes stay together.
         let is_dragged = shares.is_some_and(|changes| !changes.shares.is_empty());
@@ -285,9 +280,22 @@ impl Layouts {
 #[derive(Clone, Copy, Debug)]
 pub struct Scales {
     /// Number of physical pixels per point.
-    pixels_per_point: f32,
+    pub pixels_per_point: f32,
     /// Minimum side length of a panel key, points; 0 for no limit.
-    min_key_size: f32,
+    pub min_key_size: f32,
+    /// Height of a legend below which the panel is too small, physical pixels.
+    pub min_legend_height: f32,
+}
+
+impl Scales {
+    /// The scales for a mouse, without a time line.
+    pub const fn new(pixels_per_point: f32) -> Self {
+        Self {
+            pixels_per_point,
+            min_key_size: 0.0,
+            min_legend_height: panel_placement::MIN_LEGEND_HEIGHT,
+        }
+    }
 }
 
 /// Whole number of physical pixels per dot of the LCD if the panel takes at most `max_share`
@@ -392,7 +400,7 @@ mod tests {
         assert_eq!(restored.stored_geometry(ViewId::Scope), Some(place));
         let room = Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(1000.0, 800.0));
         assert_eq!(
-            restored.arrange(room, 1.0, 0.0).panes[0].1.width(),
+            restored.arrange(room, Scales::new(1.0)).panes[0].1.width(),
             432.0 - 3.0
         );
     }

@@ -4,7 +4,7 @@
 use egui::{Pos2, Rect, pos2};
 
 use super::{Proportions, Scales, panel_share};
-use crate::placement::panel_placement::{self, MIN_LEGEND_HEIGHT};
+use crate::placement::panel_placement;
 use crate::view::ViewId;
 use gsk_panel::faceplate::SIZE;
 
@@ -120,7 +120,7 @@ pub fn arrange_panes(
             (left.width() * SIZE.1 / SIZE.0).clamp(left.height() * 0.3, left.height() * 0.7);
         let above = Rect::from_min_size(left.min, egui::vec2(left.width(), height));
         let legend = |room| panel_placement::legend_height(room, scales.pixels_per_point);
-        legend(above) >= MIN_LEGEND_HEIGHT || legend(left) <= legend(above)
+        legend(above) >= scales.min_legend_height || legend(left) <= legend(above)
     };
     let index_below = proportions.view_below_panel;
     let has_view_below = views.len() > index_below
@@ -209,10 +209,7 @@ mod tests {
 
     use super::super::LARGE_PANEL;
 
-    const TEST_SCALES: Scales = Scales {
-        pixels_per_point: 1.0,
-        min_key_size: 0.0,
-    };
+    const TEST_SCALES: Scales = Scales::new(1.0);
     const VIEWS: [ViewId; 4] = [ViewId::Bench, ViewId::Ladder, ViewId::Scope, ViewId::Link];
 
     #[test]

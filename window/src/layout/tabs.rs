@@ -5,7 +5,7 @@ use egui::{Rect, Vec2};
 
 use super::Scales;
 use super::panes::{Arrangement, PaneTabs, WindowPane};
-use crate::placement::panel_placement::{self, MIN_LEGEND_HEIGHT};
+use crate::placement::panel_placement;
 use crate::view::ViewId;
 
 /// Height of the tab bar, points: large enough for fingers.
@@ -25,7 +25,7 @@ pub fn is_crowded(arranged: &Arrangement, scales: Scales) -> bool {
             let dot = panel_placement::lcd_zoom(*place, scales.pixels_per_point);
             let legend = panel_placement::legend_height(*place, scales.pixels_per_point);
             dot < 0.98
-                || legend < MIN_LEGEND_HEIGHT * 0.98
+                || legend < scales.min_legend_height * 0.98
                 || panel_placement::min_key_size(*place) < scales.min_key_size * 0.98
         }
         WindowPane::View(view) => {
@@ -71,8 +71,15 @@ mod tests {
         Rect::from_min_size(pos2(0.0, 28.0), vec2(width, height - 50.0))
     }
 
+    fn with_keys(min_key_size: f32) -> Scales {
+        Scales {
+            min_key_size,
+            ..Scales::new(1.0)
+        }
+    }
+
     fn shown_panes(layouts: &Layouts, room: Rect, key: f32) -> Vec<WindowPane> {
-        let arranged = layouts.arrange(room, 1.0, key);
+        let arranged = layouts.arrange(room, with_keys(key));
         arranged.panes.iter().map(|(pane, _)| *pane).collect()
     }
 
@@ -93,7 +100,7 @@ mod tests {
         assert_eq!(shown_panes(&layouts, room(1920.0, 1080.0), 0.0).len(), 3);
         layouts.bring_to_front(None);
         assert_eq!(shown_panes(&layouts, small, 0.0), [WindowPane::Panel]);
-        let turns = layouts.arrange(small, 1.0, 0.0).tabs.unwrap();
+        let turns = layouts.arrange(small, Scales::new(1.0)).tabs.unwrap();
         assert_eq!(
             turns.all,
             [WindowPane::Panel, machine, WindowPane::View(ViewId::Data)]
@@ -112,6 +119,22 @@ mod tests {
     }
 
     #[test]
+    fn the_time_line_does_not_turn_views_into_tabs() {
+        let layouts = Layouts::with_layout(WindowLayout::Learner);
+        let whole = room(1366.0, 768.0);
+        let above = whole.with_max_y(whole.bottom() - crate::chrome::timeline::HEIGHT);
+        let shown = |room, scales| layouts.arrange(room, scales).panes.len();
+        let all = shown(whole, Scales::new(1.0));
+        assert!(all > 2);
+        assert_eq!(shown(above, Scales::new(1.0)), 1);
+        let scales = Scales {
+            min_legend_height: panel_placement::MIN_LEGEND_HEIGHT_ABOVE_TIME_LINE,
+            ..Scales::new(1.0)
+        };
+        assert_eq!(shown(above, scales), all);
+    }
+
+    #[test]
     fn keys_are_for_fingers_also_beside_a_view() {
         let key = panel_placement::FINGER_KEY_SIZE;
         for (width, height) in [
@@ -127,7 +150,7 @@ mod tests {
                 WindowLayout::Instructor,
             ] {
                 let layouts = Layouts::with_layout(layout);
-                let arranged = layouts.arrange(room(width, height), 1.0, key);
+                let arranged = layouts.arrange(room(width, height), with_keys(key));
                 let (pane, place) = arranged.panes[0];
                 assert_eq!(pane, WindowPane::Panel);
                 let least = panel_placement::min_key_size(place);

@@ -45,6 +45,9 @@ const UPRIGHT_RATIO: f32 = 1.25;
 const LEGEND_HEIGHT: f32 = 15.04;
 /// Least height of a legend that is easy to read, physical pixels.
 pub const MIN_LEGEND_HEIGHT: f32 = 11.0;
+/// The same while the time line takes a strip of the window: who drags it wants to see panel and
+/// lathe together.
+pub const MIN_LEGEND_HEIGHT_ABOVE_TIME_LINE: f32 = 9.8;
 
 /// Bounds and scale with the areas of the panel placed for them.
 type Placement = (Rect, f32, Vec<PlacedArea>);
