@@ -4,7 +4,7 @@
     tests/oracles/browser_seat.py PROGRAM PAGE PICTURES [chromium|firefox]
 
 PROGRAM is the built `gsk980td`, PAGE the folder that `cargo xtask dist web` builds. Needs mosquitto,
-chromium with its driver or firefox-esr, python3-websockets and paho-mqtt. The link of the class opens
+chromium with its driver or firefox-esr, python3-websockets and paho-mqtt 2. The link of the class opens
 the page, the learner enters his name, and `gsk980td class --text` must show him. Then the broker is
 killed and comes back, the instructor sends an exercise of his own, and offers an exam, which page and
 view must refuse with the same sentence.
