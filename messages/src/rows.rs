@@ -2460,6 +2460,7 @@ message_rows! {
     mill_column_pin MillColumnPin();
     mill_column_symbol MillColumnSymbol();
     mill_compensation_off MillCompensationOff();
+    mill_cut_spindle_stands MillCutSpindleStands();
     mill_dwell_negative MillDwellNegative();
     mill_feed_without_speed MillFeedWithoutSpeed();
     mill_g_not_checked MillGNotChecked(code, meaning);
@@ -2484,6 +2485,17 @@ message_rows! {
     mill_homing_switch_closed MillHomingSwitchClosed(bit);
     mill_homing_switch_open MillHomingSwitchOpen(bit);
     mill_homing_ways MillHomingWays();
+    mill_idle_display MillIdleDisplay();
+    mill_idle_drive MillIdleDrive();
+    mill_idle_format MillIdleFormat();
+    mill_idle_hand MillIdleHand();
+    mill_idle_homing MillIdleHoming();
+    mill_idle_ladder MillIdleLadder();
+    mill_idle_port MillIdlePort();
+    mill_idle_probe MillIdleProbe();
+    mill_idle_spindle MillIdleSpindle();
+    mill_idle_start MillIdleStart();
+    mill_idle_switch MillIdleSwitch();
     mill_increment_of_lathe MillIncrementOfLathe(letter, axis);
     mill_keys_none MillKeysNone(number);
     mill_keys_number MillKeysNumber(number);
@@ -2502,6 +2514,7 @@ message_rows! {
     mill_one_shots MillOneShots();
     mill_option_of_lathe MillOptionOfLathe(option);
     mill_option_of_mill MillOptionOfMill(option);
+    mill_parameter_acts MillParameterActs();
     mill_parameter_form MillParameterForm(word);
     mill_parameter_range MillParameterRange(number, value);
     mill_parameter_unknown MillParameterUnknown(number);
@@ -2523,6 +2536,7 @@ message_rows! {
     mill_pitch_window MillPitchWindow(number, least, most);
     mill_plane_in_compensation MillPlaneInCompensation();
     mill_plane_in_transform MillPlaneInTransform();
+    mill_pockets MillPockets(first, last);
     mill_radius_too_small MillRadiusTooSmall(radius, chord);
     mill_reference_number MillReferenceNumber(number);
     mill_repeats_out_of_range MillRepeatsOutOfRange(count, most);
