@@ -3090,7 +3090,7 @@ message_rows! {
     program_save_as ProgramSaveAs();
     program_store ProgramStore();
     program_store_hint ProgramStoreHint();
-    program_stored ProgramStored(number: "{:04}");
+    program_stored ProgramStored(name);
     program_taken_over ProgramTakenOver();
     program_text ProgramText();
     program_too_large ProgramTooLarge(size, free);
@@ -3242,8 +3242,8 @@ message_rows! {
     question_do_not_close QuestionDoNotClose();
     question_job_is_lost QuestionJobIsLost();
     question_job_unsaved QuestionJobUnsaved();
-    question_number_taken QuestionNumberTaken(number: "{:04}");
-    question_number_taken_by QuestionNumberTakenBy(name, number: "{:04}");
+    question_number_taken QuestionNumberTaken(name);
+    question_number_taken_by QuestionNumberTakenBy(file, name);
     question_only_run_file QuestionOnlyRunFile();
     question_program_held QuestionProgramHeld();
     question_program_runs QuestionProgramRuns();
@@ -4111,6 +4111,7 @@ message_rows! {
     window_hint_emergency_stop WindowHintEmergencyStop();
     window_hint_list WindowHintList();
     window_hint_machine_zero WindowHintMachineZero();
+    window_hint_program_end WindowHintProgramEnd();
     window_hint_start WindowHintStart();
     window_history WindowHistory(count);
     window_history_empty WindowHistoryEmpty();
@@ -4155,7 +4156,7 @@ message_rows! {
     window_open_program WindowOpenProgram();
     window_open_view WindowOpenView(view: message);
     window_opened_only_to_run WindowOpenedOnlyToRun(name, why: message);
-    window_opened_stored WindowOpenedStored(name, number: "{:04}");
+    window_opened_stored WindowOpenedStored(name, program);
     window_other_language WindowOtherLanguage();
     window_other_language_hint WindowOtherLanguageHint();
     window_panel_key WindowPanelKey();

@@ -232,9 +232,11 @@ impl Kernel {
         };
         let watch = kernel.input_watch.clone();
         let network = kernel.network.states().clone();
+        let naming = kernel.emulator.cnc().model().record().program_naming();
         (
             kernel,
             Console {
+                naming,
                 commands,
                 snapshots,
                 machine,
