@@ -80,6 +80,7 @@ pub fn make_setup_sheet(
     let job = machining.job();
     let sheet = SetupSheet {
         file_name: source.file_name,
+        model: setup.memory.model.id(),
         program,
         hash: &hex(&Sha256::digest(source.file)),
         report: &report,
