@@ -4112,6 +4112,7 @@ message_rows! {
     window_hint_list WindowHintList();
     window_hint_machine_zero WindowHintMachineZero();
     window_hint_program_end WindowHintProgramEnd();
+    window_hint_running WindowHintRunning();
     window_hint_start WindowHintStart();
     window_history WindowHistory(count);
     window_history_empty WindowHistoryEmpty();

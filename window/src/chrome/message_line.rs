@@ -4,6 +4,7 @@
 use egui::{Align, Label, Layout, RichText, Ui};
 use gsk_core::command::ProgramId;
 use gsk_core::model::ProgramNaming;
+use gsk_core::operation::RunState;
 use gsk_host::kernel::{Command, PanelSnapshot, StartDistance};
 use gsk_messages::{Language, Message, say};
 use gsk_panel::keys::Key;
@@ -258,9 +259,11 @@ impl Window {
         }
         let is_position_unknown = snapshot.is_some_and(|it| it.position_unknown);
         let program = snapshot.and_then(|it| it.program);
+        let is_running = snapshot.is_some_and(|it| it.run_state == RunState::Run);
         let waits_at_end = snapshot.is_some_and(|it| it.waits_at_end);
         Some(match (is_position_unknown, program) {
             (true, _) => say::window_hint_machine_zero(),
+            (false, Some(_)) if is_running => say::window_hint_running(),
             (false, Some(_)) if waits_at_end => say::window_hint_program_end(),
             (false, Some(_)) => say::window_hint_start(),
             (false, None) => say::window_hint(),
