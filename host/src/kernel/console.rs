@@ -404,8 +404,8 @@ pub struct ForcedState {
 /// The window's ends of the channels to the kernel.
 #[derive(Clone, Debug)]
 pub struct Console {
-    /// How the control model writes the names of programs.
-    pub naming: ProgramNaming,
+    /// The control model of the kernel.
+    pub model: ModelId,
     /// The channel that sends commands to the kernel.
     pub commands: Sender<Command>,
     /// Queue with the newest snapshot of the panel.
@@ -429,6 +429,11 @@ pub struct Console {
 }
 
 impl Console {
+    /// How the control model writes the names of programs.
+    pub fn naming(&self) -> ProgramNaming {
+        self.model.record().program_naming()
+    }
+
     /// Sends a command without waiting; a full queue or an ended kernel drops it.
     pub fn send(&self, command: Command) {
         // A full queue means that the kernel has not run for a thousand commands: one more

@@ -232,11 +232,11 @@ impl Kernel {
         };
         let watch = kernel.input_watch.clone();
         let network = kernel.network.states().clone();
-        let naming = kernel.emulator.cnc().model().record().program_naming();
+        let model = kernel.emulator.cnc().model().id();
         (
             kernel,
             Console {
-                naming,
+                model,
                 commands,
                 snapshots,
                 machine,

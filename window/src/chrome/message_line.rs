@@ -215,7 +215,7 @@ impl Window {
     /// a usual state.
     fn state_message(&self, in_list: bool) -> Option<LineMessage> {
         let language = self.settings.language;
-        let naming = self.console.naming;
+        let naming = self.console.naming();
         let hint = |severity, message| {
             let text = LineText::Fixed(message);
             Some(LineMessage { severity, text })

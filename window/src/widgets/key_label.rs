@@ -65,12 +65,12 @@ mod tests {
     #[test]
     fn keys_of_a_model_have_its_legends() {
         for (model, key, zh, en) in [
-            (ModelId::Hx31, Key::Program, "[程序]", "[PRGRM 程序]"),
+            (ModelId::Hx31, Key::MainProgram, "[程序]", "[PRGRM 程序]"),
             (ModelId::Hx31, Key::Soft1, "[F1]", "[F1]"),
             (ModelId::Hx31, Key::Edit, "[编辑]", "[Edit 编辑]"),
             (ModelId::Ncb08, Key::Cancel, "[取消]", "[ESC 取消]"),
-            (ModelId::Ncb08, Key::Prg, "[程序]", "[PRG 程序]"),
-            (ModelId::Gsk980td, Key::Prg, "[程序]", "[PRG 程序]"),
+            (ModelId::Ncb08, Key::Program, "[程序]", "[PRG 程序]"),
+            (ModelId::Gsk980td, Key::Program, "[程序]", "[PRG 程序]"),
         ] {
             assert_eq!(key_label_on(model, key, Language::Zh), zh);
             assert_eq!(key_label_on(model, key, Language::En), en);

@@ -116,7 +116,7 @@ impl Questions {
             return;
         };
         let name = &opened.name;
-        let program = console.naming.name(*number);
+        let program = console.naming().name(*number);
         let title = say::question_number_taken(&program).text(language);
         let consequence = say::question_number_taken_by(name, program).text(language);
         let answers = [

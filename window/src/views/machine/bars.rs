@@ -297,7 +297,7 @@ impl LatheView {
         let line = block.line;
         match block.program {
             ProgramId::Stored(number) => {
-                format!("{}:{line}", self.console.naming.name(number))
+                format!("{}:{line}", self.console.naming().name(number))
             }
             ProgramId::External | ProgramId::Mdi | ProgramId::Dnc => line.to_string(),
         }

@@ -114,8 +114,8 @@ impl BreakpointList {
     }
 
     /// Returns how the control model writes the names of programs.
-    pub const fn naming(&self) -> ProgramNaming {
-        self.console.naming
+    pub fn naming(&self) -> ProgramNaming {
+        self.console.naming()
     }
 
     /// Returns the number of all breakpoints.
@@ -128,7 +128,7 @@ impl BreakpointList {
         let line_locations = self.lines.iter().flat_map(|(number, lines)| {
             let filter = number.map_or(ProgramFilter::Any, ProgramFilter::Number);
             lines.iter().map(move |line| BreakLocation {
-                text: line_name(*number, *line, self.console.naming),
+                text: line_name(*number, *line, self.console.naming()),
                 event: BreakEvent::Line(filter.clone(), *line),
                 condition: None,
             })
@@ -182,7 +182,7 @@ impl BreakpointList {
             .show(ui, |ui| {
                 for (number, lines) in &self.lines {
                     for line in lines {
-                        if row(ui, &line_name(*number, *line, self.console.naming)) {
+                        if row(ui, &line_name(*number, *line, self.console.naming())) {
                             removed_line = Some((*number, *line));
                         }
                     }
@@ -213,7 +213,7 @@ impl BreakpointList {
             return;
         };
         ui.horizontal_wrapped(|ui| {
-            ui.strong(halt_text(halt, self.console.naming, language).text(language));
+            ui.strong(halt_text(halt, self.console.naming(), language).text(language));
             if let Some(command) = show_halt_buttons(ui, language) {
                 self.command(command);
             }

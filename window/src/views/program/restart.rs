@@ -146,7 +146,7 @@ impl RestartDialog {
         let Some(content) = &self.content else {
             return;
         };
-        let (entries, naming) = (&mut self.entries, self.console.naming);
+        let (entries, naming) = (&mut self.entries, self.console.naming());
         let is_checked = self.pending == 0;
         let mut change = None;
         let mut is_confirmed = false;
