@@ -137,7 +137,7 @@ impl MillRates {
 
     /// Returns the additional duration of a stop at the end of a cut over `distance` at `feed`
     /// (mm/min), s. The ramps cover the speed above that at which cuts begin. A Cs axis that moves
-    /// has a time constant of its own.
+    /// has a separate time constant.
     pub(crate) fn settling(&self, feed: f64, distance: &MillPosition) -> f64 {
         let mut ramp = self.cut_ramp;
         if let Some((cs, time_s)) = self.cs

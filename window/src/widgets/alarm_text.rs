@@ -71,6 +71,22 @@ mod tests {
     use super::*;
 
     #[test]
+    fn programs_have_the_name_of_the_model() {
+        let source = SourcePosition {
+            program: ProgramId::Stored(21),
+            line: 3,
+            sequence: None,
+        };
+        for (naming, name) in [
+            (ProgramNaming::Percent, "%P21 "),
+            (ProgramNaming::Letter, "O0021 "),
+        ] {
+            let text = source_text(&source, naming, Language::En);
+            assert!(text.starts_with(name), "{text}");
+        }
+    }
+
+    #[test]
     fn block_reason_and_remedy_use_the_language_of_the_window() {
         let alarm = Alarm::new(13)
             .with_detail(say::arc_radius_or_center_missing())
