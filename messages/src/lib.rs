@@ -10,8 +10,8 @@
 //! use gsk_messages::{Language, say};
 //!
 //! let refusal = say::program_exists(12);
-//! assert_eq!(refusal.text(Language::En), "O0012 exists");
-//! assert_eq!(refusal.text(Language::Zh), "O0012 已存在");
+//! assert_eq!(refusal.text(Language::En), "program 0012 exists");
+//! assert_eq!(refusal.text(Language::Zh), "程序 0012 已存在");
 //! ```
 
 mod help_columns;
@@ -278,7 +278,7 @@ mod tests {
         let both = say::several([inner.clone(), say::as_written("x.nc")]);
         assert_eq!(inner.plain_value("program"), Some("0007"));
         assert_eq!(both.plain_value("messages"), None);
-        assert_eq!(both.text(Language::En), "O0007 exists; x.nc");
-        assert_eq!(both.text(Language::Zh), "O0007 已存在; x.nc");
+        assert_eq!(both.text(Language::En), "program 0007 exists; x.nc");
+        assert_eq!(both.text(Language::Zh), "程序 0007 已存在; x.nc");
     }
 }

@@ -2461,6 +2461,7 @@ message_rows! {
     mill_column_pin MillColumnPin();
     mill_column_symbol MillColumnSymbol();
     mill_compensation_off MillCompensationOff();
+    mill_cut_spindle_stands MillCutSpindleStands();
     mill_dwell_negative MillDwellNegative();
     mill_feed_without_speed MillFeedWithoutSpeed();
     mill_g_not_checked MillGNotChecked(code, meaning);
@@ -2485,6 +2486,17 @@ message_rows! {
     mill_homing_switch_closed MillHomingSwitchClosed(bit);
     mill_homing_switch_open MillHomingSwitchOpen(bit);
     mill_homing_ways MillHomingWays();
+    mill_idle_display MillIdleDisplay();
+    mill_idle_drive MillIdleDrive();
+    mill_idle_format MillIdleFormat();
+    mill_idle_hand MillIdleHand();
+    mill_idle_homing MillIdleHoming();
+    mill_idle_ladder MillIdleLadder();
+    mill_idle_port MillIdlePort();
+    mill_idle_probe MillIdleProbe();
+    mill_idle_spindle MillIdleSpindle();
+    mill_idle_start MillIdleStart();
+    mill_idle_switch MillIdleSwitch();
     mill_increment_of_lathe MillIncrementOfLathe(letter, axis);
     mill_keys_none MillKeysNone(number);
     mill_keys_number MillKeysNumber(number);
@@ -2503,6 +2515,7 @@ message_rows! {
     mill_one_shots MillOneShots();
     mill_option_of_lathe MillOptionOfLathe(option);
     mill_option_of_mill MillOptionOfMill(option);
+    mill_parameter_acts MillParameterActs();
     mill_parameter_form MillParameterForm(word);
     mill_parameter_range MillParameterRange(number, value);
     mill_parameter_unknown MillParameterUnknown(number);
@@ -2524,6 +2537,7 @@ message_rows! {
     mill_pitch_window MillPitchWindow(number, least, most);
     mill_plane_in_compensation MillPlaneInCompensation();
     mill_plane_in_transform MillPlaneInTransform();
+    mill_pockets MillPockets(first, last);
     mill_radius_too_small MillRadiusTooSmall(radius, chord);
     mill_reference_number MillReferenceNumber(number);
     mill_repeats_out_of_range MillRepeatsOutOfRange(count, most);
@@ -3077,7 +3091,7 @@ message_rows! {
     program_save_as ProgramSaveAs();
     program_store ProgramStore();
     program_store_hint ProgramStoreHint();
-    program_stored ProgramStored(number: "{:04}");
+    program_stored ProgramStored(name);
     program_taken_over ProgramTakenOver();
     program_text ProgramText();
     program_too_large ProgramTooLarge(size, free);
@@ -3229,8 +3243,8 @@ message_rows! {
     question_do_not_close QuestionDoNotClose();
     question_job_is_lost QuestionJobIsLost();
     question_job_unsaved QuestionJobUnsaved();
-    question_number_taken QuestionNumberTaken(number: "{:04}");
-    question_number_taken_by QuestionNumberTakenBy(name, number: "{:04}");
+    question_number_taken QuestionNumberTaken(name);
+    question_number_taken_by QuestionNumberTakenBy(file, name);
     question_only_run_file QuestionOnlyRunFile();
     question_program_held QuestionProgramHeld();
     question_program_runs QuestionProgramRuns();
@@ -4099,6 +4113,8 @@ message_rows! {
     window_hint_emergency_stop WindowHintEmergencyStop();
     window_hint_list WindowHintList();
     window_hint_machine_zero WindowHintMachineZero();
+    window_hint_program_end WindowHintProgramEnd();
+    window_hint_running WindowHintRunning();
     window_hint_start WindowHintStart();
     window_history WindowHistory(count);
     window_history_empty WindowHistoryEmpty();
@@ -4143,7 +4159,7 @@ message_rows! {
     window_open_program WindowOpenProgram();
     window_open_view WindowOpenView(view: message);
     window_opened_only_to_run WindowOpenedOnlyToRun(name, why: message);
-    window_opened_stored WindowOpenedStored(name, number: "{:04}");
+    window_opened_stored WindowOpenedStored(name, program);
     window_other_language WindowOtherLanguage();
     window_other_language_hint WindowOtherLanguageHint();
     window_panel_key WindowPanelKey();

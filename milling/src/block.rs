@@ -242,6 +242,7 @@ fn set_zero(state: &mut MillState, words: &BlockWords, memory: &MillMemory) -> R
         None => return Ok(()),
     };
     state.modal.zero = zero;
+    state.held_zero = None;
     if memory.bit(parameter::ZEROS, 4) {
         state.shift = MillPosition::default();
     }
@@ -280,6 +281,7 @@ fn set_spindle(
         modal.speed = s.value();
     }
     if let Some(t) = words.letters.t {
+        check_pockets(context.memory)?;
         modal.called = u16::try_from(t.integer()).unwrap_or(u16::MAX);
         if !state.changes_tools {
             modal.tool = modal.called;
@@ -300,6 +302,19 @@ fn set_spindle(
             modal.tool = modal.called;
         }
         _ => {}
+    }
+    Ok(())
+}
+
+/// Checks the numbers of the first and the last tool pocket. Errors: alarm 032 if the first is
+/// not smaller (5025, 5026).
+fn check_pockets(memory: &MillMemory) -> Result<(), Alarm> {
+    let first = memory.value(parameter::FIRST_POCKET);
+    let last = memory.value(parameter::LAST_POCKET);
+    // As delivered both are 0: the machine has no magazine.
+    if first >= last && (first, last) != (0, 0) {
+        let detail = say::mill_pockets(first, last);
+        return Err(alarm(number::BAD_TOOL, detail));
     }
     Ok(())
 }

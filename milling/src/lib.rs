@@ -40,7 +40,7 @@ pub use caution::{MillCaution, MillSlip};
 pub use memory::{MillMemory, MillOffset, MillOffsetMemory, parameter};
 pub use modal::{MillModal, SpindleState};
 pub use options::MillWordError;
-pub use parameter_table::{MillParameterRow, mill_parameter_rows};
+pub use parameter_table::{MillParameterRow, WithoutEffect, mill_parameter_rows};
 pub use path::bounds::{MillBounds, MillPathLengths};
 pub use path::moves::{MillArc, MillMove, MillMoveKind};
 pub use preview::{MillPreview, MillSetup, PreviewEnd, PreviewProgress, preview_while};

@@ -61,11 +61,14 @@ pub mod parameter {
     pub const TRAVEL_MINUS: u16 = 46;
     /// Parameter 071: feed of G31 with 551.2 = 1, mm/min.
     pub const SKIP_FEED: u16 = 71;
+    /// Parameter 060: time constant of the Cs axis, ms.
+    pub const CS_TIME: u16 = 60;
     /// Parameter 076: rapid rate of the index axis, mm/min or degrees/min.
     pub const INDEX_RATE: u16 = 76;
     /// Parameter 172. Bit 4: soft limits are off.
     pub const LIMITS: u16 = 172;
-    /// Parameter 174. Bit 6: cuts wait for the speed of the spindle.
+    /// Parameter 174. Bit 7: cuts stop with the spindle. Bit 6: cuts wait for the speed of the
+    /// spindle.
     pub const SPINDLE_CHECK: u16 = 174;
     /// Parameter 187. Type of a fourth or fifth axis, bits 1 and 0: 00 linear, 01 rotary A, 11
     /// rotary B. Bits 7 and 6 its least increment: 00 as X, Y and Z, 01 IS-A, 10 IS-B, 11 IS-C.
@@ -75,7 +78,8 @@ pub mod parameter {
     pub const ROLLOVER: u16 = 188;
     /// Parameter 520. Bit 7: ASIN and ATAN return angles from −180 to 180 degrees.
     pub const ANGLES: u16 = 520;
-    /// Parameter 540. Bit 4: G54 to G59 clear the shift of G92.
+    /// Parameter 540. Bit 4: G54 to G59 clear the shift of G92. Bit 1: a changed work zero acts
+    /// at once, otherwise with the next code that selects a zero.
     pub const ZEROS: u16 = 540;
     /// Parameter 542. Local coordinates are cancelled by M30 and M02 (bit 1) or by a reference
     /// return (bit 0).
@@ -89,6 +93,9 @@ pub mod parameter {
     pub const SHIFT: u16 = 584;
     /// Parameter 588. Bit 5: a rigid tap retracts by 5213 between pecks, otherwise to R.
     pub const TAPS: u16 = 588;
+    /// Parameter 600. Bit 1: S selects the gear (M type), otherwise the ladder does (T type).
+    /// Bit 0: gears change at the speeds of 3751 to 3753 (M type B), otherwise at 3736 (A).
+    pub const GEAR_TYPE: u16 = 600;
     /// Parameter 1010: number of axes, 3 to 5.
     pub const AXES: u16 = 1010;
     /// Parameter 1020: address of a fourth or fifth axis: 65 A, 66 B, 67 C.
@@ -106,19 +113,35 @@ pub mod parameter {
     /// Parameter 1240. First of four parameters of each axis: position of reference points 1 to 4,
     /// machine coordinates, 0.001 mm.
     pub const REFERENCE: u16 = 1240;
+    /// Parameter 3010: delay of the strobe SF at a gear change, ms.
+    pub const GEAR_STROBE: u16 = 3010;
     /// Parameter 3410: greatest distance of an arc's end from its circle, 0.001 mm.
     pub const ARC_ERROR: u16 = 3410;
     /// Parameter 3712: type of the spindle: 0 gears, 1 analog, 2 serial.
     pub const SPINDLE_TYPE: u16 = 3712;
     /// Parameter 3720: lines of the spindle encoder. With 0, G74 and G84 drill.
     pub const ENCODER: u16 = 3720;
+    /// Parameter 3735: least speed of the spindle motor, of 4095.
+    pub const MOTOR_LEAST: u16 = 3735;
+    /// Parameter 3736: greatest speed of the spindle motor, of 4095.
+    pub const MOTOR_GREATEST: u16 = 3736;
     /// Parameter 3740: delay before the speed of the spindle is checked, ms.
     pub const SPINDLE_DELAY: u16 = 3740;
     /// Parameters 3741 to 3744: greatest speed of the gears 1 to 4, r/min.
     pub const GEAR_SPEEDS: core::ops::RangeInclusive<u16> = 3741..=3744;
+    /// Parameters 3751 to 3753: motor speeds at which gears 1 to 3 change to the next, of 4095.
+    pub const GEAR_CHANGES: core::ops::RangeInclusive<u16> = 3751..=3753;
+    /// Parameter 3760: the axis that the spindle becomes as Cs axis: 0 none, 1 X to 5 fifth.
+    pub const CS_AXIS: u16 = 3760;
+    /// Parameter 4901: time after which cuts stopped with the spindle raise an alarm, ms.
+    pub const STOPPED_TIME: u16 = 4901;
     /// Parameter 5012: greatest difference from 0 and 180 degrees at which two lines count as
     /// straight and as opposite in cutter compensation, 0.001 degrees (IS-C: 0.0001 degrees).
     pub const STRAIGHT_ANGLE: u16 = 5012;
+    /// Parameter 5025: number of the first tool pocket.
+    pub const FIRST_POCKET: u16 = 5025;
+    /// Parameter 5026: number of the last tool pocket, greater than the first.
+    pub const LAST_POCKET: u16 = 5026;
     /// Parameter 5040: feed of G37, mm/min.
     pub const MEASURE_FEED: u16 = 5040;
     /// Parameter 5043: distance before the measuring point at which G37 changes to its feed, 0.001

@@ -3,6 +3,8 @@
 
 use std::sync::LazyLock;
 
+use gsk_messages::{Message, say};
+
 const TABLE: &str = include_str!("../../assets/tables/mill-parameters.tsv");
 
 /// A row of the parameter table: a parameter, or one of its bits.
@@ -21,12 +23,76 @@ pub struct MillParameterRow {
     pub unit: &'static str,
     /// Least and greatest value as the manual writes them, `-` if it gives none.
     pub range: &'static str,
-    /// Whether the parameter affects the commands `check` and `plot`.
-    pub acts: bool,
+    /// Why the parameter has no effect on the commands `check` and `plot`; `None` if it has one.
+    pub without_effect: Option<WithoutEffect>,
     /// The meaning of the parameter in English.
     pub en: &'static str,
     /// The meaning of the parameter in Chinese.
     pub zh: &'static str,
+}
+
+/// Why a parameter has no effect on a checked program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WithoutEffect {
+    /// It belongs to jogging, steps and the handwheel.
+    Hand,
+    /// It belongs to the return to machine zero.
+    Homing,
+    /// It belongs to drives, gear ratio and the errors of the screw.
+    Drive,
+    /// It belongs to override, dry run and the stop buttons.
+    Switch,
+    /// It sets what power-on, reset or MDI leave.
+    Start,
+    /// It belongs to the display and the editor.
+    Display,
+    /// It belongs to a signal that comes at the programmed point here.
+    Probe,
+    /// It belongs to voltage, encoder and speed of a real spindle.
+    Spindle,
+    /// It belongs to the ladder.
+    Ladder,
+    /// It belongs to ports and supply voltage.
+    Port,
+    /// The manual gives no format for the codes that use it.
+    Format,
+}
+
+impl WithoutEffect {
+    /// Parses a word of the column `acts`; `None` if it is unknown.
+    fn parse(word: &str) -> Option<Self> {
+        Some(match word {
+            "hand" => Self::Hand,
+            "homing" => Self::Homing,
+            "drive" => Self::Drive,
+            "switch" => Self::Switch,
+            "start" => Self::Start,
+            "display" => Self::Display,
+            "probe" => Self::Probe,
+            "spindle" => Self::Spindle,
+            "ladder" => Self::Ladder,
+            "port" => Self::Port,
+            "format" => Self::Format,
+            _ => return None,
+        })
+    }
+
+    /// Returns the reason as a text.
+    pub fn message(self) -> Message {
+        match self {
+            Self::Hand => say::mill_idle_hand(),
+            Self::Homing => say::mill_idle_homing(),
+            Self::Drive => say::mill_idle_drive(),
+            Self::Switch => say::mill_idle_switch(),
+            Self::Start => say::mill_idle_start(),
+            Self::Display => say::mill_idle_display(),
+            Self::Probe => say::mill_idle_probe(),
+            Self::Spindle => say::mill_idle_spindle(),
+            Self::Ladder => say::mill_idle_ladder(),
+            Self::Port => say::mill_idle_port(),
+            Self::Format => say::mill_idle_format(),
+        }
+    }
 }
 
 /// Returns all rows of the parameter table, sorted by number and bit.
@@ -51,7 +117,10 @@ fn row(line: &'static str) -> Option<MillParameterRow> {
         },
         unit: next()?,
         range: next()?,
-        acts: next()? == "yes",
+        without_effect: match next()? {
+            "yes" => None,
+            reason => Some(WithoutEffect::parse(reason)?),
+        },
         en: next()?,
         zh: next()?,
     })
@@ -85,14 +154,17 @@ mod tests {
         for row in mill_parameter_rows() {
             for number in of_axes(row) {
                 let Some(there) = record.parameters().get(&number) else {
-                    assert!(!row.acts, "{number} acts, and the model has none");
+                    assert!(
+                        row.without_effect.is_some(),
+                        "{number} acts, and the model has none"
+                    );
                     continue;
                 };
                 if row.bit.is_some() {
                     assert_eq!(there.unit, "bits", "{number}");
                     continue;
                 }
-                assert!(row.acts, "{number} of the model acts");
+                assert_eq!(row.without_effect, None, "{number} of the model acts");
                 assert_eq!(there.unit, row.unit, "{number}");
                 let (least, greatest) = there.range;
                 assert_eq!(format!("{least}..{greatest}"), row.range, "{number}");
@@ -103,7 +175,7 @@ mod tests {
             let rows = mill_parameter_rows().iter();
             let acts = rows
                 .clone()
-                .any(|row| of_axes(row).contains(number) && row.acts);
+                .any(|row| of_axes(row).contains(number) && row.without_effect.is_none());
             assert!(listed.contains(number) && acts, "{number} {parameter:?}");
         }
     }

@@ -22,6 +22,9 @@ pub(crate) struct MillState {
     pub(crate) programmed: MillPosition,
     /// The tool length offset in force, which is added to Z.
     pub(crate) length: Length,
+    /// The work zero in force, if it was changed and the change waits for the next code that
+    /// selects a zero (540.1 = 0).
+    pub(crate) held_zero: Option<MillPosition>,
     /// Shift of all work zeros by G92, mm or degrees.
     pub(crate) shift: MillPosition,
     /// Origin of the local coordinates (G52), relative to the work zero.
@@ -49,7 +52,9 @@ impl MillState {
     /// Returns the work zero in force in machine coordinates, with external, G92 and G52
     /// offsets.
     pub(crate) fn zero(&self, memory: &MillMemory) -> MillPosition {
-        memory.external + memory.zero(self.modal.zero) + self.shift + self.local
+        let selected = self.held_zero;
+        let selected = selected.unwrap_or_else(|| memory.zero(self.modal.zero));
+        memory.external + selected + self.shift + self.local
     }
 
     /// Returns the offset that converts work coordinates to machine coordinates: work zero and

@@ -373,6 +373,10 @@ impl VariableWriter for VariableContext<'_> {
             }
             StoredVariable::External(axis) => self.memory.external.set(axis, length),
             StoredVariable::Zero(zero, axis) => {
+                let is_held = !self.memory.bit(parameter::ZEROS, 1);
+                if is_held && zero == self.state.modal.zero && self.state.held_zero.is_none() {
+                    self.state.held_zero = Some(self.memory.zero(zero));
+                }
                 if let Some(point) = self.memory.zero_mut(zero) {
                     point.set(axis, length);
                 }

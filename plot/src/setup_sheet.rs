@@ -82,6 +82,7 @@ pub fn make_setup_sheet(
     let job = machining.job();
     let sheet = SetupSheet {
         file_name: source.file_name,
+        model: setup.memory.model.id(),
         program,
         subprograms: subprograms(&report, programs),
         hash: &hex(&Sha256::digest(source.file)),

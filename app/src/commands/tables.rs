@@ -156,7 +156,7 @@ pub fn parameters(args: &ModelTableArgs, language: Option<Language>) -> Result<u
 }
 
 /// Lists the parameters of the mill. The column ACTS marks those that `check` and `plot`
-/// apply.
+/// apply, and gives the reason for the others.
 fn mill_parameters(language: Option<Language>) -> PrintedTable {
     let mut table = PrintedTable::new(&match language {
         Some(Language::Zh) => [
@@ -181,17 +181,17 @@ fn mill_parameters(language: Option<Language>) -> PrintedTable {
         let json = json!({
             "number": row.number, "bit": row.bit, "symbol": row.symbol,
             "each_axis": !row.axes.is_empty(), "axes": describe_axes(row.axes, None), "unit": row.unit, "range": row.range,
-            "acts": row.acts, "zh": row.zh, "en": row.en,
+            "acts": row.without_effect.is_none(), "zh": row.zh, "en": row.en,
+            "reason": row.without_effect.map(|reason| reason.message().text(Language::En)),
         });
         let axes = describe_axes(row.axes, language);
-        let acts = match (language, row.acts) {
-            (Some(Language::Zh), true) => "是",
-            (Some(Language::Zh), false) => "否",
-            (_, true) => "yes",
-            (_, false) => "no",
+        let spoken = language.unwrap_or(Language::En);
+        let acts = match row.without_effect {
+            None => say::mill_parameter_acts().text(spoken),
+            Some(reason) => reason.message().text(spoken),
         };
         let cells = [
-            &number, row.symbol, &axes, row.unit, row.range, acts, row.zh, row.en,
+            &number, row.symbol, &axes, row.unit, row.range, &acts, row.zh, row.en,
         ];
         table.push(cells.map(str::to_owned).to_vec(), json);
     }

@@ -169,7 +169,7 @@ fn parameters_and_keys_of_a_mill_are_listed() {
     assert!(out.contains("520.7") && out.contains("NAT"), "{out}");
     assert!(
         out.lines()
-            .any(|it| it.starts_with("520.0") && it.contains(" no ")),
+            .any(|it| it.starts_with("520.0") && it.contains("no: operator switches")),
         "{out}"
     );
     let (_, out, _) = run_gsk(&["parameters", "--model", "ncb08"]);

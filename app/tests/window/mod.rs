@@ -167,7 +167,7 @@ fn an_opened_program_is_stored_and_never_overwrites_another() {
     bench.run(50);
     assert!(is_shown(
         &bench,
-        "It is not stored: the memory keeps its own O0001"
+        "It is not stored: the memory keeps its own program 0001"
     ));
     assert_eq!(text(&bench), edited);
     let programs = bench.kernel.emulator().cnc().programs();

@@ -12,7 +12,7 @@ use gsk_messages::{HelpColumns, Language, Message, say};
 use serde::{Deserialize, Serialize};
 
 use crate::command::SourcePosition;
-use crate::model::ModelRecord;
+use crate::model::{ModelRecord, ProgramNaming};
 
 /// Alarm numbers as constants, generated from the `id` column of the table.
 pub use gsk_units::alarm as number;
@@ -155,6 +155,9 @@ pub struct Alarm {
     /// on other models.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub letter: Option<char>,
+    /// How the control model writes the names of programs.
+    #[serde(default, skip_serializing_if = "ProgramNaming::is_letter")]
+    pub naming: ProgramNaming,
 }
 
 impl Alarm {
@@ -165,6 +168,7 @@ impl Alarm {
             source: None,
             detail: None,
             letter: None,
+            naming: ProgramNaming::Letter,
         }
     }
 
@@ -186,10 +190,12 @@ impl Alarm {
         self
     }
 
-    /// Sets the letter that the control model writes before alarm numbers.
+    /// Sets the letter that the control model writes before alarm numbers, and how it names
+    /// programs.
     #[must_use]
-    pub(crate) fn with_model_letter(mut self, record: &ModelRecord) -> Self {
+    pub(crate) fn with_model(mut self, record: &ModelRecord) -> Self {
         self.letter = record.alarm_letter;
+        self.naming = record.program_naming();
         self
     }
 

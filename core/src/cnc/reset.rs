@@ -24,7 +24,7 @@ impl Cnc {
     /// Raises an alarm. A running program stops: the axes decelerate and the rest of the
     /// block is dropped.
     pub(crate) fn raise(&mut self, alarm: Alarm) {
-        let alarm = alarm.with_model_letter(self.memory.model.record());
+        let alarm = alarm.with_model(self.memory.model.record());
         if !self.alarms.raise(alarm.clone()) {
             return;
         }

@@ -9,6 +9,7 @@ use serde::de::DeserializeOwned;
 use super::contacts::{ContactAssignment, EdgeAction};
 use super::conventions::Conventions;
 use super::program_calls::CallRange;
+use super::program_naming::ProgramNaming;
 use super::{GCode, MCode, ModelId};
 
 /// Number of possible G codes: they have two digits.
@@ -208,6 +209,21 @@ impl ModelRecord {
     pub const fn input_contact(&self, number: u8) -> (u16, u8) {
         let contact = self.first_input as u16 + number as u16;
         (contact / 8, (contact % 8) as u8)
+    }
+
+    /// How the model writes the names of programs.
+    pub fn program_naming(&self) -> ProgramNaming {
+        match self.program_name.starts_with('%') {
+            true => ProgramNaming::Percent,
+            false => ProgramNaming::Letter,
+        }
+    }
+
+    /// The number of the G code that sets the coordinates; `None` if the model has none.
+    pub fn coordinate_code(&self) -> Option<u8> {
+        let mut codes = self.g.iter();
+        let found = codes.find(|(_, meaning)| **meaning == GCode::Coordinates);
+        found.map(|(number, _)| *number)
     }
 
     /// The meaning of the G code `number`; `None` if the model has no such code.

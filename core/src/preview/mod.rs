@@ -208,9 +208,9 @@ fn interpret(
         preview.cautions = preview_run.preview.cautions;
     }
     let record = setup.memory.model.record();
-    preview.alarm = preview.alarm.map(|alarm| alarm.with_model_letter(record));
+    preview.alarm = preview.alarm.map(|alarm| alarm.with_model(record));
     for alarm in &mut preview.further.alarms {
-        *alarm = alarm.clone().with_model_letter(record);
+        *alarm = alarm.clone().with_model(record);
     }
     preview
 }

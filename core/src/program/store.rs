@@ -10,6 +10,7 @@ use super::dnc_buffer::DncBuffer;
 use super::program_text::Program;
 use crate::alarm::{Alarm, number};
 use crate::command::ProgramId;
+use crate::model::ProgramNaming;
 
 /// Greatest number of stored programs; one more raises alarm 072 (manual III-8.2).
 pub(crate) const PROGRAM_LIMIT: usize = 193;
@@ -61,14 +62,15 @@ impl ProgramMemory {
         }
     }
 
-    /// Creates a program with the number `number` that only has its name.
+    /// Creates a program with the number `number` that only has its name, as the model writes it.
     ///
     /// # Errors
     /// 110 if the number is in use, 074 if it is out of range, 068 and 072 if the memory is
     /// full.
-    pub fn create(&mut self, number: u16) -> Result<(), Alarm> {
+    pub fn create(&mut self, number: u16, naming: ProgramNaming) -> Result<(), Alarm> {
         self.check_number_free(number)?;
-        self.insert_checked(number, Program::new(format!("O{number:04};\n")))
+        let name = naming.name(number);
+        self.insert_checked(number, Program::new(format!("{name};\n")))
     }
 
     /// Stores a copy of the program `from` under the number `to`.

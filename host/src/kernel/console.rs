@@ -12,7 +12,7 @@ use gsk_core::cnc::ControlRequest;
 use gsk_core::command::{ProgramId, SourcePosition};
 use gsk_core::machine::LatheFault;
 use gsk_core::memory::{OperationLevel, WriteRefusal};
-use gsk_core::model::ModelId;
+use gsk_core::model::{ModelId, ProgramNaming};
 use gsk_core::operation::RunState;
 use gsk_core::plc::address::BitAddress;
 use gsk_core::program::Program;
@@ -335,6 +335,8 @@ pub struct PanelSnapshot {
     /// The block at which the selected program would continue after a RESET in the middle; `None`
     /// otherwise.
     pub resumes_at: Option<SourcePosition>,
+    /// Whether the program waits in automatic mode with the cursor after its last block.
+    pub waits_at_end: bool,
     /// The sentence about the crash or the cut that has stopped the lathe, until the lathe is free; `None`
     /// without one, or if its faults are hidden.
     pub crash: Option<Message>,
@@ -402,6 +404,8 @@ pub struct ForcedState {
 /// The window's ends of the channels to the kernel.
 #[derive(Clone, Debug)]
 pub struct Console {
+    /// The control model of the kernel.
+    pub model: ModelId,
     /// The channel that sends commands to the kernel.
     pub commands: Sender<Command>,
     /// Queue with the newest snapshot of the panel.
@@ -425,6 +429,11 @@ pub struct Console {
 }
 
 impl Console {
+    /// How the control model writes the names of programs.
+    pub fn naming(&self) -> ProgramNaming {
+        self.model.record().program_naming()
+    }
+
     /// Sends a command without waiting; a full queue or an ended kernel drops it.
     pub fn send(&self, command: Command) {
         // A full queue means that the kernel has not run for a thousand commands: one more

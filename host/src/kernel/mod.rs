@@ -232,9 +232,11 @@ impl Kernel {
         };
         let watch = kernel.input_watch.clone();
         let network = kernel.network.states().clone();
+        let model = kernel.emulator.cnc().model().id();
         (
             kernel,
             Console {
+                model,
                 commands,
                 snapshots,
                 machine,

@@ -6,6 +6,7 @@ use gsk_runner::machining::live_part::running_block;
 use super::drive::Drive;
 use super::monitor::MachineView;
 use super::practice_session::PracticeSession;
+use super::program::start::waits_at_end;
 use super::{
     ForcedState, Kernel, KeysReversed, MACHINE_VIEW_TICKS, MachineMotion, PanelSnapshot,
     active_alarm,
@@ -94,6 +95,7 @@ impl Kernel {
                     self.part.is_tool_internal(&self.emulator),
                 )
                 .filter(|_| is_present),
+            waits_at_end: is_present && waits_at_end(self.emulator.cnc()),
             resumes_at: self
                 .start_watch
                 .resumes_at(self.emulator.cnc())

@@ -3,6 +3,7 @@
 
 use crate::commissioning::backlash_rate;
 use crate::memory::{MillMemory, parameter};
+use crate::path::spindle::SpindleSpeeds;
 use crate::space::{AxisValues, Length, MillAxis, MillPosition};
 
 /// How the speed of a motion rises and falls: linearly, above the speed at which it begins.
@@ -42,8 +43,12 @@ pub(crate) struct MillRates {
     flexible_tap_ramp: SpeedRamp,
     /// Time constants of rigid taps on the way in and out, s.
     tap_times_s: [f64; 2],
-    /// Greatest speed of an analog or serial spindle, r/min; `None` for switched speeds.
-    greatest_speed: Option<f64>,
+    /// The axis that is the spindle as Cs axis, with its time constant, s.
+    cs: Option<(MillAxis, f64)>,
+    /// Gears and greatest speeds of the spindle.
+    spindle: SpindleSpeeds,
+    /// Delay of the strobe at a gear change, s.
+    gear_strobe_s: f64,
     /// Delay before the speed of the spindle is checked at a cut, s; 0 without the check.
     speed_check_s: f64,
     /// Time in which each axis takes up its backlash at a reversal, s.
@@ -78,7 +83,9 @@ impl MillRates {
                 0 => [seconds(parameter::TAP_TIME); 2],
                 _ => [parameter::TAP_TIME, parameter::TAP_TIME_OUT].map(seconds),
             },
-            greatest_speed: greatest_speed(memory),
+            cs: cs_axis(memory).map(|axis| (axis, seconds(parameter::CS_TIME))),
+            spindle: SpindleSpeeds::from_memory(memory),
+            gear_strobe_s: seconds(parameter::GEAR_STROBE),
             speed_check_s: match memory.bit(parameter::SPINDLE_CHECK, 6) {
                 true => seconds(parameter::SPINDLE_DELAY),
                 false => 0.0,
@@ -91,10 +98,7 @@ impl MillRates {
     /// they arrive together.
     pub(crate) fn arrivals(&self, distance: &MillPosition) -> Option<[f64; 3]> {
         let whole = self.rapid(distance);
-        let part = |axis: MillAxis| {
-            let (distance, rate) = (distance.get(axis).abs().mm(), self.rapid.get(axis));
-            self.stop_to_stop(distance, rate) / whole
-        };
+        let part = |axis: MillAxis| self.rapid_of_axis(axis, distance) / whole;
         let moves = |axis: &MillAxis| distance.get(*axis) != Length::ZERO;
         let mut moving = MillAxis::BASIC.into_iter().filter(moves).map(part);
         let first = moving.next()?;
@@ -105,23 +109,24 @@ impl MillRates {
     /// Returns the duration of a rapid over `distance` from stop to stop, s: that of the
     /// slowest axis.
     pub(crate) fn rapid(&self, distance: &MillPosition) -> f64 {
-        let axis = |axis: MillAxis| {
-            let (distance, rate) = (distance.get(axis).abs().mm(), self.rapid.get(axis));
-            self.stop_to_stop(distance, rate)
-        };
+        let axis = |axis: MillAxis| self.rapid_of_axis(axis, distance);
         MillAxis::ALL.map(axis).into_iter().fold(0.0, f64::max)
     }
 
-    /// Returns the duration of a motion with a linear rise and fall of the speed, s.
-    fn stop_to_stop(&self, distance: f64, rate: f64) -> f64 {
+    /// Returns the duration of a rapid of one axis with a linear rise and fall of the speed, s.
+    fn rapid_of_axis(&self, axis: MillAxis, distance: &MillPosition) -> f64 {
+        let (distance, rate) = (distance.get(axis).abs().mm(), self.rapid.get(axis));
         if distance <= 0.0 || rate <= 0.0 {
             return 0.0;
         }
-        let ramp = rate * self.rapid_time_s;
-        if distance >= ramp {
-            distance / rate + self.rapid_time_s
+        let time_s = match self.cs {
+            Some((cs, time_s)) if cs == axis => time_s,
+            _ => self.rapid_time_s,
+        };
+        if distance >= rate * time_s {
+            distance / rate + time_s
         } else {
-            2.0 * libm::sqrt(distance * self.rapid_time_s / rate)
+            2.0 * libm::sqrt(distance * time_s / rate)
         }
     }
 
@@ -130,10 +135,17 @@ impl MillRates {
         (feed / 60.0).min(self.feed)
     }
 
-    /// Returns the additional duration of a stop at the end of a cut at `feed` (mm/min), s.
-    /// The ramps cover the speed above that at which cuts begin.
-    pub(crate) fn settling(&self, feed: f64) -> f64 {
-        self.cut_ramp.duration_s(self.cutting(feed))
+    /// Returns the additional duration of a stop at the end of a cut over `distance` at `feed`
+    /// (mm/min), s. The ramps cover the speed above that at which cuts begin. A Cs axis that moves
+    /// has a separate time constant.
+    pub(crate) fn settling(&self, feed: f64, distance: &MillPosition) -> f64 {
+        let mut ramp = self.cut_ramp;
+        if let Some((cs, time_s)) = self.cs
+            && distance.get(cs) != Length::ZERO
+        {
+            ramp.time_s = ramp.time_s.max(time_s);
+        }
+        ramp.duration_s(self.cutting(feed))
     }
 
     /// Returns the additional duration of a stop at the end of a flexible tap at `feed` (mm/min),
@@ -144,8 +156,14 @@ impl MillRates {
 
     /// Returns the speed at which the spindle turns for a programmed one, r/min.
     pub(crate) fn turning(&self, programmed: f64) -> f64 {
-        self.greatest_speed
-            .map_or(programmed, |greatest| programmed.min(greatest))
+        self.spindle.turning(programmed)
+    }
+
+    /// Returns the gear, 0 to 3, that a programmed speed selects, with the delay of its change, s.
+    /// `None` if S selects no gear.
+    pub(crate) fn gear(&self, programmed: f64) -> Option<(usize, f64)> {
+        let gear = self.spindle.gear(programmed)?;
+        Some((gear, self.gear_strobe_s))
     }
 
     /// Returns the delay before the first cut after a rapid or at another speed, s.
@@ -182,12 +200,10 @@ fn axis_rate(memory: &MillMemory, axis: MillAxis, number: u16) -> f64 {
     }
 }
 
-/// Returns the greatest speed of the gears of an analog or serial spindle, r/min; `None` for a
-/// spindle of switched speeds.
-fn greatest_speed(memory: &MillMemory) -> Option<f64> {
-    let has_speeds = memory.value(parameter::SPINDLE_TYPE) > 0;
-    let speeds = parameter::GEAR_SPEEDS.map(|number| memory.value(number));
-    speeds.max().filter(|_| has_speeds).map(f64::from)
+/// Returns the axis that the spindle becomes as Cs axis (3760); `None` if it becomes none.
+fn cs_axis(memory: &MillMemory) -> Option<MillAxis> {
+    let number = usize::try_from(memory.value(parameter::CS_AXIS)).ok()?;
+    MillAxis::ALL.get(number.checked_sub(1)?).copied()
 }
 
 /// Returns the time in which each axis takes up its backlash, s: 0 in mode B, where the pulses go

@@ -54,6 +54,8 @@ pub(crate) struct Tracker<'a> {
     /// The last cut and the duration of a stop at its end, s; `None` if the last move was no
     /// cut. The next step determines whether the motion stops there.
     pending: Option<(MillMove, f64)>,
+    /// The gear of the spindle, 0 to 3, if S selects it; the first one at power-on.
+    gear: usize,
     /// The spindle speed of the last cut, r/min; `None` after a rapid or a dwell.
     cut_speed: Option<f64>,
     /// The direction in which each axis moved last: -1, 1, or 0 before its first move.
@@ -84,6 +86,7 @@ impl<'a> Tracker<'a> {
             lengths: MillPathLengths::default(),
             bounds: None,
             pending: None,
+            gear: 0,
             cut_speed: None,
             directions: [0; MillAxis::ALL.len()],
             on_move,
@@ -97,6 +100,7 @@ impl<'a> Tracker<'a> {
             return Ok(());
         }
         self.check_travel(step)?;
+        self.change_gear(step);
         self.wait_for_spindle(step);
         self.take_up_backlash(step);
         let from = self.axes.wrapped(self.machine - step.frame);
@@ -149,7 +153,7 @@ impl<'a> Tracker<'a> {
                 settling = match (step.rigid_out, step.kind) {
                     (Some(out), _) => self.rates.tap_settling_s(out),
                     (None, MillMoveKind::Tap) => self.rates.flexible_tap_settling_s(feed),
-                    (None, _) => self.rates.settling(feed),
+                    (None, _) => self.rates.settling(feed, &(step.to - self.machine)),
                 };
                 *match step.kind {
                     MillMoveKind::Clockwise => &mut self.lengths.clockwise,
@@ -182,6 +186,17 @@ impl<'a> Tracker<'a> {
     /// Notes that an axis has returned to machine zero: its travel limits act from now on.
     pub(crate) fn set_homed(&mut self, axis: MillAxis) {
         self.limited[axis as usize] = true;
+    }
+
+    /// Waits for the strobe of a gear change, if the speed of a step has another gear (3010).
+    fn change_gear(&mut self, step: &PathStep) {
+        let Some((gear, wait)) = self.rates.gear(step.speed) else {
+            return;
+        };
+        if core::mem::replace(&mut self.gear, gear) != gear && wait > 0.0 {
+            self.stop();
+            self.now += wait;
+        }
     }
 
     /// Waits at the first cut after a rapid or a dwell, and at a cut with another speed, until the

@@ -161,6 +161,22 @@ impl RunContext<'_, '_> {
         Ok(())
     }
 
+    /// Checks that the spindle turns before a cut, if cuts stop with it (174.7). Errors: alarm
+    /// 098, after the time of 4901.
+    fn check_spindle(&mut self, state: &MillState) -> Result<(), Alarm> {
+        let modal = &state.modal;
+        let turns = modal.spindle != SpindleState::Stopped && modal.speed > 0.0;
+        if turns || !self.memory.bit(parameter::SPINDLE_CHECK, 7) {
+            return Ok(());
+        }
+        let waited = self.memory.value(parameter::STOPPED_TIME);
+        if waited > 0 {
+            self.dwell(state, f64::from(waited) / 1000.0)?;
+        }
+        let detail = say::mill_cut_spindle_stands();
+        Err(Alarm::new(number::SPINDLE_STOPPED).with_detail(detail))
+    }
+
     /// Executes a dwell of `seconds`. A dwell of 0 is an exact stop.
     pub(crate) fn dwell(&mut self, state: &MillState, seconds: f64) -> Result<(), Alarm> {
         let step = PathStep {
@@ -301,8 +317,14 @@ pub(crate) fn execute_motion(
     let to = state.to_machine(programmed, context.memory);
     match motion {
         MillMotion::Rapid => context.go(state, to, StepKind::Rapid, false)?,
-        MillMotion::Line => context.go(state, to, StepKind::Cut, false)?,
-        MillMotion::Arc { clockwise } => arc_to(state, words, to, clockwise, context)?,
+        MillMotion::Line => {
+            context.check_spindle(state)?;
+            context.go(state, to, StepKind::Cut, false)?;
+        }
+        MillMotion::Arc { clockwise } => {
+            context.check_spindle(state)?;
+            arc_to(state, words, to, clockwise, context)?;
+        }
         MillMotion::Thread => context.go(state, to, StepKind::Thread(thread_lead(state)?), true)?,
     }
     state.set_programmed(programmed);
@@ -448,7 +470,10 @@ pub(crate) fn execute_holes(
         for part in drilling.steps()? {
             match part {
                 HoleStep::Rapid(to) => context.go(state, to, StepKind::Rapid, true)?,
-                HoleStep::Feed(to) => context.go(state, to, StepKind::Cut, true)?,
+                HoleStep::Feed(to) => {
+                    context.check_spindle(state)?;
+                    context.go(state, to, StepKind::Cut, true)?;
+                }
                 HoleStep::Tap { to, out } => context.go(state, to, StepKind::Tap { out }, true)?,
                 HoleStep::Dwell(seconds) => context.dwell(state, seconds)?,
                 HoleStep::Spindle(spindle) => state.modal.spindle = spindle,

@@ -217,6 +217,8 @@ pub(super) const START: KeyGrid = grid(
 pub(super) static FACE: Face = Face {
     maker: Some(say::lcd_maker),
     version: "Gsk-980TD V05.05.12",
+    product: "GSK-980TD-1",
+    versions: Some(("V05.01.15", "RS")),
     lcd: LcdColours::BLUE,
     grids: &[
         RESET,

@@ -55,6 +55,8 @@ const fn soft(
 pub(super) static FACE: Face = Face {
     maker: None,
     version: "31/32",
+    product: "31/32",
+    versions: None,
     lcd: LcdColours::BLUE,
     grids: &[
         common::RESET,

@@ -29,6 +29,11 @@ pub struct Face {
     pub maker: Option<fn() -> Message>,
     /// The name and version of the software that the directory shows.
     pub version: &'static str,
+    /// The type of the control on the page of versions.
+    pub product: &'static str,
+    /// Versions of software and hardware on the page of versions; `None` if the manual of the model
+    /// has none.
+    pub versions: Option<(&'static str, &'static str)>,
     /// Colours of the LCD at full brightness.
     pub lcd: LcdColours,
     /// The keys on the panel, by size and position. Emergency stop and overtravel release are on

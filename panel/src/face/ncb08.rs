@@ -55,6 +55,8 @@ const fn printed(key: Key, legend: &'static [&'static str], zh: &'static str) ->
 pub(super) static FACE: Face = Face {
     maker: None,
     version: "NC-B08",
+    product: "NC-B08",
+    versions: None,
     lcd: LcdColours::GREEN,
     grids: &[
         common::RESET,

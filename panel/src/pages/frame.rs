@@ -38,11 +38,7 @@ const SOFT_MODE_COLUMN: usize = 19;
 
 /// Returns the name of a program with this number, as the control model writes it.
 pub(super) fn program_name(cnc: &Cnc, number: u16) -> String {
-    let record = cnc.model().record();
-    match record.program_name.starts_with('%') {
-        true => format!("%P{number:02}"),
-        false => format!("O{number:04}"),
-    }
+    cnc.model().record().program_naming().name(number)
 }
 
 /// Draws the parts that all pages have: title, program and sequence number, spindle, tool, run

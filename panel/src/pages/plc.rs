@@ -12,7 +12,7 @@ use super::frame;
 use super::lists::{self, HEADING_ROW, LIST_ROWS};
 use super::plc_names;
 use super::view::PageView;
-use crate::face::PageId;
+use crate::face::{PageId, face_of};
 use crate::screen::Screen;
 
 /// PLC memory areas of the signal page and of the value page, in the order of display.
@@ -174,11 +174,13 @@ pub fn soft_panel(screen: &mut Screen, cnc: &Cnc) {
 /// Draws the version page (系统版本信息): model, software, hardware and ladder.
 pub fn version(screen: &mut Screen, cnc: &Cnc) {
     let header = cnc.plc().ladder().header();
+    let face = face_of(cnc.model().id());
+    let (software, hardware) = face.versions.unwrap_or(("-", "-"));
     // Row, label, blanks after it, value.
     let rows = [
-        (2, say::lcd_model(), 3, "GSK-980TD-1"),
-        (3, say::lcd_software_version(), 1, "V05.01.15"),
-        (4, say::lcd_hardware_version(), 1, "RS"),
+        (2, say::lcd_model(), 3, face.product),
+        (3, say::lcd_software_version(), 1, software),
+        (4, say::lcd_hardware_version(), 1, hardware),
         (6, say::lcd_ladder_unit(), 1, &header.unit),
         (7, say::lcd_ladder_version(), 1, &header.version),
         (8, say::lcd_ladder_author(), 1, &header.author),

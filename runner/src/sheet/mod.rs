@@ -8,6 +8,7 @@ mod tool_picture;
 use std::borrow::Cow;
 
 use gsk_core::memory::Offsets;
+use gsk_core::model::ModelId;
 use gsk_core::program::Program;
 use gsk_messages::{Language, Message, say};
 use gsk_workpiece::job::{DiameterPoint, Job};
@@ -30,6 +31,8 @@ const STYLE: &str = include_str!("style.css");
 pub struct SetupSheet<'a> {
     /// Name of the program file.
     pub file_name: &'a str,
+    /// The control model that reads the program.
+    pub model: ModelId,
     /// The program whose lines the sheet prints.
     pub program: &'a Program,
     /// The subprograms that it calls, by their names, in the order of first use.
@@ -88,7 +91,7 @@ impl SetupSheet<'_> {
         page.escaped(&title);
         page.raw("</h1><p>");
         if let Some(number) = self.program.number() {
-            page.escaped(&format!("O{number:04}"));
+            page.escaped(&self.model.record().program_naming().name(number));
             page.raw(" · ");
         }
         page.message(&say::sheet_total_time(format_time(self.report.time_s)));
@@ -198,7 +201,7 @@ impl SetupSheet<'_> {
         page.raw("</p>");
         let lines = 1..=self.program.line_count();
         let mut codes = lines.map(|line| (line, split_comments(self.program.line(line).trim()).0));
-        if let Some((line, block)) = codes.find(|(_, code)| sets_coordinates(code)) {
+        if let Some((line, block)) = codes.find(|(_, code)| sets_coordinates(code, self.model)) {
             page.raw("<p>");
             page.message(&say::sheet_zero_by_block(line, block));
             page.raw("</p>");
@@ -323,9 +326,13 @@ fn offset_number(time: &ToolTimeReport) -> Option<u8> {
     time.tool.get(time.tool.len() / 2..)?.parse().ok()
 }
 
-/// Whether a block sets coordinates: G50 with an axis. With S it limits the spindle.
-fn sets_coordinates(code: &str) -> bool {
-    let after = code.split("G50").nth(1);
+/// Whether a block sets coordinates: G50 with an axis, on the Huaxing G92. G50 with S limits the
+/// spindle.
+fn sets_coordinates(code: &str, model: ModelId) -> bool {
+    let Some(number) = model.record().coordinate_code() else {
+        return false;
+    };
+    let after = code.split(&format!("G{number}")).nth(1);
     let is_whole = after.is_some_and(|rest| !rest.starts_with(|c: char| c.is_ascii_digit()));
     is_whole && code.contains(['X', 'Z', 'U', 'W'])
 }
@@ -371,6 +378,7 @@ mod tests {
         let subprogram = Program::new("O1031;\nG00 U-1 (GROOVE);\nM99;\n");
         let sheet = SetupSheet {
             file_name: "a&b.CNC",
+            model: ModelId::Gsk980td,
             program: &program,
             subprograms: vec![("O1031".to_owned(), &subprogram)],
             hash: "00ff",
@@ -429,8 +437,11 @@ mod tests {
             "G500 X1",
             "G00 X50",
         ];
-        let found = blocks.map(sets_coordinates);
+        let found = blocks.map(|block| sets_coordinates(block, ModelId::Gsk980td));
         assert_eq!(found, [true, true, false, false, false]);
+        let found = blocks.map(|block| sets_coordinates(block, ModelId::Hx31));
+        assert_eq!(found, [false; 5]);
+        assert!(sets_coordinates("N10 G92 X100 Z100", ModelId::Hx31));
     }
 
     #[test]

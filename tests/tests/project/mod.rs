@@ -142,7 +142,7 @@ fn every_rule_is_reported_with_file_and_line() {
             "project.gpr",
             "selected = none",
             "selected = O0007",
-            "O0007 is not in the memory".to_owned(),
+            "program 0007 is not in the memory".to_owned(),
         ),
         (
             "project.gpr",

@@ -124,6 +124,7 @@ impl Window {
                     self.message.take(),
                     shown,
                     storage,
+                    self.console.naming(),
                 ));
                 if let Some(path) = path.as_ref().filter(|path| platform::is_persistent(path)) {
                     self.settings.add_recent(path);

@@ -3,6 +3,8 @@
 
 use egui::{Align, Label, Layout, RichText, Ui};
 use gsk_core::command::ProgramId;
+use gsk_core::model::ProgramNaming;
+use gsk_core::operation::RunState;
 use gsk_host::kernel::{Command, PanelSnapshot, StartDistance};
 use gsk_messages::{Language, Message, say};
 use gsk_panel::keys::Key;
@@ -213,6 +215,7 @@ impl Window {
     /// a usual state.
     fn state_message(&self, in_list: bool) -> Option<LineMessage> {
         let language = self.settings.language;
+        let naming = self.console.naming();
         let hint = |severity, message| {
             let text = LineText::Fixed(message);
             Some(LineMessage { severity, text })
@@ -222,23 +225,23 @@ impl Window {
         }
         let snapshot = self.snapshot.as_ref()?;
         if let Some(halt) = &snapshot.halt {
-            return hint(MessageSeverity::Hint, halt_text(halt, language));
+            return hint(MessageSeverity::Hint, halt_text(halt, naming, language));
         }
         if let Some(waits) = &snapshot.program_wait {
             let block = waits.block.as_ref();
-            let place = block.map(|it| alarm_text::source_text(it, language));
+            let place = block.map(|it| alarm_text::source_text(it, naming, language));
             let condition = waits.condition.clone();
             let text = say::window_waits(place.unwrap_or_default(), condition);
             return hint(MessageSeverity::Hint, text);
         }
         if let Some(block) = &snapshot.resumes_at {
-            let block = alarm_text::source_text(block, language);
+            let block = alarm_text::source_text(block, naming, language);
             return hint(MessageSeverity::Hint, say::window_resumes_at(block));
         }
         let start = snapshot.start_distance?;
         hint(
             MessageSeverity::Hint,
-            Self::start_distance_text(start, language),
+            Self::start_distance_text(start, naming, language),
         )
     }
 
@@ -256,17 +259,25 @@ impl Window {
         }
         let is_position_unknown = snapshot.is_some_and(|it| it.position_unknown);
         let program = snapshot.and_then(|it| it.program);
+        let is_running = snapshot.is_some_and(|it| it.run_state == RunState::Run);
+        let waits_at_end = snapshot.is_some_and(|it| it.waits_at_end);
         Some(match (is_position_unknown, program) {
             (true, _) => say::window_hint_machine_zero(),
+            (false, Some(_)) if is_running => say::window_hint_running(),
+            (false, Some(_)) if waits_at_end => say::window_hint_program_end(),
             (false, Some(_)) => say::window_hint_start(),
             (false, None) => say::window_hint(),
         })
     }
 
     /// The sentence about a program that would start away from its last start point.
-    fn start_distance_text(start: StartDistance, language: Language) -> Message {
+    fn start_distance_text(
+        start: StartDistance,
+        naming: ProgramNaming,
+        language: Language,
+    ) -> Message {
         let name = match start.program {
-            ProgramId::Stored(number) => format!("O{number:04}"),
+            ProgramId::Stored(number) => naming.name(number),
             _ => say::window_this_program().text(language),
         };
         let (x, z) = (start.distance.diameter().0, start.distance.z);

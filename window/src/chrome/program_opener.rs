@@ -139,8 +139,8 @@ impl ProgramOpener {
         let name = Path::new(&opened.name).file_name().unwrap_or_default();
         let name = name.to_string_lossy();
         let program_name = opened.program.number().or(number_of_name(&opened.name));
-        let called =
-            program_name.map_or_else(|| name.to_string(), |number| format!("O{number:04}"));
+        let called = |number| self.console.naming().name(number);
+        let called = program_name.map_or_else(|| name.to_string(), called);
         let setup = select_opened(self.console.setup().unwrap_or_default(), opened);
         let limit = WorkLimit::new(PREVIEW_BUDGET);
         let mut next_progress = Instant::now() + PROGRESS_INTERVAL;

@@ -21,7 +21,7 @@ use crate::settings::WindowSettings;
 use crate::theme;
 use crate::widgets::card::{self, Card, CardPicture};
 use crate::widgets::icons::Icon;
-use crate::widgets::key_label::key_label;
+use crate::widgets::key_label::key_label_on;
 use crate::widgets::mark;
 
 /// Seconds without progress after which the hint appears.
@@ -305,7 +305,9 @@ impl LessonView {
                 .color(theme::BRIGHT_TEXT),
         );
         if !step.keys.is_empty() {
-            let keys = step.keys.iter().map(|key| key_label(*key, language));
+            let model = lesson.start.model();
+            let labels = step.keys.iter();
+            let keys = labels.map(|key| key_label_on(model, *key, language));
             let keys = keys.collect::<Vec<_>>().join("  ");
             ui.add_space(4.0);
             let words = say::lesson_keys(keys).text(language);

@@ -29,6 +29,7 @@ use egui::{
     Context, Event, Frame, Margin, Pos2, Rect, ScrollArea, Sense, Ui, UiBuilder, Vec2,
     ViewportBuilder, ViewportId,
 };
+use gsk_core::model::ModelId;
 use gsk_host::kernel::monitor::MachineView;
 use gsk_host::kernel::part::PartView;
 use gsk_host::kernel::{Command, Console};
@@ -324,6 +325,7 @@ impl Views {
             });
             let window = ViewWindow {
                 row,
+                model: self.console.model,
                 language,
                 board,
                 corner,
@@ -370,6 +372,7 @@ pub struct PanelInput {
 /// The separate window of one view, while it is drawn.
 struct ViewWindow {
     row: &'static ViewRow,
+    model: ModelId,
     language: Language,
     board: Option<LinkState>,
     /// Initial upper left corner, points; `None` if the window manager places the window.
@@ -398,7 +401,7 @@ impl ViewWindow {
         let mut report = ViewWindowReport::default();
         let mut builder = ViewportBuilder::default()
             .with_title(real_machine_bar::window_title(
-                &format!("{title} - GSK980TD"),
+                &format!("{title} - {}", self.model.name()),
                 self.board,
             ))
             .with_app_id("gsk980td")

@@ -3,6 +3,7 @@
 
 use gsk_core::alarm::Alarm;
 use gsk_core::command::{ProgramId, SourcePosition};
+use gsk_core::model::ProgramNaming;
 
 use gsk_messages::{Language, say};
 
@@ -46,13 +47,14 @@ pub fn with_remedy(alarm: &Alarm, language: Language) -> String {
 }
 
 fn block_text(alarm: &Alarm, language: Language) -> Option<String> {
-    alarm.source.as_ref().map(|it| source_text(it, language))
+    let source = alarm.source.as_ref();
+    source.map(|it| source_text(it, alarm.naming, language))
 }
 
 /// Formats the position of a block: program, sequence number, line.
-pub fn source_text(source: &SourcePosition, language: Language) -> String {
+pub fn source_text(source: &SourcePosition, naming: ProgramNaming, language: Language) -> String {
     let program = match source.program {
-        ProgramId::Stored(number) => format!("O{number:04} "),
+        ProgramId::Stored(number) => naming.name(number) + " ",
         ProgramId::External => String::new(),
         ProgramId::Mdi => "MDI ".to_owned(),
         ProgramId::Dnc => "DNC ".to_owned(),
@@ -67,6 +69,22 @@ pub fn source_text(source: &SourcePosition, language: Language) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn programs_have_the_name_of_the_model() {
+        let source = SourcePosition {
+            program: ProgramId::Stored(21),
+            line: 3,
+            sequence: None,
+        };
+        for (naming, name) in [
+            (ProgramNaming::Percent, "%P21 "),
+            (ProgramNaming::Letter, "O0021 "),
+        ] {
+            let text = source_text(&source, naming, Language::En);
+            assert!(text.starts_with(name), "{text}");
+        }
+    }
 
     #[test]
     fn block_reason_and_remedy_use_the_language_of_the_window() {

@@ -116,8 +116,9 @@ impl Questions {
             return;
         };
         let name = &opened.name;
-        let title = say::question_number_taken(number).text(language);
-        let consequence = say::question_number_taken_by(name, number).text(language);
+        let program = console.naming().name(*number);
+        let title = say::question_number_taken(&program).text(language);
+        let consequence = say::question_number_taken_by(name, program).text(language);
         let answers = [
             say::question_replace_by_file().text(language),
             say::question_only_run_file().text(language),

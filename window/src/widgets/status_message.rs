@@ -6,6 +6,7 @@ use std::path::Path;
 use gsk_core::alarm::Alarm;
 use gsk_core::command::ProgramId;
 use gsk_core::memory::WriteRefusal;
+use gsk_core::model::ProgramNaming;
 use gsk_core::preview::PreviewEnd;
 use gsk_host::kernel::{NotStored, ProgramPlacement};
 use gsk_panel::keys::Key;
@@ -31,8 +32,8 @@ pub enum StatusMessage {
     Refused(Alarm),
     /// The control has sent files over the serial port; the text names them and their folder.
     Sent(String),
-    /// A program was opened; holds its file name and where it is stored.
-    Opened(String, ProgramPlacement),
+    /// A program was opened; holds its file name, where it is stored, and how the model names it.
+    Opened(String, ProgramPlacement, ProgramNaming),
     /// A program was previewed; holds its file name, where it is stored (`None` if unknown),
     /// and the result.
     Previewed(String, Option<ProgramPlacement>, Box<ProgramSummary>),
@@ -47,12 +48,17 @@ pub enum StatusMessage {
 impl StatusMessage {
     /// Creates the message for an opened program. If `previous` is a preview of the same file,
     /// its result is kept.
-    pub fn for_opened(previous: Option<Self>, file: String, storage: ProgramPlacement) -> Self {
+    pub fn for_opened(
+        previous: Option<Self>,
+        file: String,
+        storage: ProgramPlacement,
+        naming: ProgramNaming,
+    ) -> Self {
         match previous {
             Some(Self::Previewed(looked_at, _, look)) if looked_at == file => {
                 Self::Previewed(file, Some(storage), look)
             }
-            _ => Self::Opened(file, storage),
+            _ => Self::Opened(file, storage, naming),
         }
     }
 
@@ -60,7 +66,7 @@ impl StatusMessage {
     /// same file, it is kept.
     pub fn for_preview(previous: Option<Self>, file: String, look: Box<ProgramSummary>) -> Self {
         match previous {
-            Some(Self::Opened(opened, place)) if opened == file => {
+            Some(Self::Opened(opened, place, _)) if opened == file => {
                 Self::Previewed(file, Some(place), look)
             }
             _ => Self::Previewed(file, None, look),
@@ -86,7 +92,8 @@ impl StatusMessage {
         match (self, program) {
             (Self::Previewed(_, Some(ProgramPlacement::OnlyRun(_)), _), _) => false,
             (Self::Previewed(_, _, look), ProgramId::Stored(number)) => {
-                look.name == format!("O{number:04}")
+                let names = [ProgramNaming::Letter, ProgramNaming::Percent];
+                names.iter().any(|naming| look.name == naming.name(number))
             }
             _ => false,
         }
@@ -100,7 +107,7 @@ impl StatusMessage {
             Self::Done(_)
             | Self::Sent(_)
             | Self::DropHere
-            | Self::Opened(_, ProgramPlacement::Stored(_)) => MessageSeverity::Information,
+            | Self::Opened(_, ProgramPlacement::Stored(_), _) => MessageSeverity::Information,
             Self::Previewed(_, place, look)
                 if !look.has_alarm() && !matches!(place, Some(ProgramPlacement::OnlyRun(_))) =>
             {
@@ -119,10 +126,10 @@ impl StatusMessage {
             | Self::KeyRefused(message) => message.text(language),
             Self::Refused(alarm) => alarm_text::one_line(alarm, language),
             Self::Sent(what) => say::window_sent(what).text(language),
-            Self::Opened(name, ProgramPlacement::Stored(number)) => {
-                say::window_opened_stored(name, number).text(language)
+            Self::Opened(name, ProgramPlacement::Stored(number), naming) => {
+                say::window_opened_stored(name, naming.name(*number)).text(language)
             }
-            Self::Opened(name, ProgramPlacement::OnlyRun(why)) => {
+            Self::Opened(name, ProgramPlacement::OnlyRun(why), _) => {
                 say::window_opened_only_to_run(name, not_stored_reason(why, language))
                     .text(language)
             }

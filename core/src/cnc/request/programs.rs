@@ -75,7 +75,8 @@ impl Cnc {
 
     pub(super) fn create_program(&mut self, number: u16) -> Result<(), Alarm> {
         if check_allowed(self.rights().check_program_edit(number))? {
-            self.memory.programs.create(number)?;
+            let naming = self.memory.model.record().program_naming();
+            self.memory.programs.create(number, naming)?;
             self.select_changed_program(number);
             // After the name, where the first block goes.
             self.run.cursor_line = 2;

@@ -3,6 +3,7 @@
 use super::super::*;
 use crate::command::ProgramId;
 use crate::memory::ControlParameters;
+use crate::model::ProgramNaming;
 
 #[test]
 fn programs_are_stored_and_selected() {
@@ -37,9 +38,18 @@ fn programs_are_stored_and_selected() {
 #[test]
 fn programs_are_managed() {
     let mut memory = ProgramMemory::default();
-    memory.create(1).unwrap();
-    assert_eq!(memory.create(1).unwrap_err().number, 110);
-    assert_eq!(memory.create(10_000).unwrap_err().number, 74);
+    memory.create(1, ProgramNaming::Letter).unwrap();
+    assert_eq!(
+        memory.create(1, ProgramNaming::Letter).unwrap_err().number,
+        110
+    );
+    assert_eq!(
+        memory
+            .create(10_000, ProgramNaming::Letter)
+            .unwrap_err()
+            .number,
+        74
+    );
     memory.copy(1, 2).unwrap();
     assert_eq!(memory.stored(2).unwrap().text(), "O0002;\n");
     assert_eq!(memory.copy(9, 3).unwrap_err().number, 71);
@@ -60,9 +70,15 @@ fn programs_are_managed() {
 fn a_full_memory_raises_alarms() {
     let mut memory = ProgramMemory::default();
     for number in 0..193 {
-        memory.create(number).unwrap();
+        memory.create(number, ProgramNaming::Letter).unwrap();
     }
-    assert_eq!(memory.create(500).unwrap_err().number, 72);
+    assert_eq!(
+        memory
+            .create(500, ProgramNaming::Letter)
+            .unwrap_err()
+            .number,
+        72
+    );
     memory.store("O0;").unwrap();
     memory.delete(1).unwrap();
     let half = format!("O1;({})", "外".repeat(1_500_000));

@@ -10,7 +10,7 @@ use gsk_panel::emulator::EmulatorInput;
 use gsk_panel::keys::Key;
 use tracing::info;
 
-use super::start::g50_start;
+use super::start::programmed_start;
 use crate::kernel::edges::KeyEdge;
 use crate::kernel::part::end_crash_faults;
 use crate::kernel::{Kernel, NotStored, Notice, OpenedProgram, ProgramPlacement, StorePolicy};
@@ -76,7 +76,8 @@ impl Kernel {
     /// Opens a sample and prepares the simulated lathe for it, which may stand anywhere, in a
     /// half-cut bar or after a crash; `starts`: starts it. With a board it is opened only.
     pub(in crate::kernel) fn open_sample(&mut self, opened: OpenedProgram, starts: bool) {
-        let zero = g50_start(&opened.program);
+        let record = self.emulator.cnc().model().record();
+        let zero = programmed_start(&opened.program, record);
         let is_selected = self.open(opened);
         if !is_selected || self.drive.is_some() {
             return;
@@ -161,5 +162,42 @@ fn with_number(opened: &OpenedProgram) -> Program {
     ) {
         (None, Some(number)) => program.renumbered(number),
         _ => program.clone(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use gsk_core::model::{ControlModel, ModelId};
+    use gsk_core::setup::Setup;
+    use gsk_panel::emulator::Emulator;
+
+    use super::*;
+
+    #[test]
+    fn a_sample_begins_at_its_start_point() {
+        for (model, text) in [
+            (ModelId::Gsk980td, "O0021;\nG50 X120 Z80;\nG00 X50;\nM30;\n"),
+            (ModelId::Ncb08, "O0021;\nG50 X120 Z80;\nG00 X50;\nM30;\n"),
+            (
+                ModelId::Hx31,
+                "%P21\nN10 G92 X120 Z80\nN20 G00 X50\nN30 M02\n",
+            ),
+        ] {
+            let mut setup = Setup::default();
+            setup.memory.model = ControlModel::new(model);
+            let (mut kernel, _console) = Kernel::new(Emulator::new(setup));
+            kernel.run(200);
+            let sample = OpenedProgram {
+                name: "sample.CNC".to_owned(),
+                path: None,
+                store_policy: StorePolicy::Replace,
+                program: Program::new(text),
+                subprograms: Vec::new(),
+            };
+            kernel.open_sample(sample, false);
+            let work = kernel.emulator.cnc().position_absolute();
+            assert!((work.x - 60.0).abs() < 1e-9, "{model:?}: {work:?}");
+            assert!((work.z - 80.0).abs() < 1e-9, "{model:?}: {work:?}");
+        }
     }
 }

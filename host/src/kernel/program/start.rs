@@ -1,11 +1,12 @@
 //! Compares the position at which a program would start with that of its last start.
 //!
-//! A program that begins with G50 takes the current position as its start point. After RESET in
+//! A program that begins with G50 (on the Huaxing G92) takes the current position as its start point. After RESET in
 //! the cut it would move through the part. A program that was reset in the middle continues
 //! there, without what its first blocks set.
 
 use gsk_core::cnc::{Cnc, Event};
 use gsk_core::command::{ProgramId, SequenceNumber, SourcePosition};
+use gsk_core::model::ModelRecord;
 use gsk_core::operation::{OperatingMode, RunState};
 use gsk_core::program::Program;
 use gsk_core::units::{Axis, Diameter, Point};
@@ -13,7 +14,7 @@ use gsk_core::units::{Axis, Diameter, Point};
 /// Greatest distance from the last start that is not reported, mm; for X the difference of the
 /// diameters.
 const TOLERANCE_MM: f64 = 0.1;
-/// Number of lines at the beginning of a program that are searched for a G50.
+/// Number of lines at the beginning of a program that are searched for a G50 or G92.
 const FIRST_LINES: usize = 12;
 
 /// The distance of the slides from the last start of the selected program.
@@ -77,7 +78,7 @@ impl StartWatch {
     }
 
     /// Returns the distance of the slides from the last start, while the selected program waits for
-    /// its start in automatic mode and begins with G50; `None` otherwise, or if the slides are
+    /// its start in automatic mode and begins with G50 or G92; `None` otherwise, or if the slides are
     /// close to that start.
     /// `is_internal`: the tool works in a bore.
     pub(in crate::kernel) fn report(&self, cnc: &Cnc, is_internal: bool) -> Option<StartDistance> {
@@ -90,7 +91,8 @@ impl StartWatch {
         let distance = last - cnc.position_machine();
         let is_far = distance.x.abs() * 2.0 > TOLERANCE_MM || distance.z.abs() > TOLERANCE_MM;
         let text = cnc.programs().get(program);
-        let sets_coordinates = || text.is_some_and(|text| g50_words(text).is_some());
+        let record = cnc.model().record();
+        let sets_coordinates = || text.is_some_and(|text| coordinate_words(text, record).is_some());
         (is_far && sets_coordinates()).then_some(StartDistance {
             program,
             distance,
@@ -117,21 +119,42 @@ impl StartWatch {
     }
 }
 
-/// The coordinates that one of the first blocks of a program sets with G50, as text; `None`
-/// without one.
-fn g50_words(program: &Program) -> Option<&str> {
+/// Whether the selected program waits in automatic mode with the cursor after its last block, where
+/// a start only returns to the head.
+pub(in crate::kernel) fn waits_at_end(cnc: &Cnc) -> bool {
+    if cnc.run_state() != RunState::Reset || cnc.mode() != OperatingMode::Auto {
+        return false;
+    }
+    let programs = cnc.programs();
+    let Some(program) = programs.selected().and_then(|id| programs.get(id)) else {
+        return false;
+    };
+    let next = program.block_from_line(cnc.cursor().line);
+    let is_empty = |block: u32| matches!(program.block(block).trim(), "" | "%");
+    next > 0 && (next..program.block_count()).all(is_empty)
+}
+
+/// The coordinates that one of the first blocks of a program sets with G50, on the Huaxing with
+/// G92, as text; `None` without one.
+fn coordinate_words<'a>(program: &'a Program, record: &ModelRecord) -> Option<&'a str> {
+    let code = format!("G{}", record.coordinate_code()?);
     let mut lines = program.text().lines().take(FIRST_LINES);
     lines.find_map(|line| {
-        let code = line.split(['(', ';']).next().unwrap_or_default();
-        let (_, words) = code.split_once("G50")?;
-        words.contains(['X', 'Z', 'U', 'W']).then_some(words)
+        let block = line.split(['(', ';']).next().unwrap_or_default();
+        let (_, words) = block.split_once(&code)?;
+        let is_whole = !words.starts_with(|it: char| it.is_ascii_digit());
+        let has_axes = words.contains(['X', 'Z', 'U', 'W']);
+        (is_whole && has_axes).then_some(words)
     })
 }
 
-/// The point that a program takes as its start with G50 X Z, work coordinates, mm, X as a radius;
-/// `None` if it sets not both.
-pub(in crate::kernel) fn g50_start(program: &Program) -> Option<Point> {
-    let words = g50_words(program)?;
+/// The point that a program takes as its start with G50 or G92, work coordinates, mm, X as a
+/// radius; `None` if it sets not both axes.
+pub(in crate::kernel) fn programmed_start(
+    program: &Program,
+    record: &ModelRecord,
+) -> Option<Point> {
+    let words = coordinate_words(program, record)?;
     let value = |axis: char| {
         let (_, text) = words.split_once(axis)?;
         let end = text.find(|it: char| !matches!(it, '0'..='9' | '.' | '-' | '+'));
@@ -142,21 +165,56 @@ pub(in crate::kernel) fn g50_start(program: &Program) -> Option<Point> {
 
 #[cfg(test)]
 mod tests {
+    use gsk_core::cnc::ControlRequest;
+    use gsk_core::model::ModelId;
+    use gsk_core::setup::Setup;
+    use gsk_panel::emulator::Emulator;
+    use gsk_panel::keys::Key;
+
     use super::*;
 
     #[test]
-    fn only_g50_with_coordinates_sets_them() {
+    fn only_a_code_with_coordinates_sets_them() {
+        let lathe = ModelId::Gsk980td.record();
         for (text, expected) in [
             ("O1\nG50 X100 Z100\nM30\n", true),
             ("O1\nN10G50Z5\nM30\n", true),
             ("O1\nG50 S2000\nM30\n", false),
             ("O1 (G50 X1)\nG00 X1\nM30\n", false),
         ] {
-            assert_eq!(g50_words(&Program::new(text)).is_some(), expected, "{text}");
+            let program = Program::new(text);
+            let found = coordinate_words(&program, lathe);
+            assert_eq!(found.is_some(), expected, "{text}");
         }
-        let start = |text| g50_start(&Program::new(text));
+        let start = |text| programmed_start(&Program::new(text), lathe);
         let expected = Point::from_diameter(Diameter(120.5), -3.0);
         assert_eq!(start("O1\nN10 G50 X120.5Z-3 (X1)\n"), Some(expected));
         assert_eq!(start("O1\nN10 G50 X120\n"), None);
+        // G92 is a thread there, and sets the coordinates on the Huaxing.
+        let program = Program::new("%P21\nN10 G92 X100 Z50\nG50 X1 Z1\n");
+        assert_eq!(
+            programmed_start(&program, ModelId::Hx31.record()),
+            Some(Point::from_diameter(Diameter(100.0), 50.0))
+        );
+        assert_eq!(start("O1\nG92 X10 Z-20 F1\n"), None);
+    }
+
+    #[test]
+    fn a_program_waits_at_its_end_after_it_was_keyed_in() {
+        let mut emulator = Emulator::new(Setup::default());
+        emulator.run(200);
+        let mut waits = |line: u32, mode: Key| {
+            let text = "O0001;\nG00 X10;\nM30;\n";
+            let stored = ControlRequest::StoreProgram(text.to_owned());
+            assert_eq!(emulator.request(stored), Ok(()));
+            emulator.press(mode);
+            assert_eq!(emulator.request(ControlRequest::CursorTo(line)), Ok(()));
+            emulator.run(100);
+            waits_at_end(emulator.cnc())
+        };
+        assert!(waits(4, Key::Auto));
+        assert!(!waits(3, Key::Auto));
+        assert!(!waits(1, Key::Auto));
+        assert!(!waits(4, Key::Edit));
     }
 }

@@ -272,7 +272,7 @@ impl LatheView {
                     let block = finding.source.map(to_block_ref);
                     let words = match block {
                         Some(block) => {
-                            let block = Self::format_block_name(block);
+                            let block = self.format_block_name(block);
                             say::lathe_collision(block, collision.message(), x, z)
                         }
                         None => say::window_collision(collision.message(), x, z),
@@ -292,14 +292,16 @@ impl LatheView {
 
     fn describe_block(&self, block: BlockRef) -> String {
         let text = self.preview.path.block_text(block).trim();
-        format!("{}  {text}", Self::format_block_name(block))
+        format!("{}  {text}", self.format_block_name(block))
     }
 
     /// Formats program and line of a block, for messages.
-    fn format_block_name(block: BlockRef) -> String {
+    fn format_block_name(&self, block: BlockRef) -> String {
         let line = block.line;
         match block.program {
-            ProgramId::Stored(number) => format!("O{number:04}:{line}"),
+            ProgramId::Stored(number) => {
+                format!("{}:{line}", self.console.naming().name(number))
+            }
             ProgramId::External | ProgramId::Mdi | ProgramId::Dnc => line.to_string(),
         }
     }

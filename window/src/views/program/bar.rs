@@ -3,6 +3,7 @@
 use egui::{
     Align2, Button, Context, Key, Label, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window,
 };
+use gsk_core::model::ProgramNaming;
 use gsk_messages::{Language, Message, say};
 
 use super::TextToLoad;
@@ -65,9 +66,10 @@ impl ProgramBar {
         language: Language,
     ) -> Option<EditorCommand> {
         let mut command = None;
+        let naming = breakpoints.naming();
         ui.horizontal_wrapped(|ui| {
             show_file_menu(ui, language, &mut command);
-            show_program_menu(ui, memory, language, &mut command);
+            show_program_menu(ui, memory, (language, naming), &mut command);
             ui.separator();
             let is_editable = document.is_editable();
             let hint = say::program_store_hint().text(language);
@@ -126,7 +128,8 @@ impl ProgramBar {
                 command = Some(EditorCommand::GoTo);
             }
             ui.separator();
-            let name = Label::new(RichText::new(document_title(document, language)).strong());
+            let name =
+                Label::new(RichText::new(document_title(document, naming, language)).strong());
             ui.add(name.truncate());
         });
         command
@@ -208,14 +211,14 @@ fn show_file_menu(ui: &mut Ui, language: Language, command: &mut Option<EditorCo
 fn show_program_menu(
     ui: &mut Ui,
     memory: &[u16],
-    language: Language,
+    (language, naming): (Language, ProgramNaming),
     command: &mut Option<EditorCommand>,
 ) {
     let menu = ui.menu_button(say::program_control().text(language), |ui| {
         let list = ScrollArea::vertical().max_height(MENU_HEIGHT);
         list.show(ui, |ui| {
             for number in memory {
-                if ui.button(format!("O{number:04}")).clicked() {
+                if ui.button(naming.name(*number)).clicked() {
                     *command = Some(EditorCommand::LoadText(TextToLoad::Memory(Some(*number))));
                     ui.close();
                 }
@@ -227,12 +230,12 @@ fn show_program_menu(
 }
 
 /// The name of the text, with a mark if the text is not saved.
-fn document_title(document: &ProgramDocument, language: Language) -> String {
+fn document_title(document: &ProgramDocument, naming: ProgramNaming, language: Language) -> String {
     let mark = if document.is_unsaved() { "● " } else { "" };
     let name = match &document.origin {
         TextOrigin::New => say::program_new_name().text(language),
-        TextOrigin::File(_, encoding) => format!("{} ({encoding})", document.name()),
-        TextOrigin::Memory(_) => document.name(),
+        TextOrigin::File(_, encoding) => format!("{} ({encoding})", document.name(naming)),
+        TextOrigin::Memory(_) => document.name(naming),
     };
     format!("{mark}{name}")
 }

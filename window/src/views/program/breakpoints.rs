@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use egui::{ScrollArea, Ui};
 use gsk_core::command::{ProgramId, SourcePosition};
+use gsk_core::model::ProgramNaming;
 use gsk_core::program::Program;
 use gsk_debugger::location::{BreakEvent, BreakLocation, ProgramFilter};
 use gsk_debugger::source_files::ProgramSources;
@@ -112,6 +113,11 @@ impl BreakpointList {
         self.send();
     }
 
+    /// Returns how the control model writes the names of programs.
+    pub fn naming(&self) -> ProgramNaming {
+        self.console.naming()
+    }
+
     /// Returns the number of all breakpoints.
     fn count(&self) -> usize {
         let lines: usize = self.lines.values().map(BTreeSet::len).sum();
@@ -122,7 +128,7 @@ impl BreakpointList {
         let line_locations = self.lines.iter().flat_map(|(number, lines)| {
             let filter = number.map_or(ProgramFilter::Any, ProgramFilter::Number);
             lines.iter().map(move |line| BreakLocation {
-                text: line_name(*number, *line),
+                text: line_name(*number, *line, self.console.naming()),
                 event: BreakEvent::Line(filter.clone(), *line),
                 condition: None,
             })
@@ -176,7 +182,7 @@ impl BreakpointList {
             .show(ui, |ui| {
                 for (number, lines) in &self.lines {
                     for line in lines {
-                        if row(ui, &line_name(*number, *line)) {
+                        if row(ui, &line_name(*number, *line, self.console.naming())) {
                             removed_line = Some((*number, *line));
                         }
                     }
@@ -207,7 +213,7 @@ impl BreakpointList {
             return;
         };
         ui.horizontal_wrapped(|ui| {
-            ui.strong(halt_text(halt, language).text(language));
+            ui.strong(halt_text(halt, self.console.naming(), language).text(language));
             if let Some(command) = show_halt_buttons(ui, language) {
                 self.command(command);
             }
@@ -261,9 +267,9 @@ pub fn show_halt_buttons(ui: &mut Ui, language: Language) -> Option<BreakpointCo
 }
 
 /// Returns the message about a halt at a breakpoint.
-pub fn halt_text(halt: &BreakpointHalt, language: Language) -> Message {
+pub fn halt_text(halt: &BreakpointHalt, naming: ProgramNaming, language: Language) -> Message {
     let block = halt.block.as_ref();
-    let place = block.map(|it| alarm_text::source_text(it, language));
+    let place = block.map(|it| alarm_text::source_text(it, naming, language));
     let place = place.unwrap_or_default();
     match &halt.location {
         Some(location) => say::breakpoint_hit(location, place),
@@ -293,7 +299,8 @@ fn program_number(document: &ProgramDocument) -> Option<u16> {
     Program::new(&document.text[..end]).number()
 }
 
-/// A line as a location: `O12:3`, or `3` in a text without number.
-fn line_name(number: Option<u16>, line: u32) -> String {
-    number.map_or_else(|| line.to_string(), |number| format!("O{number:04}:{line}"))
+/// A line as a location: `O0012:3`, or `3` in a text without number.
+fn line_name(number: Option<u16>, line: u32, naming: ProgramNaming) -> String {
+    let of_program = |number| format!("{}:{line}", naming.name(number));
+    number.map_or_else(|| line.to_string(), of_program)
 }

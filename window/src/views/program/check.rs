@@ -178,7 +178,8 @@ fn check_text(
 ) -> TextCheck {
     let program = Program::new(job.text.as_str());
     let name = program.number();
-    let name = name.map_or_else(|| job.name.clone(), |number| format!("O{number:04}"));
+    let naming = setup.memory.model.record().program_naming();
+    let name = name.map_or_else(|| job.name.clone(), |number| naming.name(number));
     let programs = &mut setup.memory.programs;
     let memory = programs.iter().map(|(number, _)| number).collect();
     programs.open_external(program.clone());

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use gsk_core::model::ProgramNaming;
 use gsk_core::program::Program;
 use gsk_host::files::decode::{TextEncoding, encode};
 use gsk_host::files::program_file::ProgramFile;
@@ -183,10 +184,10 @@ impl ProgramDocument {
     }
 
     /// The name of the document: its file name or program number; empty for a new text.
-    pub fn name(&self) -> String {
+    pub fn name(&self, naming: ProgramNaming) -> String {
         match &self.origin {
             TextOrigin::File(path, _) => file_name(path),
-            TextOrigin::Memory(number) => format!("O{number:04}"),
+            TextOrigin::Memory(number) => naming.name(*number),
             TextOrigin::New => String::new(),
         }
     }
@@ -257,7 +258,7 @@ mod tests {
         document.text.insert(0, '车');
         document.update_after_change();
         document.mark_saved(document.text.clone(), TextOrigin::Memory(3));
-        assert!(!document.is_unsaved() && document.name() == "O0003");
+        assert!(!document.is_unsaved() && document.name(ProgramNaming::Letter) == "O0003");
     }
 
     #[test]

@@ -96,7 +96,8 @@ impl DocumentStore {
 
     /// Writes the setup sheet of a text and opens it in a browser.
     pub fn print(&self, document: &ProgramDocument, language: Language, context: &Context) {
-        let (name, origin) = (document.name(), document.origin.clone());
+        let name = document.name(self.console.naming());
+        let origin = document.origin.clone();
         let text = document.text.clone();
         self.run_in_background(context, move |console| {
             let setup = console.setup()?;
@@ -132,7 +133,7 @@ impl DocumentStore {
         let encoding = document.encoding();
         let (text, bytes) = (document.text.clone(), document.to_bytes(encoding));
         let name = match &document.origin {
-            TextOrigin::File(..) => document.name(),
+            TextOrigin::File(..) => document.name(self.console.naming()),
             TextOrigin::New | TextOrigin::Memory(_) => {
                 let number = document.to_program().number().unwrap_or(1);
                 format!("O{number:04}.CNC")

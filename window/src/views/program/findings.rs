@@ -101,7 +101,7 @@ impl ProgramView {
         let name = match &self.document.origin {
             TextOrigin::File(path, _) => file_name(path),
             TextOrigin::New => say::program_new_name().text(language),
-            TextOrigin::Memory(_) => self.document.name(),
+            TextOrigin::Memory(_) => self.document.name(self.breakpoints.naming()),
         };
         match bar::ask_to_save(context, &name, language) {
             Some(bar::UnsavedAnswer::Save) => {

@@ -290,9 +290,9 @@ impl ProgramView {
             .show(ui, |ui| self.show_text(ui, language));
         self.show_unsaved_question(ui.ctx(), language);
         self.restart.show(ui.ctx(), language);
-        let document = &self.document;
+        let (document, naming) = (&self.document, self.breakpoints.naming());
         self.checker.request_check(document.revision, ui.ctx(), || {
-            (document.name(), document.text.clone())
+            (document.name(naming), document.text.clone())
         });
     }
 
@@ -366,7 +366,8 @@ impl ProgramView {
                         self.document.mark_saved(text, TextOrigin::Memory(number));
                     }
                     self.checker.force_next_check();
-                    Some(EditorMessage::Good(say::program_stored(number)))
+                    let name = self.breakpoints.naming().name(number);
+                    Some(EditorMessage::Good(say::program_stored(name)))
                 }
                 DocumentEvent::Printed(message) => Some(EditorMessage::Good(message)),
                 DocumentEvent::NotStored(why) => Some(EditorMessage::NotStored(why)),
@@ -480,7 +481,9 @@ impl ProgramView {
                 self.text_to_load = Some(TextToLoad::Memory(Some(number)));
                 context.request_repaint();
             }
-            JumpTarget::Program(number) => self.report_missing_target(format!("O{number:04}")),
+            JumpTarget::Program(number) => {
+                self.report_missing_target(self.breakpoints.naming().name(number));
+            }
             JumpTarget::Sequence(number) => self.report_missing_target(format!("N{number}")),
             JumpTarget::Line(line) => self.report_missing_target(line.to_string()),
         }

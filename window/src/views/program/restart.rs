@@ -7,6 +7,7 @@ use crossbeam::channel::{Receiver, Sender, unbounded};
 use egui::{Align2, Context, RichText, ScrollArea, TextEdit, Ui, Window};
 use gsk_core::cnc::ControlRequest;
 use gsk_core::command::ProgramId;
+use gsk_core::model::ProgramNaming;
 use gsk_core::program::Program;
 use gsk_core::simulation::Simulation;
 use gsk_host::kernel::{Command, Console};
@@ -145,7 +146,7 @@ impl RestartDialog {
         let Some(content) = &self.content else {
             return;
         };
-        let entries = &mut self.entries;
+        let (entries, naming) = (&mut self.entries, self.console.naming());
         let is_checked = self.pending == 0;
         let mut change = None;
         let mut is_confirmed = false;
@@ -155,7 +156,7 @@ impl RestartDialog {
             .collapsible(false)
             .anchor(Align2::CENTER_CENTER, [0.0, -60.0])
             .show(context, |ui| {
-                change = show_content(ui, content, entries, language);
+                change = show_content(ui, content, entries, (language, naming));
                 if let Some(refusal) = &entries.refusal {
                     ui.colored_label(theme::WARNING, refusal.text(language));
                 }
@@ -273,7 +274,7 @@ fn show_content(
     ui: &mut Ui,
     content: &DialogContent,
     entries: &mut ListEntries,
-    language: Language,
+    (language, naming): (Language, ProgramNaming),
 ) -> Option<WordChange> {
     let mut change = None;
     let list = ScrollArea::vertical().max_height(LIST_SIZE[1]);
@@ -292,7 +293,11 @@ fn show_content(
             let warning = say::restart_confirm_each().text(language);
             ui.label(RichText::new(warning).color(theme::ALARM_TEXT).strong());
         }
-        show_lines(ui, &plan.block_lines(program_name), language);
+        show_lines(
+            ui,
+            &plan.block_lines(|program| program_name(program, naming)),
+            language,
+        );
         for difference in &plan.differences {
             let requested =
                 entries.show_difference(ui, difference, plan.moves_real_slides, language);
@@ -309,9 +314,9 @@ fn show_lines(ui: &mut Ui, lines: &[Message], language: Language) {
     }
 }
 
-fn program_name(program: ProgramId) -> String {
+fn program_name(program: ProgramId, naming: ProgramNaming) -> String {
     match program {
-        ProgramId::Stored(number) => format!("O{number:04}"),
+        ProgramId::Stored(number) => naming.name(number),
         ProgramId::External | ProgramId::Mdi | ProgramId::Dnc => String::new(),
     }
 }

@@ -153,7 +153,7 @@ fn program_line(number: u16, state: &ProjectState, language: Language) -> Conten
     let source = stored.as_ref().map_or("", |(_, program)| program.text());
     let count = say::project_node_lines(source.lines().count());
     ContentLine {
-        head: format!("O{number:04}"),
+        head: state.memory().model.record().program_naming().name(number),
         text: count.text(language),
         note: source.lines().next().unwrap_or_default().trim().to_owned(),
     }

@@ -254,7 +254,7 @@ impl ProjectView {
             all.extend(program_numbers(&compared.basis.state));
         }
         let all: Vec<u16> = all.into_iter().collect();
-        let labels = tree_entries(&document.name(), &all)
+        let labels = tree_entries(&document.name(), &all, self.console.naming())
             .into_iter()
             .map(|place| {
                 let name = match place.name {

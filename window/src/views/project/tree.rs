@@ -1,5 +1,6 @@
 //! The tree of a project (manual PLC-V 4): its nodes, and the values that belong to each.
 
+use gsk_core::model::ProgramNaming;
 use gsk_messages::{Message, say};
 use gsk_project::{ProjectKey, ProjectSection, ProjectState};
 
@@ -87,7 +88,7 @@ pub enum NodeName {
 
 /// The nodes of the tree of a project in order. `programs` includes those that only the other
 /// side of a comparison has.
-pub fn tree_entries(name: &str, programs: &[u16]) -> Vec<TreeEntry> {
+pub fn tree_entries(name: &str, programs: &[u16], naming: ProgramNaming) -> Vec<TreeEntry> {
     let entry = |node, depth, name| TreeEntry { node, depth, name };
     let mut all = Vec::with_capacity(ROWS.len() + programs.len() + 1);
     let title = say::project_node_project(name);
@@ -96,7 +97,7 @@ pub fn tree_entries(name: &str, programs: &[u16]) -> Vec<TreeEntry> {
         all.push(entry(row.node, row.depth, NodeName::Text((row.name)())));
     }
     all.extend(programs.iter().map(|number| {
-        let name = NodeName::Program(format!("O{number:04}"));
+        let name = NodeName::Program(naming.name(*number));
         entry(ProjectNode::Program(*number), 2, name)
     }));
     all
