@@ -4,7 +4,7 @@ use core::fmt::Write;
 
 use gsk_core::command::ProgramId;
 use gsk_core::preview::PreviewProgress;
-use gsk_core::program::{Program, ProgramMemory};
+use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_messages::{Language, Message, say};
 use gsk_runner::curves::RapidRates;
@@ -84,7 +84,7 @@ pub fn make_setup_sheet(
         file_name: source.file_name,
         model: setup.memory.model.id(),
         program,
-        subprograms: subprograms(&report, programs),
+        subprograms: subprograms(&report, setup),
         hash: &hex(&Sha256::digest(source.file)),
         report: &report,
         job,
@@ -100,13 +100,15 @@ pub fn make_setup_sheet(
 /// The programs of the memory that the checked one called, with their names.
 fn subprograms<'a>(
     report: &ProgramReport,
-    programs: &'a ProgramMemory,
+    setup: &'a Setup,
 ) -> Vec<(String, &'a Program)> {
+    let programs = &setup.memory.programs;
+    let naming = setup.memory.model.record().program_naming();
     let called = report.path.as_ref();
     let called = called.map_or(&[][..], |path| path.programs.as_slice());
     let others = called.iter().filter(|id| programs.selected() != Some(**id));
     let named = others.filter_map(|id| match id {
-        ProgramId::Stored(number) => Some((format!("O{number:04}"), programs.get(*id)?)),
+        ProgramId::Stored(number) => Some((naming.name(*number), programs.get(*id)?)),
         _ => None,
     });
     named.collect()
