@@ -116,6 +116,7 @@ fn the_learner_decides_about_an_offered_task() {
         .harness
         .state_mut()
         .set_exercises(found, folder.to_owned(), Ok(None));
+    open_pane(&mut bench);
     offer(&mut bench, "no-such-exercise");
     let question = "The instructor offers the exercise";
     assert!(bench.harness.query_by_label_contains(question).is_none());
@@ -131,6 +132,10 @@ fn the_learner_decides_about_an_offered_task() {
         exercise.map(|exercise| exercise.id).as_deref(),
         Some("02-jog")
     );
+    let pane = bench
+        .harness
+        .query_by_label("MTConnect agent and page for a phone");
+    assert!(pane.is_none(), "it would cover the exercise");
 }
 
 fn offer_file(bench: &mut WindowBench, exercise: &str, text: &str, drawing: Option<&str>) {

@@ -98,10 +98,7 @@ pub fn make_setup_sheet(
 }
 
 /// The programs of the memory that the checked one called, with their names.
-fn subprograms<'a>(
-    report: &ProgramReport,
-    setup: &'a Setup,
-) -> Vec<(String, &'a Program)> {
+fn subprograms<'a>(report: &ProgramReport, setup: &'a Setup) -> Vec<(String, &'a Program)> {
     let programs = &setup.memory.programs;
     let naming = setup.memory.model.record().program_naming();
     let called = report.path.as_ref();

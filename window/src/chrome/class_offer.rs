@@ -182,6 +182,8 @@ impl Window {
                 exercises.begin_offered_exam(Exam::new(learner, ids, pin));
             }
         }
+        // The pane in which the learner has joined would cover the exercise.
+        self.network.close();
         self.show_view(ViewId::Lesson);
     }
 
