@@ -363,7 +363,7 @@ impl KernelPart {
             section: Arc::clone(&self.section),
             threads: Arc::clone(&self.threads),
             tool,
-            tip: mounting.tip_in_part(tool, cnc.position_machine(), &cnc.frame()),
+            tip: mounting.tip_in_part(tool, cnc.position_machine(), &live.part_frame(tool, cnc)),
             spindle_rpm: lathe.spindle_rpm(),
             coolant: lathe.is_coolant_on(),
             clamped: lathe.is_chuck_clamped(),
