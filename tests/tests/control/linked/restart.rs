@@ -4,6 +4,8 @@
 use gsk_core::cnc::ControlRequest;
 use gsk_core::command::ProgramId;
 use gsk_core::operation::RunState;
+use gsk_core::program::Program;
+use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
 use gsk_messages::{Message, say};
@@ -149,7 +151,11 @@ fn a_restart_before_the_first_g50_is_checked_where_the_program_has_the_part() {
     machine.run_ms(100);
     let now = &machine.simulation;
     assert_eq!(now.cnc.program_zero(), None, "no G50 has run");
-    let mut job = guess_program_job(&now.setup(), &mut |_| true).expect("a job");
+    let mut setup = Setup::delivered();
+    let programs = &mut setup.memory.programs;
+    programs.open_external(Program::new(TURNED));
+    programs.select(ProgramId::External);
+    let mut job = guess_program_job(&setup, &mut |_| true).expect("a job");
     let part = LivePart::new(Machining::new(job.clone()));
     let planned = plan_with_part(now, 7, Some(&part));
     assert!(planned.is_ok(), "{}", planned.unwrap_err());
