@@ -7,6 +7,7 @@ mod intervention;
 mod refusal;
 pub(in crate::cnc) mod restart;
 mod restart_words;
+mod retrace;
 mod speed_arrival;
 mod thread;
 mod wait_reason;
@@ -16,6 +17,7 @@ use crate::cnc::{Cnc, ControlHost, ControlRequest, OffsetEntry};
 use crate::command::{Action, ControlCommand, ProgramId};
 use crate::interpreter::InterpreterStep;
 use crate::mode::OperatingMode;
+use crate::motion::PathBegin;
 use crate::operation::{CommandStage, CurrentCommand, HoldProtection, RunState, SuspendedRun};
 use crate::units::TICK_S;
 use gsk_messages::say;
@@ -56,6 +58,7 @@ impl Cnc {
             || self.is_resetting()
             || self.is_alarm_active()
             || self.is_board_stopping()
+            || self.is_off_hold()
             || self.run.automatic.state == RunState::Run;
         if is_refused {
             return;
@@ -122,6 +125,7 @@ impl Cnc {
             self.run.cursor_line = 1;
         }
         self.settle_coordinates();
+        self.begin_retrace_path(PathBegin::Recording);
         let (interpreter, world) = self.interpreter_and_world(true);
         let Some(program) = world.memory.programs.selected() else {
             return self.raise(Alarm::new(number::PROGRAM_MISSING));
@@ -239,6 +243,7 @@ impl Cnc {
     }
 
     fn resume_from_hold(&mut self) {
+        self.release_retrace();
         self.resume_held_motion();
         self.run.automatic.stop_requested = false;
         self.shift_cycle();

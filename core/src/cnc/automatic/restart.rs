@@ -58,6 +58,7 @@ impl Cnc {
 
     /// Takes a position, mm (X as a radius), as that of the slides, which stand still.
     pub(crate) fn place_slides(&mut self, position: Point) {
+        self.forget_made_path();
         self.drives.interpolator = Interpolator::new(position);
         self.drives.axis_chain.preset(Axis::X, position.x);
         self.drives.axis_chain.preset(Axis::Z, position.z);
