@@ -17,7 +17,6 @@ use crate::cnc::{Cnc, ControlHost, ControlRequest, OffsetEntry};
 use crate::command::{Action, ControlCommand, ProgramId};
 use crate::interpreter::InterpreterStep;
 use crate::mode::OperatingMode;
-use crate::motion::PathBegin;
 use crate::operation::{CommandStage, CurrentCommand, HoldProtection, RunState, SuspendedRun};
 use crate::units::TICK_S;
 use gsk_messages::say;
@@ -125,7 +124,7 @@ impl Cnc {
             self.run.cursor_line = 1;
         }
         self.settle_coordinates();
-        self.begin_retrace_path(PathBegin::Recording);
+        self.forget_made_path();
         let (interpreter, world) = self.interpreter_and_world(true);
         let Some(program) = world.memory.programs.selected() else {
             return self.raise(Alarm::new(number::PROGRAM_MISSING));
@@ -243,7 +242,6 @@ impl Cnc {
     }
 
     fn resume_from_hold(&mut self) {
-        self.release_retrace();
         self.resume_held_motion();
         self.run.automatic.stop_requested = false;
         self.shift_cycle();
@@ -410,12 +408,6 @@ impl Cnc {
         if can_read {
             self.run.automatic.next_command = self.read_command(false);
         }
-    }
-
-    /// Whether a program runs or can be resumed. MDI blocks are not programs.
-    pub(crate) fn has_resumable_run(&self) -> bool {
-        let is_suspended = self.run.automatic.suspended.is_some();
-        is_suspended || (self.run.automatic.is_started && !self.run.automatic.is_mdi)
     }
 
     /// Reads one command from the interpreter; `None` if it must wait, the program has ended, or an

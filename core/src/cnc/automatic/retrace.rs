@@ -167,6 +167,7 @@ impl Cnc {
             || self.is_resetting()
             || self.is_not_ready()
             || self.is_alarm_active()
+            || self.plc.signals.feed_hold
             || self.is_run_interlocked()
             || self.has_machine_lock();
         let is_within_move = self.run.held_motion.is_some() || self.is_held_in_path_move();

@@ -172,49 +172,66 @@ fn the_path_ends_at_a_function_with_one_sentence() {
     assert_counts_agree(&machine);
 }
 
-/// Each stop ends the motion: the handwheel rests, its turns are dropped, RESET, another mode, a
-/// cut cable.
+/// Turns on, and checks that nothing moves.
+fn check_stands<T: BenchBoard>(machine: &mut LinkedMachine<T>) {
+    let stood = machine.made_pulses();
+    turn(machine, -1, 500, |_| false);
+    turn(machine, 1, 1000, |_| false);
+    assert_eq!(machine.made_pulses(), stood);
+}
+
+fn check_stops<T: BenchBoard>(ready: &LinkedMachine<T>) {
+    let mut moving = held(ready, CONTOUR, HOLD_AT_Z);
+    turn(&mut moving, -1, 1500, |_| false);
+    assert!(moving.simulation.cnc.is_moving());
+    rest(&mut moving.clone());
+
+    let mut dropped = moving.clone();
+    let drop = ControlRequest::DropWheel;
+    dropped.simulation.cnc.request(drop).unwrap();
+    rest(&mut dropped);
+    assert_counts_agree(&dropped);
+
+    let mut left = moving.clone();
+    left.press(JOG);
+    rest(&mut left);
+    assert_counts_agree(&left);
+
+    let mut holding = moving.clone();
+    holding.simulation.cnc.set_panel_key(FEED_HOLD, true);
+    rest(&mut holding);
+    check_stands(&mut holding);
+    assert_counts_agree(&holding);
+
+    let mut reset = moving.clone();
+    reset.press(RESET);
+    rest(&mut reset);
+    assert_counts_agree(&reset);
+    let cnc = &reset.simulation.cnc;
+    assert_eq!(cnc.run_state(), RunState::Reset);
+    assert!(!cnc.is_off_hold(), "the path is forgotten");
+    check_stands(&mut reset);
+
+    let mut emergency = moving.clone();
+    emergency.twin.press_emergency(true);
+    rest(&mut emergency);
+    assert!(!emergency.alarms().is_empty());
+    check_stands(&mut emergency);
+
+    let mut cut = moving.clone();
+    cut.cut_cable();
+    cut.run_ms(5000);
+    check_stands(&mut cut);
+    assert!(!cut.alarms().is_empty());
+}
+
+/// Each stop ends the motion: the handwheel rests, its turns are dropped, another mode, the feed
+/// hold key, RESET, the emergency stop, a cut cable.
 #[test]
 fn the_slides_stand_when_the_handwheel_or_the_link_is_in_doubt() {
-    for ready in [
-        LinkedMachine::referenced(Variant::Grbl),
-        LinkedMachine::referenced(Variant::GrblHal),
-    ] {
-        let mut moving = held(&ready, CONTOUR, HOLD_AT_Z);
-        turn(&mut moving, -1, 1500, |_| false);
-        assert!(moving.simulation.cnc.is_moving());
-        rest(&mut moving.clone());
-
-        let mut dropped = moving.clone();
-        let drop = ControlRequest::DropWheel;
-        dropped.simulation.cnc.request(drop).unwrap();
-        rest(&mut dropped);
-        assert_counts_agree(&dropped);
-
-        let mut left = moving.clone();
-        left.press(JOG);
-        rest(&mut left);
-        assert_counts_agree(&left);
-
-        let mut reset = moving.clone();
-        reset.press(RESET);
-        rest(&mut reset);
-        assert_counts_agree(&reset);
-        let cnc = &reset.simulation.cnc;
-        assert_eq!(cnc.run_state(), RunState::Reset);
-        assert!(!cnc.is_off_hold(), "the path is forgotten");
-        let stood = reset.made_pulses();
-        turn(&mut reset, -1, 1000, |_| false);
-        assert_eq!(reset.made_pulses(), stood);
-
-        let mut cut = moving.clone();
-        cut.cut_cable();
-        cut.run_ms(5000);
-        let stood = cut.made_pulses();
-        turn(&mut cut, 1, 1000, |_| false);
-        assert_eq!(cut.made_pulses(), stood);
-        assert!(!cut.alarms().is_empty());
-    }
+    check_stops(&LinkedMachine::referenced(Variant::Grbl));
+    check_stops(&LinkedMachine::referenced(Variant::GrblHal));
+    check_stops(&LinkedMachine::timed_referenced());
 }
 
 /// Slides that were jogged off the path do not follow it, and the run does not continue.
