@@ -19,7 +19,7 @@ use bench::keys::{INCREMENT_100, JOG, RAPID, STEP, WHEEL_Z, Z_MINUS};
 /// The control, its link and a board, in virtual time.
 #[path = "../../tests/tests/control/bench/mod.rs"]
 #[allow(dead_code, reason = "each test uses what it needs")]
-mod bench;
+pub mod bench;
 
 const TIME_LIMIT: Duration = Duration::from_secs(60);
 

@@ -3,15 +3,18 @@
 use std::time::Duration;
 
 use egui::{Key, Modifiers, vec2};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use gsk_core::cnc::ControlRequest;
 use gsk_core::setup::Setup;
 use gsk_host::kernel::{BreakpointCommand, Command};
 use gsk_messages::Language;
+use gsk_panel::emulator::Emulator;
+use gsk_twins::grbl::Variant;
 use gsk_window::WindowSettings;
 use gsk_window::layout::{Layouts, WindowLayout};
 
 use crate::common::WindowBench;
+use crate::lease::bench::board::LinkedMachine;
 
 /// The block of the restarts is the last line: there a click below the text puts the cursor.
 const TURNED: &str = "O0007\nG50 X100 Z100\nG97 G98 S800 M03\nT0101 M08\nG00 X52 Z2\n\
@@ -62,6 +65,14 @@ fn click(bench: &mut WindowBench, label: &str) {
     bench.run(1);
 }
 
+/// Clicks a widget that may be scrolled out of sight.
+#[track_caller]
+fn click_in_list(bench: &mut WindowBench, label: &str) {
+    bench.harness.get_by_label(label).click_accesskit();
+    bench.run(1);
+    bench.run(1);
+}
+
 /// The last text field with this value.
 #[track_caller]
 fn find_field<'a>(bench: &'a WindowBench, value: &'a str) -> egui_kittest::Node<'a> {
@@ -93,6 +104,13 @@ fn open_dialog(bench: &mut WindowBench) {
     bench.run(1);
     click(bench, &format!("Restart at line {LAST_LINE}…"));
     wait_for(bench, "Take over the values");
+}
+
+/// The label of a difference that begins with this text.
+fn difference(bench: &WindowBench, begin: &str) -> String {
+    let mut nodes = bench.harness.query_all_by_label_contains(begin);
+    let label = nodes.find_map(|node| node.accesskit_node().label());
+    label.unwrap_or_default()
 }
 
 #[test]
@@ -160,4 +178,66 @@ fn the_list_of_differences_is_edited_and_checked_again() {
     assert!(is_shown(&bench, "Output G97 S500"));
     click(&mut bench, "Take over the values");
     wait_for(&mut bench, "in AUTO goes to the start point");
+}
+
+/// A control whose board has made its reference return.
+fn emulator_with_board() -> Emulator {
+    let machine = LinkedMachine::referenced(Variant::Grbl);
+    let mut emulator = Emulator::new(Setup::delivered());
+    emulator.run(4000);
+    *emulator.board_simulation() = machine.simulation;
+    emulator
+}
+
+/// Waits until the practice bar is replaced by the part that the program suggests.
+fn wait_for_guessed_part(bench: &mut WindowBench) {
+    for _ in 0..2000 {
+        let (to, copies) = crossbeam::channel::bounded(1);
+        bench.console.send(Command::SendMachine(to));
+        bench.run(1);
+        let (_, part) = *copies.try_recv().expect("a copy of the machine");
+        if part.is_some_and(|part| part.machining().job().zero.is_none()) {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    panic!("no guessed part");
+}
+
+#[test]
+fn with_real_slides_each_difference_must_be_ticked() {
+    let size = vec2(1280.0, 806.0);
+    let bench = WindowBench::with_emulator(emulator_with_board(), settings(), size);
+    let mut bench = open_program(bench);
+    wait_for_guessed_part(&mut bench);
+    open_dialog(&mut bench);
+    assert!(is_shown(&bench, "REAL MOTION: check each difference"));
+    let confirm = |bench: &WindowBench| {
+        let button = bench.harness.get_by_label("Take over the values");
+        !button.accesskit_node().is_disabled()
+    };
+    assert!(!confirm(&bench), "nothing is ticked");
+    let boxes = bench
+        .harness
+        .query_all_by_role(egui::accesskit::Role::CheckBox);
+    let names: Vec<String> = boxes
+        .filter_map(|it| it.accesskit_node().label())
+        .filter(|it| it.contains("at the block"))
+        .collect();
+    assert!(names.len() >= 5, "{names:?}");
+    for (index, name) in names.iter().enumerate() {
+        assert!(!confirm(&bench), "{index} of {} ticked", names.len());
+        click_in_list(&mut bench, name);
+    }
+    assert!(confirm(&bench), "each is ticked");
+    // A changed value is another difference, which needs its own tick.
+    click_in_list(&mut bench, "Leave out, keep M09");
+    wait_for(&mut bench, "(changed; the program has M08)");
+    assert!(!confirm(&bench));
+    let changed = difference(&bench, "coolant:");
+    click_in_list(&mut bench, &changed);
+    assert!(confirm(&bench));
+    assert!(!bench.kernel.emulator().cnc().has_restart());
+    click(&mut bench, "Take over the values");
+    assert!(bench.kernel.emulator().cnc().has_restart());
 }

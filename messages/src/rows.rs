@@ -1364,7 +1364,6 @@ message_rows! {
     handwheel_run_hint HandwheelRunHint();
     handwheel_run_name HandwheelRunName();
     handwheel_run_not_in_lesson HandwheelRunNotInLesson();
-    handwheel_run_not_with_board HandwheelRunNotWithBoard();
     handwheel_run_state HandwheelRunState();
     help_alarm HelpAlarm(number);
     help_as_delivered HelpAsDelivered(value);
@@ -3393,6 +3392,13 @@ message_rows! {
     restart_word_program RestartWordProgram();
     restart_word_set RestartWordSet();
     restart_word_wrong RestartWordWrong(text);
+    retrace_begin RetraceBegin();
+    retrace_begin_coordinates RetraceBeginCoordinates();
+    retrace_begin_function RetraceBeginFunction();
+    retrace_begin_thread RetraceBeginThread();
+    retrace_hint RetraceHint();
+    retrace_return_first RetraceReturnFirst();
+    retrace_state RetraceState();
     return_before_switch ReturnBeforeSwitch(axis);
     return_broken_off ReturnBrokenOff(axis);
     return_broken_off_late ReturnBrokenOffLate(axis, way);

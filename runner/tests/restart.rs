@@ -3,6 +3,8 @@
 //! `RESTART_SEED=2` draws others.
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
 
+#[path = "restart/part_position.rs"]
+mod part_position;
 #[path = "restart/programs.rs"]
 mod programs;
 #[path = "restart/words.rs"]

@@ -23,6 +23,8 @@ pub struct WindowBench {
     /// A second handle of the window's console.
     pub console: Console,
     pub harness: Harness<'static, Window>,
+    /// Whether the control makes no tick: in a tick it would lose a board that is not served.
+    pub is_halted: bool,
 }
 
 impl WindowBench {
@@ -52,7 +54,15 @@ impl WindowBench {
 
     /// The same with stored settings.
     pub fn with_settings(setup: Setup, settings: WindowSettings, size: egui::Vec2) -> Self {
-        let (kernel, console) = Kernel::new(Emulator::new(setup));
+        let mut bench = Self::with_emulator(Emulator::new(setup), settings, size);
+        bench.is_halted = false;
+        bench.run(4000);
+        bench
+    }
+
+    /// A window whose control has already run and is halted.
+    pub fn with_emulator(emulator: Emulator, settings: WindowSettings, size: egui::Vec2) -> Self {
+        let (kernel, console) = Kernel::new(emulator);
         let harness = Harness::builder()
             .with_size(size)
             .with_context_setup(fonts::set_up)
@@ -60,19 +70,18 @@ impl WindowBench {
                 |ui, window: &mut Window| window.ui(ui),
                 Window::new(console.clone(), settings),
             );
-        let mut bench = Self {
+        Self {
             kernel,
             console,
             harness,
-        };
-        bench.run(4000);
-        bench
+            is_halted: true,
+        }
     }
 
     /// Runs the control for `ms` milliseconds and draws the result.
     pub fn run(&mut self, ms: u64) {
         self.harness.step();
-        self.kernel.run(ms);
+        self.kernel.run(if self.is_halted { 0 } else { ms });
         self.kernel.publish();
         self.harness.step();
     }

@@ -36,6 +36,17 @@ impl Cnc {
     }
 
     pub(super) fn advance_motion(&mut self) {
+        if !self.advance_retrace() {
+            self.advance_interpolator();
+            self.record_made_path();
+        }
+        self.drives
+            .axis_chain
+            .advance(self.position(), self.plc.signals.machine_lock);
+        self.check_gear_speed_of_tick();
+    }
+
+    fn advance_interpolator(&mut self) {
         let held = self.is_motion_held();
         let mut inputs = self.motion_inputs();
         self.drives.interpolator.tick(&self.drives.limits, &inputs);
@@ -50,10 +61,6 @@ impl Cnc {
                 .interpolator
                 .continue_tick(&self.drives.limits, &inputs);
         }
-        self.drives
-            .axis_chain
-            .advance(self.position(), self.plc.signals.machine_lock);
-        self.check_gear_speed_of_tick();
     }
 
     /// The feed override in force, as a factor; 1 when OVC (G6.4) or a macro B program
@@ -95,6 +102,9 @@ impl Cnc {
     pub(crate) fn settle_coordinates(&mut self) {
         let slide = self.drives.axis_chain.slide_position();
         let held_back = self.position() - slide;
+        if held_back != Point::default() {
+            self.forget_made_path();
+        }
         self.drives.interpolator.translate(-held_back);
         self.drives.axis_chain.preset(Axis::X, slide.x);
         self.drives.axis_chain.preset(Axis::Z, slide.z);

@@ -179,6 +179,8 @@ pub enum ControlRequest {
     LoadLadder(Arc<Ladder>),
     /// Drops the stopped run; the next cycle start in AUTO begins the restart.
     Restart(Box<PreparedRestart>),
+    /// Switches on or off that the handwheel retraces the path of a held run.
+    SetRetrace(bool),
 }
 
 /// A value for a tool offset, and how the offset is calculated from it.
@@ -297,6 +299,7 @@ impl Cnc {
             ControlRequest::StepLadder(step) => self.step_ladder(step),
             ControlRequest::LoadLadder(ladder) => self.load_ladder(ladder),
             ControlRequest::Restart(restart) => self.accept_restart(restart),
+            ControlRequest::SetRetrace(on) => self.set_retrace(on),
         }
         Ok(())
     }

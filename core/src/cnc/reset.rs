@@ -37,6 +37,7 @@ impl Cnc {
     /// Ends the run, which then has the state `state`: the axes decelerate, and commands that were
     /// read are not executed.
     pub(crate) fn stop_run(&mut self, state: RunState) {
+        self.end_retrace();
         self.abandon_current();
         self.abandon_returns();
         self.drives.interpolator.decelerate();
@@ -84,6 +85,7 @@ impl Cnc {
             if !self.emergency_stop {
                 self.emergency_stop = true;
                 let detail = self.tripped_limit_detail(inputs);
+                self.forget_made_path();
                 self.drives.interpolator.stop_now();
                 self.reset();
                 self.raise(Alarm {

@@ -9,7 +9,7 @@
 //!    └─ RESET key, M30, emergency stop: from every state
 //! ```
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
 use super::intervention::CycleShift;
 use super::speed_arrival::SpeedArrival;
@@ -117,6 +117,12 @@ pub struct PreparedRestart {
     pub(crate) steps: VecDeque<Action>,
     /// The state of the run before the block.
     pub(crate) continuation: RunContinuation,
+    /// For each tool that the skipped blocks cut with, the frame of its first cut.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub(crate) first_cut_frames: BTreeMap<u8, Frame>,
+    /// The tool before the block, and the frame in force there.
+    #[serde(default)]
+    pub(crate) tool_frame: (u8, Frame),
 }
 
 /// The state of the control before a block, as far as a program changes it.

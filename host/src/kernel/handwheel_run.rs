@@ -3,7 +3,10 @@
 //!
 //! Forwards the machine makes the ticks that the wheel grants. Backwards the window sees the past
 //! of the session, and forwards again the same moments until the present is reached.
+//!
+//! With real slides the control retraces the path of a held run instead.
 
+use gsk_core::cnc::ControlRequest;
 use gsk_core::operation::{OperatingMode, RunState};
 use gsk_messages::say;
 use gsk_panel::keys::Key;
@@ -38,14 +41,15 @@ impl HandwheelRun {
 }
 
 impl Kernel {
-    /// Switches the handwheel run. It is refused with real drives and in lessons and exercises.
-    /// A program that waits for the wheel is held: only cycle start continues it.
+    /// Switches the handwheel run. It is refused in lessons and exercises. With real slides the
+    /// control retraces the path of a held run. A program that waits for the wheel is held: only
+    /// cycle start continues it.
     pub(super) fn set_handwheel_run(&mut self, on: bool) {
-        if on && self.has_real_slides {
-            return self.notify(Notice::Message(say::handwheel_run_not_with_board()));
-        }
         if on && self.lesson.is_some() {
             return self.notify(Notice::Message(say::handwheel_run_not_in_lesson()));
+        }
+        if self.has_real_slides {
+            return self.set_retrace(on);
         }
         if !on && self.follows_handwheel() {
             self.key_edges.push(KeyEdge::Tap(Key::FeedHold));
@@ -54,6 +58,26 @@ impl Kernel {
             is_on: on,
             due_ticks: 0,
         };
+    }
+
+    fn set_retrace(&mut self, on: bool) {
+        if on == self.emulator.cnc().has_retrace() {
+            return;
+        }
+        let request = ControlRequest::SetRetrace(on);
+        match self.emulator.cnc().request_refusal(&request) {
+            Some(why) => self.notify(Notice::Message(why)),
+            // The request raises no alarm.
+            None => drop(self.emulator.request(request)),
+        }
+    }
+
+    /// Returns whether the handwheel run is switched on.
+    pub(super) fn is_handwheel_run(&self) -> bool {
+        match self.has_real_slides {
+            true => self.emulator.cnc().has_retrace(),
+            false => self.handwheel_run.is_on(),
+        }
     }
 
     /// Grants machine time for a key, so that the control sees it while the program waits for

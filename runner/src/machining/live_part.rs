@@ -1,7 +1,9 @@
 //! Cuts the part while the control runs, tick by tick, in manual and automatic operation.
 
-use gsk_core::cnc::Event;
-use gsk_core::command::{ProgramId, SequenceNumber, SourcePosition};
+use std::collections::BTreeMap;
+
+use gsk_core::cnc::{Cnc, Event};
+use gsk_core::command::{Frame, ProgramId, SequenceNumber, SourcePosition};
 use gsk_core::machine::{LatheFault, LoadLimits, SimulatedLathe};
 use gsk_core::operation::RunState;
 use gsk_core::simulation::Simulation;
@@ -45,6 +47,9 @@ pub struct LivePart {
     material: Option<CuttingMaterial>,
     overload: OverloadWatch,
     load_meter: LoadMeter,
+    /// For each tool that the skipped blocks of a restart cut with, the frame of its first cut;
+    /// empty after the run.
+    first_cut_frames: BTreeMap<u8, Frame>,
 }
 
 /// Whether cuts above the limits break something, and what they have broken.
@@ -112,6 +117,7 @@ impl LivePart {
             reported_findings: 0,
             program_ended: false,
             threads: ThreadLog::default(),
+            first_cut_frames: BTreeMap::new(),
         }
     }
 
@@ -181,7 +187,8 @@ impl LivePart {
     pub fn follow_tick(&mut self, simulation: &Simulation) -> &[CollisionFinding] {
         let cnc = &simulation.cnc;
         let tool = simulation.lathe.station().unwrap_or(cnc.tool().0);
-        let frame = cnc.frame();
+        self.follow_restart(cnc);
+        let frame = self.part_frame(tool, cnc);
         // The way to the start point of a restart is rapid to its last tick.
         let is_operating = matches!(cnc.run_state(), RunState::Run | RunState::Hold);
         let is_approach = is_operating && cnc.has_restart();
@@ -230,6 +237,25 @@ impl LivePart {
         let first = self.reported_findings.min(self.machining.findings.len());
         self.reported_findings = self.machining.findings.len();
         &self.machining.findings[first..]
+    }
+
+    /// The frame in which the program places the part for a tool that has not cut. In a restart it
+    /// is the frame in which the skipped blocks would have cut, because the frame in force is
+    /// that of the state before the restart.
+    pub fn part_frame(&self, tool: u8, cnc: &Cnc) -> Frame {
+        let skipped = self.first_cut_frames.get(&tool).copied();
+        skipped.unwrap_or_else(|| cnc.frame_at_restart(tool))
+    }
+
+    /// Stores the frames of the blocks that a restart skips, until the run ends.
+    fn follow_restart(&mut self, cnc: &Cnc) {
+        match cnc.restart_first_cut_frames() {
+            Some(frames) if self.first_cut_frames.is_empty() => {
+                self.first_cut_frames.clone_from(frames);
+            }
+            None if cnc.run_state() == RunState::Reset => self.first_cut_frames.clear(),
+            _ => {}
+        }
     }
 
     /// Clamps new stock when the first block of a program starts after another program has

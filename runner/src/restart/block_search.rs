@@ -1,7 +1,9 @@
 //! Runs the program in a copy of the machine up to a block.
 
+use std::collections::BTreeMap;
+
 use gsk_core::cnc::{Event, RunStop};
-use gsk_core::command::{MoveKind, ProgramId, SourcePosition};
+use gsk_core::command::{Frame, MoveKind, ProgramId, SourcePosition};
 use gsk_core::program::{Program, Syntax};
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
@@ -83,6 +85,8 @@ pub struct BlockState {
     /// A slide position that is clear of the part, machine coordinates, mm: the one of the last
     /// tool change, else the outermost end of a rapid.
     pub clear_point: Point,
+    /// For each tool that the skipped blocks cut with, the frame of its first cut.
+    pub(super) first_cut_frames: BTreeMap<u8, Frame>,
     /// Messages about the state before the block that the operator must read.
     pub remarks: Vec<Message>,
     /// Words that the operator has put in place of those of the program.
@@ -140,6 +144,7 @@ struct SearchMoment {
     tool_change: Option<Point>,
     outermost: Point,
     tool: u8,
+    first_cut_frames: BTreeMap<u8, Frame>,
 }
 
 impl SearchMoment {
@@ -152,6 +157,7 @@ impl SearchMoment {
             blocks: 0,
             functions: MachineFunctions::default(),
             tool_change: None,
+            first_cut_frames: BTreeMap::new(),
         }
     }
 
@@ -175,6 +181,11 @@ impl SearchMoment {
                     if (end.x, end.z) > (self.outermost.x, self.outermost.z) {
                         self.outermost = end;
                     }
+                }
+                Event::MoveEnded(executed) => {
+                    let tool = executed.conditions.tool;
+                    let frame = executed.conditions.frame;
+                    self.first_cut_frames.entry(tool).or_insert(frame);
                 }
                 _ => {}
             }
@@ -243,6 +254,7 @@ pub fn find_block(
             simulation: stopped.run.simulation,
             part,
             functions: stopped.functions,
+            first_cut_frames: stopped.first_cut_frames,
             remarks,
             words: RestartWords::default(),
         });

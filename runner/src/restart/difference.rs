@@ -8,7 +8,7 @@ use gsk_messages::{Message, say};
 
 use super::block_search::BlockState;
 use super::machine_functions::Equipment;
-use super::words::RestartWord;
+use super::words::{RestartWord, RestartWords};
 use crate::report;
 
 /// A value of the machine that a restart changes.
@@ -39,7 +39,7 @@ impl StateDifference {
     }
 
     /// The word that leaves the value of the machine as it is now; `None` if the operator cannot
-    /// change the value.
+    /// change the value, or not to this one (F0).
     pub fn keeping_word(&self) -> Option<String> {
         let word = self.word?;
         // The offset number of T comes from the program.
@@ -47,7 +47,9 @@ impl StateDifference {
             RestartWord::Tool => self.now.len().min(2),
             _ => self.now.len(),
         };
-        Some(word.with_value(self.now.get(..length)?))
+        let keeping = word.with_value(self.now.get(..length)?);
+        let is_permitted = RestartWords::default().set(&keeping).is_ok();
+        is_permitted.then_some(keeping)
     }
 }
 

@@ -82,6 +82,7 @@ fn build_route(
         m_before_tool,
         m_after_tool,
         approach: leg(clear, to, approach),
+        first_cut_frames: target.first_cut_frames.clone(),
     }
 }
 

@@ -113,10 +113,11 @@ fn an_entry_that_is_left_out_keeps_the_value_of_the_machine() {
     let plan = plan_with(&at, &[]).unwrap();
     let keeping = |word| {
         let difference = plan.differences.iter().find(|it| it.word == Some(word));
-        difference.unwrap().keeping_word().unwrap()
+        difference.unwrap().keeping_word()
     };
+    assert_eq!(keeping(RestartWord::Feed), None, "F0 is no feed");
     let (spindle, coolant) = (RestartWord::Spindle, RestartWord::Coolant);
-    let words = [keeping(spindle), keeping(coolant)];
+    let words = [spindle, coolant].map(|word| keeping(word).unwrap());
     assert_eq!(words, ["M05", "M09"]);
     let plan = plan_with(&at, &[&words[0], &words[1]]).unwrap();
     let kept = |then: &str, by: &str| Some((then.to_owned(), Some(by.to_owned())));

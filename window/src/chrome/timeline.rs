@@ -121,12 +121,18 @@ impl TimelineStrip {
                     .on_hover_text(words);
             });
             right_aligned::show(ui, group, 360.0, |ui| {
-                self.show_buttons(ui, past, language);
+                self.show_buttons(ui, past, snapshot.board.is_some(), language);
             });
         });
     }
 
-    fn show_buttons(&self, ui: &mut Ui, past: Option<PastMoment>, language: Language) {
+    fn show_buttons(
+        &self,
+        ui: &mut Ui,
+        past: Option<PastMoment>,
+        has_board: bool,
+        language: Language,
+    ) {
         let view = self.view.as_deref();
         let can_continue = view.is_some_and(|view| view.can_continue);
         let refusal = say::timeline_not_with_board().text(language);
@@ -163,7 +169,11 @@ impl TimelineStrip {
         let is_on = view.is_some_and(|view| view.is_handwheel_run);
         let name = say::handwheel_run_name().text(language);
         let toggle = ui.add(egui::Button::selectable(is_on, name));
-        let hint = say::handwheel_run_hint().text(language);
+        let hint = match has_board {
+            true => say::retrace_hint(),
+            false => say::handwheel_run_hint(),
+        };
+        let hint = hint.text(language);
         if toggle.on_hover_text(hint).clicked() {
             self.send(TimelineCommand::RunByHandwheel(!is_on));
         }
@@ -242,9 +252,10 @@ impl TimelineStrip {
 /// Returns a sentence about the moment that the strip shows.
 fn state_text(past: Option<PastMoment>, has_board: bool, follows_wheel: bool) -> Message {
     let Some(past) = past else {
-        return match follows_wheel {
-            true => say::handwheel_run_state(),
-            false => say::timeline_hint(),
+        return match (follows_wheel, has_board) {
+            (true, true) => say::retrace_state(),
+            (true, false) => say::handwheel_run_state(),
+            (false, _) => say::timeline_hint(),
         };
     };
     let time = clock(to_seconds(past.age_ms));

@@ -45,6 +45,7 @@ impl Cnc {
             .flatten();
         self.events.extend(explanation.map(Event::Explained));
         self.run.automatic.update_protection(&command.action);
+        self.limit_retrace(&command.action);
         self.update_speed_arrival(&command.action);
         if !is_approach {
             self.run.automatic.last_source = Some(command.source);

@@ -44,11 +44,18 @@ impl Cnc {
     /// Resumes an interrupted block after manual motion. The block moves its remaining distance
     /// from the current position; the next block moves to its programmed coordinates.
     pub(crate) fn resume_held_motion(&mut self) {
+        self.release_retrace();
         let Some(mut held) = self.run.held_motion.take() else {
             return;
         };
         held.translate(self.drives.interpolator.position() - held.position());
         self.drives.interpolator = held;
+    }
+
+    /// Whether a program runs or can be resumed. MDI blocks are not programs.
+    pub(crate) fn has_resumable_run(&self) -> bool {
+        let is_suspended = self.run.automatic.suspended.is_some();
+        is_suspended || (self.run.automatic.is_started && !self.run.automatic.is_mdi)
     }
 
     /// Shifts the rest of a cycle by the distance that the axes were moved manually since

@@ -7,6 +7,7 @@ mod intervention;
 mod refusal;
 pub(in crate::cnc) mod restart;
 mod restart_words;
+mod retrace;
 mod speed_arrival;
 mod thread;
 mod wait_reason;
@@ -56,6 +57,7 @@ impl Cnc {
             || self.is_resetting()
             || self.is_alarm_active()
             || self.is_board_stopping()
+            || self.is_off_hold()
             || self.run.automatic.state == RunState::Run;
         if is_refused {
             return;
@@ -122,6 +124,7 @@ impl Cnc {
             self.run.cursor_line = 1;
         }
         self.settle_coordinates();
+        self.forget_made_path();
         let (interpreter, world) = self.interpreter_and_world(true);
         let Some(program) = world.memory.programs.selected() else {
             return self.raise(Alarm::new(number::PROGRAM_MISSING));
@@ -405,12 +408,6 @@ impl Cnc {
         if can_read {
             self.run.automatic.next_command = self.read_command(false);
         }
-    }
-
-    /// Whether a program runs or can be resumed. MDI blocks are not programs.
-    pub(crate) fn has_resumable_run(&self) -> bool {
-        let is_suspended = self.run.automatic.suspended.is_some();
-        is_suspended || (self.run.automatic.is_started && !self.run.automatic.is_mdi)
     }
 
     /// Reads one command from the interpreter; `None` if it must wait, the program has ended, or an

@@ -22,6 +22,7 @@ impl Cnc {
             RunState::Run => say::start_runs_already(),
             _ if self.plc.signals.feed_hold => say::start_in_feed_hold(),
             _ if self.is_board_stopping() || self.is_still_moving() => say::start_waits_for_axes(),
+            _ if self.is_off_hold() => say::retrace_return_first(),
             RunState::Hold
                 if !mdi && !self.run.automatic.is_mdi && !self.belongs_to_mode(self.run.mode) =>
             {

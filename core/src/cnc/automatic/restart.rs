@@ -7,11 +7,11 @@
 //!             ─► STOP ─► CYCLE START: the block
 //! ```
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
 use crate::cnc::parts::RunStop;
 use crate::cnc::{Cnc, Event};
-use crate::command::{Action, ControlCommand, SourcePosition, SpindleCommand, ThreadStart};
+use crate::command::{Action, ControlCommand, Frame, SourcePosition, SpindleCommand, ThreadStart};
 use crate::mode::OperatingMode;
 use crate::motion::{Interpolator, ThreadMove};
 use crate::operation::{PreparedRestart, RunContinuation, RunState};
@@ -37,6 +37,9 @@ pub struct RestartRoute {
     pub m_after_tool: Vec<u8>,
     /// Points after the tool change; the last one is the start point of the block.
     pub approach: Vec<Point>,
+    /// For each tool that the skipped blocks cut with, the frame of its first cut: it locates a
+    /// part whose position is not known otherwise.
+    pub first_cut_frames: BTreeMap<u8, Frame>,
 }
 
 impl Cnc {
@@ -55,6 +58,7 @@ impl Cnc {
 
     /// Takes a position, mm (X as a radius), as that of the slides, which stand still.
     pub(crate) fn place_slides(&mut self, position: Point) {
+        self.forget_made_path();
         self.drives.interpolator = Interpolator::new(position);
         self.drives.axis_chain.preset(Axis::X, position.x);
         self.drives.axis_chain.preset(Axis::Z, position.z);
@@ -163,7 +167,37 @@ impl Cnc {
                 relative_zero: target.coordinates.relative_zero,
                 programmed_x_lead: target.coordinates.programmed_x_lead,
             },
+            first_cut_frames: route.first_cut_frames.clone(),
+            tool_frame: (tool, target.coordinates.frame),
         })
+    }
+
+    /// The frames in which the blocks that a restart skips first cut with their tools; `None`
+    /// except in the approach of a restart.
+    pub fn restart_first_cut_frames(&self) -> Option<&BTreeMap<u8, Frame>> {
+        let restart = self.run.automatic.restart.as_ref();
+        let restart = restart.filter(|_| self.run.automatic.is_approaching());
+        restart.map(|restart| &restart.first_cut_frames)
+    }
+
+    /// The frame in which the block of a restart places the part for a tool; the frame in force
+    /// except in the approach of a restart. The offset of another tool than that of the block is
+    /// the one in force.
+    pub fn frame_at_restart(&self, tool: u8) -> Frame {
+        let now = self.coordinates.frame;
+        match &self.run.automatic.restart {
+            Some(restart) if self.run.automatic.is_approaching() => {
+                let (tool_at_block, frame) = restart.tool_frame;
+                match tool == tool_at_block {
+                    true => frame,
+                    false => Frame {
+                        offset: now.offset,
+                        ..frame
+                    },
+                }
+            }
+            _ => now,
+        }
     }
 
     /// The S functions that lead to the present spindle command.

@@ -193,6 +193,7 @@ impl Cnc {
     /// those in `at`, mm.
     pub(crate) fn finish_board_homing(&mut self, axes: PerAxis<bool>, at: Point) {
         self.settle_coordinates();
+        self.forget_made_path();
         for axis in [Axis::X, Axis::Z] {
             if *axes.get(axis) {
                 let mut shift = Point::default();
@@ -230,6 +231,7 @@ impl Cnc {
     /// Ends all motion at the current position, including reference returns.
     pub(crate) fn end_motion_for_board(&mut self) {
         self.abandon_returns();
+        self.forget_made_path();
         self.drives.interpolator.stop_now();
         self.hand.jog = PerAxis::default();
         self.hand.jog_blocked = PerAxis::new(true, true);
@@ -254,6 +256,9 @@ impl Cnc {
                 let coordinate = self.drives.axis_chain.set_count(axis, count);
                 *shift.get_mut(axis) = coordinate - self.position().get(axis);
             }
+        }
+        if shift != Point::default() {
+            self.forget_made_path();
         }
         self.drives.interpolator.translate(shift);
         let frame = self.coordinates.frame;

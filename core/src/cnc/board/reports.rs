@@ -54,6 +54,7 @@ impl Cnc {
     /// Disconnects the board: all motion ends, and the position of the slides is unknown.
     pub(crate) fn detach_board(&mut self) {
         self.end_motion_for_board();
+        self.hand.retrace = None;
         self.drop_reference();
         self.drives.board = None;
         self.drives.board_alarms = Default::default();

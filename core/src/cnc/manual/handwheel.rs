@@ -14,6 +14,7 @@ impl Cnc {
     /// Drops the motion commanded by the handwheel that the axes have not made yet; they
     /// decelerate.
     pub(crate) fn drop_wheel(&mut self) {
+        self.drop_retrace_turns();
         if self.run.mode.motion_mode() != OperatingMode::Handwheel {
             return;
         }

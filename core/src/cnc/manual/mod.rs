@@ -17,6 +17,7 @@ impl Cnc {
     /// Advances manual motion by one tick, from the axis keys and the handwheel.
     pub(crate) fn advance_manual_motion(&mut self, inputs: &MachineInputs) {
         let counts = self.hand.wheel.count_tick(inputs.handwheel);
+        self.follow_retrace_wheel(counts);
         // A key held since before a mode change must be released first.
         let plus = self.plc.signals.jog_plus;
         let minus = self.plc.signals.jog_minus;

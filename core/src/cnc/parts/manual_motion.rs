@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::motion::JogRate;
+use crate::motion::{JogRate, Retrace};
 use crate::operation::WheelCounter;
 use crate::units::PerAxis;
 
@@ -18,4 +18,7 @@ pub(crate) struct ManualMotion {
     pub axis_keys: PerAxis<bool>,
     /// Counts the graduations of the handwheel.
     pub wheel: WheelCounter,
+    /// The path that the handwheel retraces in a held run; `None` while this is switched off.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub retrace: Option<Retrace>,
 }

@@ -48,6 +48,9 @@ impl Cnc {
         };
         let permission = match request {
             ControlRequest::Restart(restart) => return self.restart_refusal(restart),
+            ControlRequest::SetRetrace(false) if self.is_off_hold() => {
+                return Some(say::retrace_return_first());
+            }
             ControlRequest::ZeroRelative(_)
             | ControlRequest::ClearParts
             | ControlRequest::ClearCuttingTime => check_running(self.is_moving()),

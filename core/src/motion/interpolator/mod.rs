@@ -68,6 +68,9 @@ pub struct Interpolator {
     stopping: bool,
     #[serde(rename = "dry")]
     is_dry_run: bool,
+    /// Whether the last tick was guided along a given path.
+    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+    is_guided: bool,
 }
 
 impl Interpolator {
@@ -83,6 +86,7 @@ impl Interpolator {
             handover: None,
             stopping: false,
             is_dry_run: false,
+            is_guided: false,
         }
     }
 
@@ -121,7 +125,7 @@ impl Interpolator {
             ProgrammedMotion::Tap(tap) => tap.is_moving(),
             ProgrammedMotion::ExternalCut(cut) => cut.is_moving(),
         };
-        programmed || self.manual.x.is_moving() || self.manual.z.is_moving()
+        programmed || self.is_guided || self.manual.x.is_moving() || self.manual.z.is_moving()
     }
 
     /// Whether no programmed motion is being executed (manual motion does not count).

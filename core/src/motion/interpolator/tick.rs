@@ -11,6 +11,7 @@ use crate::units::{Axis, Feed, Point, TICK_S};
 impl Interpolator {
     /// Advances by one tick (1 ms) and returns the new position of the tool, mm.
     pub fn tick(&mut self, limits: &MotionLimits, inputs: &MotionInputs) -> Point {
+        self.is_guided = false;
         self.tick_start = self.position;
         let time = TICK_S + core::mem::take(&mut self.leftover_s);
         if self.is_finished() {
@@ -27,6 +28,14 @@ impl Interpolator {
             self.advance_programmed(limits, inputs, time);
         }
         self.position
+    }
+
+    /// Advances by one tick to a position on a path that is planned elsewhere, mm. No other
+    /// motion may be under way.
+    pub(crate) fn guide(&mut self, to: Point) {
+        self.tick_start = core::mem::replace(&mut self.position, to);
+        self.leftover_s = 0.0;
+        self.is_guided = self.position != self.tick_start;
     }
 
     /// Continues the tick with the block that was started after the last one had ended, in the time

@@ -10,7 +10,7 @@ use gsk_runner::machining::Machining;
 use gsk_runner::machining::guess::practice_job;
 use gsk_workpiece::job::{DiameterPoint, Job};
 
-use super::PartView;
+use super::{PartView, active_tool};
 
 /// Chuck and tools of a lathe without a part.
 #[derive(Debug)]
@@ -47,9 +47,12 @@ impl EmptyChuck {
 
     /// The lathe with its tool where the slides are.
     pub(super) fn view(&self, emulator: &Emulator) -> PartView {
+        let (cnc, tool) = (emulator.cnc(), active_tool(emulator));
+        let mounting = self.machining.mounting();
+        let tip = mounting.tip_in_part(tool, cnc.position_machine(), &cnc.frame());
         PartView {
             empty_chuck: Some(self.far_tip),
-            ..PartView::of_lathe(emulator, &self.job, self.machining.mounting())
+            ..PartView::of_lathe(emulator, &self.job, tip)
         }
     }
 }

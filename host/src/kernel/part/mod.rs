@@ -16,7 +16,7 @@ use gsk_history::machine_part::{CRASH_FAULTS, MachinePart, NamedJob, PartInput};
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
 use gsk_runner::machining::live_part::{ThreadZone, running_block};
-use gsk_runner::machining::{CollisionFinding, CutFault, Mounting};
+use gsk_runner::machining::{CollisionFinding, CutFault};
 use gsk_workpiece::collision::Collision;
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
@@ -68,19 +68,18 @@ pub struct PartView {
 }
 
 impl PartView {
-    /// The state of the lathe around an empty chuck.
-    fn of_lathe(emulator: &Emulator, job: &Arc<Job>, mounting: &Mounting) -> Self {
+    /// The state of the lathe around an empty chuck, with the tip of the tool at `tip`.
+    fn of_lathe(emulator: &Emulator, job: &Arc<Job>, tip: Point) -> Self {
         let simulation = emulator.simulation();
-        let (cnc, lathe) = (&simulation.cnc, &simulation.lathe);
-        let tool = lathe.station().unwrap_or(cnc.tool().0);
+        let lathe = &simulation.lathe;
         Self {
             job: Arc::clone(job),
             job_name: None,
             empty_chuck: None,
             section: Arc::default(),
             threads: Arc::default(),
-            tool,
-            tip: mounting.tip_in_part(tool, cnc.position_machine(), &cnc.frame()),
+            tool: active_tool(emulator),
+            tip,
             spindle_rpm: lathe.spindle_rpm(),
             coolant: lathe.is_coolant_on(),
             clamped: lathe.is_chuck_clamped(),
@@ -94,6 +93,13 @@ impl PartView {
             block: running_block(simulation),
         }
     }
+}
+
+/// Number of the tool in the working position, 0 = none.
+fn active_tool(emulator: &Emulator) -> u8 {
+    let simulation = emulator.simulation();
+    let station = simulation.lathe.station();
+    station.unwrap_or(simulation.cnc.tool().0)
 }
 
 /// Clears the faults that a collision has set. Faults of another kind remain.
@@ -346,8 +352,7 @@ impl KernelPart {
 
     /// Whether the tool in the working position works in a bore.
     pub(super) fn is_tool_internal(&self, emulator: &Emulator) -> bool {
-        let simulation = emulator.simulation();
-        let tool = (simulation.lathe.station()).unwrap_or(simulation.cnc.tool().0);
+        let tool = active_tool(emulator);
         let machining = self.state.machining();
         let tool = machining.and_then(|machining| machining.job().tools.get(&tool));
         tool.is_some_and(Tool::is_internal)
@@ -388,6 +393,9 @@ impl KernelPart {
         if *self.threads != live.threads() {
             self.threads = Arc::new(live.threads().to_vec());
         }
+        let (cnc, tool) = (emulator.cnc(), active_tool(emulator));
+        let frame = live.part_frame(tool, cnc);
+        let tip = (machining.mounting()).tip_in_part(tool, cnc.position_machine(), &frame);
         Some(PartView {
             job_name: self.state.job_name().cloned(),
             section: Arc::clone(&self.section),
@@ -395,7 +403,7 @@ impl KernelPart {
             chuck_open: self.state.has_gripped() && !emulator.lathe().is_chuck_clamped(),
             findings: machining.findings().to_vec(),
             crash: self.stopping_crash(emulator.lathe()),
-            ..PartView::of_lathe(emulator, self.state.job(), machining.mounting())
+            ..PartView::of_lathe(emulator, self.state.job(), tip)
         })
     }
 }

@@ -266,7 +266,7 @@ impl Kernel {
             Some(is_shown) => is_shown,
             None => self.part.publish(&self.emulator),
         };
-        let is_handwheel_run = self.handwheel_run.is_on();
+        let is_handwheel_run = self.is_handwheel_run();
         self.timeline.publish(can_continue, is_handwheel_run) || part_shown
     }
 

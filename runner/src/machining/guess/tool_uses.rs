@@ -221,7 +221,7 @@ impl ToolUse {
             if step.threads {
                 self.add_thread(from, to);
             } else {
-                self.add_cut(from, displacement, next);
+                self.add_cut(from, displacement, next, front);
             }
             if displacement.z.abs() > ZERO_LENGTH_MM
                 && let Some(next) = next
@@ -244,7 +244,7 @@ impl ToolUse {
         self.crests = Some((low.min(x), high.max(x)));
     }
 
-    fn add_cut(&mut self, from: Point, displacement: Point, next: Option<Point>) {
+    fn add_cut(&mut self, from: Point, displacement: Point, next: Option<Point>, front: f64) {
         let back = |along: f64, across: f64, axis: f64| {
             let straight = across.abs() <= ZERO_LENGTH_MM && along * axis < 0.0;
             usize::from(!straight)
@@ -260,7 +260,8 @@ impl ToolUse {
                 self.positions.push(from.z);
                 self.retractions[usize::from(next_displacement.x > 0.0)] += 1;
             }
-            if next_displacement.z.abs() > ZERO_LENGTH_MM {
+            // In front of the bar the feed is an infeed: the pass along the bar follows it.
+            if next_displacement.z.abs() > ZERO_LENGTH_MM && from.z <= front {
                 self.cross_retractions[usize::from(next_displacement.z > 0.0)] += 1;
             }
             return;

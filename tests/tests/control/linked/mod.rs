@@ -16,6 +16,7 @@ mod path;
 mod programs;
 mod reference;
 mod restart;
+mod retrace;
 mod states;
 mod stop_position;
 mod stops;

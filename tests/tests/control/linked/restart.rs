@@ -4,9 +4,17 @@
 use gsk_core::cnc::ControlRequest;
 use gsk_core::command::ProgramId;
 use gsk_core::operation::RunState;
+use gsk_core::program::Program;
+use gsk_core::setup::Setup;
+use gsk_core::simulation::Simulation;
+use gsk_core::units::Point;
 use gsk_messages::{Message, say};
+use gsk_runner::machining::Machining;
+use gsk_runner::machining::guess::guess_program_job;
+use gsk_runner::machining::live_part::LivePart;
 use gsk_runner::restart::{LineWatcher, RestartPlan, RestartWords, find_block, plan_restart};
 use gsk_twins::grbl::Variant;
+use gsk_workpiece::job::DiameterPoint;
 
 use super::{GROOVE, LINES, PIN, SHAFT, SHORT, assert_counts_agree};
 use crate::bench::board::{BenchBoard, LinkedMachine};
@@ -14,11 +22,18 @@ use crate::bench::keys::{CYCLE_START, RESET};
 
 /// Plans the restart at a line of the opened program.
 fn plan<T: BenchBoard>(machine: &LinkedMachine<T>, line: u32) -> Result<RestartPlan, Message> {
-    let now = &machine.simulation;
+    plan_with_part(&machine.simulation, line, None)
+}
+
+fn plan_with_part(
+    now: &Simulation,
+    line: u32,
+    part: Option<&LivePart>,
+) -> Result<RestartPlan, Message> {
     let program = now.cnc.programs().get(ProgramId::External).unwrap();
     let mut watcher = LineWatcher::new(ProgramId::External, program, line);
     let target = find_block(now, None, &mut watcher, None)?;
-    plan_restart(now, None, &target, &RestartWords::default())
+    plan_restart(now, part, &target, &RestartWords::default())
 }
 
 fn wait_for_standstill<T: BenchBoard>(machine: &mut LinkedMachine<T>) {
@@ -124,4 +139,30 @@ fn a_plan_expires_when_the_slides_move() {
     let request = ControlRequest::Restart(plan.restart);
     let refusal = machine.simulation.cnc.request_refusal(&request);
     assert_eq!(refusal, Some(say::restart_state_changed()));
+}
+
+/// The guessed part is where the program will place it by G50, which has not run yet.
+#[test]
+fn a_restart_before_the_first_g50_is_checked_where_the_program_has_the_part() {
+    const TURNED: &str = "O0007\nG50 X100 Z100\nG97 G98 S800 M03\nT0101 M08\nG00 X52 Z2\n\
+                          G01 X40 F120\nZ-10\nM30\n";
+    let mut machine = LinkedMachine::referenced(Variant::Grbl);
+    machine.load(TURNED, None);
+    machine.run_ms(100);
+    let now = &machine.simulation;
+    assert_eq!(now.cnc.program_zero(), None, "no G50 has run");
+    let mut setup = Setup::delivered();
+    let programs = &mut setup.memory.programs;
+    programs.open_external(Program::new(TURNED));
+    programs.select(ProgramId::External);
+    let mut job = guess_program_job(&setup, &mut |_| true).expect("a job");
+    let part = LivePart::new(Machining::new(job.clone()));
+    let planned = plan_with_part(now, 7, Some(&part));
+    assert!(planned.is_ok(), "{}", planned.unwrap_err());
+    // The job has its part where the way leads through.
+    let start = now.cnc.position_machine() + Point::new(-20.0, -40.0);
+    job.zero = Some(DiameterPoint::from(start));
+    let part = LivePart::new(Machining::new(job));
+    let refusal = plan_with_part(now, 7, Some(&part)).unwrap_err();
+    assert_eq!(refusal, say::restart_approach_collision());
 }
