@@ -85,7 +85,7 @@ mod tests {
     #[test]
     fn a_row_has_a_text_in_each_language() {
         let id = say::program_exists(12).id();
-        assert_eq!(template(id, Language::En), "O{program:04} exists");
+        assert_eq!(template(id, Language::En), "program {program:04} exists");
         assert_eq!(template(id, Language::Zh), "程序 {program} 已存在");
     }
 }

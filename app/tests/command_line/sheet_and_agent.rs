@@ -43,13 +43,23 @@ fn a_sheet_is_written_beside_its_program() {
 fn a_sheet_prints_the_subprograms_in_the_order_of_their_calls() {
     let program = TempFile::new(
         "calls.CNC",
-        b"O0048;\nM98 P7002;\nM98 P27001;\nM98 P7002;\nM30;\n",
+        b"O0048;\nG50 X100 Z50;\nM03 S800;\nT0101;\nG00 X40 Z2;\nM98 P7002;\nM98 P27001;\n\
+          M98 P7002;\nG00 X100 Z50;\nM30;\n",
     );
     let folder = Path::new(program.path()).parent().unwrap();
     for (name, text) in [
-        ("O7001.CNC", "O7001;\nG04 X0.1 (FIRST);\nM99;\n"),
-        ("O7002.CNC", "O7002;\nG04 X0.2 (SECOND);\nM99;\n"),
-        ("O7003.CNC", "O7003;\nG04 X0.3 (NEVER);\nM99;\n"),
+        (
+            "O7001.CNC",
+            "O7001;\nG98 G01 Z-10 F100 (FIRST);\nG00 Z2;\nM99;\n",
+        ),
+        (
+            "O7002.CNC",
+            "O7002;\nG98 G01 Z-20 F100 (SECOND);\nG00 Z2;\nM99;\n",
+        ),
+        (
+            "O7003.CNC",
+            "O7003;\nG98 G01 Z-30 F100 (NEVER);\nG00 Z2;\nM99;\n",
+        ),
     ] {
         std::fs::write(folder.join(name), text).unwrap();
     }

@@ -110,6 +110,10 @@ impl Cnc {
 
     /// Records the position after a tick of the run.
     pub(in crate::cnc) fn record_made_path(&mut self) {
+        // Each tick of every lathe comes here, and most record nothing.
+        if self.hand.retrace.is_none() {
+            return;
+        }
         let here = self.position();
         let automatic = &self.run.automatic;
         let is_run = automatic.is_started
