@@ -1,6 +1,6 @@
 //! Writes the glyphs that the program can show, from GNU Unifont. Rare Chinese characters (CJK
-//! extension A) and scripts that no lathe is programmed in are left out; in the browser page,
-//! which is loaded, also Korean and the Chinese characters outside GB 2312 (decision WINDOW-13).
+//! extension A), Korean and scripts that no lathe is programmed in are left out; in the browser page,
+//! which is loaded, also the Chinese characters outside GB 2312 (decision WINDOW-13).
 //! The crate's own table is then unused and not linked.
 
 use std::fmt::Write as _;
@@ -10,14 +10,9 @@ use std::{env, fs};
 use encoding_rs::GBK;
 use unifont::Glyph;
 
-/// First and last character of each range: letters, signs and kana; Chinese; Korean;
+/// First and last character of each range: letters, signs and kana; Chinese;
 /// compatibility and full-width forms.
-const KEPT: [(u32, u32); 4] = [
-    (0x0000, 0x33ff),
-    (0x4e00, 0x9fff),
-    (0xac00, 0xd7af),
-    (0xf900, 0xffff),
-];
+const KEPT: [(u32, u32); 3] = [(0x0000, 0x33ff), (0x4e00, 0x9fff), (0xf900, 0xffff)];
 /// The ranges that the page has in full.
 const KEPT_IN_PAGE: [(u32, u32); 2] = [(0x0000, 0x33ff), (0xff00, 0xffef)];
 
