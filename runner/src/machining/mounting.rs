@@ -19,7 +19,8 @@ pub struct Mounting {
 }
 
 impl Mounting {
-    pub(super) fn from_job(job: &Job) -> Self {
+    /// The mounting that a job describes, before a program has cut.
+    pub fn from_job(job: &Job) -> Self {
         Self {
             zero: job.zero.map(DiameterPoint::point),
             lengths: job

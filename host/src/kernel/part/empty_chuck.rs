@@ -6,7 +6,7 @@ use std::sync::Arc;
 use gsk_core::machine::LatheConfig;
 use gsk_core::units::{Axis, Diameter, Point};
 use gsk_panel::emulator::Emulator;
-use gsk_runner::machining::Machining;
+use gsk_runner::machining::Mounting;
 use gsk_runner::machining::guess::practice_job;
 use gsk_workpiece::job::{DiameterPoint, Job};
 
@@ -16,7 +16,7 @@ use super::{PartView, active_tool};
 #[derive(Debug)]
 pub(super) struct EmptyChuck {
     job: Arc<Job>,
-    machining: Machining,
+    mounting: Mounting,
     /// The tip at the positive ends of the slides, part coordinates, mm.
     far_tip: Point,
 }
@@ -39,7 +39,7 @@ impl EmptyChuck {
         });
         job.lengths.clear();
         Self {
-            machining: Machining::new(job.clone()),
+            mounting: Mounting::from_job(&job),
             job: Arc::new(job),
             far_tip: Point::new((x.plus - x.minus) / 2.0, z.plus - z.minus),
         }
@@ -48,8 +48,8 @@ impl EmptyChuck {
     /// The lathe with its tool where the slides are.
     pub(super) fn view(&self, emulator: &Emulator) -> PartView {
         let (cnc, tool) = (emulator.cnc(), active_tool(emulator));
-        let mounting = self.machining.mounting();
-        let tip = mounting.tip_in_part(tool, cnc.position_machine(), &cnc.frame());
+        let slide = cnc.position_machine();
+        let tip = self.mounting.tip_in_part(tool, slide, &cnc.frame());
         PartView {
             empty_chuck: Some(self.far_tip),
             ..PartView::of_lathe(emulator, &self.job, tip)
