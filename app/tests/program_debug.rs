@@ -162,18 +162,19 @@ fn the_list_of_differences_is_edited_and_checked_again() {
         settings(),
         vec2(1280.0, 806.0),
     ));
+    wait_for_guessed_part(&mut bench);
     open_dialog(&mut bench);
     assert!(is_shown(&bench, "coolant: M09, at the block M08"));
-    click(&mut bench, "Leave out, keep M09");
+    click_in_list(&mut bench, "Leave out, keep M09");
     wait_for(&mut bench, "(changed; the program has M08)");
-    click(&mut bench, "Change S800…");
+    click_in_list(&mut bench, "Change S800…");
     focus_field(&mut bench, "S800");
     bench
         .harness
         .key_press_modifiers(Modifiers::COMMAND, Key::A);
     bench.run(1);
     type_in_field(&mut bench, "S800", "S500");
-    click(&mut bench, "Check");
+    click_in_list(&mut bench, "Check");
     wait_for(&mut bench, "(changed; the program has 800)");
     assert!(is_shown(&bench, "Output G97 S500"));
     click(&mut bench, "Take over the values");
