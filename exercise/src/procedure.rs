@@ -7,6 +7,7 @@ use gsk_core::cnc::Event;
 use gsk_core::command::ProgramId;
 use gsk_core::machine::LatheFault;
 use gsk_core::memory::{OFFSET_ROWS, ToolOffset};
+use gsk_core::model::ProgramNaming;
 use gsk_core::operation::{OperatingMode, RunState};
 use gsk_history::moment::{HistoryInput, MachineMoment};
 use gsk_messages::{Message, say};
@@ -76,13 +77,16 @@ impl ProcedureLog {
 
     /// Returns the current time and block as evidence for a verdict.
     pub fn evidence(&self, moment: &MachineMoment) -> MarkEvidence {
-        let block = running_block(moment.emulator.simulation());
+        let simulation = moment.emulator.simulation();
+        let naming = simulation.cnc.model().record().program_naming();
+        let block = running_block(simulation);
         MarkEvidence {
             tick: Some(moment.ticks().saturating_sub(self.start_tick)),
             block: block.map(|block| {
+                let name = program_name(block.program, naming);
                 let sequence = block.sequence.map(u32::from);
                 let sequence = sequence.map_or_else(String::new, |n| format!(" N{n}"));
-                format!("{}:{}{sequence}", program_name(block.program), block.line)
+                format!("{}:{}{sequence}", name, block.line)
             }),
             measured: None,
             found: None,
@@ -205,9 +209,9 @@ pub fn alarm_message(alarm: &Alarm) -> Message {
     say::subject_reason(alarm.number_text(), alarm.reason())
 }
 
-fn program_name(program: ProgramId) -> String {
+fn program_name(program: ProgramId, naming: ProgramNaming) -> String {
     match program {
-        ProgramId::Stored(number) => format!("O{number:04}"),
+        ProgramId::Stored(number) => naming.name(number),
         ProgramId::External => "CNC".to_owned(),
         ProgramId::Mdi => "MDI".to_owned(),
         ProgramId::Dnc => "DNC".to_owned(),

@@ -231,6 +231,7 @@ impl CompletionSite<'_> {
             Some((ReferenceTarget::Program(_), _)) => {
                 let here = structure.parts.iter().filter_map(|it| it.number);
                 let mut numbers: BTreeSet<u16> = here.chain(programs.iter().copied()).collect();
+                let naming = self.context.model.record().program_naming();
                 let own = structure.parts.get(part).and_then(|it| it.number);
                 numbers.retain(|number| Some(*number) != own);
                 for number in numbers {
@@ -238,7 +239,7 @@ impl CompletionSite<'_> {
                     self.push(
                         label,
                         CompletionKind::Target,
-                        format!("O{number:04}"),
+                        naming.name(number),
                         String::new(),
                     );
                 }

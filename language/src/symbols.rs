@@ -1,5 +1,7 @@
 //! Lists the outline of a text: programs, tools, referenced blocks, titles.
 
+use gsk_core::model::ModelId;
+
 use crate::structure::Structure;
 use crate::text::{TextDocument, TextRange};
 use crate::words::{SpanKind, spans};
@@ -34,7 +36,8 @@ pub struct Symbol {
 
 /// Returns the outline of a text. Symbols within a program that has an O word are the children
 /// of that program.
-pub fn symbols(text: &TextDocument, structure: &Structure) -> Vec<Symbol> {
+pub fn symbols(text: &TextDocument, structure: &Structure, model: ModelId) -> Vec<Symbol> {
+    let naming = model.record().program_naming();
     let mut all = Vec::new();
     for (index, part) in structure.parts.iter().enumerate() {
         let mut children = child_symbols(text, structure, index);
@@ -52,7 +55,7 @@ pub fn symbols(text: &TextDocument, structure: &Structure) -> Vec<Symbol> {
             .unwrap_or("")
             .trim_start_matches('(');
         all.push(Symbol {
-            name: format!("O{number:04} {}", comment.trim())
+            name: format!("{} {}", naming.name(number), comment.trim())
                 .trim_end()
                 .to_owned(),
             kind: SymbolKind::Program,
@@ -66,8 +69,8 @@ pub fn symbols(text: &TextDocument, structure: &Structure) -> Vec<Symbol> {
 
 /// Returns what a search through many texts finds: programs, and blocks with a number that a
 /// comment names, beside the block or alone on the line above it.
-pub fn named_symbols(text: &TextDocument, structure: &Structure) -> Vec<Symbol> {
-    let mut found: Vec<Symbol> = symbols(text, structure)
+pub fn named_symbols(text: &TextDocument, structure: &Structure, model: ModelId) -> Vec<Symbol> {
+    let mut found: Vec<Symbol> = symbols(text, structure, model)
         .into_iter()
         .filter(|it| it.kind == SymbolKind::Program)
         .map(|it| Symbol {
@@ -155,7 +158,7 @@ mod tests {
             "O0001 (shaft)\n(ROUGHING)\nT0101\nG71 P10 Q20\nN10 G0 X1\nN20 X5\nN30 M98 P2\nM30\n\
              O0002\nM99\n",
         );
-        let symbols = symbols(&text, &Structure::read(&text));
+        let symbols = symbols(&text, &Structure::read(&text), ModelId::Gsk980td);
         let names: Vec<&str> = symbols.iter().map(|it| it.name.as_str()).collect();
         assert_eq!(names, ["O0001 shaft", "O0002"]);
         let children: Vec<&str> = symbols[0]
@@ -171,7 +174,7 @@ mod tests {
         let text = TextDocument::new(
             "O0001 (shaft)\n(ROUGHING)\nN10 T0101\nN20 G00 X5 (near)\nN30 X6\nM30\n",
         );
-        let found = named_symbols(&text, &Structure::read(&text));
+        let found = named_symbols(&text, &Structure::read(&text), ModelId::Gsk980td);
         let names: Vec<&str> = found.iter().map(|it| it.name.as_str()).collect();
         assert_eq!(names, ["O0001 shaft", "N10 ROUGHING", "N20 near"]);
     }

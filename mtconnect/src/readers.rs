@@ -216,7 +216,8 @@ pub(crate) fn execution(from: &MachineSource<'_>) -> AgentValue {
     })
 }
 
-/// Returns the name of a program in a document, such as `O0001`.
+/// Returns the name of a program in a document as the control model writes it, such as
+/// `O0001`.
 pub fn program_name(cnc: &Cnc, id: ProgramId) -> String {
     let number = match id {
         ProgramId::Stored(number) => Some(number),
@@ -226,7 +227,7 @@ pub fn program_name(cnc: &Cnc, id: ProgramId) -> String {
         ProgramId::Mdi => return "MDI".to_owned(),
     };
     match (number, id) {
-        (Some(number), _) => format!("O{number:04}"),
+        (Some(number), _) => cnc.model().record().program_naming().name(number),
         (None, ProgramId::Dnc) => "DNC".to_owned(),
         (None, _) => "EXTERNAL".to_owned(),
     }

@@ -258,6 +258,7 @@ impl ProgramRun<'_> {
             _ => (Point::default(), *cnc.modal()),
         };
         ProgramReport {
+            naming: cnc.model().record().program_naming(),
             file: name.to_owned(),
             end: end.to_run_end(),
             alarm,

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 use gsk_core::json_line::JsonLine;
+use gsk_core::model::ProgramNaming;
 use gsk_core::program::ProgramMemory;
 use gsk_core::units::Feed;
 use gsk_messages::Language;
@@ -48,6 +49,7 @@ fn build_report(
     let alarm_report = |alarm| AlarmReport::new(alarm, programs, language);
     let modal = &preview.modal;
     ProgramReport {
+        naming: ProgramNaming::Letter,
         file: name.to_owned(),
         end: preview.end.into(),
         alarm: preview.alarm.as_ref().map(alarm_report),

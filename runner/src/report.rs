@@ -20,6 +20,7 @@ use gsk_core::alarm::{Alarm, AlarmClass};
 use gsk_core::command::ProgramId;
 use gsk_core::interpreter::ModalState;
 use gsk_core::memory::ControlParameters;
+use gsk_core::model::ProgramNaming;
 use gsk_core::preview::{Caution, Lint};
 use gsk_core::program::ProgramMemory;
 use gsk_core::units::Point;
@@ -62,6 +63,9 @@ pub struct AlarmReport {
     /// The program that contains the block; `None` without a block. Not part of the JSON.
     #[serde(skip)]
     pub program: Option<ProgramId>,
+    /// How the control model names programs. Not part of the JSON.
+    #[serde(skip)]
+    pub naming: ProgramNaming,
     /// The text of the block that raised the alarm; `None` without a block.
     pub block: Option<String>,
     /// Text that names the cause of the alarm more precisely; `None` without one.
@@ -186,6 +190,9 @@ impl FinalPositions {
 /// The result of the commands `run` and `check`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ProgramReport {
+    /// How the control model names programs. Not part of the JSON.
+    #[serde(skip)]
+    pub naming: ProgramNaming,
     /// Name of the program file.
     pub file: String,
     /// The reason for which the program ended.
@@ -333,6 +340,7 @@ impl AlarmReport {
                 .source
                 .and_then(|source| source.sequence.map(u32::from)),
             program: alarm.source.map(|source| source.program),
+            naming: alarm.naming,
             block,
             detail: (alarm.further_detail())
                 .map(|detail| detail.text(language.unwrap_or(Language::En))),

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use gsk_core::command::ProgramId;
+use gsk_core::model::ProgramNaming;
 use gsk_core::program::{Program, ProgramMemory, split_programs};
 use gsk_debugger::source_files::{ProgramSource, ProgramSources};
 use gsk_host::files::{program_file, subprograms};
@@ -53,10 +54,10 @@ fn read_numbers(path: &Path) -> Vec<u16> {
     numbers.filter_map(|number| number.or(in_name)).collect()
 }
 
-/// The name of a program for people: its O number, or its file.
-pub fn program_name(program: ProgramId, sources: &ProgramSources) -> String {
+/// The name of a program for people: as the control model writes it, or its file.
+pub fn program_name(program: ProgramId, naming: ProgramNaming, sources: &ProgramSources) -> String {
     match program {
-        ProgramId::Stored(number) => format!("O{number:04}"),
+        ProgramId::Stored(number) => naming.name(number),
         ProgramId::Mdi => "MDI".to_owned(),
         ProgramId::Dnc => "DNC".to_owned(),
         ProgramId::External => {

@@ -26,6 +26,8 @@ impl Cnc {
         let referenced = PerAxis::new(setup.is_referenced(Axis::X), setup.is_referenced(Axis::Z));
         let mut memory = setup.memory;
         memory.power_on();
+        let capacity = memory.model.record().capacity;
+        memory.programs.set_capacity(capacity);
         let parameters = &memory.parameters;
         let mut plc = Plc::new(setup.ladder.compiled());
         if let Some(retained) = &setup.plc_retained {

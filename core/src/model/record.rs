@@ -11,6 +11,7 @@ use super::conventions::Conventions;
 use super::program_calls::CallRange;
 use super::program_naming::ProgramNaming;
 use super::{GCode, MCode, ModelId};
+use crate::program::ProgramCapacity;
 
 /// Number of possible G codes: they have two digits.
 const G_CODES: usize = 100;
@@ -24,6 +25,9 @@ pub struct ModelRecord {
     /// An example of a program name, such as `O0001`.
     #[serde(default = "four_digits")]
     pub program_name: String,
+    /// What the program memory of the model holds.
+    #[serde(default)]
+    pub(crate) capacity: ProgramCapacity,
     /// The letter before the numbers of the model's alarms; `None` without a letter.
     #[serde(default)]
     pub alarm_letter: Option<char>,

@@ -12,11 +12,31 @@ use crate::alarm::{Alarm, number};
 use crate::command::ProgramId;
 use crate::model::ProgramNaming;
 
-/// Greatest number of stored programs; one more raises alarm 072 (manual III-8.2).
-pub(crate) const PROGRAM_LIMIT: usize = 193;
+/// What the program memory of a control model holds. As the default that of the GSK980TD
+/// (manual III-8.2).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ProgramCapacity {
+    /// Greatest number of stored programs; one more raises alarm 072.
+    pub programs: usize,
+    /// Greatest number of characters of all programs together; more raise alarm 068.
+    pub characters: usize,
+}
 
-/// Greatest number of stored characters of all programs together; more raise alarm 068.
-pub(crate) const CHARACTER_LIMIT: usize = 3_000_000;
+impl Default for ProgramCapacity {
+    fn default() -> Self {
+        Self {
+            programs: 193,
+            characters: 3_000_000,
+        }
+    }
+}
+
+impl ProgramCapacity {
+    /// Whether states need not store it: it is that of the GSK980TD.
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
 
 /// The numbers that a program can have.
 pub const PROGRAM_NUMBERS: RangeInclusive<u16> = 0..=9999;
@@ -31,6 +51,8 @@ pub struct ProgramMemory {
     #[serde(rename = "inflow")]
     dnc_buffer: Option<DncBuffer>,
     current: Option<ProgramId>,
+    #[serde(default, skip_serializing_if = "ProgramCapacity::is_default")]
+    capacity: ProgramCapacity,
 }
 
 impl ProgramMemory {
@@ -128,7 +150,13 @@ impl ProgramMemory {
             external: None,
             dnc_buffer: None,
             current: self.current.filter(is_stored),
+            capacity: self.capacity,
         }
+    }
+
+    /// Limits what is stored from now on. Programs beyond it, from an earlier version, remain.
+    pub(crate) const fn set_capacity(&mut self, capacity: ProgramCapacity) {
+        self.capacity = capacity;
     }
 
     /// Stores an unfinished text while it is being typed, without checks and capacity limits.
@@ -269,7 +297,7 @@ impl ProgramMemory {
 
     /// Number of programs that can still be stored.
     pub fn free_count(&self) -> usize {
-        PROGRAM_LIMIT.saturating_sub(self.count())
+        self.capacity.programs.saturating_sub(self.count())
     }
 
     /// Number of characters of all stored programs together.
@@ -279,7 +307,7 @@ impl ProgramMemory {
 
     /// Number of characters that can still be stored.
     pub fn free_characters(&self) -> usize {
-        CHARACTER_LIMIT.saturating_sub(self.characters())
+        self.capacity.characters.saturating_sub(self.characters())
     }
 
     fn insert_checked(&mut self, number: u16, program: Program) -> Result<(), Alarm> {
@@ -288,9 +316,9 @@ impl ProgramMemory {
                 .with_detail(say::program_number_out_of_range(number)));
         }
         let replaced = self.stored.get(&number);
-        if replaced.is_none() && self.count() >= PROGRAM_LIMIT {
+        if replaced.is_none() && self.count() >= self.capacity.programs {
             return Err(Alarm::new(number::TOO_MANY_PROGRAMS)
-                .with_detail(say::program_places_used(PROGRAM_LIMIT)));
+                .with_detail(say::program_places_used(self.capacity.programs)));
         }
         let free = self.free_characters() + replaced.map_or(0, Program::characters);
         if program.characters() > free {

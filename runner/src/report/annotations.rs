@@ -4,6 +4,7 @@
 use core::fmt::Write as _;
 
 use gsk_core::command::ProgramId;
+use gsk_core::model::ProgramNaming;
 use gsk_core::preview::Lint;
 use gsk_messages::Language;
 use serde_json::{Value, json};
@@ -86,7 +87,11 @@ pub fn collect_annotations(report: &ProgramReport, language: Option<Language>) -
     let collisions = report.part.iter().flat_map(|part| &part.collisions);
     all.extend(collisions.map(|it| {
         let line = line_in_file(it.program, it.line);
-        let text = with_program(it.program, message_text(&it.message(), language));
+        let text = with_program(
+            report.naming,
+            it.program,
+            message_text(&it.message(), language),
+        );
         annotation(AnnotationLevel::Error, "collision", line, text)
     }));
     // The alarm explains why it ended. Without an alarm no block is the cause.
@@ -103,7 +108,7 @@ pub fn collect_annotations(report: &ProgramReport, language: Option<Language>) -
         let line = line_in_file(Some(it.program), Some(it.line));
         let text = match line {
             Some(_) => it.text.clone(),
-            None => with_program(Some(it.program), it.sentence.clone()),
+            None => with_program(report.naming, Some(it.program), it.sentence.clone()),
         };
         let columns = it.columns.map(|(first, last)| (first, Some(last)));
         let level = match it.is_denied {
@@ -124,10 +129,10 @@ const fn line_in_file(program: Option<ProgramId>, line: Option<u32>) -> Option<u
     }
 }
 
-/// Puts the number of the program before a sentence if its line is in a subprogram.
-fn with_program(program: Option<ProgramId>, sentence: String) -> String {
+/// Puts the name of the program before a sentence if its line is in a subprogram.
+fn with_program(naming: ProgramNaming, program: Option<ProgramId>, sentence: String) -> String {
     match program {
-        Some(ProgramId::Stored(number)) => format!("O{number:04}, {sentence}"),
+        Some(ProgramId::Stored(number)) => format!("{}, {sentence}", naming.name(number)),
         _ => sentence,
     }
 }

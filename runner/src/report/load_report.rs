@@ -2,6 +2,7 @@
 
 use gsk_core::command::ProgramId;
 use gsk_core::machine::LoadLimits;
+use gsk_core::model::ProgramNaming;
 use gsk_messages::{Language, say};
 use gsk_workpiece::cutting::CuttingMaterial;
 use gsk_workpiece::job::Job;
@@ -125,8 +126,9 @@ impl LoadReport {
         }
     }
 
-    /// Returns the report as lines of text for the user, in the language `words`.
-    pub(super) fn text_lines(&self, words: Language) -> Vec<String> {
+    /// Returns the report as lines of text for the user, in the language `words`, with the
+    /// names of programs as `naming` writes them.
+    pub(super) fn text_lines(&self, words: Language, naming: ProgramNaming) -> Vec<String> {
         let (Some(material), Some(kc11), Some(mc)) = (self.material, self.kc11, self.mc) else {
             return vec![say::report_load_no_material().text(words)];
         };
@@ -145,7 +147,7 @@ impl LoadReport {
         let least = self.least_listed_force();
         let listed = self.blocks.iter().filter(|block| block.force_n >= least);
         let before = lines.len();
-        lines.extend(listed.map(|block| block.text_line(words)));
+        lines.extend(listed.map(|block| block.text_line(words, naming)));
         let omitted = self.blocks.len() - (lines.len() - before);
         if omitted > 0 {
             lines.push(say::report_load_more(omitted).text(words));
@@ -162,10 +164,10 @@ impl LoadReport {
 }
 
 impl BlockLoadReport {
-    fn text_line(&self, words: Language) -> String {
+    fn text_line(&self, words: Language, naming: ProgramNaming) -> String {
         let program = self
             .program
-            .map_or(String::new(), |it| format!("O{it:04}, "));
+            .map_or(String::new(), |it| naming.name(it) + ", ");
         let line = say::report_load_block(
             self.line,
             format_args!("{:02}", self.tool),

@@ -43,6 +43,7 @@ fn build_report(
 ) -> ProgramReport {
     let alarm_report = |alarm| AlarmReport::new(alarm, &setup.memory.programs, language);
     ProgramReport {
+        naming: setup.memory.model.record().program_naming(),
         file: name.to_owned(),
         end: preview.end.into(),
         alarm: preview.alarm.as_ref().map(alarm_report),

@@ -15,7 +15,7 @@ impl AlarmReport {
         let mut out = format!("{} {}", self.shown, self.text);
         // A block of a subprogram is in a separate program.
         if let Some(ProgramId::Stored(number)) = self.program {
-            out.push_str(&format!(", O{number:04}"));
+            out.push_str(&format!(", {}", self.naming.name(number)));
         }
         if let Some(line) = self.line {
             out.push_str(&say::report_line(line).text(words));
@@ -70,7 +70,7 @@ impl ProgramReport {
             lines.extend(part.text_lines(words));
         }
         if let Some(load) = &self.load {
-            lines.extend(load.text_lines(words));
+            lines.extend(load.text_lines(words, self.naming));
         }
         let modal = self.modal.join(" ");
         let at_end = match &self.position.abs {

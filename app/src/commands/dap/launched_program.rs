@@ -60,6 +60,8 @@ impl LaunchedProgram {
     /// Returns the body of the response to `stackTrace`.
     pub fn stack_trace(&self, args: &InquiryArguments, first_line: i64) -> Value {
         let run = self.session.run();
+        let model = run.simulation().cnc.model();
+        let naming = model.record().program_naming();
         let mut frames = run.calls().frames();
         if let (Some(block), Some(frame)) = (self.session.stop_block(), frames.first_mut())
             && frame.program == block.program
@@ -70,7 +72,7 @@ impl LaunchedProgram {
             let file = self.sources.file_of(frame.program);
             let mut answer = json!({
                 "id": index + 1,
-                "name": program_name(frame.program, &self.sources),
+                "name": program_name(frame.program, naming, &self.sources),
                 "line": i64::from(frame.line) + first_line - 1,
                 "column": 1,
             });

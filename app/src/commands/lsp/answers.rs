@@ -328,7 +328,11 @@ fn on_highlight(desk: &ServerState, params: &TextDocumentPositionParams) -> Requ
 
 fn on_symbols(desk: &ServerState, uri: &Uri) -> RequestAnswer {
     let document = find_document(desk, uri)?;
-    let found = symbols(&document.text, document.structure());
+    let found = symbols(
+        &document.text,
+        document.structure(),
+        desk.editor.reading.model,
+    );
     let encoding = desk.editor.encoding;
     let all = found
         .into_iter()

@@ -51,12 +51,13 @@ pub fn to_diagnostic(
     editor: &EditorCapabilities,
 ) -> Diagnostic {
     let (encoding, language) = (editor.encoding, editor.reading.language);
+    let naming = editor.reading.model.record().program_naming();
     let fades = editor.tags && WITHOUT_EFFECT.iter().any(|lint| lint.id() == finding.code);
     let (text, structure) = (&*document.text, &**document.structure());
     let mut message = finding.text.clone();
     let (text_range, related) = match (finding.program, &finding.at) {
         (ProgramId::Stored(number), Some(_)) if !is_part_of_text(structure, number) => {
-            message = format!("O{number:04}: {message}");
+            message = format!("{}: {message}", naming.name(number));
             let text_range =
                 find_call(structure, number).unwrap_or_else(|| first_block_line(text, structure));
             let related = related_position(document, number, finding, encoding, language);

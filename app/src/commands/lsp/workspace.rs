@@ -18,11 +18,12 @@ const MAX_SYMBOLS: usize = 500;
 /// open documents and in the files of their folders.
 pub fn on_workspace_symbols(desk: &mut ServerState, query: &str) -> RequestAnswer {
     let encoding = desk.editor.encoding;
+    let model = desk.editor.reading.model;
     let query = query.to_lowercase();
     let mut found = Vec::new();
     let mut paths: BTreeSet<PathBuf> = BTreeSet::new();
     for document in desk.documents.values() {
-        let symbols = named_symbols(&document.text, document.structure());
+        let symbols = named_symbols(&document.text, document.structure(), model);
         add_symbols(&mut found, symbols, &query, |it| {
             to_information(&document.text, document.uri.clone(), it, encoding)
         });
@@ -44,7 +45,7 @@ pub fn on_workspace_symbols(desk: &mut ServerState, query: &str) -> RequestAnswe
             continue;
         };
         let text = TextDocument::new(text);
-        let symbols = named_symbols(&text, &Structure::read(&text));
+        let symbols = named_symbols(&text, &Structure::read(&text), model);
         if let Some(uri) = path_to_uri(path) {
             add_symbols(&mut found, symbols, &query, |it| {
                 to_information(&text, uri.clone(), it, encoding)

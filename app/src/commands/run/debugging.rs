@@ -138,7 +138,8 @@ impl RunDebugger {
         let location = location.map_or_else(String::new, |it| it.text.clone());
         let programs = simulation.cnc.programs();
         let t = time_ms as f64 / 1000.0;
-        let name = |program| program_name(program, &self.sources);
+        let naming = simulation.cnc.model().record().program_naming();
+        let name = |program| program_name(program, naming, &self.sources);
         let text = hit.block.and_then(|block| {
             let program = programs.get(block.program)?;
             Some(program.line(block.line).trim().to_owned())

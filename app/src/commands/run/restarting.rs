@@ -92,8 +92,9 @@ impl RequestedRestart {
         is_result_elsewhere: bool,
     ) -> Result<(), CommandError> {
         let sources = self.sources.clone();
+        let naming = simulation.cnc.model().record().program_naming();
         let (plan, part) = self.plan(simulation, live_part.take())?;
-        for line in plan.lines(|program| program_name(program, &sources)) {
+        for line in plan.lines(|program| program_name(program, naming, &sources)) {
             if is_result_elsewhere {
                 output::report_error(&line);
             } else {
@@ -125,6 +126,7 @@ impl RequestedRestart {
         part: Option<LivePart>,
     ) -> Result<BoardRestart, Message> {
         let sources = self.sources.clone();
+        let naming = simulation.cnc.model().record().program_naming();
         let confirmed_code = self.confirmed_code.clone();
         let (plan, part) = self.plan(simulation, part)?;
         let code = plan.confirmation_code();
@@ -133,7 +135,7 @@ impl RequestedRestart {
             confirmed => confirmed.is_some(),
         };
         Ok(BoardRestart {
-            block_lines: plan.block_lines(|program| program_name(program, &sources)),
+            block_lines: plan.block_lines(|program| program_name(program, naming, &sources)),
             plan,
             part,
             is_confirmed,

@@ -1,9 +1,11 @@
 //! Program memory and MDI block.
 
 use super::super::*;
+use crate::cnc::{Cnc, ControlRequest};
 use crate::command::ProgramId;
 use crate::memory::ControlParameters;
-use crate::model::ProgramNaming;
+use crate::model::{ControlModel, ModelId, ProgramNaming};
+use crate::setup::Setup;
 
 #[test]
 fn programs_are_stored_and_selected() {
@@ -152,4 +154,29 @@ fn a_percent_name_is_a_number_too() {
     for text in ["%\nG00 X1\n", "%P\nG00\n", "%P12345\n", "P55\n"] {
         assert_eq!(Program::new(text).number(), None, "{text:?}");
     }
+}
+
+#[test]
+fn a_model_with_a_small_disk_refuses_the_31st_program() {
+    let mut setup = Setup::default();
+    setup.memory.model = ControlModel::new(ModelId::Hx31);
+    for number in 1..=31 {
+        setup.memory.programs.store(format!("O{number};")).unwrap();
+    }
+    // What an earlier version has stored remains, and can be replaced and deleted.
+    let mut cnc = Cnc::new(setup);
+    assert_eq!(
+        (cnc.programs().count(), cnc.programs().free_count()),
+        (31, 0)
+    );
+    let store = |text: &str| ControlRequest::StoreProgram(text.to_owned());
+    assert_eq!(cnc.request(store("O31;\nM30;")), Ok(()));
+    assert_eq!(cnc.request(store("O40;")).unwrap_err().number, 72);
+    let mut memory = cnc.programs().retained();
+    memory.delete(1).unwrap();
+    assert_eq!(memory.store("O40;").unwrap_err().number, 72);
+    memory.delete(2).unwrap();
+    memory.store("O40;").unwrap();
+    let large = format!("O40;({})", "x".repeat(131_072));
+    assert_eq!(memory.store(large).unwrap_err().number, 68);
 }
