@@ -11,9 +11,9 @@ use crate::line::LineLink;
 use crate::position::Positioned;
 use crate::step_queue::StepLink;
 use crate::{
-    AwaitedInput, BoardInfo, BoardOutputs, HostTime, Input, LinkConfig, LinkEvent, LinkState,
-    MotionRefused, Output, PassError, Pins, Protocol, PulseRates, RunTime, Sample, SpindleView,
-    Stop, ThreadCapability, ThreadPass, ThreadPlan, Traffic, Uncertainty,
+    AwaitedInput, BoardInfo, BoardOutputs, EncoderReading, HostTime, Input, LinkConfig, LinkEvent,
+    LinkState, MotionRefused, Output, PassError, Pins, Protocol, PulseRates, RunTime, Sample,
+    SpindleView, Stop, ThreadCapability, ThreadPass, ThreadPlan, Traffic, Uncertainty,
 };
 use gsk_units::{Axis, PerAxis, Pulses};
 
@@ -382,6 +382,11 @@ pub trait Backend: Positioned + Debug {
     /// the board.
     fn spindle(&mut self, max_correction: Option<f64>) -> Option<SpindleView> {
         let _ = max_correction;
+        None
+    }
+
+    /// The spindle as its encoder at the board reports it; `None` without an encoder.
+    fn encoder(&self) -> Option<EncoderReading> {
         None
     }
 

@@ -179,6 +179,17 @@ pub struct SpindleView {
     pub lost: bool,
 }
 
+/// The spindle as its encoder at the board reports it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EncoderReading {
+    /// Angle after the index, turns, 0 to 1; `None` before the first index.
+    pub angle: Option<f64>,
+    /// Ripple: greatest deviation of the speed from its mean over the last turn, as a fraction of
+    /// the mean. A report every 10 ms does not show a faster ripple. `None` until a turn is
+    /// complete, and at standstill.
+    pub ripple: Option<f64>,
+}
+
 /// Counters of the serial traffic for the link page. A board reads lines or blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {

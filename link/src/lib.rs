@@ -32,8 +32,8 @@ use gsk_units::{Axis, PerAxis, Pulses, alarm};
 
 pub use backend::{Backend, Link};
 pub use board::{
-    BoardInfo, BoardOutputs, MissingForThreads, Pins, PulseRates, SpindleDirection, SpindleView,
-    ThreadCapability, Traffic,
+    BoardInfo, BoardOutputs, EncoderReading, MissingForThreads, Pins, PulseRates, SpindleDirection,
+    SpindleView, ThreadCapability, Traffic,
 };
 pub use config::{FaultyLinkConfig, HomeConfig, LineConfig, LinkConfig, LinkConfigError, Protocol};
 pub use drives::{AxisRates, Drives};

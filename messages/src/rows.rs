@@ -2160,6 +2160,7 @@ message_rows! {
     link_page_deceleration_inputs LinkPageDecelerationInputs();
     link_page_drive_alarm LinkPageDriveAlarm();
     link_page_emergency_stop LinkPageEmergencyStop();
+    link_page_index_not_passed LinkPageIndexNotPassed();
     link_page_input_free LinkPageInputFree();
     link_page_input_operated LinkPageInputOperated();
     link_page_inputs_outputs LinkPageInputsOutputs();
@@ -2213,8 +2214,11 @@ message_rows! {
     link_page_setting_z_pulses LinkPageSettingZPulses();
     link_page_setting_z_rate LinkPageSettingZRate();
     link_page_settings_differ LinkPageSettingsDiffer();
+    link_page_spindle_angle LinkPageSpindleAngle();
     link_page_spindle_coolant LinkPageSpindleCoolant();
     link_page_spindle_index LinkPageSpindleIndex();
+    link_page_spindle_ripple LinkPageSpindleRipple();
+    link_page_spindle_speed LinkPageSpindleSpeed();
     link_page_spindle_stands LinkPageSpindleStands();
     link_page_spindle_turns LinkPageSpindleTurns(rpm: "{:.1}", variation);
     link_page_state_configure LinkPageStateConfigure();

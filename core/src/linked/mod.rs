@@ -37,8 +37,8 @@ use crate::simulation::Simulation;
 use crate::units::{PerAxis, Point, Pulses};
 pub use drives::drives_from_parameters;
 use gsk_link::{
-    BoardInfo, BoardOutputs, FINE, HostTime, Input, Link, LinkConfig, LinkState, MotionRefused,
-    Output, Pins, Protocol, Sample, SpindleDirection, SpindleView, Stop, Traffic,
+    BoardInfo, BoardOutputs, EncoderReading, FINE, HostTime, Input, Link, LinkConfig, LinkState,
+    MotionRefused, Output, Pins, Protocol, Sample, SpindleDirection, SpindleView, Stop, Traffic,
 };
 use gsk_messages::Message;
 use log::LinkLog;
@@ -441,6 +441,11 @@ impl LinkedControl {
     /// received it; `None`: the simulated spindle applies.
     pub const fn spindle(&self) -> Option<SpindleView> {
         self.spindle.view
+    }
+
+    /// The spindle as its encoder at the board reports it; `None` without an encoder.
+    pub fn encoder(&self) -> Option<EncoderReading> {
+        self.link.encoder()
     }
 
     /// Returns the state of the connection to the board.

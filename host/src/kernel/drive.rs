@@ -481,6 +481,7 @@ impl Drive {
             missing_outputs: linked.missing_outputs(),
             outputs: linked.outputs(),
             spindle: linked.spindle(),
+            encoder: linked.encoder(),
             commanded: linked.commanded(),
             counted: linked.counted(),
             differences: if settled {

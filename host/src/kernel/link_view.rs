@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_link::{
-    BoardInfo, BoardOutputs, Input, LinkState, Output, Protocol, SettingDifference, SpindleView,
-    Traffic,
+    BoardInfo, BoardOutputs, EncoderReading, Input, LinkState, Output, Protocol, SettingDifference,
+    SpindleView, Traffic,
 };
 
 use gsk_messages::Message;
@@ -56,6 +56,8 @@ pub struct LinkView {
     pub outputs: Option<BoardOutputs>,
     /// The spindle whose one-turn signal the board reads; `None` if it reads none.
     pub spindle: Option<SpindleView>,
+    /// The spindle as its encoder reports it; `None` without an encoder at the board.
+    pub encoder: Option<EncoderReading>,
     /// Number of pulses that the control has commanded, per axis.
     pub commanded: PerAxis<Pulses>,
     /// Pulses that the board has counted, as last reported, per axis; `None` before the first

@@ -24,7 +24,10 @@ use crate::step_queue::clock_sync::near;
 use crate::step_queue::commands::Command;
 use crate::step_queue::spindle_angle::{EncoderTrack, SpindleCounts};
 use crate::step_queue::step_compress::Ticks;
-use crate::{FINE, LinkState, MotionRefused, Sample, SpindleDirection, SpindleView, ThreadPlan};
+use crate::{
+    EncoderReading, FINE, LinkState, MotionRefused, Sample, SpindleDirection, SpindleView,
+    ThreadPlan,
+};
 use gsk_messages::say;
 use gsk_units::alarm;
 use planned_spindle::{PlannedSpindle, TICKS_PER_S};
@@ -120,6 +123,16 @@ impl StepLink {
         let now = self.clock.at(self.session.now) as Ticks;
         let track = self.angle.track.as_ref();
         track.map_or(0.0, |track| track.speed(now))
+    }
+
+    /// The spindle as its encoder reports it; `None` without an encoder.
+    pub(super) fn encoder_reading(&self) -> Option<EncoderReading> {
+        let track = self.angle.track.as_ref()?;
+        let now = self.clock.at(self.session.now) as Ticks;
+        Some(EncoderReading {
+            angle: track.angle(),
+            ripple: track.ripple(now),
+        })
     }
 
     /// Takes the plan for the kernel's next tick; `None` if its motion does not depend on the
@@ -353,14 +366,14 @@ impl StepLink {
         }
     }
 
-    /// Takes a report of the spindle encoder: object number, clock, count.
-    pub(super) fn encoder_report(&mut self, [_, clock, count, _]: [u32; 4]) {
+    /// Takes a report of the spindle encoder: object number, clock, count, count at the last index.
+    pub(super) fn encoder_report(&mut self, [_, clock, count, index]: [u32; 4]) {
         let clock = near(clock, self.clock.at(self.session.now)) as Ticks;
         let (now, angle) = (self.session.now, &mut self.angle);
         let Some(track) = &mut angle.track else {
             return;
         };
-        track.report(clock, count);
+        track.report(clock, count, index);
         if let (Some(thread), Some(count)) = (&mut angle.stretch, track.count())
             && let Some(started) = thread.started
         {

@@ -12,9 +12,9 @@ use crate::step_queue::send_queue::Ack;
 use crate::step_queue::step_compress::Ticks;
 use crate::step_queue::{block, describe};
 use crate::{
-    AwaitedInput, Backend, BoardInfo, BoardOutputs, HostTime, Input, LinkState, MissingForThreads,
-    MotionRefused, Output, Pins, PulseRates, RunTime, Sample, SpindleView, Stop, ThreadCapability,
-    ThreadPlan, Traffic, Uncertainty,
+    AwaitedInput, Backend, BoardInfo, BoardOutputs, EncoderReading, HostTime, Input, LinkState,
+    MissingForThreads, MotionRefused, Output, Pins, PulseRates, RunTime, Sample, SpindleView, Stop,
+    ThreadCapability, ThreadPlan, Traffic, Uncertainty,
 };
 use gsk_messages::Message;
 use gsk_units::{Axis, PerAxis, Pulses};
@@ -342,6 +342,10 @@ impl Backend for StepLink {
         }
         self.sees_spindle()
             .then(|| self.next_spindle(max_correction))
+    }
+
+    fn encoder(&self) -> Option<EncoderReading> {
+        self.encoder_reading()
     }
 
     fn spindle_reversed(&mut self) {

@@ -297,3 +297,25 @@ fn tapping_is_refused_before_anything_moves() {
     assert!(alarms[0].contains("604"), "{alarms:?}");
     machine.assert_agrees();
 }
+
+/// The figures of the link page come from the encoder: 10 turns/s, three swings of 20 % a turn, of
+/// which the mean over a report of 10 ms shows 17 %.
+#[test]
+fn angle_and_ripple_of_the_spindle_are_reported() {
+    let mut machine = PicoMachine::referenced(&[]);
+    assert_eq!(machine.linked.encoder().and_then(|it| it.ripple), None);
+    machine.twin.set_speed_ripple(20.0, 3.0);
+    machine.start_program("O1\nG97 M03 S600\nG04 X5\nM05\nM30\n");
+    machine.run_ms(4000);
+    for _ in 0..50 {
+        machine.run_ms(13);
+        let reading = machine.linked.encoder().expect("an encoder");
+        let angle = reading.angle.expect("an index has passed");
+        let late = (machine.twin.spindle_turns() - angle).rem_euclid(1.0);
+        assert!(late < 0.25, "{late} turns");
+        let ripple = reading.ripple.expect("a turn is complete");
+        assert!((0.12..0.2).contains(&ripple), "{ripple}");
+    }
+    machine.finish(60_000);
+    assert_eq!(machine.alarms(), [""; 0]);
+}

@@ -5,7 +5,7 @@ use std::time::Duration;
 use egui::{Align, Layout, ProgressBar, RichText, Ui};
 use gsk_core::units::{Axis, Pulses};
 use gsk_host::kernel::link_view::LinkView;
-use gsk_link::{Input, Protocol, SpindleDirection, Traffic};
+use gsk_link::{EncoderReading, Input, Protocol, SpindleDirection, Traffic};
 
 use super::words;
 use crate::theme;
@@ -270,8 +270,13 @@ fn contacts_section(language: Language, view: &LinkView) -> FigureSection {
         },
     );
     rows.push((say::link_page_spindle_coolant().text(language), outputs));
-    let name = say::link_page_spindle_index().text(language);
-    rows.push((name, spindle_index_text(language, view)));
+    match view.encoder.filter(|_| view.is_connected) {
+        Some(encoder) => rows.extend(encoder_rows(language, view, encoder)),
+        None => {
+            let name = say::link_page_spindle_index().text(language);
+            rows.push((name, spindle_index_text(language, view)));
+        }
+    }
     if !view.missing_outputs.is_empty() {
         let names: Vec<_> = view
             .missing_outputs
@@ -285,6 +290,29 @@ fn contacts_section(language: Language, view: &LinkView) -> FigureSection {
         title: say::link_page_inputs_outputs().text(language),
         rows,
     }
+}
+
+/// Speed, angle and ripple of a spindle with an encoder.
+fn encoder_rows(
+    language: Language,
+    view: &LinkView,
+    encoder: EncoderReading,
+) -> [(String, String); 3] {
+    let speed = match view.spindle.map_or(0.0, |spindle| spindle.rpm) {
+        rpm if rpm > 0.0 => format!("{rpm:.1} r/min"),
+        _ => say::link_page_spindle_stands().text(language),
+    };
+    let angle = match encoder.angle {
+        Some(turns) => format!("{:.1}°", turns * 360.0),
+        None => say::link_page_index_not_passed().text(language),
+    };
+    let percent = |ripple: f64| format!("{:.1} %", ripple * 100.0);
+    let ripple = encoder.ripple.map_or_else(|| "-".to_owned(), percent);
+    [
+        (say::link_page_spindle_speed().text(language), speed),
+        (say::link_page_spindle_angle().text(language), angle),
+        (say::link_page_spindle_ripple().text(language), ripple),
+    ]
 }
 
 /// Describes the state of the spindle's index signal.
@@ -316,7 +344,7 @@ fn tenths_ms(time: Duration) -> String {
 #[cfg(test)]
 mod tests {
     use gsk_core::units::PerAxis;
-    use gsk_link::{BoardInfo, LinkState};
+    use gsk_link::{BoardInfo, LinkState, SpindleView};
 
     use super::*;
 
@@ -337,6 +365,7 @@ mod tests {
             missing_outputs: Vec::new(),
             outputs: None,
             spindle: None,
+            encoder: None,
             commanded: PerAxis::default(),
             counted: None,
             differences: Vec::new(),
@@ -359,5 +388,30 @@ mod tests {
         assert_eq!(chinese.as_deref(), Some("2.3 / 87.0 ms"));
         view.is_connected = false;
         assert_eq!(poll_gap(&view).as_deref(), Some("-"));
+    }
+
+    #[test]
+    fn a_spindle_with_an_encoder_has_its_angle_and_ripple() {
+        let mut view = view();
+        let rows = |view: &LinkView| {
+            let sections = build_sections(Language::En, view, &TrafficRates::default());
+            let rows = sections.into_iter().flat_map(|section| section.rows);
+            let spindle = rows.filter(|row| row.0.contains("spindle"));
+            spindle.map(|row| row.1).collect::<Vec<_>>()
+        };
+        assert_eq!(rows(&view).last().map(String::as_str), Some("not wired"));
+        view.encoder = Some(EncoderReading::default());
+        assert_eq!(rows(&view)[1..], ["stopped", "no index yet", "-"]);
+        view.spindle = Some(SpindleView {
+            rpm: 600.0,
+            ..SpindleView::default()
+        });
+        view.encoder = Some(EncoderReading {
+            angle: Some(0.25),
+            ripple: Some(0.123),
+        });
+        assert_eq!(rows(&view)[1..], ["600.0 r/min", "90.0°", "12.3 %"]);
+        view.is_connected = false;
+        assert_eq!(rows(&view).last().map(String::as_str), Some("-"));
     }
 }
