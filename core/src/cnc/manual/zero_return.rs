@@ -426,7 +426,8 @@ impl Cnc {
         }
     }
 
-    fn send_frame(&mut self) {
+    /// Gives the frame to the interpreter, which keeps it over RESET.
+    pub(crate) fn send_frame(&mut self) {
         let frame = self.coordinates.frame;
         let (interpreter, world) = self.interpreter_and_world(true);
         interpreter.set_frame(frame, &world);

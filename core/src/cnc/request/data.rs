@@ -75,6 +75,7 @@ impl Cnc {
         }
         let shift = self.position_absolute().get(axis) - value;
         *self.coordinates.frame.zero.get_mut(axis) += shift;
+        self.send_frame();
     }
 
     pub(super) fn set_program_switch(&mut self, on: bool) {

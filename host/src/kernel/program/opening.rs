@@ -195,6 +195,8 @@ mod tests {
                 subprograms: Vec::new(),
             };
             kernel.open_sample(sample, false);
+            // RESET, by which a sample returns to its head, leaves the coordinates.
+            kernel.run(2000);
             let work = kernel.emulator.cnc().position_absolute();
             assert!((work.x - 60.0).abs() < 1e-9, "{model:?}: {work:?}");
             assert!((work.z - 80.0).abs() < 1e-9, "{model:?}: {work:?}");
