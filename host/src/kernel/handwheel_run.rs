@@ -27,11 +27,14 @@ const MACHINE_KEY_TICKS: u64 = 90;
 const PAGE_KEY_TICKS: u64 = 2;
 
 /// State of the handwheel run.
-#[derive(Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct HandwheelRun {
     is_on: bool,
     /// Ticks that the wheel or a key has granted and that the machine has not made yet.
     due_ticks: u64,
+    /// The last machine time that was not the standstill of a feed hold, ticks. Going back begins
+    /// there: the wheel would only pass the time of the hold before it.
+    active_until: u64,
 }
 
 impl HandwheelRun {
@@ -57,6 +60,7 @@ impl Kernel {
         self.handwheel_run = HandwheelRun {
             is_on: on,
             due_ticks: 0,
+            ..self.handwheel_run
         };
     }
 
@@ -97,6 +101,10 @@ impl Kernel {
     /// Returns whether the next tick may be made; the wheel or a key must have granted it if the
     /// program follows the wheel.
     pub(super) fn take_handwheel_tick(&mut self) -> bool {
+        let cnc = self.emulator.cnc();
+        if cnc.run_state() != RunState::Hold || cnc.is_moving() {
+            self.handwheel_run.active_until = self.emulator.ticks();
+        }
         if !self.follows_handwheel() {
             return true;
         }
@@ -119,17 +127,31 @@ impl Kernel {
         let ticks = u64::from(graduations.unsigned_abs()) * GRADUATION_TICKS;
         let now = self.shown_machine().ticks();
         match (graduations > 0, shows_past) {
-            (true, true) => self.look_at(now.saturating_add(ticks)),
+            (true, true) => match now.saturating_add(ticks) {
+                tick if self.is_held() && tick >= self.handwheel_run.active_until => {
+                    self.return_to_present();
+                }
+                tick => self.look_at(tick),
+            },
             (true, false) => {
                 let due = &mut self.handwheel_run.due_ticks;
                 *due = due.saturating_add(ticks).min(MAX_DUE_TICKS);
             }
             (false, _) => {
                 self.handwheel_run.due_ticks = 0;
-                self.look_at(now.saturating_sub(ticks));
+                let from = match self.is_held() && !shows_past {
+                    true => now.min(self.handwheel_run.active_until),
+                    false => now,
+                };
+                self.look_at(from.saturating_sub(ticks));
             }
         }
         true
+    }
+
+    /// Whether the program is held in the present.
+    fn is_held(&self) -> bool {
+        self.emulator.cnc().run_state() == RunState::Hold
     }
 
     /// Returns whether the program waits for the wheel now.

@@ -299,6 +299,28 @@ fn the_program_follows_the_handwheel_forwards_and_back() {
 }
 
 #[test]
+fn in_feed_hold_the_wheel_goes_back_from_the_last_motion() {
+    let (mut kernel, console) = cutting_kernel();
+    console.send(Command::Tap(Key::FeedHold));
+    kernel.run(1000);
+    assert_eq!(kernel.emulator.cnc().run_state(), RunState::Hold);
+    let held = kernel.snapshot().screen;
+    kernel.run(20_000);
+    let end = kernel.emulator.ticks();
+    send(&mut kernel, &console, TimelineCommand::RunByHandwheel(true));
+    console.send(Command::Turn(-25));
+    kernel.run(5);
+    let past = kernel.snapshot().past.expect("the past");
+    let back = end - past.tick;
+    assert!((20_500..21_600).contains(&back), "{back} ticks back");
+    assert_ne!(kernel.snapshot().screen, held, "the slides were elsewhere");
+    // Forwards the wheel passes over the time of the hold, too.
+    console.send(Command::Turn(25));
+    kernel.run(1);
+    assert_eq!(kernel.snapshot().past, None);
+}
+
+#[test]
 fn a_run_by_handwheel_equals_a_run_by_the_clock() {
     let (mut by_clock, _) = cutting_kernel();
     let (mut by_wheel, console) = cutting_kernel();
