@@ -45,6 +45,7 @@ use gsk_panel::keys::Key;
 use crate::chrome::class_offer::ClassOffer;
 use crate::chrome::exam_limits::ClosedForExam;
 use crate::chrome::first_start::FirstStart;
+use crate::chrome::key_dispatch::KeyReceiver;
 use crate::chrome::message_history::MessageHistory;
 use crate::chrome::network_pane::NetworkPane;
 use crate::chrome::program_opener::ProgramOpener;
@@ -310,8 +311,8 @@ impl Window {
 
     /// Draws one frame of the window and handles its input.
     pub fn ui(&mut self, ui: &mut Ui) {
-        // Checked here because the key that closes the menu is consumed later.
-        let menu = egui::Popup::is_any_open(ui.ctx());
+        // Checked here because the key that closes the menu, or leaves the field, is consumed later.
+        let receiver = KeyReceiver::at_begin_of_frame(ui.ctx());
         self.receive(ui.ctx());
         self.update_sound();
         let refusal = self.model_choice().refusal;
@@ -382,7 +383,7 @@ impl Window {
             .show(ui.ctx(), language, picture, &self.console, unsaved);
         let (board, lcd) = (self.board(), self.lcd.bounds());
         let browser_input = self.browser.show(ui.ctx(), language, lcd);
-        self.handle_keyboard(ui, menu);
+        self.handle_keyboard(ui, receiver);
         self.handle_keys(&browser_input.stop_events);
         let layouts = &mut self.settings.layouts;
         let view_input = self

@@ -1,7 +1,7 @@
 //! Passes the keys of the PC keyboard to the kernel, to views and to layouts, and reports held
 //! keys.
 
-use egui::{Event, Ui};
+use egui::{Event, Popup, Ui};
 use gsk_host::input_watch::QUERY_INTERVAL;
 use gsk_host::kernel::Command;
 use gsk_panel::keys::Key;
@@ -11,6 +11,27 @@ use crate::input::held_keys::PanelKeyChange;
 use crate::input::keyboard::{self, PcAction};
 use crate::widgets::status_message::StatusMessage;
 use crate::{Window, layout, view};
+
+/// What has the keyboard at the begin of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum KeyReceiver {
+    /// The panel, or a widget without text.
+    Panel,
+    /// An open menu.
+    Menu,
+    /// A field for text or a number.
+    Field,
+}
+
+impl KeyReceiver {
+    pub(crate) fn at_begin_of_frame(context: &egui::Context) -> Self {
+        match (context.text_edit_focused(), Popup::is_any_open(context)) {
+            (true, _) => Self::Field,
+            (false, true) => Self::Menu,
+            (false, false) => Self::Panel,
+        }
+    }
+}
 
 impl Window {
     /// Releases all held keys, because the window is hidden or has lost the focus.
@@ -38,10 +59,12 @@ impl Window {
     }
 
     /// Handles the keys of the PC keyboard. While a text field has the focus, only the stop
-    /// keys reach the panel. `menu`: a menu was open when the keys arrived.
-    pub(crate) fn handle_keyboard(&mut self, ui: &Ui, menu: bool) {
+    /// keys reach the panel. `receiver`: what had the keyboard when the keys arrived.
+    pub(crate) fn handle_keyboard(&mut self, ui: &Ui, receiver: KeyReceiver) {
         let events: Vec<Event> = ui.input(|input| input.events.clone());
-        if ui.ctx().text_edit_focused() || self.first_start.is_some() {
+        // Return ends the entry in a field, which has lost the focus by now.
+        let is_typing = receiver == KeyReceiver::Field || ui.ctx().text_edit_focused();
+        if is_typing || self.first_start.is_some() {
             let stops: Vec<Event> = events
                 .into_iter()
                 .filter(keyboard::is_stop_or_release)
@@ -54,7 +77,7 @@ impl Window {
         if keyboard::remove_axis_keys_in_list(ui.ctx(), &mut events) {
             self.explain_axis_key_in_list();
         }
-        if menu {
+        if receiver == KeyReceiver::Menu {
             events = keyboard::filter_for_menu(events, self.is_running_or_unknown());
         }
         if let Some(view) = view::view_of_pressed_key(&events) {

@@ -4,7 +4,7 @@ pub mod class_offer;
 pub mod exam_limits;
 pub mod first_start;
 pub mod incoming;
-mod key_dispatch;
+pub mod key_dispatch;
 pub mod message_history;
 pub mod message_line;
 pub mod network_pane;
