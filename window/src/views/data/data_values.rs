@@ -2,12 +2,17 @@
 
 use gsk_core::battery::BatteryMemory;
 use gsk_core::memory::{ControlParameters, PitchTable, Variables, WriteRefusal};
+use gsk_core::model::ModelRecord;
 use gsk_host::kernel::monitor::{MachineView, OffsetTable, VariableTable};
 use gsk_panel::pages::CoordinateFormat;
 
 /// The values that the data view shows, and why they cannot be written now.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub struct DataValues<'a> {
+    /// The record of the control model, which may have ranges of its own.
+    pub record: &'static ModelRecord,
+    /// The parameters as this model is delivered.
+    pub delivered: ControlParameters,
     pub parameters: &'a ControlParameters,
     pub pitch: &'a PitchTable,
     /// The reason why parameters cannot be written at the moment; `None` if they can.
@@ -20,8 +25,10 @@ pub struct DataValues<'a> {
 
 impl<'a> DataValues<'a> {
     /// Creates the values that the pages show for a running control.
-    pub fn of_control(machine: &'a MachineView) -> Self {
+    pub fn of_control(machine: &'a MachineView, record: &'static ModelRecord) -> Self {
         Self {
+            record,
+            delivered: delivered_parameters(record),
             parameters: &machine.parameters,
             pitch: &machine.pitch,
             parameters_refusal: machine.parameters_refused,
@@ -33,8 +40,10 @@ impl<'a> DataValues<'a> {
 
     /// Creates the values of a memory without a control. `tables` are those of the same
     /// memory.
-    pub const fn of_memory(memory: &'a BatteryMemory, tables: &'a MemoryTables) -> Self {
+    pub fn of_memory(memory: &'a BatteryMemory, tables: &'a MemoryTables) -> Self {
         Self {
+            record: memory.model.record(),
+            delivered: delivered_parameters(memory.model.record()),
             parameters: &memory.parameters,
             pitch: &memory.pitch,
             parameters_refusal: None,
@@ -43,6 +52,13 @@ impl<'a> DataValues<'a> {
             alarms: &[],
         }
     }
+}
+
+/// Returns the parameters with which a control model is delivered.
+fn delivered_parameters(record: &ModelRecord) -> ControlParameters {
+    let mut parameters = ControlParameters::default();
+    parameters.apply_delivered_values(record);
+    parameters
 }
 
 /// The tables of a memory without a control, where nothing refuses a value.

@@ -98,7 +98,7 @@ impl DataView {
             ui.label(say::commission_waits().text(language));
             return;
         };
-        let values = DataValues::of_control(machine);
+        let values = DataValues::of_control(machine, self.console.model.record());
         if let Some(request) = self.sheets.show(ui, language, &values) {
             let requests = request.edits.iter().map(|edit| edit.request());
             self.console.send(Command::Write(requests.collect()));

@@ -6,7 +6,7 @@ use egui::{
     CentralPanel, Color32, Grid, Label, Panel, Response, RichText, Role, ScrollArea, Sense,
     TextEdit, TextStyle, Ui, WidgetInfo, pos2, vec2,
 };
-use gsk_core::memory::{self, EffectiveTime, ElectronicDisk, ParameterRow};
+use gsk_core::memory::{self, ControlParameters, EffectiveTime, ElectronicDisk, ParameterRow};
 use gsk_help::{Subject, Topic, search_among, subject_name, topic};
 use gsk_messages::{Language, say};
 
@@ -223,8 +223,8 @@ impl ParameterSheet {
             None => text,
         };
         let delivered = match row.bit {
-            Some(_) => row.factory_value(ElectronicDisk::N0).to_string(),
-            None => parameter_text(row.number, row.factory_value(ElectronicDisk::N0)),
+            Some(_) => parameter_value(row, &machine.delivered).to_string(),
+            None => parameter_text(row.number, parameter_value(row, &machine.delivered)),
         };
         let number = match row.bit {
             Some(bit) => format!("{:03}.{bit}", row.number),
@@ -305,6 +305,9 @@ impl ParameterSheet {
             show_bits(ui, language, machine, drafts, number);
         }
         ui.separator();
+        for fact in model_facts(row, machine, language) {
+            ui.label(RichText::new(fact).color(theme::BRIGHT_TEXT));
+        }
         let subjects = [
             bit.map(|bit| Subject::Bit(number, bit)),
             Some(Subject::Parameter(number)),
@@ -402,11 +405,29 @@ fn meaning(row: &ParameterRow, language: Language) -> String {
 
 /// Whether the current value of a parameter differs from the delivered one.
 fn is_changed(row: &ParameterRow, machine: &DataValues<'_>) -> bool {
-    let value = match row.bit {
-        Some(bit) => i32::from(machine.parameters.bit(row.number, bit)),
-        None => machine.parameters.value(row.number),
-    };
-    value != row.factory_value(ElectronicDisk::N0)
+    parameter_value(row, machine.parameters) != parameter_value(row, &machine.delivered)
+}
+
+/// The value of a parameter or of a bit.
+fn parameter_value(row: &ParameterRow, parameters: &ControlParameters) -> i32 {
+    match row.bit {
+        Some(bit) => i32::from(parameters.bit(row.number, bit)),
+        None => parameters.value(row.number),
+    }
+}
+
+/// Range and delivered value of a parameter, where they differ from those of the GSK980TD.
+fn model_facts(row: &ParameterRow, machine: &DataValues<'_>, language: Language) -> Vec<String> {
+    let record = machine.record;
+    let range = record.parameter_range(row.number);
+    let range = range.map(|(low, high)| say::help_range(format_args!("{low}..{high}")));
+    let value = machine.delivered.value(row.number);
+    let is_own = value != row.factory_value(ElectronicDisk::N0);
+    let delivered = is_own.then(|| say::help_as_delivered(parameter_text(row.number, value)));
+    let facts = range.into_iter().chain(delivered);
+    facts
+        .map(|fact| format!("{}: {}", record.name(), fact.text(language)))
+        .collect()
 }
 
 /// Height of a row in a list of this width.
