@@ -2,6 +2,7 @@
 
 use gsk_core::cnc::ControlRequest;
 use gsk_core::memory::OperationLevel;
+use gsk_core::operation::RunState;
 use gsk_core::program::Program;
 use gsk_messages::say;
 use gsk_panel::emulator::EmulatorInput;
@@ -109,6 +110,7 @@ impl Kernel {
                 let setup = PreviewSetup {
                     setup: make_preview_setup(self.emulator.simulation()),
                     is_practice: self.lesson.is_some(),
+                    is_running: self.emulator.cnc().run_state() != RunState::Reset,
                 };
                 // The receiver may be gone.
                 let _ = to.try_send(Box::new(setup));

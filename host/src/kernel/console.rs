@@ -60,6 +60,8 @@ pub struct PreviewSetup {
     pub setup: Setup,
     /// Whether it is that of a practice machine, whose part belongs to its lesson or exercise.
     pub is_practice: bool,
+    /// Whether a program runs, or is held: its own G50 changes the work zero.
+    pub is_running: bool,
 }
 
 /// A command that the window sends to the kernel thread.

@@ -205,6 +205,8 @@ struct PreviewInputs {
     file: Option<PathBuf>,
     offsets: Offsets,
     parameters: ControlParameters,
+    /// Machine coordinates of the work zero before the program runs, µm.
+    zero: [i64; 2],
 }
 
 struct PreviewThread {
@@ -276,6 +278,7 @@ impl PreviewThread {
         let PreviewSetup {
             mut setup,
             is_practice,
+            is_running,
         } = current;
         let programs = &setup.memory.programs;
         let program = programs
@@ -287,6 +290,7 @@ impl PreviewThread {
         });
         let file = file.map(|(_, path)| path.clone());
         let owner = (program.as_ref().map(|(id, _)| *id), file.clone());
+        self.keep_clamped_stock(program.as_ref().map(|(_, it)| it), &owner);
         let basis = PreviewInputs {
             program,
             tried: self.tried.clone(),
@@ -294,6 +298,10 @@ impl PreviewThread {
             file,
             offsets: setup.memory.offsets.clone(),
             parameters: setup.memory.parameters.clone(),
+            zero: match &self.last_inputs {
+                Some(last) if is_running => last.zero,
+                _ => work_zero(&setup),
+            },
         };
         if self.last_inputs.as_ref() == Some(&basis) {
             return;
@@ -414,6 +422,28 @@ impl PreviewThread {
         true
     }
 
+    /// Keeps the stock that the user has clamped without a program, when he then creates one.
+    fn keep_clamped_stock(&self, program: Option<&Program>, owner: &JobOwner) {
+        let had_none = self
+            .last_inputs
+            .as_ref()
+            .is_some_and(|last| last.program.is_none());
+        let is_new = program.is_some_and(|it| it.block_count() <= 1) && owner.1.is_none();
+        if !(had_none && is_new) {
+            return;
+        }
+        let mut all = self
+            .changed_jobs
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        let clamped = all.iter().find(|(of, _)| *of == (None, None)).cloned();
+        if let Some((_, chosen)) = clamped
+            && !all.iter().any(|(of, _)| of == owner)
+        {
+            all.push((owner.clone(), chosen));
+        }
+    }
+
     fn find_changed_job(&self, owner: &JobOwner) -> Option<Job> {
         let all = self
             .changed_jobs
@@ -527,6 +557,12 @@ fn replace_program_text(programs: &mut ProgramMemory, id: ProgramId, text: &Prog
         ProgramId::Mdi | ProgramId::Dnc => {}
     }
     programs.select(id);
+}
+
+/// Machine coordinates of the work zero, µm: X as a radius, and Z.
+fn work_zero(setup: &Setup) -> [i64; 2] {
+    let zero = setup.start.unwrap_or_default() - setup.absolute.unwrap_or_default();
+    [zero.x, zero.z].map(|mm| (mm * 1000.0).round() as i64)
 }
 
 /// Selects a job that the user has changed. It gets the name of the job file if the file
