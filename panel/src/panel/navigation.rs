@@ -195,7 +195,7 @@ struct ListScreen {
 
 fn list_screen(page: PageId, cnc: &Cnc) -> Option<ListScreen> {
     let size = match page {
-        PageId::Oft | PageId::Pitch | PageId::PlcValues => 8,
+        PageId::Oft | PageId::Pitch | PageId::PlcValues | PageId::ParModel => 8,
         PageId::Macro
         | PageId::ParBit
         | PageId::ParData

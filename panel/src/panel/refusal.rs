@@ -94,6 +94,8 @@ impl Panel {
 
     fn refuses_edit(&self, cnc: &Cnc) -> Option<Message> {
         match cnc.programs().selected() {
+            // [EOB] creates the typed program.
+            None if self.view().input.starts_with('O') => None,
             None => Some(say::key_no_program_selected()),
             Some(ProgramId::External) if self.view().input.is_empty() => {
                 Some(say::key_program_is_outside())
