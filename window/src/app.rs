@@ -226,7 +226,7 @@ impl App {
             saved_settings: stored,
             unsaved_settings: None,
             is_size_restored: false,
-            title: TITLE.to_owned(),
+            title: String::new(),
             figures: figures.map(FrameFigures::new),
             start_model: another,
         })

@@ -21,6 +21,7 @@ pub use panes::{Arrangement, PaneTabs, WindowPane, arrange_panes};
 pub use splitters::show;
 use table::{LARGE_PANEL, Proportions};
 pub use table::{LAYOUTS, WindowLayout, layout_of_pressed_key};
+pub use tabs::MIN_SHARE;
 use tabs::arrange_as_tabs;
 
 impl WindowLayout {

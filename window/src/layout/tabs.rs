@@ -12,7 +12,7 @@ use crate::view::ViewId;
 const TAB_BAR_HEIGHT: f32 = 42.0;
 /// Share of a view's minimum size that its pane must have, in width and height. A pane that is
 /// a little lower scrolls.
-const MIN_SHARE: Vec2 = Vec2::new(0.95, 0.6);
+pub const MIN_SHARE: Vec2 = Vec2::new(0.95, 0.6);
 
 /// Whether a pane is too small for its content: the LCD has fewer pixels than dots, the
 /// legends or keys are smaller than the limit, or a view is smaller than its minimum size.

@@ -36,7 +36,7 @@ use gsk_host::kernel::{Command, Console};
 use gsk_link::LinkState;
 
 use super::layout::floating::{self, WindowScreen};
-use super::layout::{self, Layouts, WindowGeometry, WindowLayout};
+use super::layout::{self, Layouts, MIN_SHARE, WindowGeometry, WindowLayout};
 use super::view::{VIEWS, ViewId, ViewRow, view_of_pressed_key};
 use crate::focus;
 use crate::input::keyboard;
@@ -279,7 +279,13 @@ impl Views {
         content_rect.min.y = content_rect
             .bottom()
             .min(content_rect.top() + header::HEIGHT);
-        let size = content_rect.size().max(Vec2::from(row.min_size));
+        // The text of a lesson scrolls above its buttons, and the picture of the lathe shrinks: a
+        // low pane shows their lower edge.
+        let share = match row.shows_part {
+            true => MIN_SHARE,
+            false => Vec2::splat(1.0),
+        };
+        let size = content_rect.size().max(Vec2::from(row.min_size) * share);
         ui.scope_builder(UiBuilder::new().max_rect(content_rect), |ui| {
             ScrollArea::both()
                 .id_salt(("docked", row.view))
