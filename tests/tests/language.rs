@@ -248,7 +248,7 @@ proptest! {
             prop_assert!(is_within(&read, &TextChange::replace(&place, "")));
         }
         references(&structure, at, true);
-        symbols(&read, &structure);
+        symbols(&read, &structure, ModelId::ALL[model]);
         for (from, to) in folds(&read, &structure) {
             prop_assert!(from < to && to < read.line_count());
         }
