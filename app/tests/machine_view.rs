@@ -378,7 +378,9 @@ fn the_load_is_drawn_once_the_path_is_complete() {
 #[test]
 fn return_in_a_field_does_not_reach_the_panel() {
     let mut bench = open_program(TEXT);
-    bench.console.send(Command::Tap(gsk_panel::keys::Key::Program));
+    bench
+        .console
+        .send(Command::Tap(gsk_panel::keys::Key::Program));
     bench.click("Automatic mode");
     bench.run(200);
     bench.click("Tools and stock");
@@ -389,12 +391,7 @@ fn return_in_a_field_does_not_reach_the_panel() {
     fill(&mut bench, "diameter of the stock", "61.5");
     assert!(wait_for_text(&mut bench, "Changed, not yet saved"));
     let refused = "to select a program, enter O";
-    assert!(
-        bench
-            .harness
-            .query_by_label_contains(refused)
-            .is_none()
-    );
+    assert!(bench.harness.query_by_label_contains(refused).is_none());
     // Without a field it is [输入], which has no effect here.
     bench.harness.key_press(egui::Key::Enter);
     assert!(wait_for_text(&mut bench, refused));

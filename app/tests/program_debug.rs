@@ -182,7 +182,7 @@ fn the_list_of_differences_is_edited_and_checked_again() {
 }
 
 /// A control whose board has made its reference return.
-pub fn emulator_with_board() -> Emulator {
+fn emulator_with_board() -> Emulator {
     let machine = LinkedMachine::referenced(Variant::Grbl);
     let mut emulator = Emulator::new(Setup::delivered());
     emulator.run(4000);

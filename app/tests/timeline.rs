@@ -5,26 +5,20 @@ use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use gsk_core::setup::Setup;
 use gsk_host::kernel::Command;
 use gsk_messages::Language;
-use gsk_panel::emulator::Emulator;
 use gsk_window::WindowSettings;
 use gsk_window::layout::{Layouts, WindowLayout};
 
 use crate::common::WindowBench;
-use crate::program_debug::emulator_with_board;
 
 /// A window of the smallest usual screen in the learner's layout, with the time line.
 fn open_bench() -> WindowBench {
-    open_bench_with(Emulator::new(Setup::default()))
-}
-
-fn open_bench_with(emulator: Emulator) -> WindowBench {
     let settings = WindowSettings {
         language: Language::En,
         layouts: Layouts::with_layout(WindowLayout::Learner),
         timeline: true,
         ..WindowSettings::default()
     };
-    WindowBench::with_emulator(emulator, settings, vec2(1366.0, 768.0))
+    WindowBench::with_settings(Setup::default(), settings, vec2(1366.0, 768.0))
 }
 
 /// The value that a screen reader reads at the handle.
@@ -152,24 +146,6 @@ fn closing_the_time_line_shows_the_present() {
     settle(&mut bench);
     assert!(!bench.harness.state().settings().timeline);
     bench.assert_lcd_contains("编辑方式");
-}
-
-#[test]
-fn with_real_slides_the_switch_of_the_handwheel_run_retraces_the_path() {
-    let mut bench = open_bench_with(emulator_with_board());
-    settle(&mut bench);
-    let has_retrace = |bench: &WindowBench| bench.kernel.emulator().cnc().has_retrace();
-    assert!(!has_retrace(&bench));
-    bench.click("Handwheel run");
-    settle(&mut bench);
-    assert!(has_retrace(&bench));
-    // A turn is for the slides: the window keeps showing the present.
-    bench.console.send(Command::Turn(-5));
-    settle(&mut bench);
-    assert_eq!(handle_value(&bench), "the present");
-    bench.click("Handwheel run");
-    settle(&mut bench);
-    assert!(!has_retrace(&bench));
 }
 
 #[test]

@@ -321,6 +321,26 @@ fn in_feed_hold_the_wheel_goes_back_from_the_last_motion() {
 }
 
 #[test]
+fn with_real_slides_the_switch_of_the_handwheel_run_retraces_the_path() {
+    let (mut kernel, console) = cutting_kernel();
+    kernel.has_real_slides = true;
+    console.send(Command::Tap(Key::FeedHold));
+    kernel.run(1000);
+    send(&mut kernel, &console, TimelineCommand::RunByHandwheel(true));
+    assert!(kernel.emulator.cnc().has_retrace());
+    // A turn is for the slides: the window keeps showing the present.
+    console.send(Command::Turn(-5));
+    kernel.run(5);
+    assert_eq!(kernel.snapshot().past, None);
+    send(
+        &mut kernel,
+        &console,
+        TimelineCommand::RunByHandwheel(false),
+    );
+    assert!(!kernel.emulator.cnc().has_retrace());
+}
+
+#[test]
 fn a_run_by_handwheel_equals_a_run_by_the_clock() {
     let (mut by_clock, _) = cutting_kernel();
     let (mut by_wheel, console) = cutting_kernel();
