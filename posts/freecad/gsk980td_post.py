@@ -407,10 +407,10 @@ class Writer:
         label = getattr(item, "Label", "")
         is_zero = getattr(item, "Name", "") == "Fixture"
         coolant = operation_property(item, "CoolantMode", "None")
-        if not is_zero:
-            self.comment(label)
         self.begin_item()
         self.begin_coolant(coolant)
+        if not is_zero:
+            self.comment(label)
         for index, command in enumerate(path.Commands, 1):
             name, parameters = command.Name, dict(command.Parameters)
             # Before the first tool, the retraction of a work zero has no purpose.

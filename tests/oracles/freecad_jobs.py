@@ -484,10 +484,11 @@ def refusals():
         shop.custom("Bad", 1, lines)
         shop.export(refused=words)
         shop.close()
-    shop = Shop("refused_off_axis", block_with_hole())
-    shop.controller(1, "TC: drill")
-    shop.drilling("Hole beside the axis", 1)
-    shop.export(refused=["Hole beside the axis", "G81", "not on the spindle axis"])
+    shop = Shop("refused_off_axis")
+    shop.controller(1, "TC: drill", "5mm_Drill")
+    hole = shop.drilling("Hole", 1)
+    hole.Base, hole.Locations = [], [Vector(12, 0, 0)]
+    shop.export(refused=["Hole", "G81", "not on the spindle axis"])
     shop.close()
     for kind, label, shape in ((PathHelix.ObjectHelix, "Helix", block_with_hole()),
                                (PathProfile.ObjectProfile, "Profile", None)):
