@@ -41,7 +41,7 @@ def expected_moves(record):
     change = np.array([change[0] / 2.0, change[1]])
     position, moves = change.copy(), []
     state = {"tool": None, "direction": None, "speed": None, "coolant": False}
-    feed, rpm = None, 0.0
+    feed, rpm, mode = None, 0.0, "G97"
     for item in record["items"]:
         if not item["active"]:
             continue
@@ -83,15 +83,19 @@ def expected_moves(record):
             elif name == "M6":
                 moves.append({**move, "kind": "rapid", "end": change})
                 state.update(tool=int(words_of["T"]), direction=None)
+                mode = "G97"
                 position = change.copy()
             elif name in ("M3", "M4"):
                 state["direction"] = name
                 if "S" in words_of:
-                    state["speed"], rpm = ("G97", words_of["S"]), words_of["S"]
+                    # After G96, S is a surface speed, until the next tool.
+                    state["speed"] = (mode, words_of["S"])
+                    rpm = words_of["S"] if mode == "G97" else rpm
             elif name == "M5":
                 state["direction"] = None
             elif name in ("G96", "G97"):
-                state["speed"] = (name, words_of["S"])
+                mode, state["speed"] = name, (name, words_of["S"])
+                rpm = words_of["S"] if name == "G97" else rpm
             elif name in ("M7", "M8"):
                 state["coolant"] = True
             elif name == "M9":
@@ -253,7 +257,8 @@ def check_program(program, record, out):
     """A program through `check`; returns the number of moves and the greatest distance."""
     file = out / f"{record['name']}.CNC"
     moves = out / f"{record['name']}.ndjson"
-    done = subprocess.run([program, "check", str(file), "--json", "--moves", str(moves)],
+    done = subprocess.run([program, "check", str(file), "--json", "--moves", str(moves),
+                           "--param", "84=32"],
                           capture_output=True, text=True, check=False)
     if done.returncode:
         fail(record, f"check: {done.returncode}\n{done.stdout}{done.stderr}")
