@@ -11,7 +11,8 @@ FreeCAD's turning add-on; without it three jobs are left out. FreeCAD finds the 
 folder and exports as *Post Process* does. This script reads the commands on its own: X a radius,
 F in mm/s. The moves of `check --moves` must be the same within 0.001 mm, arcs along their whole
 length; feed, tool, spindle and coolant must be those of each cut. Refused jobs must name the
-operation and the reason, and leave no file. FreeCAD reads exported tool files.
+operation and the reason, and leave no file. FreeCAD reads exported drills and saves
+them, and the library reads them back; its own shapes have no inserts.
 """
 
 import argparse
@@ -30,6 +31,8 @@ NEAR = 0.001
 CUTS = {"G1": "feed", "G01": "feed", "G2": "cw", "G02": "cw", "G3": "ccw", "G03": "ccw"}
 # The post writes an arc with a shorter chord as a line.
 SHORT_CHORD = 0.003
+DRILLS = ("drill 8.5", "drill 12 point=140", "drill 6.35 point=118")
+INSERTS = ("CNMG 120408 PCLNR 2020K12", "groove 3", "thread 60")
 
 
 def expected_moves(record):
@@ -275,6 +278,42 @@ def check_refusal(record, out):
         fail(record, "a refused job leaves a file")
 
 
+def run(*words):
+    """Runs a command, which must succeed."""
+    done = subprocess.run([str(it) for it in words], capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise AssertionError(f"{words}: {done.returncode}\n{done.stdout}{done.stderr}")
+    return done.stdout
+
+
+def export_tools(program, out, data):
+    """Exports drills and inserts for FreeCAD."""
+    for index, text in enumerate((*DRILLS, *INSERTS), 1):
+        run(program, "tools", "add", *text.split(), "--id", f"t{index}", "--station", index,
+            "--data", data)
+    (out / "tools/Library").mkdir(parents=True)
+    run(program, "tools", "export", out / "tools/Library/shop.fctl", "--data", data)
+
+
+def check_tools(program, out, data, again):
+    """The drills that FreeCAD has saved, against those that were exported."""
+    inserts = [f"t{len(DRILLS) + it}" for it in range(1, len(INSERTS) + 1)]
+    if (out / "tools/refused").read_text().split() != inserts:
+        raise AssertionError(f"FreeCAD refuses {(out / 'tools/refused').read_text()}")
+    library = json.loads((out / "tools/Library/shop.fctl").read_text())
+    library["tools"] = [it for it in library["tools"] if it["path"][:-5] not in inserts]
+    (out / "saved/Library").mkdir()
+    (out / "saved/Library/shop.fctl").write_text(json.dumps(library))
+    run(program, "tools", "import", out / "saved/Library/shop.fctl", "--data", again)
+    tables = [run(program, "tools", "export", "-", "--format", "csv", "--data", it).splitlines()
+              for it in (data, again)]
+    # FreeCAD keeps dimensions and drops the attribute with the code.
+    rows = [[row.split(",") for row in table[1:]] for table in tables]
+    drills = [[(row[0], *row[3:5]) for row in it if row[0] not in inserts] for it in rows]
+    if len(drills[0]) != len(DRILLS) or drills[0] != drills[1]:
+        raise AssertionError(f"{drills[0]}\n{drills[1]}")
+
+
 def main():
     """Lets FreeCAD export the jobs, and compares them."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -291,6 +330,7 @@ def main():
         parser.error(f"{out} is not empty")
     with tempfile.TemporaryDirectory() as home:
         settings = Path(home) / "jobs.json"
+        export_tools(arguments.program, out, Path(home) / "tools")
         settings.write_text(json.dumps({
             "out": str(out.resolve()), "post": str(ROOT / "posts/freecad/gsk980td_post.py"),
             "count": arguments.count, "seed": arguments.seed,
@@ -299,9 +339,10 @@ def main():
         subprocess.run([arguments.freecadcmd, str(ROOT / "tests/oracles/freecad_jobs.py")],
                        env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                        stderr=subprocess.DEVNULL, check=False)
-    if not (out / "done").exists():
-        failure = out / "failure"
-        raise AssertionError(failure.read_text() if failure.exists() else "FreeCAD has ended")
+        if not (out / "done").exists():
+            failure = out / "failure"
+            raise AssertionError(failure.read_text() if failure.exists() else "FreeCAD has ended")
+        check_tools(arguments.program, out, Path(home) / "tools", Path(home) / "again")
     programs, refused, moves, greatest = 0, 0, 0, 0.0
     for file in sorted(out.glob("*.json")):
         record = json.loads(file.read_text())
@@ -321,7 +362,7 @@ def main():
                 fail(record, f"differs from {other.name}")
     version = ".".join((out / "done").read_text().split())
     print(f"FreeCAD {version}: {programs} programs, {moves} moves, at most {greatest:.5f} mm "
-          f"away; {refused} jobs refused")
+          f"away; {refused} jobs refused; {len(DRILLS)} drills read and saved")
 
 
 if __name__ == "__main__":

@@ -533,6 +533,22 @@ def refusals():
     shop.close()
 
 
+def tool_files():
+    """Reads the exported tool files and saves them again; FreeCAD lacks the shapes of inserts."""
+    document, refused = FreeCAD.newDocument("tools"), []
+    saved = OUT / "saved/Bit"
+    saved.mkdir(parents=True)
+    for file in sorted((OUT / "tools/Bit").glob("*.fctb")):
+        try:
+            tool = PathToolBit.Factory.CreateFrom(str(file), file.stem)
+        except TypeError:
+            refused.append(file.stem)
+            continue
+        tool.Proxy.saveToFile(tool, str(saved / file.name))
+    (OUT / "tools/refused").write_text(" ".join(refused))
+    FreeCAD.closeDocument(document.Name)
+
+
 def main():
     """All jobs."""
     macros = FilePath(PathPreferences.macroFilePath())
@@ -545,7 +561,7 @@ def main():
         raise AssertionError("FreeCAD does not read the description of the post")
     PathPreferences.setOutputFileDefaults("", "Overwrite existing file")
     jobs = [boring, arcs, drilling, several_tools, inch_job, empty_job, inactive_and_stops,
-            spindle_modes, refusals, random_jobs]
+            spindle_modes, refusals, random_jobs, tool_files]
     if SETTINGS["liblathe"]:
         jobs += [od_turning, facing, grooving]
     for job in jobs:
