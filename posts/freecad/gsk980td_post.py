@@ -37,7 +37,7 @@ parser.add_argument("--no-comments", action="store_true", help="write no comment
 parser.add_argument("--no-sequence-numbers", action="store_true", help="write no N words")
 parser.add_argument("--per-revolution", action="store_true", help="feeds in mm/r (G99)")
 parser.add_argument("--arcs", choices=("ik", "r"), default="ik", help="arcs by I and K or by R")
-parser.add_argument("--diameter", action="store_true", help="X of the paths is a diameter, I a radius")
+parser.add_argument("--diameter", action="store_true", help="X of the paths is a diameter, I not")
 parser.add_argument("--max-speed", type=int, default=0, help="limit of the speed under G96, r/min")
 parser.add_argument("--change-x", type=float, default=100.0, help="X of the tool change, diameter")
 parser.add_argument("--change-z", type=float, default=100.0, help="Z of the tool change")
