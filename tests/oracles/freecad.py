@@ -353,12 +353,16 @@ def main():
         if record["error"] or not record.get("same", True):
             fail(record, record["error"] or "file and result of the export differ")
         count, distance = check_program(arguments.program, record, out)
+        text = (out / f"{record['name']}.CNC").read_text()
+        for line in record.get("lines", []):
+            if not any(it.endswith(line) for it in text.splitlines()):
+                fail(record, f"without {line}")
         programs, moves, greatest = programs + 1, moves + count, max(greatest, distance)
         if greatest > NEAR:
             fail(record, f"the path is {distance} mm away")
         if (record.get("note") or "").startswith("equals"):
             other = out / f"{record['note'].split()[1]}.CNC"
-            if other.read_text() != (out / f"{record['name']}.CNC").read_text():
+            if other.read_text() != text:
                 fail(record, f"differs from {other.name}")
     version = ".".join((out / "done").read_text().split())
     print(f"FreeCAD {version}: {programs} programs, {moves} moves, at most {greatest:.5f} mm "

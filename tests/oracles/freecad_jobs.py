@@ -151,7 +151,6 @@ class Shop:
         """Exports as the command *Post Process* does, and stores what went in."""
         name = name or self.name
         self.document.recompute()
-        target = OUT / f"{name}.CNC"
         self.job.PostProcessorArgs = self.arguments
         self.job.PostProcessorOutputFile = str(OUT / f"{name}%s.CNC")
         command = PathPost.CommandPathPost()
@@ -168,7 +167,6 @@ class Shop:
             except BaseException as why:
                 record["error"] = [type(why).__name__, str(why)]
             (OUT / f"{part}.json").write_text(json.dumps(record))
-        return target
 
     def close(self):
         """Closes the document."""
@@ -192,7 +190,7 @@ def record_of(objects, name, arguments):
     return {"name": name, "arguments": arguments, "items": items, "error": None}
 
 
-def planned(kind, model_points, stock, **parameters):
+def planned(kind, outline, stock, **parameters):
     """A plan of the package `liblathe`: its commands for an outline of points and bulges."""
     def plan(obj):
         sys.path.insert(0, SETTINGS["liblathe"])
@@ -209,7 +207,7 @@ def planned(kind, model_points, stock, **parameters):
             "hfeed": controller.HorizFeed.Value, "vfeed": controller.VertFeed.Value, **parameters})
         operation.add_stock_from_limits(*stock)
         segments = [Segment(Point(*a[:2]), Point(*b[:2]), b[2])
-                    for a, b in zip(model_points, model_points[1:])]
+                    for a, b in zip(outline, outline[1:])]
         operation.addPartSegments(segments)
         operation.add_tool(Tool("DCMT070204R"))
         sys.path.pop(0)
@@ -370,16 +368,16 @@ def empty_job():
 
 
 def inactive_and_stops():
-    """Inactive operations, a stop, a comment, a path without a job's tool, a dressup."""
+    """Inactive operations, distances of G91, a stop, a comment, a compound."""
     shop = Shop("inactive")
     shop.controller(1, "TC: rough")
     first = shop.custom("Turn", 1, ["G0 X18 Z2", "G1 Z-20 F2", "G0 X22", "G0 Z2"])
     second = shop.custom("Off", 1, ["G0 X1 Z-50"])
     second.Active = False
     third = shop.custom("Turn on", 1, ["G0 X17 Z2", "G1 Z-20 F2", "G0 X22", "G0 Z2"], "Flood")
-    # A copy in G91 has the same moves.
-    fourth = shop.custom("Distances", 1, ["G0 X22 Z2", "G91", "G0 X-6", "G1 Z-12 F1.5", "G1 X2 Z-3",
-                                 "G0 X4", "G0 Z15", "G90", "G0 X23"])
+    fourth = shop.custom("Distances", 1, [
+        "G0 X22 Z2", "G91", "G0 X-6", "G1 Z-12 F1.5", "G1 X2 Z-3", "G0 X4", "G0 Z15", "G90",
+        "G0 X23"])
     stop = shop.document.addObject("Path::FeaturePython", "Stop")
     PathStop.Stop(stop)
     stop.Stop = "Mandatory"
@@ -391,10 +389,11 @@ def inactive_and_stops():
     shop.job.Operations.Group = [first, second, stop, comment, third, fourth]
     shop.document.recompute()
     shop.export()
-    # A selection that contains the inactive operation.
-    record = record_of([first, second], "selection", "--no-show-editor")
-    PostProcessor.load(POST).export([first, second], str(OUT / "selection.CNC"),
-                                    "--no-show-editor")
+    # A selection with the inactive operation; FreeCAD 0.20 leaves stop and comment out of jobs.
+    selection = [first, second, stop, comment]
+    record = record_of(selection, "selection", "--no-show-editor")
+    record["lines"] = ["M00", "(MEASURE THE DIAMETER: 36 0.02)"]
+    PostProcessor.load(POST).export(selection, str(OUT / "selection.CNC"), "--no-show-editor")
     (OUT / "selection.json").write_text(json.dumps(record))
     # A compound of paths, as its commands.
     compound = shop.document.addObject("Path::FeatureCompound", "Compound")
