@@ -335,7 +335,9 @@ def main():
             "out": str(out.resolve()), "post": str(ROOT / "posts/freecad/gsk980td_post.py"),
             "count": arguments.count, "seed": arguments.seed,
             "liblathe": str(arguments.liblathe.resolve()) if arguments.liblathe else None}))
-        environment = {**os.environ, "FREECAD_JOBS": str(settings), "FREECAD_USER_HOME": home}
+        # FreeCAD 0.20 takes its macro folder and its preferences from HOME alone.
+        environment = {it: value for it, value in os.environ.items() if not it.startswith("XDG_")}
+        environment |= {"FREECAD_JOBS": str(settings), "FREECAD_USER_HOME": home, "HOME": home}
         subprocess.run([arguments.freecadcmd, str(ROOT / "tests/oracles/freecad_jobs.py")],
                        env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                        stderr=subprocess.DEVNULL, check=False)
