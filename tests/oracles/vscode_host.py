@@ -140,7 +140,7 @@ class Window:
     async def texts(self, selector):
         return [it["text"].replace("\u00a0", " ") for it in await self.elements(selector)]
 
-    async def click(self, selector, text="", button=0, count=1, seconds=20):
+    async def click(self, selector, text="", button=0, count=1, seconds=60):
         found = await self.until(lambda: self.elements(selector, text), bool, seconds)
         if not found:
             await self.picture("failed")
@@ -148,7 +148,7 @@ class Window:
         place = found[0]
         await self.point((place["x"] + place["width"] / 2, place["y"] + place["height"] / 2), button, count)
 
-    async def until(self, read, holds, seconds=20):
+    async def until(self, read, holds, seconds=60):
         """Reads until the value holds; returns the last value."""
         end = time.monotonic() + seconds
         while True:
@@ -354,9 +354,9 @@ async def check_subprogram(window):
     await window.expect("stop at the entry", window.state, "Paused on entry")
     filters = lambda: window.texts(".debug-breakpoints .monaco-list-row")  # noqa: E731
     await window.expect("filters", filters, lambda rows: rows[:3] == ["Alarms", "Messages of the ladder", "Collisions"])
-    await window.keys("f5")
+    await window.toolbar("debug-continue")
     await window.expect("stop at M00", window.frames, [18])
-    await window.keys("f5")
+    await window.toolbar("debug-continue")
     await window.expect("call stack in O1031", window.frames, [2, 24])
     await window.picture("subprogram")
     await window.keys("f10")
@@ -374,7 +374,7 @@ async def check_subprogram(window):
     await window.toolbar("debug-reverse-continue")
     await window.expect("reverse to the beginning", window.state, "Paused on entry")
     await window.picture("beginning")
-    await window.keys("f5")
+    await window.toolbar("debug-continue")
     await window.expect("stop at M00 again", window.frames, [18])
     await window.toolbar("debug-restart")
     await window.expect("restart", window.state, "Paused on entry")
@@ -387,7 +387,7 @@ async def check_values(window):
     await window.gutter(6)
     await window.keys("ctrl+shift+d", "f5")
     await window.expect("stop at the entry", window.state, "Paused on entry")
-    await window.keys("f5")
+    await window.toolbar("debug-continue")
     await window.expect("stop at the breakpoint", window.frames, [6])
     scopes = lambda: window.texts(".debug-variables .monaco-list-row")  # noqa: E731
     await window.close_modal()
@@ -418,7 +418,7 @@ async def check_values(window):
     await window.menu(await window.word("G04", "P5"), "Jump to Cursor")
     await window.expect("jump back", window.frames, [7])
     await window.expect("its state", window.watches, watched("#200*2+1", 7))
-    await window.keys("f5")
+    await window.toolbar("debug-continue")
     await window.expect("end of the program", window.is_debugging, False)
 
 
@@ -433,18 +433,18 @@ async def check_breakpoints(window):
     await window.keys("ctrl+shift+d", "f5")
     await window.expect("stop at the entry", window.state, "Paused on entry")
     await window.add("Watch", "X")
-    await window.keys("f5")
+    await window.toolbar("debug-continue")
     await window.expect("stop at X<42", window.watches, lambda values: 41.9 < number(values.get("X")) < 42)
-    await window.keys("f5")
+    await window.toolbar("debug-continue")
     await window.expect("the next one", window.frames, [6])
-    await window.keys("f5")
+    await window.toolbar("debug-continue")
     await window.expect("the condition", window.frames, [7])
     await window.close_modal()
     await window.click(".debug-variables .monaco-list-row", "Variables")
     await window.until(lambda: window.elements(".debug-variables .monaco-list-row", "#200"), bool)
     value = (await window.elements(".debug-variables .monaco-list-row", "#200"))[0]
     await window.menu((value["x"] + 60, value["y"] + 8), "Break on Value Change")
-    await window.keys("f5")
+    await window.toolbar("debug-continue")
     await window.expect("stop at a change", window.watches, lambda values: values.get("#200*2+1") == "15")
     await window.picture("breakpoints")
     await window.keys("shift+f5")
@@ -477,7 +477,7 @@ async def check_alarm(window, folder):
         await window.until(window.watches, lambda values: values.get("tick") not in (last, None))
         ticks.append(int((await window.watches())["tick"]))
     await window.expect("a slot of the ladder", constant(ticks[1] - ticks[0]), 8)
-    await window.keys("f5")
+    await window.toolbar("debug-continue")
     shown = lambda: window.texts(".exception-widget")  # noqa: E731
     await window.expect("alarm 011", shown, lambda texts: any("011 " in text for text in texts))
     await window.picture("alarm")
