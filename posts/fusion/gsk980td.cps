@@ -23,7 +23,8 @@ minimumChordLength = spatial(0.05, MM);
 minimumCircularRadius = spatial(0.05, MM);
 maximumCircularRadius = spatial(1000, MM);
 minimumCircularSweep = toRad(0.1);
-maximumCircularSweep = toRad(180);
+// A radius of three decimals leaves the centre uncertain near 180 degrees.
+maximumCircularSweep = toRad(120);
 allowHelicalMoves = false;
 allowedCircularPlanes = 1 << PLANE_ZX;
 
