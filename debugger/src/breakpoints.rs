@@ -88,7 +88,8 @@ impl BreakpointSet {
         self.last_block = block;
         self.entry_line = 0;
         self.messages = active_messages(&simulation.cnc);
-        self.calls = simulation.cnc.running_calls().collect();
+        // The calls of the block, and not one that was read ahead and begins later.
+        self.calls = block.map_or_else(Vec::new, |it| calls_of_block(&simulation.cnc, it));
         for breakpoint in &mut self.breakpoints {
             breakpoint.last = read_value(&breakpoint.location.event, simulation);
         }

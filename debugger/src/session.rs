@@ -194,6 +194,8 @@ impl DebugSession {
             return Some(StopReason::Breakpoint(hits));
         }
         if let Some(alarm) = raised_alarm(&self.run).filter(|_| self.filter.alarms) {
+            // The faulty block has not begun: it was read ahead.
+            self.stop_block = alarm.source.or(self.stop_block);
             return Some(StopReason::Alarm(alarm));
         }
         if let Some(message) = message.filter(|_| is_new_message && self.filter.messages) {

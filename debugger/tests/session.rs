@@ -77,6 +77,32 @@ fn a_call_is_reached_with_the_first_block_of_its_program() {
 }
 
 #[test]
+fn a_block_that_only_calls_is_reached_backwards_too() {
+    let mut session = session();
+    add(&mut session, "4");
+    step(&mut session, DebugStep::Continue);
+    step(&mut session, DebugStep::Out);
+    assert_eq!(frames(&session), ["main:5"]);
+    let reason = session.go_back(DebugStep::Continue);
+    assert!(matches!(reason, StopReason::Breakpoint(_)), "{reason:?}");
+    assert_eq!(frames(&session), ["O12:2", "main:4"]);
+}
+
+#[test]
+fn an_alarm_stops_at_the_faulty_block() {
+    let mut setup = Setup::default();
+    let text = "G98 G01 X50 F500;\nG01 Z5;\nG19 X1;\nM30;\n";
+    setup.memory.programs.open_external(Program::new(text));
+    setup.memory.programs.select(ProgramId::External);
+    let run = DebuggedRun::new(Simulation::new(setup), None);
+    let mut session = DebugSession::new(run, Box::<SnapshotHistory>::default());
+    session.filter.alarms = true;
+    let reason = step(&mut session, DebugStep::Continue);
+    assert!(matches!(reason, StopReason::Alarm(_)), "{reason:?}");
+    assert_eq!(session.stop_block().map(|block| block.line), Some(3));
+}
+
+#[test]
 fn over_stays_in_the_main_program_and_out_leaves_the_subprogram() {
     let mut session = session();
     add(&mut session, "3");

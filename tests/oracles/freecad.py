@@ -298,8 +298,9 @@ def export_tools(program, out, data):
 def check_tools(program, out, data, again):
     """The drills that FreeCAD has saved, against those that were exported."""
     inserts = [f"t{len(DRILLS) + it}" for it in range(1, len(INSERTS) + 1)]
-    if (out / "tools/refused").read_text().split() != inserts:
+    if (out / "tools/refused").read_text().split():
         raise AssertionError(f"FreeCAD refuses {(out / 'tools/refused').read_text()}")
+    # FreeCAD drops the attributes of inserts when it saves them.
     library = json.loads((out / "tools/Library/shop.fctl").read_text())
     library["tools"] = [it for it in library["tools"] if it["path"][:-5] not in inserts]
     (out / "saved/Library").mkdir()

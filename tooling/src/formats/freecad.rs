@@ -1,7 +1,8 @@
 //! FreeCAD's tool libraries: a `.fctl` file with numbers and names, a `.fctb` file a tool.
 //!
-//! FreeCAD has shapes of drills and mills only. Inserts name the shape `turning`; their
-//! dimensions are parameters, and an attribute has the whole tool for the way back.
+//! FreeCAD has shapes of drills and mills only, and opens no file with another shape. Inserts name
+//! that of an end mill, with their size as its diameter; their dimensions are further parameters,
+//! and an attribute has the whole tool for the way back.
 
 use gsk_messages::{Message, say};
 use gsk_workpiece::tool::{Insert, Tool};
@@ -17,6 +18,8 @@ const TOOL_ATTRIBUTE: &str = "Gsk980tdTool";
 const CODE_ATTRIBUTE: &str = "Gsk980tdCode";
 /// Shapes of drills.
 const DRILL_SHAPES: [&str; 2] = ["drill", "twistdrill"];
+/// The shape that stands for an insert.
+const INSERT_SHAPE: &str = "endmill";
 
 /// A file of a tool.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -96,8 +99,9 @@ fn parameters(tool: &Tool) -> (&'static str, Vec<(&'static str, f64, &'static st
             size,
             nose,
         } => (
-            "turning",
+            INSERT_SHAPE,
             vec![
+                ("Diameter", size, "mm"),
                 ("CuttingEdgeAngle", letter.corner(), "°"),
                 ("EnteringAngle", entering, "°"),
                 ("InscribedCircle", size, "mm"),
@@ -105,8 +109,9 @@ fn parameters(tool: &Tool) -> (&'static str, Vec<(&'static str, f64, &'static st
             ],
         ),
         Insert::Grooving { width, nose, reach } => (
-            "turning",
+            INSERT_SHAPE,
             vec![
+                ("Diameter", width, "mm"),
                 ("Width", width, "mm"),
                 ("NoseRadius", nose, "mm"),
                 ("Depth", reach, "mm"),
@@ -117,8 +122,9 @@ fn parameters(tool: &Tool) -> (&'static str, Vec<(&'static str, f64, &'static st
             nose,
             height,
         } => (
-            "turning",
+            INSERT_SHAPE,
             vec![
+                ("Diameter", height, "mm"),
                 ("CuttingEdgeAngle", angle, "°"),
                 ("NoseRadius", nose, "mm"),
                 ("Height", height, "mm"),

@@ -80,6 +80,9 @@ impl LaunchedProgram {
                 let path = std::path::absolute(&file.path);
                 let path = path.map_or_else(|_| file.path.clone(), |it| it.display().to_string());
                 let name = path.rsplit(['/', '\\']).next().unwrap_or_default();
+                if frame.program == ProgramId::External {
+                    answer["name"] = json!(name);
+                }
                 answer["source"] = json!({"name": name, "path": path});
             }
             answer

@@ -139,7 +139,9 @@ impl<W: Write> ClientOutput<W> {
             Ok(Value::Null) => {}
             Ok(body) => message["body"] = body,
             Err(text) => {
-                message["body"] = json!({"error": {"id": 1, "format": text, "showUser": true}});
+                // A watch that cannot be evaluated shows its error itself.
+                let is_shown = request.command != "evaluate";
+                message["body"] = json!({"error": {"id": 1, "format": text, "showUser": is_shown}});
                 message["message"] = text.into();
             }
         }
