@@ -38,6 +38,10 @@ OPTIONS = ['--param', '1.4=1', '--param', '2.1=1', '--param', '7.3=1',
 LEFT_OUT = re.compile(r'G0*(32|33|34|76|92|96|99)(?!\d)')
 
 
+class Refused(Exception):
+    """No way to the start point is free of collisions with the guessed part."""
+
+
 def unescape(text):
     return text.replace('\\n', '\n').replace('\\"', '"')
 
@@ -132,6 +136,8 @@ def restart(board, case, line):
     text = listed.stdout + listed.stderr
     code = re.search(r'--confirm ([0-9a-f]+)', text)
     if not code:
+        if 'collides in every order' in text:
+            raise Refused
         return 'no code: ' + text.strip()[-300:]
     done, edges2, _, moves2, end2 = case.record(board, 'restart', ['--restart', str(line), '--confirm', code[1]])
     text = done.stdout + done.stderr
@@ -167,7 +173,7 @@ def restart(board, case, line):
 
 def main():
     board = BenchBoard(A.bench, A.board, A.program, A.port)
-    chance, failures, made, skipped = random.Random(A.seed), 0, 0, []
+    chance, failures, made, skipped, refused = random.Random(A.seed), 0, 0, [], []
     try:
         folder = pathlib.Path(board.run) / 'programs'
         cases = []
@@ -189,14 +195,19 @@ def main():
             case = chance.choice(cases)
             line = chance.choice(case.lines)
             block = case.main.read_text().split('\n')[line - 1].strip()
+            print(f'{time.strftime("%H:%M:%S")} {made + 1} {A.board} {case.name} line {line}: {block}', flush=True)
+            try:
+                why = restart(board, case, line)
+            except Refused:
+                refused.append(f'{case.name} line {line}')
+                print('  refused: the way collides', flush=True)
+                continue
             made += 1
-            print(f'{time.strftime("%H:%M:%S")} {made} {A.board} {case.name} line {line}: {block}', flush=True)
-            why = restart(board, case, line)
             if why:
                 failures += 1
                 print(f'  DIFFERENT: {why}', flush=True)
             sys.stdout.flush()
-        print(f'{made} restarts on {A.board}: {failures} different')
+        print(f'{made} restarts on {A.board}: {failures} different, {len(refused)} refused {refused}')
     finally:
         board.end()
     sys.exit(1 if failures else 0)
