@@ -15,7 +15,7 @@ are multiplied by --feed-factor and limited, so that a run is short.
 usage: board_restarts.py PROGRAM BENCH [--board grbl|klipper] [--number N] [--seed N] [--only NAME]
 """
 import argparse, json, os, pathlib, random, re, subprocess, sys, time
-from firmware_bench import (BenchBoard, commanded_turns, counted_turns, greatest_distance, path_points,
+from firmware_bench import (HOME, BenchBoard, commanded_turns, counted_turns, greatest_distance, path_points,
                             read_edges, read_positions)
 
 P = argparse.ArgumentParser()
@@ -96,8 +96,8 @@ class Case:
         if done.returncode or result.get('alarm'):
             return None
         positions = read_positions(self.folder / 'sim.csv')
-        # The limit switches are 400 pulses beyond the start point.
-        if any(max(row[axis] for row in positions) > positions[0][axis] + 350 for axis in (1, 2)):
+        # The limit switches are 400 and 200 pulses beyond the start point.
+        if any(max(row[axis] for row in positions) > positions[0][axis] + reach for axis, reach in ((1, 350), (2, 150))):
             return None
         moves = read_moves(self.folder / 'sim.moves')
         self.lines = sorted({move['line'] for move in moves if 'program' not in move})
@@ -130,6 +130,10 @@ def restart(board, case, line):
         whole = case.record(board, 'whole')
         if whole[0].returncode or 'ended normally' not in whole[0].stdout:
             return 'uninterrupted run: ' + (whole[0].stdout + whole[0].stderr).strip()[-300:]
+        # A limit switch in the last move ends the run without an alarm.
+        commanded = {'X': whole[2][-1][1], 'Z': whole[2][-1][2]}
+        if commanded != {axis: whole[4][axis] - HOME[A.board][axis] for axis in 'XZ'}:
+            return f'uninterrupted run: ends at {whole[4]}, commanded {commanded}'
         case.reference = whole
     _, edges, positions, moves, end = case.reference
     listed = board.run_referenced([*case.words, '--restart', str(line)])

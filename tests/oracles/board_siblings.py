@@ -15,7 +15,7 @@ Needs a folder with the images and configurations of the firmware bench (`firmwa
 usage: board_siblings.py PROGRAM BENCH [--model ncb08|hx31] [--scene NAME]
 """
 import argparse, os, pathlib, re, shutil, subprocess, sys, time
-from firmware_bench import BUSY, PULSES, BenchBoard, commanded_turns, counted_turns, read_edges, read_positions
+from firmware_bench import BUSY, HOME, PULSES, BenchBoard, commanded_turns, counted_turns, read_edges, read_positions
 
 P = argparse.ArgumentParser()
 P.add_argument('program')
@@ -102,7 +102,7 @@ class Scenes:
 
     def home(self):
         """Pulses of the machine zero on the bench."""
-        return {'X': 3600, 'Z': 7800}
+        return HOME['grbl']
 
     def check_count(self, log, end):
         """The last line of the link log against the counted edges."""
@@ -169,7 +169,7 @@ class Scenes:
 
     def limit(self):
         _, output, end, problems = self.trip('limit')
-        shown = re.search(r'622.*machine coordinates X (\S+) Z (\S+) by the board\'s count', output)
+        shown = re.search(r'alarms: E?622: .*machine coordinates X (\S+) Z (\S+) by the board\'s count.*', output)
         on_bench = {axis: end[axis] - self.home()[axis] for axis in 'XZ'}
         if not shown:
             return problems + [output.strip()[-400:]]

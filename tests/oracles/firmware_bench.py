@@ -12,6 +12,8 @@ GEAR = ['--param', '17=5', '--param', '18=5']
 BUSY = re.compile(r'(?<!\d)(601|605|612)(?!\d)')
 # Just before the switches, so that a reference return is short.
 BEFORE_SWITCHES = {'grbl': {'X': 3800, 'Y': 3800, 'Z': 7800}, 'klipper': {'X': 1100, 'Z': 2300}}
+# Counts of the bench at the machine zero.
+HOME = {'grbl': {'X': 3600, 'Z': 7800}, 'klipper': {'X': 1600, 'Z': 3200}}
 
 
 class BenchBoard:
