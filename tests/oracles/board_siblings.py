@@ -15,7 +15,7 @@ Needs a folder with the images and configurations of the firmware bench (`firmwa
 usage: board_siblings.py PROGRAM BENCH [--model ncb08|hx31] [--scene NAME]
 """
 import argparse, os, pathlib, re, shutil, subprocess, sys, time
-from firmware_bench import BUSY, HOME, PULSES, BenchBoard, commanded_turns, counted_turns, read_edges, read_positions
+from firmware_bench import HOME, PULSES, BenchBoard, commanded_turns, counted_turns, read_edges, read_positions
 
 P = argparse.ArgumentParser()
 P.add_argument('program')
@@ -79,11 +79,12 @@ class Scenes:
         script, steps = self.folder / f'{scene}.txt', self.folder / f'{scene}.log'
         data = self.folder / f'data-{scene}'
         script.write_text(REFERENCE.format(program=self.program) + SCRIPTS[scene])
-        for _ in range(3):
+        for _ in range(5):
             shutil.rmtree(data, ignore_errors=True)
             self.board.word('auto B4')
             self.board.place_before_switches()
             self.board.word(f'steps {steps}')
+            before = os.path.getsize(self.board.log)
             command = [A.program, 'operate', str(script), *self.options, '--data', str(data), '--param', '11.2=1',
                        '--param', '17=5', '--param', '18=5', '--lang', 'en', '--link', self.board.port,
                        '--machine', self.board.machine]
@@ -92,7 +93,7 @@ class Scenes:
             if action:
                 action(process)
             output = process.communicate(timeout=200)[0]
-            if not BUSY.search(output):
+            if not self.board.is_bench_fault(output, before):
                 break
         end = self.board.stat()
         self.board.word('steps off')
