@@ -84,7 +84,7 @@ class Scenes:
             self.board.word('auto B4')
             self.board.place_before_switches()
             self.board.word(f'steps {steps}')
-            before = os.path.getsize(self.board.log)
+            before = self.board.lost_ms()
             command = [A.program, 'operate', str(script), *self.options, '--data', str(data), '--param', '11.2=1',
                        '--param', '17=5', '--param', '18=5', '--lang', 'en', '--link', self.board.port,
                        '--machine', self.board.machine]

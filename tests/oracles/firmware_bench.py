@@ -65,18 +65,18 @@ class BenchBoard:
         return subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=timeout)
 
     def run_referenced(self, words, steps=None, attempts=8):
-        """`run` after a short reference return. A busy computer lets the board answer late
-        (601, 605, 612), or the
-        simulated board loses time (608, 611): the run is repeated; `repeated` of the result counts that."""
+        """`run` after a short reference return. A busy computer lets the board answer late (601, 605, 612),
+        or the simulated board loses time (608, 611). Then the run is repeated; `repeated` of the
+        result counts that."""
         for attempt in range(attempts):
             self.place_before_switches()
             self.word(f'steps {steps or "off"}')
-            before = os.path.getsize(self.log)
+            before = self.lost_ms()
             done = self.call(['run', *words, '--home'])
             text = done.stdout + done.stderr
             if done.returncode == 0 or not self.is_bench_fault(text, before):
                 break
-            print(f'  repeated: {" ".join(text.split())[:160]}', flush=True)
+            print(f'  repeated, the board lost {self.lost_ms() - before} ms: {" ".join(text.split())[:160]}', flush=True)
             time.sleep(2)
         self.stat()
         self.word('steps off')
@@ -84,12 +84,14 @@ class BenchBoard:
         done.repeated = attempt
         return done
 
-    def is_bench_fault(self, text, since):
-        """Whether a busy computer has ended a run. `since`: size of the bench log at its begin."""
-        with open(self.log, errors='replace') as log:
-            log.seek(since)
-            has_lost_time = ' LAG ' in log.read()
-        return bool(BUSY.search(text)) or has_lost_time and bool(LOST_TIME.search(text))
+    def is_bench_fault(self, text, before):
+        """Whether a busy computer has ended a run. `before`: the time the board had lost when it began."""
+        return bool(BUSY.search(text)) or self.lost_ms() > before + 20 and bool(LOST_TIME.search(text))
+
+    def lost_ms(self):
+        """Time that the simulated board has lost since it was started, ms."""
+        self.stat()
+        return self.lost
 
     def place_before_switches(self):
         for axis, position in BEFORE_SWITCHES[self.kind].items():
@@ -112,6 +114,7 @@ class BenchBoard:
                 log.seek(before)
                 found = re.search(r'STAT (.*)\n', log.read())
             if found:
+                self.lost = int(re.search(r'lags \d+ \((\d+) ms\)', found[1])[1])
                 return {axis: int(at) for axis, at in re.findall(r'\b([XZ]) pos (-?\d+)', found[1])}
         raise SystemExit('the bench does not answer')
 
@@ -181,16 +184,15 @@ def path_points(edges, counts):
     return points
 
 
-def greatest_distance(points, reference, reach=400):
-    """Greatest distance of a path from another, in steps (Chebyshev)."""
-    worst, near = 0, 0
-    for x, z in points:
-        best, best_index = None, near
-        for index in range(max(0, near - 20), min(len(reference), near + reach)):
-            distance = max(abs(reference[index][0] - x), abs(reference[index][1] - z))
-            if best is None or distance < best:
-                best, best_index = distance, index
-                if distance == 0:
-                    break
-        worst, near = max(worst, best if best is not None else 0), best_index
+def greatest_distance(points, reference, reach=40):
+    """Greatest distance of a path from another with the same edges, in steps (Chebyshev). A point
+    is compared with the points of the same number of edges, more or less `reach`."""
+    if len(points) != len(reference):
+        return float('inf')
+    worst = 0
+    for index, (x, z) in enumerate(points):
+        if reference[index] == (x, z):
+            continue
+        near = reference[max(0, index - reach):index + reach + 1]
+        worst = max(worst, min(max(abs(at_x - x), abs(at_z - z)) for at_x, at_z in near))
     return worst
