@@ -5,7 +5,8 @@ For each restart: one of the programs, a random line, `run --link --home --resta
 the code, then the same with `--confirm CODE`. Every step edge of the firmware is logged. Compared
 with an uninterrupted run of the same program on the same board: the commanded moves after the
 block, the distances between the reversals of each axis in the rest of the path (one step), the
-path of the rest (one step; two on Grbl), and the position at the end (equal).
+path of the rest (one step), and the position at the end (equal). A run that a busy computer has spoilt is repeated, and printed; with
+a load above 4 on two processors these are most runs with Klipper.
 
 Needs a folder with the images and configurations of the firmware bench (`firmware_bench.py`);
 simulated AVR boards that run Grbl 1.1h and Klipper. Programs without threads, without G96 and G99:
@@ -35,9 +36,8 @@ SAMPLES = ROOT / 'assets/programs'
 # standstill, so that a rounded first corner would differ.
 OPTIONS = ['--param', '1.4=1', '--param', '2.1=1', '--param', '7.3=1',
            '--offset', '01=0,0,0.4,3', '--offset', '02=1.2,-0.8,0.2,3', '--offset', '03=-2,1.5,0.3,3']
-# Allowed distance of two paths, in steps. A line board gets segments of 10 ms: where a rapid of
-# both axes bends, it depends on where a segment ends.
-REACH = {'grbl': 2, 'klipper': 1}
+# Allowed distance of two paths, in steps: both axes may make their steps in another order.
+REACH = 1
 LEFT_OUT = re.compile(r'G0*(32|33|34|76|92|96|99)(?!\d)')
 
 
@@ -169,7 +169,7 @@ def restart(board, case, line):
         elif whole != again:
             print(f'  {axis}: {sum(a != b for a, b in zip(whole, again))} of {len(whole)} reversals differ by one step')
     distance = greatest_distance(path_points(edges2, counts), path_points(edges, counts))
-    if distance > REACH[A.board]:
+    if distance > REACH:
         problems.append(f'path of the rest differs by {distance} steps')
     if end != end2:
         problems.append(f'end: whole {end}, restart {end2}')

@@ -10,9 +10,9 @@ PULSES = {'X': 200.0, 'Z': 200.0}
 GEAR = ['--param', '17=5', '--param', '18=5']
 # Alarms of a computer that is too busy for board and control.
 BUSY = re.compile(r'(?<!\d)(601|605|612)(?!\d)')
-# Alarms of a board whose clock has stood still: 608, 611. The simulated board loses time when its
-# computer is busy, a real one does not.
-LOST_TIME = re.compile(r'(?<!\d)(608|611)(?!\d)|the link failed')
+# Alarms after which a run is repeated if the simulated board has lost time. It does when its
+# computer is busy; a real one does not. 606 and 610 follow in the run after such a fault.
+LOST_TIME = re.compile(r'(?<!\d)(606|608|610|611)(?!\d)|the link failed')
 # Just before the switches, so that a reference return is short.
 BEFORE_SWITCHES = {'grbl': {'X': 3800, 'Y': 3800, 'Z': 7800}, 'klipper': {'X': 1100, 'Z': 2300}}
 # Counts of the bench at the machine zero.
