@@ -149,7 +149,7 @@ def restart(board, case, line):
     done, edges2, _, moves2, end2 = case.record(board, 'restart', ['--restart', str(line), '--confirm', code[1]])
     text = done.stdout + done.stderr
     if done.returncode or 'ended normally' not in done.stdout:
-        return 'restart: ' + text.strip()[-300:]
+        return 'restart: ' + done.stdout.strip()[:400] + ' ' + done.stderr.strip()[-200:]
     approach = len(re.findall(r': Rapid to X', text))
     rest = moves2[approach:]
     problems = []
