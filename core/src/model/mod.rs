@@ -8,6 +8,7 @@ mod contacts;
 mod conventions;
 mod parameters;
 mod program_calls;
+mod program_capacity;
 mod program_naming;
 mod record;
 
@@ -20,6 +21,7 @@ pub use code_meanings::{GCode, MCode};
 pub(crate) use contacts::{AxisEnd, EdgeAction, InputSignal, WiredContact};
 pub use conventions::{Conventions, Increments, MacroForm, ToolForm, WorkPlane, XMeasure};
 pub use parameters::ModelParameter;
+pub use program_capacity::ProgramCapacity;
 pub use program_naming::ProgramNaming;
 pub use record::ModelRecord;
 pub(crate) use record::{LadderOutput, MFunction};

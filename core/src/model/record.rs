@@ -9,9 +9,9 @@ use serde::de::DeserializeOwned;
 use super::contacts::{ContactAssignment, EdgeAction};
 use super::conventions::Conventions;
 use super::program_calls::CallRange;
+use super::program_capacity::ProgramCapacity;
 use super::program_naming::ProgramNaming;
 use super::{GCode, MCode, ModelId};
-use crate::program::ProgramCapacity;
 
 /// Number of possible G codes: they have two digits.
 const G_CODES: usize = 100;

@@ -65,5 +65,5 @@ pub use number::{VariableReference, WordNumber};
 pub(crate) use parse::parse_block;
 pub(crate) use plain_words::{PlainToken, PlainWords};
 pub use program_text::{Program, split_programs};
-pub use store::{PROGRAM_NUMBERS, ProgramCapacity, ProgramMemory};
+pub use store::{PROGRAM_NUMBERS, ProgramMemory};
 pub use syntax::{BlockError, Syntax};

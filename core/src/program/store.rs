@@ -10,33 +10,7 @@ use super::dnc_buffer::DncBuffer;
 use super::program_text::Program;
 use crate::alarm::{Alarm, number};
 use crate::command::ProgramId;
-use crate::model::ProgramNaming;
-
-/// What the program memory of a control model holds. As the default that of the GSK980TD
-/// (manual III-8.2).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct ProgramCapacity {
-    /// Greatest number of stored programs; one more raises alarm 072.
-    pub programs: usize,
-    /// Greatest number of characters of all programs together; more raise alarm 068.
-    pub characters: usize,
-}
-
-impl Default for ProgramCapacity {
-    fn default() -> Self {
-        Self {
-            programs: 193,
-            characters: 3_000_000,
-        }
-    }
-}
-
-impl ProgramCapacity {
-    /// Whether states need not store it: it is that of the GSK980TD.
-    fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
-}
+use crate::model::{ProgramCapacity, ProgramNaming};
 
 /// The numbers that a program can have.
 pub const PROGRAM_NUMBERS: RangeInclusive<u16> = 0..=9999;

@@ -1,6 +1,7 @@
 //! An operated limit switch: no key leads farther into it, whatever happened since. If its end
 //! is unknown, the axis moves in short pieces.
 
+use gsk_core::operation::RunState;
 use gsk_core::plc::address::BitAddress;
 use gsk_link::{LinkConfig, LinkState};
 use gsk_twins::grbl::{GrblSettings, GrblTwin, Variant};
@@ -208,4 +209,34 @@ fn a_board_that_seeks_single_switches_needs_that_of_its_axis_only() {
     machine.press(Z_PLUS);
     assert!(machine.run_until(60_000, |machine| machine.simulation.cnc.referenced_axes().z));
     assert_eq!(machine.twin.pulses()[0], x);
+}
+
+/// The board names the switch up to a second after it has stopped.
+fn check_last_move<T: BenchBoard>(ready: &LinkedMachine<T>) {
+    let mut machine = ready.clone();
+    let parts = machine.simulation.cnc.counters().parts;
+    machine.load("O1\nG50 X60 Z20\nG98 G01 Z18 F600\nZ-22\nM30\n", None);
+    machine.start_program();
+    let is_under_way = |machine: &LinkedMachine<T>| {
+        let cnc = &machine.simulation.cnc;
+        cnc.cursor().line == 4 && cnc.position_absolute().z < 10.0
+    };
+    assert!(machine.run_until(60_000, is_under_way));
+    machine.twin.press_limit(true);
+    machine.run_ms(6000);
+    assert_eq!(machine.alarms(), [622]);
+    assert_eq!(
+        machine.simulation.cnc.counters().parts,
+        parts,
+        "M30 is not reached"
+    );
+    assert_ne!(machine.simulation.cnc.run_state(), RunState::Run);
+}
+
+#[test]
+fn a_limit_in_the_last_move_does_not_end_the_program_well() {
+    for variant in super::LINES {
+        check_last_move(&LinkedMachine::referenced(variant));
+    }
+    check_last_move(&LinkedMachine::timed_referenced());
 }

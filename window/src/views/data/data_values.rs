@@ -9,7 +9,7 @@ use gsk_panel::pages::CoordinateFormat;
 /// The values that the data view shows, and why they cannot be written now.
 #[derive(Clone)]
 pub struct DataValues<'a> {
-    /// The record of the control model, which may have ranges of its own.
+    /// The record of the control model, which may have separate ranges.
     pub record: &'static ModelRecord,
     /// The parameters as this model is delivered.
     pub delivered: ControlParameters,
