@@ -290,8 +290,8 @@ impl LinkedControl {
             self.report(BoardReport::ReferenceLost { raise_alarm: true });
         }
         if position_unknown && state != LinkState::Locked {
-            // The alarm with the reason follows, up to a second later. Until then nothing of the
-            // program may go on: an M30 after the limited move would end it well.
+            // The alarm with the reason follows, up to a second later. Until then the program must not
+            // continue: an M30 after the limited move would end it well.
             self.report(BoardReport::RunStopped);
             self.stopping = StopInProgress::None;
             self.connection.outputs_withheld = true;
