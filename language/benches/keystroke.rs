@@ -9,6 +9,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use gsk_core::command::ProgramId;
+use gsk_core::model::ModelId;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_language::{Position, Structure, TextChange, TextDocument, analyse, folds, symbols};
@@ -82,7 +83,7 @@ fn keystroke(criterion: &mut Criterion) {
     });
     let structure = Structure::read(&text);
     group.bench_function("symbols", |bench| {
-        bench.iter(|| black_box(symbols(&text, &structure)));
+        bench.iter(|| black_box(symbols(&text, &structure, ModelId::default())));
     });
     group.bench_function("folds", |bench| {
         bench.iter(|| black_box(folds(&text, &structure)));
