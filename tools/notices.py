@@ -25,9 +25,9 @@ PLATFORMS = [
     "x86_64-pc-windows-msvc",
     "wasm32-unknown-unknown",
 ]
-FOLDER, PACKAGE, FONT_SECTIONS = ROOT, "gsk980td", True
+FOLDER, PACKAGES, FONT_SECTIONS = ROOT, ["gsk980td", "gsk980td-web"], True
 if sys.argv[1:] == ["--firmware"]:
-    FOLDER, PACKAGE, FONT_SECTIONS = ROOT / "firmware", "gsk980td-firmware", False
+    FOLDER, PACKAGES, FONT_SECTIONS = ROOT / "firmware", ["gsk980td-firmware"], False
     PLATFORMS = ["thumbv6m-none-eabi"]
 # Order of preference among alternative licences.
 CHOICE = ["MIT", "Apache-2.0", "BSD-3-Clause", "BSD-2-Clause", "Zlib", "ISC", "0BSD"]
@@ -72,11 +72,12 @@ def comparable(text):
 
 def linked(platform):
     """Returns the packages of a platform: (name, version) to (expression, repository)."""
-    command = ["cargo", "tree", "--locked", "-p", PACKAGE, "-e", "normal,no-proc-macro"]
+    command = ["cargo", "tree", "--locked", "-e", "normal,no-proc-macro"]
     command += ["--prefix", "none", "--target", platform, "--format", "{p}\t{l}\t{r}"]
+    command += [word for package in PACKAGES for word in ("-p", package)]
     said = subprocess.run(command, cwd=FOLDER, check=True, capture_output=True, text=True)
     packages = {}
-    for line in said.stdout.splitlines():
+    for line in filter(None, said.stdout.splitlines()):
         package, expression, repository = line.removesuffix(" (*)").split("\t")
         name, version, *rest = package.split()
         if not any(part.startswith("(/") for part in rest):
@@ -216,7 +217,7 @@ def main():
     out = [
         "# Third-party notices",
         "",
-        f"The binary `{PACKAGE}` contains the packages below, on one platform or another, each "
+        f"The binary `{PACKAGES[0]}` contains the packages below, on one platform or another, each "
         "under the licence that is taken of those it is offered under. The source of each is at "
         "`https://crates.io/crates/NAME/VERSION`, unchanged. Written by `tools/notices.py`.",
         "",

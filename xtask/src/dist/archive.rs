@@ -6,6 +6,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use flate2::{Compression, GzBuilder};
+use lzma_rust2::{LzipOptions, LzipWriter};
 use tar::{Builder, EntryType, Header};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
@@ -41,6 +42,13 @@ impl Item {
 /// Compresses bytes with gzip, without name and time in the header.
 pub fn gz(bytes: &[u8]) -> io::Result<Vec<u8>> {
     let mut packed = GzBuilder::new().write(Vec::new(), Compression::best());
+    packed.write_all(bytes)?;
+    packed.finish()
+}
+
+/// Compresses bytes with lzip, as small as it can.
+pub fn lz(bytes: &[u8]) -> io::Result<Vec<u8>> {
+    let mut packed = LzipWriter::new(Vec::new(), LzipOptions::with_preset(9));
     packed.write_all(bytes)?;
     packed.finish()
 }
