@@ -80,7 +80,10 @@ pub fn designation(subject: Subject<'_>, language: Language) -> String {
         Subject::Lamp(id) => say::help_lamp(id),
         Subject::Page(id) => say::help_page(id),
         Subject::Field("*", label) => say::help_field_everywhere(label_in(label, language)),
-        Subject::Field(page, label) => say::help_field(label_in(label, language), page),
+        Subject::Field(page, label) => {
+            let title = subject_name(Subject::Page(page), language);
+            say::help_field(label_in(label, language), title)
+        }
         Subject::Diagnosis(number) => say::help_diagnosis(format!("{number:03}")),
         Subject::Code(name) | Subject::Signal(name) | Subject::Notion(name) => {
             return name.to_owned();

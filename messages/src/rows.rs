@@ -955,6 +955,7 @@ message_rows! {
     first_look_one_tool FirstLookOneTool();
     first_look_reach FirstLookReach(x_least, x_most, z_least, z_most);
     first_look_tools FirstLookTools(tools);
+    first_look_unnamed FirstLookUnnamed(time, tools: message, reach);
     first_machine_file FirstMachineFile();
     first_machine_file_hint FirstMachineFileHint();
     first_machine_file_is FirstMachineFileIs(name);
@@ -1643,9 +1644,11 @@ message_rows! {
     ladder_level_one_long LadderLevelOneLong(steps, much);
     ladder_level_one_too_long LadderLevelOneTooLong(steps, slot);
     ladder_line_menu LadderLineMenu();
+    ladder_line_no_ports LadderLineNoPorts();
     ladder_line_read LadderLineRead();
     ladder_line_read_hint LadderLineReadHint();
     ladder_line_received LadderLineReceived(port, size);
+    ladder_line_running LadderLineRunning(port);
     ladder_line_send LadderLineSend();
     ladder_line_send_hint LadderLineSendHint();
     ladder_line_sent LadderLineSent(port, size);
@@ -1715,6 +1718,7 @@ message_rows! {
     ladder_print LadderPrint();
     ladder_print_ending LadderPrintEnding(path);
     ladder_print_hint LadderPrintHint();
+    ladder_print_opened LadderPrintOpened(path);
     ladder_print_title LadderPrintTitle();
     ladder_quote_missing LadderQuoteMissing();
     ladder_read LadderRead();
@@ -1902,6 +1906,7 @@ message_rows! {
     lcd_disk_read LcdDiskRead(key, disk);
     lcd_disk_save LcdDiskSave(key, disk);
     lcd_distance_to_go LcdDistanceToGo();
+    lcd_distance_to_go_short LcdDistanceToGoShort();
     lcd_drives_and_encoder LcdDrivesAndEncoder();
     lcd_dry_run LcdDryRun();
     lcd_encoder_high LcdEncoderHigh();
@@ -2387,6 +2392,7 @@ message_rows! {
     machine_load_wrong MachineLoadWrong(value);
     machine_motor_turn_wrong MachineMotorTurnWrong(turn);
     machine_name_missing MachineNameMissing();
+    machine_needs_parameters MachineNeedsParameters(lathe, parameters);
     machine_pulse_wrong MachinePulseWrong(pulse);
     machine_screw_error_wrong MachineScrewErrorWrong(error, largest);
     machine_screw_order MachineScrewOrder(next, one);
@@ -4120,6 +4126,7 @@ message_rows! {
     window_help_to_my_machine WindowHelpToMyMachine();
     window_help_topics WindowHelpTopics(count);
     window_hint WindowHint();
+    window_hint_cycle_start WindowHintCycleStart();
     window_hint_emergency_stop WindowHintEmergencyStop();
     window_hint_list WindowHintList();
     window_hint_machine_zero WindowHintMachineZero();

@@ -110,6 +110,8 @@ pub struct ParameterRow {
     pub meaning_en: &'static str,
     /// Meaning as shown on the parameter page, in Chinese.
     pub meaning_zh: &'static str,
+    /// Meaning as shown on the parameter page, in English; empty if `meaning_en` fits there.
+    pub lcd_en: &'static str,
     /// The function of the control that uses the parameter.
     pub used_by: &'static str,
     /// Help texts about the parameter in both languages.
@@ -194,6 +196,7 @@ fn parse_row(line: &'static str) -> Option<ParameterRow> {
         effective,
         meaning_en: fields.next()?,
         meaning_zh: fields.next()?,
+        lcd_en: fields.next()?,
         used_by: fields.next()?,
         help: HelpColumns::read(&mut fields)?,
     })

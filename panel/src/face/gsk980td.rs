@@ -219,6 +219,7 @@ pub(super) static FACE: Face = Face {
     version: "Gsk-980TD V05.05.12",
     product: "GSK-980TD-1",
     versions: Some(("V05.01.15", "RS")),
+    to_go: say::lcd_distance_to_go,
     lcd: LcdColours::BLUE,
     grids: &[
         RESET,

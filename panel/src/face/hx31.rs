@@ -57,6 +57,7 @@ pub(super) static FACE: Face = Face {
     version: "31/32",
     product: "31/32",
     versions: None,
+    to_go: say::lcd_distance_to_go,
     lcd: LcdColours::BLUE,
     grids: &[
         common::RESET,

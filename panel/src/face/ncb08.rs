@@ -57,6 +57,7 @@ pub(super) static FACE: Face = Face {
     version: "NC-B08",
     product: "NC-B08",
     versions: None,
+    to_go: say::lcd_distance_to_go_short,
     lcd: LcdColours::GREEN,
     grids: &[
         common::RESET,

@@ -43,23 +43,52 @@ fn line(alarm: &Alarm, language: Language) -> String {
     }
 }
 
-/// Writes the entries below each other. An entry longer than a row continues in the next one.
+/// Writes the entries below each other. An entry longer than a row continues in the next one, an
+/// English one with a whole word.
 fn list(screen: &mut Screen, entries: impl Iterator<Item = String>) {
     let mut row = FIRST_ROW;
     for entry in entries {
-        let mut column = 0;
-        for character in entry.chars() {
-            if column + glyphs::columns(character) > COLUMNS {
-                (row, column) = (row + 1, 0);
-            }
+        let mut rest = entry.as_str();
+        while !rest.is_empty() {
             if row > LAST_ROW {
                 return;
             }
-            column = screen.put(row, column, character.encode_utf8(&mut [0; 4]));
+            let (shown, next) = rest.split_at(row_end(rest));
+            screen.put(row, 0, shown);
+            rest = next.trim_start();
+            row += 1;
         }
-        row += 1;
-        if row > LAST_ROW {
-            return;
-        }
+    }
+}
+
+/// Returns the length of the part of a text that fits into a row, bytes.
+fn row_end(text: &str) -> usize {
+    let mut column = 0;
+    let beyond = text.char_indices().find(|(_, character)| {
+        column += glyphs::columns(*character);
+        column > COLUMNS
+    });
+    let Some((end, next)) = beyond else {
+        return text.len();
+    };
+    let breaks_word = next.is_ascii_alphanumeric();
+    let word = text[..end].rfind(' ').filter(|at| breaks_word && *at > 0);
+    word.map_or(end, |at| at + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_english_alarm_continues_with_a_whole_word() {
+        let text = "E207: Overtravel switch or emergency stop";
+        assert_eq!(&text[row_end(text)..], "stop");
+        let fits = "207: Overtravel switch or emergency stop";
+        assert_eq!(row_end(fits), fits.len());
+        let chinese = "超程".repeat(11);
+        assert_eq!(row_end(&chinese), 60);
+        // A word longer than a row is broken.
+        assert_eq!(row_end(&"x".repeat(50)), COLUMNS);
     }
 }

@@ -78,10 +78,11 @@ pub fn states(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     frame::input_line(screen, &prompt, view);
 }
 
-/// Returns the meaning of a parameter in the screen's language.
+/// Returns the meaning of a parameter in the screen's language, short enough for its row.
 pub(super) const fn meaning(screen: &Screen, row: &ParameterRow) -> &'static str {
     match screen.language() {
-        Language::En => row.meaning_en,
+        Language::En if row.lcd_en.is_empty() => row.meaning_en,
+        Language::En => row.lcd_en,
         Language::Zh => row.meaning_zh,
     }
 }
@@ -162,6 +163,29 @@ pub fn pitch(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lcd::LcdColours;
+    use crate::screen::COLUMNS;
+
+    #[test]
+    fn every_meaning_fits_into_its_row() {
+        for language in [Language::Zh, Language::En] {
+            let screen = Screen::in_language(language, LcdColours::BLUE);
+            for row in memory::parameter_rows() {
+                let prefix = match (row.bit, row.state) {
+                    (Some(_), _) => "BITn:",
+                    (None, false) => "",
+                    // The page shows the bits of this row, one at a time.
+                    (None, true) => continue,
+                };
+                let text = format!("{prefix}{}", meaning(&screen, row));
+                assert!(
+                    glyphs::text_columns(&text) <= COLUMNS,
+                    "{}: {text}",
+                    row.number
+                );
+            }
+        }
+    }
 
     #[test]
     fn the_chinese_names_of_bits_are_those_of_the_table() {

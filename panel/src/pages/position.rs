@@ -9,6 +9,7 @@ use super::format::{self, CoordinateFormat};
 use super::frame;
 use super::program_text::{self, Listing};
 use super::view::PageView;
+use crate::face::face_of;
 use crate::screen::{CellStyle, Screen};
 
 /// Screen rows of the large coordinates of X and Z.
@@ -137,7 +138,7 @@ pub(crate) fn overall(screen: &mut Screen, cnc: &Cnc) {
     group(screen, 2, 22, ABSOLUTE, cnc.position_absolute(), cnc);
     group(screen, 7, 2, MACHINE, cnc.position_machine(), cnc);
     if cnc.mode().runs_programs() {
-        group(screen, 7, 22, REMAINING, cnc.distance_to_go(), cnc);
+        group(screen, 7, 22, remaining(cnc), cnc.distance_to_go(), cnc);
         if let Some(seconds) = cnc.displayed_dwell_s() {
             screen.put_right(8, 36, &format!("{seconds:.3}"));
         }
@@ -149,7 +150,11 @@ type Heading = (fn() -> Message, [&'static str; 2]);
 const RELATIVE: Heading = (say::lcd_coordinates_relative, ["U", "W"]);
 const ABSOLUTE: Heading = (say::lcd_coordinates_absolute, ["X", "Z"]);
 const MACHINE: Heading = (say::lcd_coordinates_machine, ["X", "Z"]);
-const REMAINING: Heading = (say::lcd_distance_to_go, ["X", "Z"]);
+
+/// The group of distances to go, with the heading of the control model.
+fn remaining(cnc: &Cnc) -> Heading {
+    (face_of(cnc.model().id()).to_go, ["X", "Z"])
+}
 
 fn group(screen: &mut Screen, row: usize, column: usize, what: Heading, at: Point, cnc: &Cnc) {
     let (heading, letters) = what;
@@ -165,7 +170,7 @@ fn group(screen: &mut Screen, row: usize, column: usize, what: Heading, at: Poin
 /// instead of the relative coordinates.
 pub fn with_program(screen: &mut Screen, cnc: &Cnc) {
     let (what, at) = if cnc.parameters().shows_remaining() {
-        (REMAINING, cnc.distance_to_go())
+        (remaining(cnc), cnc.distance_to_go())
     } else {
         (RELATIVE, cnc.position_relative())
     };
