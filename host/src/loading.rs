@@ -1,20 +1,21 @@
 //! Makes a [`Setup`] with its program from files and options, for `run`, `check`, `plot`,
 //! `operate` and the window.
 
+mod machine_file;
+
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use gsk_core::alarm::Alarm;
 use gsk_core::command::ProgramId;
-use gsk_core::machine::{ConfigError, LatheConfig};
 use gsk_core::memory::ParameterError;
 use gsk_core::model::ControlModel;
 use gsk_core::plc::address::{AddressError, Area, BitAddress};
 use gsk_core::plc::{CompileErrors, Ladder};
 use gsk_core::program::{self, Program, ProgramMemory};
 use gsk_core::setup::{Setup, dnc_teach_ladder};
-use gsk_core::units::{NonFinite, Point, find_non_finite};
+use gsk_core::units::Point;
 use gsk_messages::{Language, Message, say};
 use gsk_milling::{MillSetup, MillWordError};
 use gsk_runner::report;
@@ -28,6 +29,7 @@ use crate::message_format::{describe_ladder_errors, join_lines};
 use crate::platform;
 use crate::retained;
 use crate::setup_args::{ModelMismatch, OffsetOption, ParameterOption, SetupArgs};
+pub use machine_file::{load_machine, missing_machine_parameters, parse_machine};
 
 /// The reason why a setup cannot be loaded.
 #[derive(Debug, thiserror::Error)]
@@ -49,6 +51,13 @@ pub enum LoadError {
         minus: f64,
         /// Plus end of the axis travel, mm.
         plus: f64,
+    },
+    /// The machine file lists a parameter that is none.
+    MachineParameter {
+        /// The text in the file.
+        word: String,
+        /// The rule that it breaks.
+        reason: Message,
     },
     /// `--param` has an invalid number or value.
     Parameter(#[from] ParameterError),
@@ -125,6 +134,9 @@ impl LoadError {
                 minus,
                 plus,
             } => say::start_beyond_ends(name, minus, plus, section),
+            Self::MachineParameter { word, reason } => {
+                say::subject_reason(format!("parameters: \"{word}\""), reason.clone())
+            }
             Self::Parameter(error) => say::subject_reason("--param", error.message()),
             Self::OfMill(error) => error.message(),
             Self::MillWord(message) => message.clone(),
@@ -275,6 +287,9 @@ fn apply_options_from(
     if let Some(rpm) = args.spindle {
         setup.spindle_rpm = Some(rpm);
     }
+    if args.machine.is_some() {
+        machine_file::apply_machine_parameters(setup)?;
+    }
     for word in &args.parameters {
         apply_parameter(setup, *word)?;
     }
@@ -353,38 +368,6 @@ pub fn load_ladder(path: &Path) -> Result<Arc<Ladder>, LoadError> {
             errors,
         }),
     }
-}
-
-/// Reads a machine file (`docs/machine-file.md`) and checks its rules. Returns an error if it
-/// cannot be read or breaks a rule.
-pub fn load_machine(path: &Path) -> Result<LatheConfig, LoadError> {
-    parse_machine(path, &program_file::read(path)?.text)
-}
-
-/// Parses the text of a machine file and checks its rules; `path` is for error messages only.
-pub fn parse_machine(path: &Path, text: &str) -> Result<LatheConfig, LoadError> {
-    if let Some(NonFinite { line, token }) = find_non_finite(text) {
-        return Err(LoadError::MachineNumber {
-            path: path.to_owned(),
-            line,
-            token,
-        });
-    }
-    let options =
-        ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
-    let config: LatheConfig = options.from_str(text).map_err(|error| LoadError::Machine {
-        path: path.to_owned(),
-        line: error.span.start.line,
-        error: Box::new(error.code),
-    })?;
-    config.check().map_err(|errors| {
-        let rules = errors.iter().map(ConfigError::message);
-        LoadError::InvalidLathe {
-            path: path.to_owned(),
-            rules: rules.collect(),
-        }
-    })?;
-    Ok(config)
 }
 
 /// Opens a program file as the external program, stores the programs it calls and those of

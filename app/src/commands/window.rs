@@ -186,6 +186,12 @@ impl WindowStarter {
             ..SetupArgs::default()
         };
         loading::apply_options(&mut setup, &machine)?;
+        if let Some(parameters) = loading::missing_machine_parameters(&setup) {
+            let name = setup.lathe.name.clone();
+            restored
+                .complaints
+                .push(say::machine_needs_parameters(name, parameters));
+        }
         let source = match &args.dnc {
             Some(name) => {
                 loading::use_dnc_ladder(&mut setup);
@@ -387,6 +393,7 @@ fn no_display_message(program: Option<&Path>) -> Message {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use gsk_core::memory::ControlParameters;
     use gsk_tests::test_folder;
 
     fn turn_on(folder: &Path, settings: Option<&WindowSettings>, fresh: bool) -> WindowStart {
@@ -455,6 +462,23 @@ mod tests {
         let lathe = |start: &WindowStart| start.kernel.emulator().lathe().config().clone();
         let read = loading::load_machine(&machines.join("small-flat-bed.ron")).expect("a machine");
         assert_eq!(lathe(&start), read);
+        // The control was as delivered: it has got what this lathe needs.
+        let memory = |start: &WindowStart| start.kernel.emulator().cnc().parameters().clone();
+        assert_eq!(memory(&start).value(84), 6);
+        assert!(start.restored.complaints.is_empty());
+        let mut own = ControlParameters::default();
+        own.set(22, 3800).expect("a rapid rate");
+        start.data.store("parameters", &own).expect("stored");
+        drop(start);
+        let start = turn_on(&folder, Some(&chosen("small-flat-bed.ron")), false);
+        assert_eq!(memory(&start), own);
+        let texts: Vec<String> = start
+            .restored
+            .complaints
+            .iter()
+            .map(|it| it.text(Language::En))
+            .collect();
+        assert!(texts.len() == 1 && texts[0].contains("84=6"), "{texts:?}");
         drop(start);
         let start = turn_on(&folder, Some(&chosen("no-such-lathe.ron")), false);
         assert_eq!(lathe(&start), Setup::delivered().lathe);

@@ -116,12 +116,14 @@ impl AxisDrive {
                 max_error_pulses: (servo.largest_error.abs() * scale / weight).max(1.0),
             }
         });
+        // A motor mounted the other way round needs 008 inverted, after each power-on: it is wired
+        // for the delivered value. Every other one turns the right way with 008 as it is now.
+        let runs_backwards = match config.reversed {
+            true => !is_motor_reversed(axis, &ControlParameters::default()),
+            false => is_motor_reversed(axis, parameters),
+        };
         Self {
-            pulse_mm: if is_motor_reversed(axis, parameters) != config.reversed {
-                -weight
-            } else {
-                weight
-            },
+            pulse_mm: if runs_backwards { -weight } else { weight },
             commanded: to_pulses(config.start),
             following_error_pulses: 0.0,
             slide: to_pulses(config.start),

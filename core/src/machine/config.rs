@@ -34,6 +34,9 @@ pub struct LatheConfig {
     /// picture (manual I-3.1.1 to I-3.1.3). The lathe as delivered has a front tool post: the
     /// keys of parameter 175.0 = 0 agree with its picture.
     pub rear_tool_post: bool,
+    /// Parameters that the control of this lathe needs, each `N=V` or `N.B=0|1`. A control whose
+    /// parameters are still as delivered gets them at power-on.
+    pub parameters: Vec<String>,
     /// The cross slide; its lengths are diameters, mm.
     #[serde(with = "CrossSlide")]
     pub x: AxisConfig,
@@ -59,6 +62,7 @@ impl Default for LatheConfig {
         Self {
             name: "training lathe".to_owned(),
             rear_tool_post: false,
+            parameters: Vec::new(),
             x: AxisConfig::cross_slide(),
             z: AxisConfig::default(),
             turret: TurretConfig::default(),

@@ -14,3 +14,4 @@ pub use ladder::{read_ladder, send_ladder};
 pub use names::free_name;
 pub use session::{TransferObserver, TransferSession, TransferTotals};
 pub use transfer_settings::{SendListItem, TransferSettings, load_window_settings};
+pub use worker::port_names;

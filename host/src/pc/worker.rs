@@ -455,7 +455,7 @@ impl PcWorkerThread {
 }
 
 /// Lists the names of the serial ports of the computer.
-fn port_names() -> Vec<String> {
+pub fn port_names() -> Vec<String> {
     // Without a list from the system the user types the port.
     let found = ports::list_ports().unwrap_or_default();
     let name = |port: ports::PortInfo| match port.by_id {

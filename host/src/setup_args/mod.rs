@@ -15,12 +15,10 @@ use crate::files::models;
 
 pub use words::{
     InputBit, OffsetOption, OptionValueError, ParameterOption, lathe_model_parser, model_parser,
-    parse_distance, parse_duration_ms, parse_feed, parse_input_bit, parse_number, parse_switch,
-    parse_xz,
+    parse_distance, parse_duration_ms, parse_feed, parse_input_bit, parse_number, parse_parameter,
+    parse_switch, parse_xz,
 };
-use words::{
-    parse_model_parameter, parse_moment, parse_offset, parse_parameter, parse_spindle_speed,
-};
+use words::{parse_model_parameter, parse_moment, parse_offset, parse_spindle_speed};
 
 /// Options of control and lathe. A command lists them last: their help heading applies to
 /// all later options, too.

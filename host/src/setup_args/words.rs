@@ -223,7 +223,7 @@ fn parse_state(word: &str) -> Result<bool, OptionValueError> {
     }
 }
 
-pub(super) fn parse_parameter(word: &str) -> Result<ParameterOption, OptionValueError> {
+pub fn parse_parameter(word: &str) -> Result<ParameterOption, OptionValueError> {
     let (name, value) = word
         .split_once('=')
         .ok_or(OptionValueError::WrongFormExample(

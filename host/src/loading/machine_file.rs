@@ -1,0 +1,105 @@
+//! Reads machine files, and sets the parameters that they list.
+
+use std::path::Path;
+
+use gsk_core::machine::{ConfigError, LatheConfig};
+use gsk_core::memory::ControlParameters;
+use gsk_core::setup::Setup;
+use gsk_core::units::{NonFinite, find_non_finite};
+
+use super::{LoadError, apply_parameter};
+use crate::files::program_file;
+use crate::setup_args::{ParameterOption, parse_parameter};
+
+/// Reads a machine file (`docs/machine-file.md`) and checks its rules. Returns an error if it
+/// cannot be read or breaks a rule.
+pub fn load_machine(path: &Path) -> Result<LatheConfig, LoadError> {
+    parse_machine(path, &program_file::read(path)?.text)
+}
+
+/// Parses the text of a machine file and checks its rules; `path` is for error messages only.
+pub fn parse_machine(path: &Path, text: &str) -> Result<LatheConfig, LoadError> {
+    if let Some(NonFinite { line, token }) = find_non_finite(text) {
+        return Err(LoadError::MachineNumber {
+            path: path.to_owned(),
+            line,
+            token,
+        });
+    }
+    let options =
+        ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+    let config: LatheConfig = options.from_str(text).map_err(|error| LoadError::Machine {
+        path: path.to_owned(),
+        line: error.span.start.line,
+        error: Box::new(error.code),
+    })?;
+    for word in &config.parameters {
+        parse_machine_parameter(word).map_err(|error| LoadError::InvalidLathe {
+            path: path.to_owned(),
+            rules: vec![error.message()],
+        })?;
+    }
+    config.check().map_err(|errors| {
+        let rules = errors.iter().map(ConfigError::message);
+        LoadError::InvalidLathe {
+            path: path.to_owned(),
+            rules: rules.collect(),
+        }
+    })?;
+    Ok(config)
+}
+
+/// Sets the parameters that the machine file lists, if those of the control are still as delivered.
+pub(super) fn apply_machine_parameters(setup: &mut Setup) -> Result<(), LoadError> {
+    if is_as_delivered(setup) {
+        setup.memory.parameters = with_machine_parameters(setup)?;
+    }
+    Ok(())
+}
+
+/// Whether nobody has changed a parameter: they are those of the model, with or without the chuck of
+/// the training lathe.
+fn is_as_delivered(setup: &Setup) -> bool {
+    let plain = Setup::default();
+    let mut of_model = plain.clone();
+    of_model.memory.set_model(setup.memory.model.clone());
+    [plain, of_model].into_iter().any(|delivered| {
+        let is_same = delivered.memory.parameters == setup.memory.parameters;
+        is_same || delivered.with_chuck().memory.parameters == setup.memory.parameters
+    })
+}
+
+/// Returns the parameters of the control with those that its machine file lists.
+fn with_machine_parameters(setup: &Setup) -> Result<ControlParameters, LoadError> {
+    let mut changed = setup.clone();
+    for word in &setup.lathe.parameters {
+        apply_parameter(&mut changed, parse_machine_parameter(word)?)?;
+    }
+    Ok(changed.memory.parameters)
+}
+
+fn parse_machine_parameter(word: &str) -> Result<ParameterOption, LoadError> {
+    parse_parameter(word).map_err(|error| LoadError::MachineParameter {
+        word: word.to_owned(),
+        reason: error.message(),
+    })
+}
+
+/// Returns the parameters that the lathe needs and the control has otherwise, as the machine file
+/// lists them; `None` if there are none.
+pub fn missing_machine_parameters(setup: &Setup) -> Option<String> {
+    let differs = |word: &&String| {
+        let mut changed = setup.clone();
+        changed.lathe.parameters = vec![(*word).clone()];
+        let needed = with_machine_parameters(&changed);
+        needed.is_ok_and(|needed| needed != setup.memory.parameters)
+    };
+    let missing: Vec<&str> = setup
+        .lathe
+        .parameters
+        .iter()
+        .filter(differs)
+        .map(String::as_str)
+        .collect();
+    (!missing.is_empty()).then(|| missing.join(", "))
+}
