@@ -139,7 +139,11 @@ impl ProgramSummary {
             say::first_look_reach(x_least, x_most, z_least, z_most).text(language)
         });
         let time = format_whole_seconds(self.time_s);
-        let line = say::first_look(&self.name, time, tools, reach.unwrap_or_default());
+        let reach = reach.unwrap_or_default();
+        let line = match self.name.is_empty() {
+            true => say::first_look_unnamed(time, tools, reach),
+            false => say::first_look(&self.name, time, tools, reach),
+        };
         line.text(language)
     }
 }
@@ -170,6 +174,18 @@ mod tests {
         let (least, greatest) = look.cut_extents().expect("cuts");
         assert_eq!((least.x, least.z), (15.0, -85.0));
         assert_eq!((greatest.x, greatest.z), (35.0, 10.0));
+    }
+
+    #[test]
+    fn the_line_of_a_text_without_a_number_begins_with_its_time() {
+        let unnamed = ProgramSummary {
+            name: String::new(),
+            ..summarize_text("G00 X10\nM30\n")
+        };
+        for language in [Language::En, Language::Zh] {
+            let line = unnamed.summary_line(language);
+            assert!(line.starts_with("0:0"), "{line}");
+        }
     }
 
     #[test]

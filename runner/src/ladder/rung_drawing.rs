@@ -20,7 +20,9 @@ const LEAD: usize = 18;
 /// Columns that the outputs take.
 const OUTPUT_COLUMNS: usize = 2;
 /// Height of an operand line and of the heading of a box.
-const LINE: usize = 13;
+const LINE: usize = 12;
+/// Distance of the upper edge of a box above the wire.
+const BOX_ABOVE: usize = 14;
 
 /// Draws one rung; all rungs of a page have the same width.
 pub(super) struct RungDrawing<'a> {
@@ -165,7 +167,7 @@ impl<'a> RungDrawing<'a> {
     }
 
     fn function_box(&mut self, output: &Statement, y: usize, (bus, right): (usize, usize)) {
-        let (x, top) = (bus + 14, y - 14);
+        let (x, top) = (bus + 14, y - BOX_ABOVE);
         let (width, height) = (right - 8 - x, box_height(output));
         self.line((bus, y), (x, y), 1);
         self.line((x + width, y), (right, y), 1);
@@ -222,15 +224,14 @@ const fn left(column: usize) -> usize {
 }
 
 fn box_height(output: &Statement) -> usize {
-    (operand_line_count(output) + 1) * LINE + 6
+    (operand_line_count(output) + 1) * LINE + 4
 }
 
 /// Returns the number of rows of cells that an output takes.
 fn output_rows(output: &Statement) -> usize {
     match operand_line_count(output) {
         0 => 1,
-        // The upper edge of the box is as far below that of its cell.
-        _ => (box_height(output) + 2).div_ceil(CELL.1),
+        _ => (WIRE - BOX_ABOVE + box_height(output) + 2).div_ceil(CELL.1),
     }
 }
 
@@ -263,6 +264,16 @@ fn two_lines(comment: &str) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_box_ends_above_the_cell_of_the_next_output() {
+        let ladder = gsk_core::setup::standard_ladder();
+        let boxes = ladder.statements().iter();
+        for output in boxes.filter(|output| operand_line_count(output) > 0) {
+            let end = WIRE - BOX_ABOVE + box_height(output);
+            assert!(end < output_rows(output) * CELL.1, "{output:?}");
+        }
+    }
 
     #[test]
     fn long_comments_take_two_lines_and_end_there() {

@@ -4,12 +4,15 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crossbeam::queue::ArrayQueue;
 use egui::{Button, TextEdit, Ui};
-use gsk_host::pc::{TransferSettings, read_ladder, send_ladder};
+use gsk_host::pc::{TransferSettings, port_names, read_ladder, send_ladder};
 use gsk_messages::{Language, Message, say};
 
 use super::LadderView;
 use super::draft::LadderDraft;
+use crate::views::transfer::BAUD_RATES;
+use crate::widgets::field_menu::field_menu;
 use crate::widgets::files::run_in_thread;
 
 /// The port at which the other control is, and whether a transfer runs.
@@ -18,6 +21,12 @@ pub struct ControlLine {
     port: String,
     baud: u32,
     is_busy: Arc<AtomicBool>,
+    /// The ports of the computer when the menu was opened last.
+    ports: Vec<String>,
+    /// Queue for the ports of the computer, which a thread lists.
+    found_ports: Arc<ArrayQueue<Vec<String>>>,
+    /// Whether the menu was open in the last frame.
+    is_menu_open: bool,
 }
 
 impl ControlLine {
@@ -27,21 +36,73 @@ impl ControlLine {
             port: settings.port.clone(),
             baud: settings.baud,
             is_busy: Arc::default(),
+            ports: Vec::new(),
+            found_ports: Arc::new(ArrayQueue::new(1)),
+            is_menu_open: false,
         }
     }
 }
 
 impl LadderView {
-    /// Draws the menu with the port and the two commands.
-    pub(super) fn show_line_menu(&mut self, ui: &mut Ui, language: Language) {
+    /// Draws the button of the serial port, whose menu has the port and the two commands, and
+    /// while a transfer runs a sign of it.
+    pub(super) fn show_line_button(&mut self, ui: &mut Ui, language: Language) {
+        let was_open = self.line.is_menu_open;
+        self.line.is_menu_open = false;
+        field_menu(ui, say::ladder_line_menu().text(language), |ui| {
+            if !was_open {
+                self.find_ports(ui);
+            }
+            self.line.is_menu_open = true;
+            self.show_line_menu(ui, language);
+        });
+        if self.line.is_busy.load(Ordering::Relaxed) {
+            ui.spinner();
+            ui.label(say::ladder_line_running(&self.line.port).text(language));
+        }
+    }
+
+    /// Lists the ports of the computer in a thread.
+    fn find_ports(&self, ui: &Ui) {
+        let found = Arc::clone(&self.line.found_ports);
+        run_in_thread(ui.ctx(), &self.console.notice_sender, move || {
+            found.force_push(port_names());
+            None
+        });
+    }
+
+    fn show_line_menu(&mut self, ui: &mut Ui, language: Language) {
+        if let Some(ports) = self.line.found_ports.pop() {
+            if self.line.port.trim().is_empty()
+                && let Some(first) = ports.first()
+            {
+                self.line.port.clone_from(first);
+            }
+            self.line.ports = ports;
+        }
         ui.horizontal(|ui| {
             let name = say::transfer_view_port().text(language);
             ui.label(&name);
             let field = TextEdit::singleline(&mut self.line.port).desired_width(170.0);
             let response = ui.add(field);
             response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, &name));
-            ui.label(format!("{} bit/s", self.line.baud));
         });
+        let ControlLine {
+            port, ports, baud, ..
+        } = &mut self.line;
+        for known in &*ports {
+            ui.selectable_value(port, known.clone(), known);
+        }
+        if ports.is_empty() {
+            ui.weak(say::ladder_line_no_ports().text(language));
+        }
+        ui.horizontal(|ui| {
+            ui.label(say::transfer_view_speed().text(language));
+            for speed in BAUD_RATES {
+                ui.selectable_value(baud, speed, speed.to_string());
+            }
+        });
+        ui.separator();
         let is_ready =
             !self.line.port.trim().is_empty() && !self.line.is_busy.load(Ordering::Relaxed);
         let compiles = self

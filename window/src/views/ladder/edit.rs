@@ -15,7 +15,6 @@ use super::element_change::{ElementChange, change_rung, format_rung};
 use super::{LadderView, Tab, compiler_text};
 use crate::focus;
 use crate::theme;
-use crate::widgets::field_menu::field_menu;
 use gsk_messages::{Language, say};
 
 /// Number for [`LadderDraft::set_text`] of changes typed into the whole list, where rungs
@@ -168,9 +167,7 @@ impl LadderView {
                 self.show_file_menu(ui, language);
             });
             if platform::has_ports() {
-                field_menu(ui, say::ladder_line_menu().text(language), |ui| {
-                    self.show_line_menu(ui, language);
-                });
+                self.show_line_button(ui, language);
             }
         });
     }

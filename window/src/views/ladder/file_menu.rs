@@ -1,14 +1,22 @@
-//! The file menu of the ladder: open, export, print, the standard ladder.
+//! The file menu of the ladder: open, export, the standard ladder; and the button that prints.
 
 use std::sync::Arc;
 
 use egui::Ui;
+use gsk_core::plc::Ladder;
 use gsk_core::setup::standard_ladder;
-use gsk_messages::{Language, say};
+use gsk_host::kernel::monitor::MachineView;
+use gsk_host::message_format::describe_io_error;
+use gsk_host::platform;
+use gsk_messages::{Language, Message, say};
 use gsk_runner::ladder::print_ladder;
 
 use super::LadderView;
 use crate::views::text_files;
+use crate::widgets::files::run_in_thread;
+
+/// Name of the printed page in the folder for temporary files.
+const PRINTED_FILE: &str = "gsk980td-ladder.html";
 
 impl LadderView {
     pub(super) fn show_file_menu(&mut self, ui: &mut Ui, language: Language) {
@@ -38,22 +46,6 @@ impl LadderView {
             }
             ui.close();
         }
-        let print = ui.button(say::ladder_print().text(language));
-        let hint = say::ladder_print_hint().text(language);
-        if print.on_hover_text(hint).clicked() {
-            if let Some(draft) = &self.draft {
-                let ladder = Arc::clone(draft.ladder());
-                let context = ui.ctx().clone();
-                text_files::save(
-                    &self.console,
-                    &context,
-                    language,
-                    ("ladder.html", "HTML"),
-                    move || print_ladder(&ladder, "ladder.il", language),
-                );
-            }
-            ui.close();
-        }
         let words = say::ladder_replace_by_standard().text(language);
         if ui.button(words).clicked() {
             if let Some(draft) = &mut self.draft {
@@ -61,5 +53,25 @@ impl LadderView {
             }
             ui.close();
         }
+    }
+    /// Draws the button that opens the ladder in a browser, which previews and prints it.
+    pub(super) fn show_print_button(&self, ui: &mut Ui, language: Language, machine: &MachineView) {
+        let print = ui.button(say::ladder_print().text(language));
+        let hint = say::ladder_print_hint().text(language);
+        if print.on_hover_text(hint).clicked() {
+            let ladder = self.drawn_ladder(machine);
+            run_in_thread(ui.ctx(), &self.console.notice_sender, move || {
+                Some(open_printed(&ladder, language))
+            });
+        }
+    }
+}
+
+/// Writes the page of a ladder and opens it. Returns what the message line shows.
+fn open_printed(ladder: &Ladder, language: Language) -> Message {
+    let page = print_ladder(ladder, "ladder.il", language);
+    match platform::open_page_file(PRINTED_FILE, page.as_bytes()) {
+        Ok(path) => say::ladder_print_opened(path.display()),
+        Err(error) => say::sheet_not_opened(PRINTED_FILE, describe_io_error(&error)),
     }
 }

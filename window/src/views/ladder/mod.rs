@@ -308,6 +308,7 @@ impl LadderView {
             if ui.add(edit).clicked() {
                 self.toggle_editing(machine);
             }
+            self.show_print_button(ui, language, machine);
             if self.tab == Tab::Rungs {
                 ui.separator();
                 ui.checkbox(
