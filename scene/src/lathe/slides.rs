@@ -92,7 +92,8 @@ pub fn add_cross_slide(mesh: &mut SceneMesh, kind: LatheKind, dimensions: &Lathe
     );
     add_hose(
         mesh,
-        vec3(50.0 * scale, top, half + 20.0 * scale),
+        // At the side of the tailstock: the operator sees the tool beside the hose.
+        vec3(90.0 * scale, top, -0.2 * half),
         vec3(-half + 26.0 * scale, 60.0 * scale, -half - 8.0 * scale),
         scale,
     );

@@ -211,6 +211,8 @@ impl<'a> Device<'a> {
         };
         // SAFETY: the context is current; both targets were created by it with one size.
         unsafe {
+            // egui's scissor would leave the pixels outside it as they were in an earlier picture.
+            self.gl.disable(glow::SCISSOR_TEST);
             self.gl
                 .bind_framebuffer(glow::READ_FRAMEBUFFER, Some(from.framebuffer));
             self.gl

@@ -1,8 +1,7 @@
 //! The controls above the picture of the lathe: cameras, section cuts, path. A small view has
 //! one menu instead.
 
-use egui::{RichText, Ui, Vec2, ViewportCommand};
-use gsk_host::kernel::part::PartView;
+use egui::{Ui, Vec2, ViewportCommand};
 use gsk_messages::{Language, Message, say};
 use gsk_scene::camera::CameraPreset;
 use gsk_scene::description::SectionCut;
@@ -21,7 +20,7 @@ pub fn is_small(size: Vec2) -> bool {
 
 impl LatheSceneView {
     /// Draws the controls of the lathe view in rows.
-    pub(super) fn show_bar(&mut self, ui: &mut Ui, frame: ViewFrame<'_>, part: Option<&PartView>) {
+    pub(super) fn show_bar(&mut self, ui: &mut Ui, frame: ViewFrame<'_>) {
         let language = frame.language;
         ui.horizontal_wrapped(|ui| {
             self.show_presets(ui, language);
@@ -33,14 +32,6 @@ impl LatheSceneView {
             }
             ui.separator();
             self.show_section_cuts(ui, language);
-            ui.separator();
-            if let Some(part) = part {
-                let tool = say::lathe_tool(part.tool, part.spindle_rpm);
-                let position = say::lathe_pointer(part.tip.x * 2.0, part.tip.z);
-                for words in [tool, position] {
-                    ui.label(RichText::new(words.text(language)).monospace());
-                }
-            }
         });
     }
 

@@ -13,7 +13,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use eframe::glow;
-use egui::{Label, Panel, Rect, RichText, Role, Sense, StrokeKind, Ui, WidgetInfo};
+use egui::text::{LayoutJob, TextWrapping};
+use egui::{Align, Align2, Label, Panel, Rect, RichText, Role, Sense, StrokeKind, Ui, WidgetInfo};
 use gsk_host::kernel::part::PartView;
 use gsk_messages::{Language, Message, say};
 use gsk_scene::camera::OrbitCamera;
@@ -22,6 +23,7 @@ use gsk_scene::description::{LatheDescription, SceneTheme};
 use super::interface::{View, ViewFrame, ViewStart};
 use super::machine::path::DrawnPath;
 use super::{bar_frame, plain_frame};
+use crate::fonts;
 use crate::settings::StoredSceneCamera;
 use crate::theme;
 use camera_control::CameraControl;
@@ -36,6 +38,10 @@ const FRAME_INTERVAL_S: f64 = 1.0 / 30.0;
 const STILL_DELAY_S: f64 = 0.25;
 /// Greatest time between two pictures that counts as the time of one, s.
 const LONGEST_PICTURE_S: f64 = 1.0;
+/// Distance of labels from the edges of the picture, points.
+const LABEL_MARGIN: f32 = 8.0;
+/// Number of alarms that the picture shows.
+const MAX_ALARMS: usize = 3;
 
 /// The view that shows the lathe in 3D.
 pub struct LatheSceneView {
@@ -78,7 +84,7 @@ impl View for LatheSceneView {
         let bar = Panel::top("scene bar").frame(bar_frame());
         bar.show(ui, |ui| match bar::is_small(size) {
             true => self.show_small_bar(ui, frame),
-            false => self.show_bar(ui, frame, part),
+            false => self.show_bar(ui, frame),
         });
         egui::CentralPanel::default()
             .frame(plain_frame())
@@ -149,10 +155,56 @@ impl LatheSceneView {
             ui.ctx().request_repaint_after(pause);
         }
         self.picture.show(ui, rect, lathe, camera, is_moving);
+        if !bar::is_small(rect.size()) {
+            show_state(ui, rect, part, language);
+        }
+        show_alarms(ui, rect, frame);
         if response.has_focus() {
             draw_focus(ui, rect);
         }
     }
+}
+
+/// Writes tool, speed and position of the tip into the upper right corner of the picture.
+fn show_state(ui: &Ui, picture: Rect, part: &PartView, language: Language) {
+    let tool = say::lathe_tool(part.tool, part.spindle_rpm).text(language);
+    let position = say::lathe_pointer(part.tip.x * 2.0, part.tip.z).text(language);
+    let font = egui::TextStyle::Monospace.resolve(ui.style());
+    let mut top = picture.top() + LABEL_MARGIN;
+    for text in [tool, position] {
+        let text = fonts::layout_text(&text, font.clone(), theme::MESSAGE_TEXT);
+        top = show_label(ui, picture, top, Align::Max, text);
+    }
+}
+
+/// Writes the active alarms into the upper left corner of the picture: why the lathe stands.
+fn show_alarms(ui: &Ui, picture: Rect, frame: ViewFrame<'_>) {
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let mut top = picture.top() + LABEL_MARGIN;
+    let alarms = frame.machine.map_or(&[][..], |machine| &machine.alarms);
+    for alarm in alarms.iter().take(MAX_ALARMS) {
+        let text = fonts::layout_text(alarm, font.clone(), theme::ALARM_TEXT);
+        top = show_label(ui, picture, top, Align::Min, text);
+    }
+}
+
+/// Draws a text on a dark ground at the left or right edge of the picture. Returns the place of the
+/// next one below.
+fn show_label(ui: &Ui, picture: Rect, top: f32, edge: Align, text: LayoutJob) -> f32 {
+    let width = picture.width() / 2.0 - 2.0 * LABEL_MARGIN;
+    let text = ui.painter().layout_job(LayoutJob {
+        wrap: TextWrapping::truncate_at_width(width),
+        ..text
+    });
+    let room = Rect::from_x_y_ranges(
+        picture.x_range().shrink(2.0 * LABEL_MARGIN),
+        top..=top + text.size().y,
+    );
+    let place = Align2([edge, Align::Min]).align_size_within_rect(text.size(), room);
+    let ground = place.expand2(egui::vec2(LABEL_MARGIN, LABEL_MARGIN / 4.0));
+    ui.painter().rect_filled(ground, 3.0, theme::BAR_GROUND);
+    ui.painter().galley(place.min, text, theme::MESSAGE_TEXT);
+    ground.bottom() + LABEL_MARGIN / 2.0
 }
 
 fn draw_focus(ui: &Ui, rect: Rect) {
