@@ -10,7 +10,7 @@ use crate::chrome::zoom;
 use crate::input::held_keys::PanelKeyChange;
 use crate::input::keyboard::{self, PcAction};
 use crate::widgets::status_message::StatusMessage;
-use crate::{Window, layout, view};
+use crate::{Window, layout, view, views};
 
 /// What has the keyboard at the begin of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,7 +81,7 @@ impl Window {
             events = keyboard::filter_for_menu(events, self.is_running_or_unknown());
         }
         if let Some(view) = view::view_of_pressed_key(&events) {
-            self.settings.layouts.toggle(view);
+            views::show_or_close(ui.ctx(), &mut self.settings.layouts, view);
         }
         if let Some(layout) = layout::layout_of_pressed_key(&events) {
             self.settings.layouts.choose(layout);

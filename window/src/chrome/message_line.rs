@@ -12,7 +12,7 @@ use gsk_panel::keys::Key;
 use super::message_history::{HistoryRequest, LineMessage, LineText};
 use super::network_pane::show_help_request;
 use super::top_bar;
-use super::way_back::WayBack;
+use super::way_back::{WayBack, is_lit};
 use crate::Window;
 use crate::focus;
 use crate::fonts;
@@ -114,6 +114,21 @@ impl Window {
             let newer = RichText::new(&words).color(theme::HINT_TEXT);
             ui.add(Label::new(newer).truncate()).on_hover_text(words);
         }
+    }
+
+    /// Returns what the message lines of separate windows show: the most dangerous message and,
+    /// if it is another one, the newest.
+    pub(crate) fn messages_for_separate_windows(&self) -> Vec<(MessageSeverity, String)> {
+        let language = self.settings.language;
+        let top = self
+            .top_message(false)
+            .map(|it| (it.severity, it.text.text(language)));
+        let newest = self
+            .message
+            .as_ref()
+            .map(|it| (it.severity(), it.text(language)));
+        let newest = newest.filter(|newest| top.as_ref() != Some(newest));
+        top.into_iter().chain(newest).collect()
     }
 
     /// Whether the hint in the message line is that of a start away from the last one.
@@ -261,10 +276,12 @@ impl Window {
         let program = snapshot.and_then(|it| it.program);
         let is_running = snapshot.is_some_and(|it| it.run_state == RunState::Run);
         let waits_at_end = snapshot.is_some_and(|it| it.waits_at_end);
+        let is_in_auto = snapshot.is_some_and(|it| is_lit(Key::Auto, it));
         Some(match (is_position_unknown, program) {
             (true, _) => say::window_hint_machine_zero(),
             (false, Some(_)) if is_running => say::window_hint_running(),
             (false, Some(_)) if waits_at_end => say::window_hint_program_end(),
+            (false, Some(_)) if is_in_auto => say::window_hint_cycle_start(),
             (false, Some(_)) => say::window_hint_start(),
             (false, None) => say::window_hint(),
         })

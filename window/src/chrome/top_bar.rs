@@ -5,7 +5,7 @@ mod menus;
 use std::path::PathBuf;
 
 use egui::scroll_area::ScrollBarVisibility;
-use egui::{Align2, Area, Frame, Order, Rect, RichText, ScrollArea, Tooltip, Ui};
+use egui::{Align2, Area, Frame, Label, Order, Rect, RichText, ScrollArea, Tooltip, Ui};
 
 use gsk_core::alarm::Alarm;
 use gsk_core::model::ModelId;
@@ -29,6 +29,8 @@ use gsk_messages::{Language, Message, say};
 const RIGHT_GROUP: &str = "bar right";
 /// Width of the bar below which the program menus become one menu, points.
 const NARROW_WIDTH: f32 = 620.0;
+/// Smallest width of the name of the opened file, points.
+const MIN_FILE_NAME_WIDTH: f32 = 80.0;
 
 /// Width of the window from which the buttons at the right end show their names, points.
 const NAMED_BUTTONS_WIDTH: f32 = 1000.0;
@@ -127,6 +129,7 @@ pub fn show(
         let right_width = right_aligned::last_width(ui, RIGHT_GROUP, 320.0);
         let menu_width =
             (ui.available_width() - right_width - ui.spacing().item_spacing.x).max(40.0);
+        let menu_right = ui.cursor().left() + menu_width;
         ScrollArea::horizontal()
             .id_salt("bar")
             .max_width(menu_width)
@@ -153,8 +156,13 @@ pub fn show(
                     }
                     if let Some(opened) = opened {
                         let name = opened.file_name().unwrap_or_default().to_string_lossy();
-                        ui.label(RichText::new(name.as_ref()).color(theme::NOTE_TEXT))
-                            .on_hover_text(opened.display().to_string());
+                        let name = RichText::new(name.as_ref()).color(theme::NOTE_TEXT);
+                        let width = (menu_right - ui.cursor().left()).max(MIN_FILE_NAME_WIDTH);
+                        ui.scope(|ui| {
+                            ui.set_max_width(width);
+                            ui.add(Label::new(name).truncate())
+                                .on_hover_text(opened.display().to_string());
+                        });
                     }
                 });
                 focus::scroll_to_focus(ui);
@@ -350,7 +358,7 @@ fn show_imposed_sign(
 pub fn show_hint(ui: &mut Ui, hint: &str) {
     ui.horizontal_centered(|ui| {
         let font = egui::TextStyle::Body.resolve(ui.style());
-        let label = egui::Label::new(fonts::layout_text(hint, font, theme::HINT_TEXT)).truncate();
+        let label = Label::new(fonts::layout_text(hint, font, theme::HINT_TEXT)).truncate();
         ui.add(label).on_hover_text(hint);
     });
 }
@@ -370,7 +378,7 @@ pub fn show_crash(ui: &mut Ui, text: &str, language: Language) -> bool {
             RichText::new(say::window_free_lathe().text(language)).color(theme::TEXT_ON_BRIGHT);
         let button = ui.add(egui::Button::new(words).fill(theme::WARNING));
         let hint = say::window_free_lathe_hint().text(language);
-        let label = egui::Label::new(RichText::new(text).color(theme::ALARM_TEXT)).truncate();
+        let label = Label::new(RichText::new(text).color(theme::ALARM_TEXT)).truncate();
         ui.add(label).on_hover_text(text);
         button.on_hover_text(hint).clicked()
     })
@@ -382,9 +390,7 @@ pub fn show_crash(ui: &mut Ui, text: &str, language: Language) -> bool {
 pub fn show_alarm(ui: &mut Ui, alarm: &Alarm, language: Language, lcd: Option<Rect>) {
     ui.horizontal_centered(|ui| {
         let text = RichText::new(alarm_text::one_line(alarm, language)).color(theme::ALARM_TEXT);
-        let label = egui::Label::new(text)
-            .truncate()
-            .show_tooltip_when_elided(false);
+        let label = Label::new(text).truncate().show_tooltip_when_elided(false);
         let line = ui.add(label);
         if !Tooltip::should_show_tooltip(&line, false) {
             return;

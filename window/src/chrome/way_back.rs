@@ -83,7 +83,8 @@ impl WayBack {
     }
 }
 
-fn is_lit(key: Key, snapshot: &PanelSnapshot) -> bool {
+/// Whether the lamp of a key is lit.
+pub fn is_lit(key: Key, snapshot: &PanelSnapshot) -> bool {
     let lamp = key.row().lamp;
     lamp.is_some_and(|lamp| lamp.is_set_in(&snapshot.y_memory))
 }

@@ -12,6 +12,8 @@ use gsk_panel::faceplate::SIZE;
 pub(super) const SPLITTER_WIDTH: f32 = 6.0;
 /// Minimum width and height of a pane, points.
 const MIN_PANE_SIDE: f32 = 90.0;
+/// Height that each of several views keeps above a square panel, points.
+const ROOMY_VIEW: f32 = 360.0;
 /// Number of the splitter between the columns; the settings store the numbers. The constants
 /// after it number the splitters in the left column, in the right column, and in the single
 /// column of a high window.
@@ -93,10 +95,11 @@ pub fn arrange_panes(
         return arranged;
     }
     if bounds.height() > bounds.width() {
-        // Below one view the panel has a square, for an LCD above its keys.
-        let panel_height = match views.len() {
-            1 => bounds.width(),
-            _ => bounds.width() * SIZE.1 / SIZE.0,
+        // The panel has a square, for an LCD above its keys, if the views have room above it.
+        let rest = bounds.height() - bounds.width();
+        let panel_height = match views.len() == 1 || rest >= ROOMY_VIEW * views.len() as f32 {
+            true => bounds.width(),
+            false => bounds.width() * SIZE.1 / SIZE.0,
         };
         let panel_height_share = panel_height / bounds.height();
         let panel_height_share = panel_height_share.clamp(0.3, 0.7);
@@ -114,13 +117,18 @@ pub fn arrange_panes(
     };
     let columns = dragged_share(COLUMN_SPLIT).unwrap_or(column);
     let (left, right) = arranged.split(bounds, COLUMN_SPLIT, true, columns);
-    // Where the legends would be too small above a view, the panel has the column alone.
+    // Where the legends would be too small above a view, or the LCD could have larger dots, the
+    // panel has the column alone.
     let is_readable_above_view = || {
         let height =
             (left.width() * SIZE.1 / SIZE.0).clamp(left.height() * 0.3, left.height() * 0.7);
         let above = Rect::from_min_size(left.min, egui::vec2(left.width(), height));
         let legend = |room| panel_placement::legend_height(room, scales.pixels_per_point);
-        legend(above) >= scales.min_legend_height || legend(left) <= legend(above)
+        let zoom = |room| panel_placement::lcd_zoom(room, scales.pixels_per_point);
+        let is_readable = legend(above) >= scales.min_legend_height;
+        // Three views in the other column would be too low.
+        let has_large_dots = zoom(above) >= zoom(left).min(2.0) || views.len() > 2;
+        (is_readable || legend(left) <= legend(above)) && has_large_dots
     };
     let index_below = proportions.view_below_panel;
     let has_view_below = views.len() > index_below

@@ -75,7 +75,7 @@ pub static LAYOUTS: [LayoutRow; 5] = [
         name: say::window_layout_programmer,
         key: Some(Key::F8),
         default_docked: &[ViewId::Program, ViewId::Machine],
-        first_in_front: None,
+        first_in_front: Some(ViewId::Program),
         proportions: Proportions {
             max_panel_share: 0.5,
             column_share: Some(0.5),

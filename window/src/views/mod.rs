@@ -19,32 +19,26 @@ pub mod program;
 pub mod project;
 mod registry;
 mod scope;
+mod separate_window;
 mod text_files;
 mod transfer;
 mod undo_panel;
 
 use std::sync::Arc;
 
-use egui::{
-    Context, Event, Frame, Margin, Pos2, Rect, ScrollArea, Sense, Ui, UiBuilder, Vec2,
-    ViewportBuilder, ViewportId,
-};
-use gsk_core::model::ModelId;
+use egui::{Context, Frame, Margin, Pos2, ScrollArea, Sense, Ui, UiBuilder, Vec2};
 use gsk_host::kernel::monitor::MachineView;
 use gsk_host::kernel::part::PartView;
 use gsk_host::kernel::{Command, Console};
-use gsk_link::LinkState;
 
-use super::layout::floating::{self, WindowScreen};
-use super::layout::{self, Layouts, MIN_SHARE, WindowGeometry, WindowLayout};
-use super::view::{VIEWS, ViewId, ViewRow, view_of_pressed_key};
+use super::layout::floating::WindowScreen;
+use super::layout::{Layouts, MIN_SHARE};
+use super::view::{VIEWS, ViewId};
 use crate::focus;
-use crate::input::keyboard;
 use crate::samples::SampleRequest;
 use crate::settings::StoredSceneCamera;
 use crate::theme;
 use crate::widgets::questions::Unsaved;
-use crate::widgets::real_machine_bar;
 use gsk_messages::Language;
 use interface::{ViewFrame, ViewStart};
 use ladder::LadderView;
@@ -54,6 +48,8 @@ use program::ProgramView;
 pub use program::{halt_text, show_halt_buttons};
 use project::ProjectView;
 use registry::AllViews;
+use separate_window::ViewWindow;
+pub use separate_window::{PanelInput, SeparateWindows, show_or_close};
 use transfer::TransferView;
 
 /// All views of the window, and which of them are open.
@@ -306,9 +302,7 @@ impl Views {
     pub fn show_floating(
         &mut self,
         context: &Context,
-        language: Language,
-        board: Option<LinkState>,
-        lcd: Option<Rect>,
+        surroundings: &SeparateWindows,
         layouts: &mut Layouts,
     ) -> PanelInput {
         self.follow(context, layouts);
@@ -321,9 +315,9 @@ impl Views {
             let opened = self.window_geometry.iter().find(|(open, ..)| *open == view);
             let opened = opened.map(|(_, corner, size)| (*corner, *size));
             let (corner, size) = opened.unwrap_or_else(|| {
-                let screen = WindowScreen::of_main_window(context, lcd);
-                let header = Vec2::new(0.0, header::HEIGHT);
-                let [wanted, least] = [row.size, row.min_size].map(|it| Vec2::from(it) + header);
+                let screen = WindowScreen::of_main_window(context, surroundings.lcd);
+                let frame = Vec2::new(0.0, header::HEIGHT + separate_window::MESSAGE_HEIGHT);
+                let [wanted, least] = [row.size, row.min_size].map(|it| Vec2::from(it) + frame);
                 let (corner, size) =
                     screen.place_window(layouts.stored_geometry(view), wanted, least);
                 self.window_geometry.push((view, corner, size));
@@ -332,12 +326,12 @@ impl Views {
             let window = ViewWindow {
                 row,
                 model: self.console.model,
-                language,
-                board,
+                surroundings,
                 corner,
                 size,
             };
             let report = window.show(context, &mut panel_input, |ui| {
+                let language = surroundings.language;
                 let action = header::show(ui, row, language, header::ViewPlacement::Floating);
                 self.draw_content(ui, view, language, true);
                 action
@@ -352,114 +346,13 @@ impl Views {
             }
         }
         if let Some(view) = panel_input.toggled_view {
-            layouts.toggle(view);
+            show_or_close(context, layouts, view);
         }
         if let Some(layout) = panel_input.chosen_layout {
             layouts.choose(layout);
         }
         panel_input
     }
-}
-
-/// Keyboard input in the separate windows of views, and its requests to the main window.
-#[derive(Debug, Default)]
-pub struct PanelInput {
-    /// Whether a separate window of a view has the focus.
-    pub has_focus: bool,
-    pub events: Vec<Event>,
-    /// Whether a jog key was suppressed because a list uses the cursor keys.
-    pub jogs_in_list: bool,
-    /// The view whose key was pressed in the window of another view, if any.
-    toggled_view: Option<ViewId>,
-    /// The layout whose key was pressed in the window of a view, if any.
-    chosen_layout: Option<WindowLayout>,
-}
-
-/// The separate window of one view, while it is drawn.
-struct ViewWindow {
-    row: &'static ViewRow,
-    model: ModelId,
-    language: Language,
-    board: Option<LinkState>,
-    /// Initial upper left corner, points; `None` if the window manager places the window.
-    corner: Option<Pos2>,
-    size: Vec2,
-}
-
-/// The events in a view's separate window during a frame.
-#[derive(Debug, Default)]
-struct ViewWindowReport {
-    header_action: Option<header::HeaderAction>,
-    /// The current position and size of the window; `None` if they must not be stored.
-    geometry: Option<WindowGeometry>,
-}
-
-impl ViewWindow {
-    fn show(
-        &self,
-        context: &Context,
-        panel_input: &mut PanelInput,
-        mut add: impl FnMut(&mut Ui) -> Option<header::HeaderAction>,
-    ) -> ViewWindowReport {
-        let row = self.row;
-        let title = (row.name)().text(self.language);
-        let id = format!("{:?}", row.view);
-        let mut report = ViewWindowReport::default();
-        let mut builder = ViewportBuilder::default()
-            .with_title(real_machine_bar::window_title(
-                &format!("{title} - {}", self.model.name()),
-                self.board,
-            ))
-            .with_app_id("gsk980td")
-            .with_inner_size(self.size)
-            .with_min_inner_size(Vec2::from(row.min_size).min(self.size));
-        if let Some(corner) = self.corner {
-            builder = builder.with_position(corner);
-        }
-        let viewport = ViewportId::from_hash_of(&id);
-        context.show_viewport_immediate(viewport, builder, |ui, _| {
-            real_machine_bar::show(ui, &id, self.board, self.language);
-            report.header_action = add(ui);
-            let typing = ui.ctx().egui_wants_keyboard_input();
-            let mut events = ui.input(|input| input.events.clone());
-            panel_input.jogs_in_list |= keyboard::remove_axis_keys_in_list(ui.ctx(), &mut events);
-            ui.input(|input| {
-                panel_input.has_focus |= input.focused;
-                let toggled = view_of_pressed_key(&input.events);
-                let closes_itself = toggled == Some(row.view);
-                if closes_itself || input.viewport().close_requested() {
-                    report.header_action = Some(header::HeaderAction::Close);
-                }
-                if !closes_itself {
-                    panel_input.toggled_view = panel_input.toggled_view.or(toggled);
-                }
-                panel_input.chosen_layout = panel_input
-                    .chosen_layout
-                    .or(layout::layout_of_pressed_key(&input.events));
-                report.geometry = floating::normal_geometry(input.viewport());
-            });
-            events.retain(|event| is_for_panel(event, row.view, typing));
-            panel_input.events.extend(events);
-        });
-        report
-    }
-}
-
-/// Whether a key pressed in a view's window is meant for the panel. Feed hold, emergency stop
-/// and every release always are. Function keys and combinations with Ctrl or Alt are, unless
-/// the view uses these keys itself or a text field is being filled.
-fn is_for_panel(event: &Event, view: ViewId, typing: bool) -> bool {
-    let Event::Key { key, modifiers, .. } = event else {
-        return false;
-    };
-    if keyboard::is_stop_or_release(event) {
-        return true;
-    }
-    let number = key.name().strip_prefix('F');
-    let is_function_key = number.is_some_and(|number| !number.is_empty());
-    let has_ctrl_or_alt = modifiers.ctrl || modifiers.alt;
-    let view_uses_keys = view.row().uses_keys;
-    !view_uses_keys && !typing && !modifiers.shift && (is_function_key || has_ctrl_or_alt)
 }
 
 fn bar_frame() -> Frame {
@@ -476,48 +369,4 @@ fn side_frame() -> Frame {
 
 fn plain_frame() -> Frame {
     Frame::new().fill(theme::DRAWING_GROUND)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use egui::{Key, Modifiers};
-
-    fn press(key: Key, modifiers: Modifiers) -> Event {
-        Event::Key {
-            key,
-            physical_key: None,
-            pressed: true,
-            repeat: false,
-            modifiers,
-        }
-    }
-
-    #[test]
-    fn stops_reach_the_panel_from_everywhere_and_a_start_never_by_mistake() {
-        let plain = Modifiers::NONE;
-        for view in [ViewId::Scope, ViewId::Bench, ViewId::Ladder, ViewId::Link] {
-            for typing in [false, true] {
-                for key in [Key::F10, Key::F12] {
-                    assert!(is_for_panel(&press(key, plain), view, typing));
-                    assert!(is_for_panel(&press(key, Modifiers::SHIFT), view, typing));
-                }
-                assert!(!is_for_panel(&press(Key::X, plain), view, typing));
-            }
-            assert!(!is_for_panel(&press(Key::F9, plain), view, true));
-        }
-        // F9 saves in the ladder view, Ctrl+Z undoes.
-        assert!(!is_for_panel(&press(Key::F9, plain), ViewId::Ladder, false));
-        assert!(!is_for_panel(
-            &press(Key::Z, Modifiers::CTRL),
-            ViewId::Ladder,
-            false
-        ));
-        assert!(is_for_panel(&press(Key::F9, plain), ViewId::Scope, false));
-        assert!(is_for_panel(
-            &press(Key::ArrowLeft, Modifiers::CTRL),
-            ViewId::Scope,
-            false
-        ));
-    }
 }

@@ -228,11 +228,13 @@ impl SectionPlan {
             })
             .collect();
         let used: f32 = sizes.iter().map(|size| size.y).sum();
+        // The left edges are in one line.
+        let widest = sizes.iter().map(|size| size.x).fold(0.0, f32::max);
+        let left = cell.center().x - widest / 2.0;
         let gap = (cell.height() - used).max(0.0) / (column.len() + 1) as f32;
         let mut top = cell.top() + gap;
         for (section, size) in column.iter().zip(sizes) {
             if let Some(area) = PanelArea::SECTIONS.get(*section) {
-                let left = cell.center().x - size.x / 2.0;
                 let room = Rect::from_min_size(pos2(left, top), size);
                 placed.push(PlacedArea::fit(*area, room, pixels_per_point));
             }

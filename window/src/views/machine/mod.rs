@@ -16,6 +16,7 @@ mod path_dots;
 mod path_lines;
 mod path_renderer;
 mod picture;
+mod preview_job;
 mod preview_worker;
 mod repeat_limit;
 mod section_drawing;
@@ -123,7 +124,7 @@ pub struct LatheView {
     pointer: Option<Pos2>,
     instruments: Instruments,
     /// Jobs that the user has changed, by their programs.
-    changed_jobs: preview_worker::ChangedJobs,
+    changed_jobs: preview_job::ChangedJobs,
 }
 
 /// The state of the program text on which the machine view depends.
@@ -195,7 +196,7 @@ impl LatheView {
             selected: None,
             pointer: None,
             instruments: Instruments::default(),
-            changed_jobs: preview_worker::ChangedJobs::default(),
+            changed_jobs: preview_job::ChangedJobs::default(),
         }
     }
 

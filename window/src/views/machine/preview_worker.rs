@@ -2,8 +2,8 @@
 //! its part. Runs again when the program, an offset or a parameter has changed.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
 
 use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, unbounded};
 use crossbeam::queue::ArrayQueue;
@@ -15,7 +15,7 @@ use gsk_core::preview::{PreviewEnd, WorkBudget, preview_explained, preview_with_
 use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
 use gsk_core::units::Point;
-use gsk_host::job::{self, SelectedJob};
+use gsk_host::job::SelectedJob;
 use gsk_host::kernel::{Command, Console, PreviewSetup};
 use gsk_host::platform;
 use gsk_host::preview::work_limit::WorkLimit;
@@ -29,8 +29,8 @@ use web_time::{Duration, Instant};
 
 use super::load_curve::LoadCurve;
 use super::path::{BlockRef, DrawnPath, PathBuilder};
+use super::preview_job::{ChangedJobs, JobOwner, choose_job, to_selected_job};
 use super::xray;
-use crate::samples;
 
 /// Interval at which the worker checks the control for changes.
 const CHECK_INTERVAL: Duration = Duration::from_millis(100);
@@ -127,7 +127,7 @@ impl PreviewWorker {
             flags: Arc::clone(&flags),
             file: None,
             tried: None,
-            changed_jobs: Arc::clone(changed),
+            changed_jobs: changed.clone(),
             last_inputs: None,
             job_owner: None,
             shown_owner: None,
@@ -209,6 +209,14 @@ struct PreviewInputs {
     zero: [i64; 2],
 }
 
+impl PreviewInputs {
+    /// Returns the job of the program, and the error in its file.
+    fn job(&self) -> (Option<SelectedJob>, Option<Message>) {
+        let program = self.program.as_ref().map(|(_, program)| program);
+        choose_job(program, self.changed_job.as_ref(), self.file.as_deref())
+    }
+}
+
 struct PreviewThread {
     console: Console,
     context: Context,
@@ -236,12 +244,6 @@ struct PreviewThread {
 
 /// A program with its text, and the file from which it was opened.
 type ProgramAndFile = (Option<(ProgramId, Program)>, Option<PathBuf>);
-
-/// The program to which a job belongs, and its file if it has one.
-type JobOwner = (Option<ProgramId>, Option<PathBuf>);
-
-/// Jobs that the user has changed. They are kept while the view is closed.
-pub type ChangedJobs = Arc<Mutex<Vec<(JobOwner, SelectedJob)>>>;
 
 impl PreviewThread {
     /// Executes the program if its inputs have changed, and waits for the next request.
@@ -290,11 +292,17 @@ impl PreviewThread {
         });
         let file = file.map(|(_, path)| path.clone());
         let owner = (program.as_ref().map(|(id, _)| *id), file.clone());
-        self.keep_clamped_stock(program.as_ref().map(|(_, it)| it), &owner);
+        let had_none = self
+            .last_inputs
+            .as_ref()
+            .is_some_and(|last| last.program.is_none());
+        if had_none && let Some((_, program)) = &program {
+            self.changed_jobs.keep_clamped_stock(program, &owner);
+        }
         let basis = PreviewInputs {
             program,
             tried: self.tried.clone(),
-            changed_job: self.find_changed_job(&owner),
+            changed_job: self.changed_jobs.find(&owner),
             file,
             offsets: setup.memory.offsets.clone(),
             parameters: setup.memory.parameters.clone(),
@@ -319,7 +327,7 @@ impl PreviewThread {
             self.program_count += 1;
         }
         self.apply_trial(&mut setup);
-        if !visible && let (Some(chosen), _) = job_of_basis(&basis) {
+        if !visible && let (Some(chosen), _) = basis.job() {
             self.send_job(Some(chosen));
             self.job_owner = Some(shown);
         } else if self.run_preview(&setup, &basis, needs_job) {
@@ -336,7 +344,7 @@ impl PreviewThread {
     fn run_preview(&self, setup: &Setup, inputs: &PreviewInputs, needs_job: bool) -> bool {
         let start_count = self.flags.cancel_count.load(Ordering::Relaxed);
         let is_newest = || self.flags.cancel_count.load(Ordering::Relaxed) == start_count;
-        let (mut chosen, trouble) = job_of_basis(inputs);
+        let (mut chosen, trouble) = inputs.job();
         let machining = chosen.as_ref().map(SelectedJob::create_machining);
         if needs_job && let Some(chosen) = &chosen {
             self.send_job(Some(chosen.clone()));
@@ -422,51 +430,14 @@ impl PreviewThread {
         true
     }
 
-    /// Keeps the stock that the user has clamped without a program, when he then creates one.
-    fn keep_clamped_stock(&self, program: Option<&Program>, owner: &JobOwner) {
-        let had_none = self
-            .last_inputs
-            .as_ref()
-            .is_some_and(|last| last.program.is_none());
-        let is_new = program.is_some_and(|it| it.block_count() <= 1) && owner.1.is_none();
-        if !(had_none && is_new) {
-            return;
-        }
-        let mut all = self
-            .changed_jobs
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
-        let clamped = all.iter().find(|(of, _)| *of == (None, None)).cloned();
-        if let Some((_, chosen)) = clamped
-            && !all.iter().any(|(of, _)| of == owner)
-        {
-            all.push((owner.clone(), chosen));
-        }
-    }
-
-    fn find_changed_job(&self, owner: &JobOwner) -> Option<Job> {
-        let all = self
-            .changed_jobs
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
-        let entry = all.iter().find(|(of, _)| of == owner);
-        entry.map(|(_, chosen)| chosen.job.clone())
-    }
-
     fn clamp(&mut self, job: Job) {
         // Only the open view clamps, and it has been handed a path.
         let Some(last) = &self.last_inputs else {
             return;
         };
         let owner: JobOwner = (last.program.as_ref().map(|(id, _)| *id), last.file.clone());
-        let chosen = to_chosen_job(job, last);
-        let mut all = self
-            .changed_jobs
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
-        all.retain(|(of, _)| *of != owner);
-        all.push((owner, chosen.clone()));
-        drop(all);
+        let chosen = to_selected_job(job, owner.1.as_deref());
+        self.changed_jobs.keep(owner, chosen.clone());
         self.send_job(Some(chosen));
     }
 
@@ -563,52 +534,6 @@ fn replace_program_text(programs: &mut ProgramMemory, id: ProgramId, text: &Prog
 fn work_zero(setup: &Setup) -> [i64; 2] {
     let zero = setup.start.unwrap_or_default() - setup.absolute.unwrap_or_default();
     [zero.x, zero.z].map(|mm| (mm * 1000.0).round() as i64)
-}
-
-/// Selects a job that the user has changed. It gets the name of the job file if the file
-/// exists.
-fn to_chosen_job(job: Job, basis: &PreviewInputs) -> SelectedJob {
-    let file = basis.file.as_deref().map(job::job_path);
-    SelectedJob {
-        job,
-        file: file.filter(|path| path.exists()),
-    }
-}
-
-/// The job as changed by the user, else that of the file beside the program. The second value
-/// is the error in that file.
-fn job_of_basis(basis: &PreviewInputs) -> (Option<SelectedJob>, Option<Message>) {
-    let (read, trouble) = read_job(basis);
-    let changed = basis
-        .changed_job
-        .clone()
-        .map(|job| to_chosen_job(job, basis));
-    (changed.or(read), trouble)
-}
-
-/// Reads the job file beside the program, or takes the built-in job of a sample, or that of the
-/// forms in the program; `None` if there is none. The second value is the error in the file.
-fn read_job(basis: &PreviewInputs) -> (Option<SelectedJob>, Option<Message>) {
-    let job_file = basis.file.as_deref().map(job::job_path);
-    let Some(path) = job_file.filter(|path| path.exists()) else {
-        let program = basis.program.as_ref();
-        return (program.and_then(|(_, program)| job_of_text(program)), None);
-    };
-    match job::read(&path) {
-        Ok(job) => {
-            let file = Some(path);
-            (Some(SelectedJob { job, file }), None)
-        }
-        Err(error) => (None, Some(error.message())),
-    }
-}
-
-/// The built-in job of a sample, or the stock and the tools of the forms in a program.
-fn job_of_text(program: &Program) -> Option<SelectedJob> {
-    samples::job_of(program).or_else(|| {
-        let job = gsk_forms::program_job(program.text())?;
-        Some(SelectedJob { job, file: None })
-    })
 }
 
 /// The shift from program to part coordinates of a move, mm. It is zero without a job that

@@ -71,6 +71,8 @@ pub struct ProgramView {
     breakpoints: BreakpointList,
     /// Whether the line of a new halt is shown in the next frame.
     shows_running_line: bool,
+    /// The line of the block that runs, as in the last frame.
+    running_line: Option<u32>,
     bar: ProgramBar,
     /// The range of characters to select and scroll to in the next frame; `None`: none.
     selection_to_show: Option<Range<usize>>,
@@ -148,6 +150,7 @@ impl ProgramView {
             sections: SectionFinder::default(),
             breakpoints: BreakpointList::new(console.clone(), watched),
             shows_running_line: false,
+            running_line: None,
             document_store: DocumentStore::new(console),
             last_check: None,
             painter: TextColorizer::default(),
@@ -307,6 +310,10 @@ impl ProgramView {
         });
         let edited = self.document.is_editable();
         let margin = self.breakpoints.margin_marks(&self.document);
+        // The text follows the program that runs, unless the cursor is in it.
+        let is_edited = ui.memory(|memory| memory.has_focus(editor::text_field_id()));
+        let previous_line = std::mem::replace(&mut self.running_line, margin.running_line);
+        self.shows_running_line |= !is_edited && previous_line != margin.running_line;
         let sheet = EditorInputs {
             document: &mut self.document,
             marks,

@@ -27,7 +27,7 @@ use dialogs::TransferDialog;
 use transfer_job::TransferJob;
 
 /// Baud rates that controls and PCs support, bit/s (manual V-3.2).
-const BAUD_RATES: [u32; 6] = [4800, 9600, 19_200, 38_400, 57_600, 115_200];
+pub(super) const BAUD_RATES: [u32; 6] = [4800, 9600, 19_200, 38_400, 57_600, 115_200];
 /// Width of the column of buttons, points.
 const BUTTON_COLUMN_WIDTH: f32 = 148.0;
 
