@@ -10,7 +10,7 @@
 #
 #     LANGUAGES="zh en"  LIGHTS="dark light"
 #     VIEWS="first panel Machine Scope …"       one start for each
-#     LAYOUTS="learner programmer instructor machine panel"   one start for all of them
+#     LAYOUTS="learner programmer instructor machine panel"   one start for all; learner is first
 #     STEPS="pos=F2 all=F2,F2 -=at:200:14 …"    one start: the panel, or the layout STEPS_LAYOUT,
 #                                               or the panel with the views STEPS_VIEWS="Lathe, Bench"
 #     MODEL=ncb08  MACHINE=FILE  SAMPLE=FILE    control model, simulated lathe, opened program
