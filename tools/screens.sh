@@ -23,7 +23,7 @@
 # down, `wait:S` waits S seconds. It happens at the first size; then a picture is taken under the
 # name, `-` takes none. Pictures are named SIZE-LANGUAGE-LIGHT-WHAT.png. A start is resized to all
 # sizes to which the window gives the same zoom (window/src/chrome/zoom.rs). All views at all
-# sizes take half an hour, four layouts at six sizes eight minutes.
+# sizes take half an hour, four layouts at six sizes ten minutes.
 set -euo pipefail
 (($# >= 1)) || { sed -n '2,31s/^# \?//p' "$0" >&2; exit 2; }
 folder=$1
@@ -109,7 +109,7 @@ start() {
 # resize SIZE: the window has this size, with the pointer in its corner.
 resize() {
     xdotool windowsize "$id" "${1%x*}" "${1#*x}" mousemove $((${1%x*} - 1)) $((${1#*x} - 1))
-    sleep 2
+    sleep 3
 }
 
 press() {
@@ -156,8 +156,11 @@ take_layouts() {
     remember "$data" "${layouts[0]^}"
     start "$data" --program "$sample"
     for layout in "${layouts[@]}"; do
-        [[ $layout == "${layouts[0]}" ]] || press "shift+${layout_keys[$layout]}"
-        sleep 1
+        if [[ $layout != "${layouts[0]}" ]]; then
+            press "shift+${layout_keys[$layout]}"
+            # A busy computer draws the panes and the keys of the panel late.
+            sleep 3
+        fi
         pictures "$layout"
     done
     stop
