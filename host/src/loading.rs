@@ -29,7 +29,7 @@ use crate::message_format::{describe_ladder_errors, join_lines};
 use crate::platform;
 use crate::retained;
 use crate::setup_args::{ModelMismatch, OffsetOption, ParameterOption, SetupArgs};
-pub use machine_file::{load_machine, missing_machine_parameters, parse_machine};
+pub use machine_file::{SHIPPED_LATHES, load_machine, missing_machine_parameters, parse_machine};
 
 /// The reason why a setup cannot be loaded.
 #[derive(Debug, thiserror::Error)]
@@ -568,7 +568,7 @@ mod tests {
         );
         let refused = start(&at(300.0, 300.0)).expect_err("beyond").to_string();
         assert!(refused.starts_with("--start: X is beyond"), "{refused}");
-        assert!(refused.contains("-180 to 26 mm"), "{refused}");
+        assert!(refused.contains("-220 to 26 mm"), "{refused}");
         assert!(
             apply_to_panel_setup(&SetupArgs::default())
                 .is_ok_and(|setup| setup.axes_beyond_ends().is_empty())

@@ -945,8 +945,11 @@ message_rows! {
     first_checking FirstChecking();
     first_checking_shows FirstCheckingShows();
     first_language FirstLanguage();
+    first_lathe_bench FirstLatheBench();
+    first_lathe_flat_bed FirstLatheFlatBed();
     first_lathe_is_on FirstLatheIsOn();
     first_lathe_missing FirstLatheMissing(why: message);
+    first_lathe_slant_bed FirstLatheSlantBed();
     first_learning FirstLearning();
     first_learning_shows FirstLearningShows();
     first_look FirstLook(name, time, tools: message, reach);

@@ -5,12 +5,13 @@ use gsk_core::machine::{LatheConfig, MachineInputs, MachineOutputs, SimulatedLat
 use gsk_core::memory::ControlParameters;
 use gsk_core::units::{PerAxis, Point, Pulses};
 
-const EXAMPLES: [&str; 8] = [
+const EXAMPLES: [&str; 9] = [
     EXAMPLE,
     BADLY_SET,
     include_str!("../../assets/machines/bench-lathe.ron"),
     include_str!("../../assets/machines/pico-lathe.ron"),
     include_str!("../../assets/machines/servo-slant-bed.ron"),
+    include_str!("../../assets/machines/slant-bed.ron"),
     include_str!("../../assets/machines/stepper-drives.ron"),
     include_str!("../../assets/machines/virtual-line.ron"),
     include_str!("../../assets/machines/virtual-klipper.ron"),

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use gsk_core::model::ModelId;
 use gsk_core::setup::Setup;
+use gsk_core::units::PerAxis;
 use gsk_host::files::data_dir::{self, DataDir, DataDirError};
 use gsk_host::files::exams::ExamFolder;
 use gsk_host::files::models;
@@ -186,6 +187,9 @@ impl WindowStarter {
             ..SetupArgs::default()
         };
         loading::apply_options(&mut setup, &machine)?;
+        if args.link.is_none() {
+            place_within_travel(&mut setup);
+        }
         if let Some(parameters) = loading::missing_machine_parameters(&setup) {
             let name = setup.lathe.name.clone();
             restored
@@ -390,10 +394,26 @@ fn no_display_message(program: Option<&Path>) -> Message {
     }
 }
 
+/// Places the slides of a simulated lathe at its start if the stored position is beyond their
+/// mechanical ends: another lathe stood there.
+fn place_within_travel(setup: &mut Setup) {
+    let standing = Setup {
+        start: setup.slides.or(setup.start),
+        ..setup.clone()
+    };
+    if setup.lathe.link.is_none() && !standing.axes_beyond_ends().is_empty() {
+        setup.start = Some(setup.lathe.start());
+        setup.absolute = None;
+        setup.slides = None;
+        setup.zero_kept = PerAxis::default();
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use gsk_core::memory::ControlParameters;
+    use gsk_core::units::Point;
     use gsk_tests::test_folder;
 
     fn turn_on(folder: &Path, settings: Option<&WindowSettings>, fresh: bool) -> WindowStart {
@@ -448,6 +468,21 @@ mod tests {
             };
             assert_eq!(needs_first_start(&args, !wanted), wanted);
         }
+    }
+
+    #[test]
+    fn slides_beyond_the_ends_of_this_lathe_stand_at_its_start() {
+        let mut setup = Setup::delivered();
+        let own = setup.lathe.start();
+        setup.start = Some(Point::new(150.0, 300.0));
+        setup.slides = setup.start;
+        place_within_travel(&mut setup);
+        assert_eq!((setup.start, setup.slides), (Some(own), None));
+        // On a limit switch they are within the ends.
+        let on_switch = Some(Point::new(5.5, -100.0));
+        setup.start = on_switch;
+        place_within_travel(&mut setup);
+        assert_eq!(setup.start, on_switch);
     }
 
     #[test]

@@ -132,6 +132,9 @@ fn after_an_alarm_the_hint_names_the_start_key() {
         bench.click(key);
     }
     bench.run(500);
+    assert!(is_shown(&bench, "Press [Cycle start 运行]"));
+    bench.click("MDI mode");
+    bench.run(50);
     assert!(is_shown(
         &bench,
         "Press [Auto 自动], then [Cycle start 运行]"

@@ -6,15 +6,49 @@ use gsk_core::machine::{ConfigError, LatheConfig};
 use gsk_core::memory::ControlParameters;
 use gsk_core::setup::Setup;
 use gsk_core::units::{NonFinite, find_non_finite};
+use gsk_messages::{Message, say};
 
 use super::{LoadError, apply_parameter};
 use crate::files::program_file;
 use crate::setup_args::{ParameterOption, parse_parameter};
 
-/// Reads a machine file (`docs/machine-file.md`) and checks its rules. Returns an error if it
-/// cannot be read or breaks a rule.
+/// A lathe whose machine file is part of the program.
+#[derive(Debug)]
+pub struct ShippedLathe {
+    /// The word that `--machine` takes in place of a path.
+    pub word: &'static str,
+    /// Its name in a list.
+    pub name: fn() -> Message,
+    text: &'static str,
+}
+
+/// The shipped lathes that need no ladder of their own, in the order of the list.
+pub static SHIPPED_LATHES: [ShippedLathe; 3] = [
+    ShippedLathe {
+        word: "small-flat-bed",
+        name: say::first_lathe_flat_bed,
+        text: include_str!("../../../assets/machines/small-flat-bed.ron"),
+    },
+    ShippedLathe {
+        word: "slant-bed",
+        name: say::first_lathe_slant_bed,
+        text: include_str!("../../../assets/machines/slant-bed.ron"),
+    },
+    ShippedLathe {
+        word: "bench-lathe",
+        name: say::first_lathe_bench,
+        text: include_str!("../../../assets/machines/bench-lathe.ron"),
+    },
+];
+
+/// Reads a machine file (`docs/machine-file.md`), or takes the shipped lathe of this name if there
+/// is no such file, and checks its rules. Returns an error if it cannot be read or breaks a rule.
 pub fn load_machine(path: &Path) -> Result<LatheConfig, LoadError> {
-    parse_machine(path, &program_file::read(path)?.text)
+    let mut shipped = SHIPPED_LATHES.iter().filter(|_| !path.exists());
+    match shipped.find(|lathe| path == Path::new(lathe.word)) {
+        Some(lathe) => parse_machine(path, lathe.text),
+        None => parse_machine(path, &program_file::read(path)?.text),
+    }
 }
 
 /// Parses the text of a machine file and checks its rules; `path` is for error messages only.
@@ -51,7 +85,8 @@ pub fn parse_machine(path: &Path, text: &str) -> Result<LatheConfig, LoadError> 
 
 /// Sets the parameters that the machine file lists, if those of the control are still as delivered.
 pub(super) fn apply_machine_parameters(setup: &mut Setup) -> Result<(), LoadError> {
-    if is_as_delivered(setup) {
+    // The parameters of other models have other meanings.
+    if setup.memory.model.id().is_main() && is_as_delivered(setup) {
         setup.memory.parameters = with_machine_parameters(setup)?;
     }
     Ok(())
@@ -101,5 +136,5 @@ pub fn missing_machine_parameters(setup: &Setup) -> Option<String> {
         .filter(differs)
         .map(String::as_str)
         .collect();
-    (!missing.is_empty()).then(|| missing.join(", "))
+    (setup.memory.model.id().is_main() && !missing.is_empty()).then(|| missing.join(", "))
 }

@@ -1,13 +1,14 @@
 //! The first start: asks three questions instead of the panel and opens the layout for the
 //! answers (WINDOW-16).
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use egui::{Align, Button, Context, Key, Layout as Flow, RichText, ScrollArea, Ui, vec2};
 use gsk_core::model::ModelId;
 use gsk_host::kernel::Console;
-use gsk_host::{loading, platform};
+use gsk_host::loading::{self, SHIPPED_LATHES};
+use gsk_host::platform;
 
 use crate::Window;
 use crate::focus;
@@ -21,6 +22,10 @@ use gsk_messages::{Language, Message, say};
 
 /// Height of an answer, points: large enough for a finger.
 const ANSWER_HEIGHT: f32 = 44.0;
+/// Height of an answer in a low window, points.
+const LOW_ANSWER_HEIGHT: f32 = 36.0;
+/// Height of the window below which all questions are closer together, points.
+const LOW_WINDOW: f32 = 640.0;
 /// Minimum width of a button with an answer, points.
 const MIN_ANSWER_WIDTH: f32 = 150.0;
 /// Maximum width of the column of questions, points.
@@ -231,11 +236,11 @@ impl FirstStart {
             show_heading(ui, &text(say::first_which_lathe()));
             self.show_lathe_question(ui, *language, console);
         }
-        ui.add_space(18.0);
+        ui.add_space(if is_low(ui) { 6.0 } else { 18.0 });
         let mut end = None;
         ui.horizontal_wrapped(|ui| {
             let begin = RichText::new(text(say::first_begin())).size(theme::LARGE_SIZE);
-            let begin = Button::new(begin).min_size(vec2(MIN_ANSWER_WIDTH, ANSWER_HEIGHT));
+            let begin = Button::new(begin).min_size(vec2(MIN_ANSWER_WIDTH, answer_height(ui)));
             let begin = ui.add_enabled(self.purpose.is_some(), begin);
             if let (true, Some(purpose)) = (begin.clicked(), self.purpose) {
                 end = Some(FirstStartEnd::Answered(FirstStartAnswers {
@@ -245,7 +250,7 @@ impl FirstStart {
                 }));
             }
             let skip = Button::new(text(say::first_skip()))
-                .min_size(vec2(MIN_ANSWER_WIDTH, ANSWER_HEIGHT));
+                .min_size(vec2(MIN_ANSWER_WIDTH, answer_height(ui)));
             if ui.add(skip).clicked() {
                 end = Some(FirstStartEnd::Skipped);
             }
@@ -273,14 +278,26 @@ impl FirstStart {
                 self.machine_file = None;
                 self.file_error = None;
             }
-            let name = self.machine_file.as_ref().and_then(|path| path.file_name());
+            for lathe in &SHIPPED_LATHES {
+                let path = Path::new(lathe.word);
+                let is_chosen = self.machine_file.as_deref() == Some(path);
+                let name = (lathe.name)().text(language);
+                if answer_option(ui, is_chosen, &name, MIN_ANSWER_WIDTH).clicked() {
+                    self.machine_file = Some(path.to_owned());
+                    self.file_error = None;
+                }
+            }
+            let is_shipped =
+                |path: &&PathBuf| SHIPPED_LATHES.iter().any(|it| **path == Path::new(it.word));
+            let own_file = self.machine_file.as_ref().filter(|path| !is_shipped(path));
+            let name = own_file.and_then(|path| path.file_name());
             let file = match name {
                 Some(name) => say::first_machine_file_is(name.to_string_lossy()),
                 None => say::first_machine_file(),
             };
             let file = answer_option(
                 ui,
-                self.machine_file.is_some(),
+                own_file.is_some(),
                 &file.text(language),
                 MIN_ANSWER_WIDTH,
             );
@@ -330,8 +347,21 @@ impl FirstStart {
     }
 }
 
+/// Whether the window is so low that the questions need less space between them.
+fn is_low(ui: &Ui) -> bool {
+    ui.ctx().content_rect().height() < LOW_WINDOW
+}
+
+/// Height of an answer, points.
+fn answer_height(ui: &Ui) -> f32 {
+    match is_low(ui) {
+        true => LOW_ANSWER_HEIGHT,
+        false => ANSWER_HEIGHT,
+    }
+}
+
 fn show_heading(ui: &mut Ui, text: &str) {
-    ui.add_space(14.0);
+    ui.add_space(if is_low(ui) { 4.0 } else { 14.0 });
     ui.heading(text);
 }
 
@@ -340,7 +370,7 @@ fn answer_option(ui: &mut Ui, is_chosen: bool, name: &str, width: f32) -> egui::
     let text = RichText::new(name).size(theme::LARGE_SIZE);
     ui.add(
         Button::selectable(is_chosen, text)
-            .min_size(vec2(width, ANSWER_HEIGHT))
+            .min_size(vec2(width, answer_height(ui)))
             .frame_when_inactive(true),
     )
 }

@@ -208,7 +208,13 @@ impl LessonView {
             .map(|sample| Card {
                 picture: sample.picture(),
                 title: sample.description_text(language),
-                detail: sample.name.to_owned(),
+                // The name of the file without its folder.
+                detail: sample
+                    .name
+                    .rsplit('/')
+                    .next()
+                    .unwrap_or_default()
+                    .to_owned(),
                 is_marked: false,
             })
             .collect();

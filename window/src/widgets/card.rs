@@ -89,7 +89,8 @@ impl Card {
             &self.detail,
             detail_font,
             theme::NOTE_TEXT,
-            (text_width, 1),
+            // A long file name may take the line that the title leaves.
+            (text_width, 3 - title.rows.len().clamp(1, 2)),
         );
         let height = title.size().y + detail.size().y;
         let top = rect.center().y - height / 2.0;

@@ -126,10 +126,24 @@ impl IconButton {
     }
 }
 
+/// The width that buttons with these words take in a row, points.
+pub fn word_buttons_width(ui: &Ui, words: &[String]) -> f32 {
+    let font = TextStyle::Button.resolve(ui.style());
+    let spacing = ui.spacing();
+    let around = 2.0 * spacing.button_padding.x + spacing.item_spacing.x;
+    let width = |word: &String| {
+        let text = ui
+            .painter()
+            .layout_no_wrap(word.clone(), font.clone(), theme::TEXT);
+        text.size().x + around
+    };
+    words.iter().map(width).sum()
+}
+
 /// Draws groups of buttons in one row, with a line between two groups. The names are visible
-/// if all of them fit into the row. Returns the group and the position of the button that was
-/// clicked, if any.
-pub fn show_groups(ui: &mut Ui, groups: &[Vec<IconButton>]) -> Option<(usize, usize)> {
+/// if all of them fit into the row, beside other buttons of the width `beside`. Returns the group
+/// and the position of the button that was clicked, if any.
+pub fn show_groups(ui: &mut Ui, groups: &[Vec<IconButton>], beside: f32) -> Option<(usize, usize)> {
     let space = ui.spacing().item_spacing.x;
     let line_width = 6.0 + space;
     let width = |has_names: bool| {
@@ -137,7 +151,7 @@ pub fn show_groups(ui: &mut Ui, groups: &[Vec<IconButton>]) -> Option<(usize, us
         let buttons: f32 = buttons.map(|it| it.width(ui, has_names) + 2.0).sum();
         buttons + groups.len() as f32 * line_width
     };
-    let has_names = width(true) <= ui.available_width();
+    let has_names = width(true) + beside <= ui.available_width();
     let mut clicked = None;
     ui.horizontal(|ui| {
         for (group_index, group) in groups.iter().enumerate() {

@@ -48,6 +48,16 @@ const INSTRUMENTS: [InstrumentRow; 4] = [
     ),
 ];
 
+/// The buttons that have words in place of an icon: the lathe in space, load, overload.
+fn word_buttons(language: Language) -> [String; 3] {
+    let words = [
+        say::window_view_lathe(),
+        say::lathe_load(),
+        say::lathe_cut_faults(),
+    ];
+    words.map(|it| it.text(language))
+}
+
 impl LatheView {
     pub(super) fn show_toolbar(&mut self, ui: &mut Ui, language: Language) {
         let button = |icon, name: Message, hint: Message, is_selected| IconButton {
@@ -102,21 +112,15 @@ impl LatheView {
             instruments.collect(),
         ];
         let clicked = ui.horizontal_wrapped(|ui| {
-            let clicked = icons::show_groups(ui, &groups);
-            // Its name is always visible: no icon says what it opens.
-            let space = ui.button(say::window_view_lathe().text(language));
-            let hint = say::lathe_open_space_hint().text(language);
-            self.picture.requests_space |= space.on_hover_text(hint).clicked();
-            let words = say::lathe_load().text(language);
-            let load = ui.toggle_value(&mut self.instruments.load.is_shown, words);
-            load.on_hover_text(say::lathe_load_hint().text(language));
-            let words = say::lathe_cut_faults().text(language);
-            let is_on = &mut self.instruments.load.breaks_on_overload;
-            let overload = ui.toggle_value(is_on, words);
-            if overload.clicked() {
-                self.console.send(Command::Overload(*is_on));
+            let width = icons::word_buttons_width(ui, &word_buttons(language));
+            let clicked = icons::show_groups(ui, &groups, width);
+            // No icon says what they open: without room for the words a menu has them.
+            match ui.available_size_before_wrap().x >= width {
+                true => self.show_word_buttons(ui, language),
+                false => {
+                    ui.menu_button("…", |ui| self.show_word_buttons(ui, language));
+                }
             }
-            overload.on_hover_text(say::lathe_cut_faults_hint().text(language));
             clicked
         });
         match clicked.inner {
@@ -141,6 +145,21 @@ impl LatheView {
             }
             _ => {}
         }
+    }
+
+    fn show_word_buttons(&mut self, ui: &mut Ui, language: Language) {
+        let [space, load, overload] = word_buttons(language);
+        let space = ui.button(space);
+        let hint = say::lathe_open_space_hint().text(language);
+        self.picture.requests_space |= space.on_hover_text(hint).clicked();
+        let load = ui.toggle_value(&mut self.instruments.load.is_shown, load);
+        load.on_hover_text(say::lathe_load_hint().text(language));
+        let is_on = &mut self.instruments.load.breaks_on_overload;
+        let overload = ui.toggle_value(is_on, overload);
+        if overload.clicked() {
+            self.console.send(Command::Overload(*is_on));
+        }
+        overload.on_hover_text(say::lathe_cut_faults_hint().text(language));
     }
 
     /// Draws the row below the picture: pointer position, block, text of the instrument, clock,

@@ -285,7 +285,7 @@ impl ProgramView {
         Panel::bottom("program findings")
             .frame(side_frame())
             .resizable(true)
-            .default_size(124.0)
+            .default_size(72.0)
             .min_size(60.0)
             .show(ui, |ui| self.show_findings(ui, language));
         egui::CentralPanel::default()
