@@ -8,6 +8,7 @@ use gsk_core::setup::Setup;
 use gsk_exercise::judge::judge;
 use gsk_exercise::library::built_in_tasks;
 use gsk_exercise::report::ExerciseReport;
+use gsk_history::recording::{RecordingEvent, RecordingReader};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
 use gsk_tests::test_folder;
@@ -218,6 +219,20 @@ fn the_end_of_the_time_hands_in() {
     );
 }
 
+/// The tick up to which a recording goes, 0 without one.
+fn last_recorded_tick(bytes: &[u8]) -> u64 {
+    let mut last = 0;
+    let Ok(mut reader) = RecordingReader::new(bytes) else {
+        return last;
+    };
+    while let Ok(Some(event)) = reader.next_event() {
+        if let RecordingEvent::Reached(tick) | RecordingEvent::Hash { tick, .. } = event {
+            last = tick;
+        }
+    }
+    last
+}
+
 fn exam_task(task: &Arc<ExerciseTask>, file: &Path) -> Command {
     Command::Exercise(ExerciseAction::BeginExam(Box::new(ExamTask {
         task: Arc::clone(task),
@@ -238,14 +253,12 @@ fn an_exam_continues_after_a_power_failure_where_it_was() {
     started.enter(&["S600", "M3"]);
     started.kernel.run(4000);
     let tick = started.kernel.emulator.ticks();
-    // The disk gets the last second when the next one is over.
-    let written = || fs::read(&file).expect("a recording").len();
-    let before = written();
-    for _ in 0..100 {
-        if written() > before {
+    // The disk gets the last second when the next one is over, from another thread.
+    started.kernel.run(2200);
+    for _ in 0..3000 {
+        if last_recorded_tick(&fs::read(&file).expect("a recording")) >= tick {
             break;
         }
-        started.kernel.run(100);
         thread::sleep(Duration::from_millis(10));
     }
     // The process is gone; the last frame is cut off.
