@@ -58,14 +58,53 @@ fn extend_chain(hull: &mut GridContour, kept: usize, points: impl Iterator<Item 
     }
 }
 
-/// Computes the area that a convex polygon sweeps on a straight line. Its zero moves from
-/// `from` to `to`.
+/// Computes the area that a convex polygon sweeps on a straight line: the hull of both positions.
+/// Its zero moves from `from` to `to`. The polygon is one of [`convex_hull`].
+///
+/// ```text
+///      __ v        v moved      edges that face the motion are moved, the others remain;
+///     /  \----------->\         at a corner between both, the line from one position
+///    | P  |           |        of the corner to the other joins them
+///     \__/------------>/
+/// ```
 pub fn sweep(polygon: &[GridPoint], from: GridPoint, to: GridPoint) -> GridContour {
     let at = |by: GridPoint| polygon.iter().map(move |point| translated(*point, by));
-    if from == to {
+    let Some(last) = polygon.last().filter(|_| from != to) else {
         return at(from).collect();
+    };
+    let mut outline = GridContour::with_capacity(polygon.len() + 2);
+    let ends = |a, b| edge_ends_moved(a, b, from, to);
+    let (_, mut arrives_moved) = ends(*last, polygon[0]);
+    let next = polygon.iter().cycle().skip(1);
+    for (corner, next) in polygon.iter().zip(next) {
+        let (leaves_moved, next_arrives_moved) = ends(*corner, *next);
+        let position = |is_moved| translated(*corner, if is_moved { to } else { from });
+        outline.push(position(arrives_moved));
+        if leaves_moved != arrives_moved {
+            outline.push(position(leaves_moved));
+        }
+        arrives_moved = next_arrives_moved;
     }
-    convex_hull(at(from).chain(at(to)))
+    let first = (0..outline.len()).min_by_key(|at| (outline[*at].x, outline[*at].y));
+    outline.rotate_left(first.unwrap_or_default());
+    outline
+}
+
+/// Whether the beginning and the end of an edge of a swept polygon are on the moved polygon: both
+/// if the edge faces the motion, neither if it faces away. An edge along the motion is a part of
+/// the line that joins both positions.
+fn edge_ends_moved(a: GridPoint, b: GridPoint, from: GridPoint, to: GridPoint) -> (bool, bool) {
+    let wide = |a: GridPoint, b: GridPoint| {
+        let difference = |a: i32, b: i32| i64::from(b) - i64::from(a);
+        (difference(a.x, b.x), difference(a.y, b.y))
+    };
+    let (edge, motion) = (wide(a, b), wide(from, to));
+    let across = edge.0 * motion.1 - edge.1 * motion.0;
+    if across != 0 {
+        return (across < 0, across < 0);
+    }
+    let is_forward = edge.0 * motion.0 + edge.1 * motion.1 > 0;
+    (!is_forward, is_forward)
 }
 
 /// Computes the area that a convex polygon sweeps along a path of its zero, as one closed
@@ -170,6 +209,8 @@ pub fn shrink(polygon: &[GridPoint], by: i32) -> GridContour {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     fn point(x: i32, y: i32) -> GridPoint {
@@ -192,6 +233,24 @@ mod tests {
         );
         assert!(convex_hull([point(0, 0), point(1, 1), point(2, 2)]).is_empty());
         assert!(convex_hull([]).is_empty());
+    }
+
+    proptest! {
+        #[test]
+        fn a_sweep_is_the_hull_of_both_positions(
+            (corners, from, to) in (
+                prop::collection::vec((-9..10_i32, -9..10_i32), 3..12),
+                (-3..4_i32, -3..4_i32),
+                (-3..4_i32, -3..4_i32),
+            )
+        ) {
+            let polygon = convex_hull(corners.iter().map(|(x, y)| point(*x, *y)));
+            let (from, to) = (point(from.0, from.1), point(to.0, to.1));
+            prop_assume!(from != to);
+            let both = [from, to];
+            let positions = both.iter().flat_map(|by| polygon.iter().map(|it| translated(*it, *by)));
+            prop_assert_eq!(sweep(&polygon, from, to), convex_hull(positions));
+        }
     }
 
     #[test]

@@ -135,11 +135,13 @@ impl TurnedPart {
                 let low = number * SLAB_UNITS;
                 let within = clip_to_z_range(contour, low - 1, low + SLAB_UNITS + 1);
                 // Skip a sweep that misses the material left in this slab.
-                if !GridBounds::from_points(&within).is_some_and(|bounds| slab.intersects(&bounds))
-                {
+                let Some(material) = slab.bounds.filter(|it| {
+                    GridBounds::from_points(&within).is_some_and(|bounds| bounds.intersects(it))
+                }) else {
                     continue;
-                }
-                let left = slab.region.difference(&[within]);
+                };
+                let near = without_far_corners(&within, &material);
+                let left = slab.region.difference(&[near]);
                 if left == slab.region {
                     continue;
                 }
@@ -318,6 +320,32 @@ fn clip_to_z_range(contour: &[GridPoint], low: i32, high: i32) -> GridContour {
     clip_half_plane(&right_of, high, |z, limit| z <= limit)
 }
 
+/// Leaves out the corners of a polygon whose two neighbours are beyond the same side of the
+/// material `bounds` as they are themselves: the edge that replaces them is beyond it, too.
+///
+/// ```text
+///     x---x---x        corners x are left out: most of those of an insert in a finishing cut
+///    /          \
+///   o            o
+///  --\--material-/--
+/// ```
+fn without_far_corners(contour: &[GridPoint], bounds: &GridBounds) -> GridContour {
+    let side = |point: &GridPoint| {
+        i8::from(point.y > bounds.high.y + 1) - i8::from(point.y < bounds.low.y - 1)
+    };
+    let before = contour.iter().cycle().skip(contour.len().saturating_sub(1));
+    let after = contour.iter().cycle().skip(1);
+    let neighbours = before
+        .zip(after)
+        .map(|(before, after)| (side(before), side(after)));
+    let corners = contour.iter().zip(neighbours);
+    let near = corners.filter(|(corner, (before, after))| {
+        let own = side(corner);
+        own == 0 || own != *before || own != *after
+    });
+    near.map(|(corner, _)| *corner).collect()
+}
+
 /// Clips a polygon at the line Z = `limit`, grid units. `inside` compares a Z with the limit
 /// and returns whether to keep it.
 fn clip_half_plane(contour: &[GridPoint], limit: i32, inside: fn(i32, i32) -> bool) -> GridContour {
@@ -342,7 +370,10 @@ fn clip_half_plane(contour: &[GridPoint], limit: i32, inside: fn(i32, i32) -> bo
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
+    use crate::convex::convex_hull;
     use crate::grid::grid;
     use crate::tool::{Tool, ToolShape};
 
@@ -400,6 +431,21 @@ mod tests {
         }
         // Each of the hundred positions is rounded to the grid.
         assert!((whole.volume() - pieces.volume()).abs() < 1e-5 * whole.volume());
+    }
+
+    proptest! {
+        #[test]
+        fn far_corners_do_not_change_a_cut(
+            corners in prop::collection::vec((-900..1900_i32, -900..1900_i32), 3..40)
+        ) {
+            let corners = corners.iter().map(|(z, x)| GridPoint::new(*z, *x));
+            let swept = convex_hull(corners);
+            let material = Region::rectangle(GridPoint::new(0, 0), GridPoint::new(1000, 1000));
+            let bounds = material.bounds().unwrap_or_else(|| unreachable!());
+            let near = without_far_corners(&swept, &bounds);
+            prop_assert!(near.len() <= swept.len());
+            prop_assert_eq!(material.difference(&[near]), material.difference(&[swept]));
+        }
     }
 
     #[test]

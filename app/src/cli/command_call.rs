@@ -1,10 +1,12 @@
-//! Parses a command line that begins with a command, without the options of the window.
+//! Parses a command line that begins with a command, without the options of the window and,
+//! for the commands that scripts call for each program, without the other commands.
 
 use std::ffi::OsString;
 
 use clap::{Args, Parser};
 use tracing::level_filters::LevelFilter;
 
+use super::deferred::DeferredArgs;
 use super::language::language_parser;
 use super::{CliCommand, CommandLine, Language, WindowArgs};
 
@@ -33,6 +35,27 @@ struct CommandCall {
     global: GlobalArgs,
 }
 
+/// The options of one command. The parser builds no other command.
+#[derive(Debug, Parser)]
+struct SingleCommand<T: Args> {
+    #[command(flatten)]
+    args: T,
+    #[command(flatten)]
+    global: GlobalArgs,
+}
+
+/// Parses the words from the name of the command on; `None` for an error or a request for help.
+fn parse_single<T: Args>(
+    words: &[OsString],
+    command: fn(DeferredArgs<T>) -> CliCommand,
+) -> Option<CommandCall> {
+    let SingleCommand { args, global } = SingleCommand::try_parse_from(words).ok()?;
+    Some(CommandCall {
+        command: command(DeferredArgs::new(args)),
+        global,
+    })
+}
+
 impl CommandLine {
     /// Parses a command line whose first word is a command. `None` for any other one, and for one
     /// with an error, which the whole parser explains.
@@ -41,7 +64,13 @@ impl CommandLine {
         if first.starts_with('-') {
             return None;
         }
-        let CommandCall { command, global } = CommandCall::try_parse_from(words).ok()?;
+        let call = match first {
+            "check" => parse_single(&words[1..], CliCommand::Check),
+            "plot" => parse_single(&words[1..], CliCommand::Plot),
+            "run" => parse_single(&words[1..], CliCommand::Run),
+            _ => CommandCall::try_parse_from(words).ok(),
+        };
+        let CommandCall { command, global } = call?;
         Some(Self {
             command: Some(command),
             global,
@@ -63,6 +92,8 @@ mod tests {
         for line in [
             "gsk980td check a.nc --lang en --start 5,6 --deny all",
             "gsk980td run a.nc --log debug --link COM3",
+            "gsk980td plot a.nc -o a.png",
+            "gsk980td check -- -a.nc",
             "gsk980td ladder check a.il --lang zh",
             "gsk980td notices",
         ] {
@@ -80,6 +111,7 @@ mod tests {
             "gsk980td --lang en check a.nc",
             "gsk980td check",
             "gsk980td check --help",
+            "gsk980td check a.nc --version",
             "gsk980td check a.nc --first-start",
             "gsk980td help-me",
         ] {

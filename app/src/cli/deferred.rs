@@ -11,6 +11,12 @@ use clap::{ArgMatches, Args, Command, FromArgMatches, Subcommand};
 #[derive(Debug)]
 pub struct DeferredArgs<T>(T);
 
+impl<T> DeferredArgs<T> {
+    pub const fn new(args: T) -> Self {
+        Self(args)
+    }
+}
+
 impl<T> Deref for DeferredArgs<T> {
     type Target = T;
 

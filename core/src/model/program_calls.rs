@@ -53,17 +53,23 @@ impl ControlModel {
         macros.is_some_and(|(first, last)| (first..=last).contains(&code))
     }
 
+    /// The code that a parameter of macro B assigns to a program; 0 as delivered, so that a
+    /// program without such codes is checked without reading the parameters of the model.
+    fn calling_code(&self, parameter: u16) -> i32 {
+        self.parameters.get(&parameter).copied().unwrap_or(0)
+    }
+
     /// Whether a parameter assigns a program to at least one G code.
     pub fn has_g_calls(&self) -> bool {
         let mut parameters = code_calls::FIRST_G_PARAMETER..code_calls::FIRST_G_PARAMETER + 10;
-        parameters.any(|number| self.parameter(number) != 0)
+        parameters.any(|number| self.calling_code(number) != 0)
     }
 
     /// Whether each T word calls a program, because of a parameter.
     pub(crate) fn has_t_calls(&self) -> bool {
         match self.id().is_mill() {
             true => self.parameter(code_calls::MILL_T_PARAMETER) >> code_calls::MILL_T_BIT & 1 == 1,
-            false => self.parameter(code_calls::T_PARAMETER) != 0,
+            false => self.calling_code(code_calls::T_PARAMETER) != 0,
         }
     }
 
@@ -74,7 +80,8 @@ impl ControlModel {
         let number = u16::try_from(code).ok()?;
         let nth = |parameters: core::ops::Range<u16>, program: u16| {
             let mut all = (program..).zip(parameters);
-            let called = all.find(|(_, parameter)| self.parameter(*parameter) == i32::from(number));
+            let called =
+                all.find(|(_, parameter)| self.calling_code(*parameter) == i32::from(number));
             called.map(|(program, _)| program).filter(|_| number != 0)
         };
         let ten = |first: u16| first..first + 10;
@@ -129,6 +136,18 @@ mod tests {
         assert_eq!(model.called_program(b'M', 0), None);
         assert_eq!(model.called_program(b'T', 101), Some(9000));
         assert_eq!(ControlModel::default().called_program(b'T', 1), None);
+    }
+
+    /// `calling_code` relies on it.
+    #[test]
+    fn no_code_calls_as_delivered() {
+        let calling = code_calls::FIRST_G_PARAMETER..=code_calls::T_PARAMETER;
+        for id in ModelId::ALL {
+            for (number, parameter) in id.record().parameters() {
+                let assigns = calling.contains(number);
+                assert!(!assigns || parameter.delivered == 0, "{id:?} {number}");
+            }
+        }
     }
 
     /// Parameters 6044 to 6046: facts C32 and C33.

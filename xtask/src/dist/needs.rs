@@ -16,6 +16,9 @@ const LINKED: [(&str, &str, &str); 5] = [
     ("ld-linux-aarch64.so.1", "libc6", "GLIBC_"),
 ];
 
+/// A version name that stands for a feature of the C library, and the first version with it.
+const PACKED_RELOCATIONS: (&str, &str) = ("GLIBC_ABI_DT_RELR", "GLIBC_2.36");
+
 /// Libraries that the window loads at run time, with their Debian packages. Commands work
 /// without them.
 const LOADED: [(&str, &str); 10] = [
@@ -113,11 +116,21 @@ fn linked(program: &[u8]) -> object::Result<(BTreeSet<String>, BTreeSet<String>)
         let strings = sections.strings(endian, program, index)?;
         while let Some((_, mut names)) = files.next()? {
             while let Some(name) = names.next()? {
-                versions.insert(text(name.name(endian, strings)?));
+                let name = text(name.name(endian, strings)?);
+                versions.insert(numbered_version(name));
             }
         }
     }
     Ok((libraries, versions))
+}
+
+/// The version with the feature that `name` requires, if it names a feature instead of a version.
+fn numbered_version(name: String) -> String {
+    let (feature, version) = PACKED_RELOCATIONS;
+    if name == feature {
+        return version.to_owned();
+    }
+    name
 }
 
 /// Finds the newest of the versions that begin with `word` and returns it without that prefix;
@@ -146,13 +159,20 @@ mod tests {
             "GLIBC_2.4",
             "GLIBC_2.34",
             "GLIBC_2.9",
-            "GLIBC_ABI_DT_RELR",
+            "GLIBC_PRIVATE",
             "GCC_4.2.0",
         ];
         let versions = names.map(str::to_owned).into();
         assert_eq!(newest(&versions, "GLIBC_").as_deref(), Some("2.34"));
         assert_eq!(newest(&versions, "GCC_").as_deref(), Some("4.2.0"));
         assert_eq!(newest(&versions, "QT_"), None);
+    }
+
+    #[test]
+    fn packed_relocations_require_the_first_c_library_that_reads_them() {
+        let names = ["GLIBC_2.34", "GLIBC_ABI_DT_RELR"].map(str::to_owned);
+        let versions = names.map(numbered_version).into();
+        assert_eq!(newest(&versions, "GLIBC_").as_deref(), Some("2.36"));
     }
 
     #[test]
