@@ -3777,9 +3777,14 @@ message_rows! {
     tool_description_empty ToolDescriptionEmpty();
     tool_exists ToolExists(id);
     tool_format_unknown ToolFormatUnknown(path);
+    tool_freecad_angle ToolFreecadAngle();
+    tool_freecad_length ToolFreecadLength();
+    tool_freecad_letter ToolFreecadLetter(letter);
     tool_freecad_list ToolFreecadList(field);
     tool_freecad_missing ToolFreecadMissing(file, number);
     tool_freecad_shape ToolFreecadShape(shape);
+    tool_freecad_tip_angle ToolFreecadTipAngle(known);
+    tool_freecad_value ToolFreecadValue(key, value, rule: message);
     tool_holder_bar ToolHolderBar();
     tool_holder_none ToolHolderNone();
     tool_holder_shank ToolHolderShank();
