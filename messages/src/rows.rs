@@ -3294,6 +3294,7 @@ message_rows! {
     report_denied_warning ReportDeniedWarning(code, warning);
     report_ended ReportEnded(end);
     report_ended_by_collision ReportEndedByCollision();
+    report_ended_by_overload ReportEndedByOverload();
     report_ended_by_signal ReportEndedBySignal();
     report_ended_until ReportEndedUntil();
     report_given_up ReportGivenUp(reason: message);
