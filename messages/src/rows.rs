@@ -2932,6 +2932,9 @@ message_rows! {
     ported_note_coolant PortedNoteCoolant();
     ported_note_coordinates PortedNoteCoordinates();
     ported_note_corner PortedNoteCorner();
+    ported_note_corner_fit PortedNoteCornerFit();
+    ported_note_corner_haas PortedNoteCornerHaas();
+    ported_note_corner_plain PortedNoteCornerPlain();
     ported_note_data_input PortedNoteDataInput();
     ported_note_diameter PortedNoteDiameter();
     ported_note_drill PortedNoteDrill();

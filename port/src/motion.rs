@@ -3,9 +3,10 @@
 use gsk_messages::say;
 
 use crate::block::{ForeignBlock, ForeignWord};
+use crate::corner_arcs::known;
 use crate::number::{Number, divide_rounded, round_to, write_feed, write_number};
 use crate::porter::{Porter, Refusal};
-use crate::state::ActiveCode;
+use crate::state::{ActiveCode, TrackedAxis};
 
 /// Letters for the position and for the distance of the axes X and Z.
 pub(crate) const AXIS_LETTERS: [(u8, u8); 2] = [(b'X', b'U'), (b'Z', b'W')];
@@ -180,8 +181,18 @@ impl Porter<'_> {
     ) -> Result<(), Refusal> {
         self.start_profile(block);
         self.convert_feed(block);
+        let code = self.state.next_code.take();
+        if let Some(code) = code.filter(|_| !block.g_codes().any(|code| code <= 30)) {
+            block.prepend(code);
+        }
         match self.state.active {
-            ActiveCode::Arc => self.convert_arc(block)?,
+            ActiveCode::Arc { .. } => {
+                let corner = self.take_arc_corner(block, index)?;
+                self.convert_arc(block)?;
+                if let Some(corner) = corner {
+                    self.write_arc_corner(block, &corner)?;
+                }
+            }
             ActiveCode::Line => {
                 self.convert_angle(block, index)?;
                 self.convert_corner(block, index)?;
@@ -197,6 +208,7 @@ impl Porter<'_> {
     fn convert_arc(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
         let start = self.position();
         let end = self.end_point(block, start);
+        self.complete_arc(block)?;
         if let Some(number) = block.number(b'R') {
             if number.micro < 0 {
                 let word = block.word(b'R').map(ForeignWord::shown);
@@ -206,7 +218,8 @@ impl Porter<'_> {
                 ));
             }
             let radius = round_to(self.state.length(number), LENGTH_DECIMALS);
-            let radius = radius.max(smallest_radius(start, end));
+            let written = self.state.axes.map(|axis| axis.written_position());
+            let radius = radius.max(smallest_radius(written, end));
             if radius != number.micro {
                 block.replace(b'R', &length_word(b'R', radius));
             }
@@ -229,6 +242,36 @@ impl Porter<'_> {
             };
             let offset = (center - from) / if axis == 0 { 2 } else { 1 };
             block.replace(letter, &length_word(letter, offset));
+        }
+        Ok(())
+    }
+
+    /// Writes what an arc after a corner needs, because it begins at the end of the corner: both
+    /// coordinates of its end, and the distances to its centre from there.
+    fn complete_arc(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
+        if !self.state.axes.iter().any(TrackedAxis::follows_corner) {
+            return Ok(());
+        }
+        for (axis, (position, distance)) in AXIS_LETTERS.into_iter().enumerate() {
+            let tracked = &mut self.state.axes[axis];
+            if let (Some(end), false) = (tracked.position, block.has_any(&[position, distance])) {
+                block.append(&length_word(position, round_to(end, LENGTH_DECIMALS)));
+            }
+        }
+        if block.has(b'R') {
+            return Ok(());
+        }
+        let center = known(self.position()).and_then(|from| self.arc_center(block, from));
+        let written = self.state.axes.map(|axis| axis.written_position());
+        let (Some(center), Some(written)) = (center, known(written)) else {
+            return Err(Refusal::new("I K", say::ported_note_centers()));
+        };
+        for (axis, letter) in [(0, b'I'), (1, b'K')] {
+            let offset = (center[axis] - written[axis]).round() as i64;
+            let word = length_word(letter, offset);
+            if !block.replace(letter, &word) {
+                block.append(&word);
+            }
         }
         Ok(())
     }
