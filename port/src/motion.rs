@@ -189,8 +189,9 @@ impl Porter<'_> {
             ActiveCode::Arc { .. } => {
                 let corner = self.take_arc_corner(block, index)?;
                 self.convert_arc(block)?;
-                if let Some(corner) = corner {
-                    self.write_arc_corner(block, &corner)?;
+                match corner {
+                    Some(corner) => self.write_arc_corner(block, &corner)?,
+                    None => self.complete_end(block),
                 }
             }
             ActiveCode::Line => {
@@ -208,7 +209,7 @@ impl Porter<'_> {
     fn convert_arc(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
         let start = self.position();
         let end = self.end_point(block, start);
-        self.complete_arc(block)?;
+        self.complete_center(block)?;
         if let Some(number) = block.number(b'R') {
             if number.micro < 0 {
                 let word = block.word(b'R').map(ForeignWord::shown);
@@ -246,19 +247,22 @@ impl Porter<'_> {
         Ok(())
     }
 
-    /// Writes what an arc after a corner needs, because it begins at the end of the corner: both
-    /// coordinates of its end, and the distances to its centre from there.
-    fn complete_arc(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
-        if !self.state.axes.iter().any(TrackedAxis::follows_corner) {
-            return Ok(());
-        }
+    /// Writes both coordinates of an arc after a corner, because it begins beside the programmed
+    /// point.
+    fn complete_end(&mut self, block: &mut ForeignBlock) {
         for (axis, (position, distance)) in AXIS_LETTERS.into_iter().enumerate() {
-            let tracked = &mut self.state.axes[axis];
-            if let (Some(end), false) = (tracked.position, block.has_any(&[position, distance])) {
-                block.append(&length_word(position, round_to(end, LENGTH_DECIMALS)));
+            let tracked = self.state.axes[axis];
+            let is_missing = tracked.follows_corner() && !block.has_any(&[position, distance]);
+            if let Some(end) = tracked.position.filter(|_| is_missing) {
+                let written = self.state.axes[axis].move_to(end);
+                block.append(&length_word(position, written));
             }
         }
-        if block.has(b'R') {
+    }
+
+    /// Writes the centre of an arc after a corner as distances from the end of the corner.
+    fn complete_center(&self, block: &mut ForeignBlock) -> Result<(), Refusal> {
+        if block.has(b'R') || !self.state.axes.iter().any(TrackedAxis::follows_corner) {
             return Ok(());
         }
         let center = known(self.position()).and_then(|from| self.arc_center(block, from));
