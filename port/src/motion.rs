@@ -3,7 +3,7 @@
 use gsk_messages::say;
 
 use crate::block::{ForeignBlock, ForeignWord};
-use crate::corner_arcs::known;
+use crate::corner::known;
 use crate::number::{Number, divide_rounded, round_to, write_feed, write_number};
 use crate::porter::{Porter, Refusal};
 use crate::state::{ActiveCode, TrackedAxis};

@@ -1,15 +1,20 @@
 //! Chamfers and corner arcs between two lines.
 
+mod arcs;
+mod contour;
+
 use gsk_messages::say;
 
 use crate::angle::angle_word;
 use crate::block::{ForeignBlock, ForeignWord};
-use crate::contour::Vector;
 use crate::motion::{LENGTH_DECIMALS, length_word};
 use crate::number::round_to;
 use crate::porter::{Porter, Refusal};
 use crate::program_numbers::whole;
 use crate::source::SourcePart;
+
+pub(crate) use arcs::known;
+use contour::Vector;
 
 /// A corner in the blocks of this control: points as X (diameter) and Z, millionths of a millimetre.
 pub(crate) struct CornerBlock {

@@ -2,9 +2,9 @@
 
 use gsk_messages::say;
 
+use super::CornerBlock;
+use super::contour::{ContourMove, MoveArc, Vector, corner_points};
 use crate::block::{ForeignBlock, ForeignWord};
-use crate::contour::{ArcTurn, ContourMove, Vector, corner_points};
-use crate::corner::CornerBlock;
 use crate::dialect::CodeSet;
 use crate::porter::{Porter, Refusal};
 use crate::state::ActiveCode;
@@ -141,10 +141,10 @@ impl Porter<'_> {
         let turn = match block.number(b'R') {
             Some(radius) if radius.micro > 0 => {
                 let radius = self.state.length(radius) as f64;
-                ArcTurn::from_radius(from, to, radius, is_left)?
+                MoveArc::from_radius(from, to, radius, is_left)?
             }
             _ if block.has(b'R') => return None,
-            _ => ArcTurn {
+            _ => MoveArc {
                 center: self.arc_center(block, from)?,
                 is_left,
             },

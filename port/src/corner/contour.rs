@@ -14,18 +14,18 @@ const LEAST_SINE: f64 = 1e-4;
 /// direction.
 const LEAST_ARC: f64 = 2_000.0;
 
-/// A line, or an arc if it has a turn.
+/// A line or an arc.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ContourMove {
     pub from: Vector,
     pub to: Vector,
     /// The centre and direction of an arc; `None` for a line.
-    pub turn: Option<ArcTurn>,
+    pub turn: Option<MoveArc>,
 }
 
 /// Centre and direction of an arc.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct ArcTurn {
+pub(crate) struct MoveArc {
     pub center: Vector,
     /// Whether the arc is counter-clockwise with Z to the right and X up (G03).
     pub is_left: bool,
@@ -82,7 +82,7 @@ fn heading(a: Vector) -> f64 {
     a[0].atan2(a[1])
 }
 
-impl ArcTurn {
+impl MoveArc {
     /// The turn of an arc with a radius of at most half a turn; `None` between equal points.
     pub fn from_radius(from: Vector, to: Vector, radius: f64, is_left: bool) -> Option<Self> {
         let chord = minus(to, from);
@@ -148,7 +148,7 @@ impl ContourMove {
     /// Direction of travel at a point on the move.
     fn direction(&self, point: Vector) -> Vector {
         let along = match self.turn {
-            Some(ArcTurn { center, is_left }) => {
+            Some(MoveArc { center, is_left }) => {
                 let left = left_of(minus(point, center));
                 scale(left, if is_left { 1.0 } else { -1.0 })
             }
@@ -262,7 +262,7 @@ pub(crate) fn corner_points(
             after: second.touching_point(center),
             is_left,
         };
-        let swept = ArcTurn { center, is_left }.angle(points.before, points.after);
+        let swept = MoveArc { center, is_left }.angle(points.before, points.after);
         (fits(&points) && swept < PI).then_some(points)
     });
     let points = found.next()?;
