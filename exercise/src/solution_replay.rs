@@ -126,7 +126,7 @@ impl<J> RecordingObserver<J> {
             judge,
             start,
             has_begun: false,
-            collided: None,
+            cut_faults_at: None,
             flaw: None,
             end: None,
         }
@@ -165,8 +165,8 @@ struct RecordingObserver<J> {
     judge: J,
     start: MachineMoment,
     has_begun: bool,
-    /// Tick of the last collision; `None` without one.
-    collided: Option<u64>,
+    /// Tick of the last collision or cut above the limits; `None` without one.
+    cut_faults_at: Option<u64>,
     flaw: Option<JudgeError>,
     /// Machine state after the last tick or input; `None` before the first one.
     end: Option<MachineMoment>,
@@ -186,8 +186,8 @@ impl<J: SolutionFollower> ReplayObserver for RecordingObserver<J> {
     }
 
     fn before_input(&mut self, moment: &MachineMoment, recorded: &RecordedInput) -> bool {
-        let after_collision = self.collided == Some(moment.ticks());
-        if !is_by_operator(&recorded.input, after_collision) {
+        let after_cut = self.cut_faults_at == Some(moment.ticks());
+        if !is_by_operator(&recorded.input, after_cut) {
             let tick = moment.ticks().saturating_sub(self.start.ticks());
             self.flaw = Some(JudgeError::ForeignInput(tick));
             return false;
@@ -197,8 +197,9 @@ impl<J: SolutionFollower> ReplayObserver for RecordingObserver<J> {
     }
 
     fn after_tick(&mut self, moment: &MachineMoment, collision: Option<&CollisionFinding>) -> bool {
-        if collision.is_some() {
-            self.collided = Some(moment.ticks());
+        let effect = (moment.part).cut_effect(collision, moment.emulator.simulation());
+        if collision.is_some() || effect.cut_fault.is_some() {
+            self.cut_faults_at = Some(moment.ticks());
         }
         self.judge.after_tick(moment, collision)
     }

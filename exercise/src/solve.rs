@@ -2,7 +2,7 @@
 
 use gsk_history::moment::{HistoryInput, MachineMoment, RecordedInput};
 use gsk_messages::{Message, say};
-use gsk_panel::emulator::{EmulatorInput, StampedInput};
+use gsk_panel::emulator::StampedInput;
 use gsk_panel::script::{Runner, Script, ScriptAction, ScriptError, ScriptProgress};
 use gsk_workpiece::region::Region;
 
@@ -93,11 +93,7 @@ fn play_solution(
             break;
         }
         let collision = moment.tick();
-        let simulation = moment.emulator.simulation();
-        let faults = collision.and_then(|finding| moment.part.crash_faults(&finding, simulation));
-        for fault in faults.into_iter().flatten() {
-            moment.emulator.apply(EmulatorInput::Fault(fault, true));
-        }
+        moment.set_cut_faults(collision.as_ref());
         recorder.add_inputs(machine_inputs(&mut moment))?;
         recorder.follow_tick(&moment.emulator)?;
     }

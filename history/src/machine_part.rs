@@ -35,8 +35,8 @@ pub enum PartInput {
     Overload(bool),
 }
 
-/// The faults by which a collision stops the lathe ([`MachinePart::crash_faults`] names two of
-/// them), and those of a cut above the limits.
+/// The faults by which a collision stops the lathe (two of them at a time), and those of a cut
+/// above the limits.
 pub const CRASH_FAULTS: [LatheFault; 5] = [
     LatheFault::DriveX,
     LatheFault::DriveZ,
@@ -44,6 +44,25 @@ pub const CRASH_FAULTS: [LatheFault; 5] = [
     LatheFault::InsertBroken,
     LatheFault::StockLoose,
 ];
+
+/// What a tick of cutting does to the simulated lathe.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CutEffect {
+    /// The cut above the limits; `None` without one.
+    pub cut_fault: Option<CutFault>,
+    /// The faults of a collision that stops the lathe; `None` without one.
+    pub crash_faults: Option<[LatheFault; 2]>,
+}
+
+impl CutEffect {
+    /// The faults of the lathe, in the order in which they are set.
+    pub fn faults(&self) -> impl Iterator<Item = LatheFault> + use<> {
+        let by_cut = self.cut_fault.map(|it| it.fault());
+        by_cut
+            .into_iter()
+            .chain(self.crash_faults.into_iter().flatten())
+    }
+}
 
 /// The part that the slides cut, its job and the switches that belong to it.
 #[derive(Clone, Debug)]
@@ -122,9 +141,17 @@ impl MachinePart {
         self.live.as_mut()?.follow_tick(simulation).first().copied()
     }
 
-    /// Removes and returns the cut that has exceeded a limit in the last tick; `None` without one.
-    pub fn take_cut_fault(&mut self) -> Option<CutFault> {
-        self.live.as_mut()?.take_cut_fault()
+    /// Returns what the last tick does to the simulated lathe, which is faulty from now on. A
+    /// replay has these faults among its inputs. `collision` is that of the tick.
+    pub fn cut_effect(
+        &self,
+        collision: Option<&CollisionFinding>,
+        simulation: &Simulation,
+    ) -> CutEffect {
+        CutEffect {
+            cut_fault: self.live.as_ref().and_then(LivePart::cut_fault),
+            crash_faults: collision.and_then(|it| self.crash_faults(it, simulation)),
+        }
     }
 
     /// Sets whether the load of the current cut is measured. The machine does not depend on it.
@@ -151,7 +178,7 @@ impl MachinePart {
     /// With a guessed job the position of the part is an assumption by hand, and the shape of a
     /// tool beyond its edge is one always: such a collision is reported and stops nothing
     /// (WINDOW-29).
-    pub fn crash_faults(
+    fn crash_faults(
         &self,
         finding: &CollisionFinding,
         simulation: &Simulation,

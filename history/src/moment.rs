@@ -7,7 +7,7 @@ use gsk_panel::emulator::{Emulator, EmulatorInput, PortRequest};
 use gsk_runner::machining::CollisionFinding;
 use serde::{Deserialize, Serialize};
 
-use crate::machine_part::{MachinePart, NamedJob, PartInput};
+use crate::machine_part::{CutEffect, MachinePart, NamedJob, PartInput};
 
 /// A change of the machine or of its part from outside.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -95,6 +95,16 @@ impl MachineMoment {
     pub fn tick(&mut self) -> Option<CollisionFinding> {
         self.emulator.tick();
         self.part.follow_tick(self.emulator.simulation())
+    }
+
+    /// Sets the faults that the last tick causes in the simulated lathe, as the machine in the
+    /// window does. `collision` is that of the tick.
+    pub fn set_cut_faults(&mut self, collision: Option<&CollisionFinding>) -> CutEffect {
+        let effect = (self.part).cut_effect(collision, self.emulator.simulation());
+        for fault in effect.faults() {
+            self.emulator.set_fault(fault, true);
+        }
+        effect
     }
 
     /// Returns the ticks of the emulator.

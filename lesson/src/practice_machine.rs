@@ -2,6 +2,7 @@
 //! of the lesson. It contains nothing of the learner's own memory.
 
 use gsk_core::command::ProgramId;
+use gsk_core::machine::LoadLimits;
 use gsk_core::memory::ToolOffset;
 use gsk_core::model::{ControlModel, ModelId};
 use gsk_core::program::Program;
@@ -42,6 +43,9 @@ pub struct LessonStartFile {
     offsets: Vec<String>,
     /// Texts of the programs in the memory; the first is selected.
     programs: Vec<String>,
+    /// What spindle, chuck and bars bear, and whether a cut above it breaks something, as in a
+    /// machine file.
+    load: LoadLimits,
     /// Whether the machine begins with the power-on picture.
     picture: bool,
     /// Operator script, line by line, that prepares the machine before the first step.
@@ -69,6 +73,12 @@ impl LessonStart {
             setup.memory.set_model(ControlModel::new(id));
         }
         setup.referenced = raw.referenced;
+        setup.lathe.load = raw.load;
+        if let Err(errors) = setup.lathe.check()
+            && let Some(error) = errors.into_iter().next()
+        {
+            return Err(say::subject_reason(error.field, error.rule));
+        }
         let point = |(x, z): (f64, f64)| Point::from_diameter(Diameter(x), z);
         let positions = raw.slides.iter().chain(&raw.absolute);
         for value in positions.flat_map(|(x, z)| [*x, *z]) {
@@ -128,6 +138,11 @@ impl LessonStart {
     /// Control model of the practice machine.
     pub const fn model(&self) -> ModelId {
         self.setup.memory.model.id()
+    }
+
+    /// Whether a cut above the limits breaks something.
+    pub(crate) const fn has_load_events(&self) -> bool {
+        self.setup.lathe.load.events
     }
 
     /// Position of the slides, machine coordinates, at which the tip of a tool of length 0 is at

@@ -3,6 +3,8 @@
 
 use std::sync::Arc;
 
+use gsk_history::machine_part::{MachinePart, NamedJob, PartInput};
+use gsk_history::moment::MachineMoment;
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::script::{Runner, ScriptProgress};
@@ -32,11 +34,11 @@ pub enum StepResult {
 /// # Errors
 /// The preparation script of the lesson fails.
 pub fn play_lesson(lesson: &Arc<Lesson>) -> Result<Vec<StepResult>, Message> {
-    let mut machine = lesson.start.create_machine()?;
+    let mut machine = create_moment(lesson)?;
     let mut progress = LessonProgress::new(Arc::clone(lesson));
     let mut results = Vec::new();
     for step in 0..lesson.steps.len() {
-        progress.check_machine(&machine);
+        progress.check_machine(&machine.emulator);
         let result = play_step(lesson, step, &mut progress, &mut machine);
         let failed = matches!(result, StepResult::Failed(_));
         results.push(result);
@@ -52,15 +54,37 @@ pub fn play_lesson(lesson: &Arc<Lesson>) -> Result<Vec<StepResult>, Message> {
 /// # Errors
 /// The solution does not reach the step.
 pub fn machine_at_step(lesson: &Arc<Lesson>, step: usize) -> Result<Emulator, Message> {
-    let mut machine = lesson.start.create_machine()?;
+    let mut machine = create_moment(lesson)?;
     let mut progress = LessonProgress::new(Arc::clone(lesson));
     for before in 0..step.min(lesson.steps.len()) {
-        progress.check_machine(&machine);
+        progress.check_machine(&machine.emulator);
         if let StepResult::Failed(why) = play_step(lesson, before, &mut progress, &mut machine) {
             return Err(why);
         }
     }
-    Ok(machine)
+    Ok(machine.emulator)
+}
+
+/// The practice machine. It has the part only where a cut can break something, because cutting it
+/// takes time.
+fn create_moment(lesson: &Lesson) -> Result<MachineMoment, Message> {
+    let mut part = MachinePart::default();
+    if lesson.start.has_load_events() {
+        part.apply(PartInput::Job(Some(Box::new(NamedJob {
+            job: lesson.stock_and_tools(),
+            name: Some(lesson.name.clone()),
+        }))));
+    }
+    Ok(MachineMoment {
+        emulator: lesson.start.create_machine()?,
+        part,
+    })
+}
+
+/// Cuts the part with the motion of the last tick.
+fn cut_part(machine: &mut MachineMoment) {
+    let collision = machine.part.follow_tick(machine.emulator.simulation());
+    machine.set_cut_faults(collision.as_ref());
 }
 
 /// Plays the solution of step `step`, from 0, on the machine that the earlier steps have left.
@@ -68,7 +92,7 @@ fn play_step(
     lesson: &Arc<Lesson>,
     step: usize,
     progress: &mut LessonProgress,
-    machine: &mut Emulator,
+    machine: &mut MachineMoment,
 ) -> StepResult {
     if progress.step() > step {
         return StepResult::DoneBefore;
@@ -84,7 +108,7 @@ fn play_step(
     if let Some(why) = current
         .requirements
         .iter()
-        .find_map(|need| need.unmet_message(machine))
+        .find_map(|need| need.unmet_message(&machine.emulator))
     {
         return StepResult::Failed(say::lesson_needs(why));
     }
@@ -93,7 +117,12 @@ fn play_step(
     let mut settle_ticks = None;
     loop {
         if settle_ticks.is_none() {
-            match runner.advance(machine, 1) {
+            let before = machine.ticks();
+            let played = runner.advance(&mut machine.emulator, 1);
+            if machine.ticks() != before {
+                cut_part(machine);
+            }
+            match played {
                 ScriptProgress::Running => {}
                 ScriptProgress::Failed(failure) => return StepResult::Failed(failure.message()),
                 ScriptProgress::Finished | ScriptProgress::Effect(_) => {
@@ -101,11 +130,12 @@ fn play_step(
                 }
             }
         } else {
-            machine.tick();
+            machine.emulator.tick();
+            cut_part(machine);
         }
         let now = machine.ticks();
         if now.is_multiple_of(CHECK_INTERVAL_TICKS) && progress.step() == step {
-            progress.check_machine(machine);
+            progress.check_machine(&machine.emulator);
         }
         if settle_ticks.is_some() && progress.step() > step {
             return StepResult::Done(now - start_ticks);
@@ -115,7 +145,7 @@ fn play_step(
         }
         if settle_ticks.is_some_and(|until| now >= until) || now - start_ticks > MAX_STEP_MS {
             let mut open = current.goals.iter();
-            let why = open.find_map(|condition| condition.unmet_message(machine));
+            let why = open.find_map(|condition| condition.unmet_message(&machine.emulator));
             return StepResult::Failed(why.unwrap_or_else(say::lesson_before_too_long));
         }
     }

@@ -120,6 +120,33 @@ fn errors_name_file_step_field_and_rule() {
     }
 }
 
+/// A pass with 1.25 mm a turn, more than a nose of 0.4 mm bears.
+#[test]
+fn a_cut_above_the_limits_of_a_lesson_breaks_the_insert() {
+    for (load, is_done) in [("load: (events: true),", true), ("", false)] {
+        let text = format!(
+            "(title: (zh: \"一\", en: \"One\"), about: (zh: \"一\", en: \"one\"),\n\
+             begins: (referenced: true, {load} offsets: [\"1=-160,-220,0.4,3\"], programs: [\
+             \"O0030;T0101;M3S800;G0X54Z2;G90X46Z-40F1000;G0X100Z50;M30;\"]),\n\
+             job: (stock: (form: Bar(diameter: 50), length: 120, overhang: 70), tools: {{ 1: (\
+             insert: Turning(letter: C, entering: 95, size: 12.7, nose: 0.4), tip: 3) }},\n\
+             zero: (x: -160, z: -220), lengths: {{ 1: (x: 0, z: 0) }}),\n steps: [{}])",
+            step(
+                "until: [\"fault insert-broken on\"], \
+                 solution: [\"press AUTO\", \"press CS\", \"wait 20s\"]"
+            )
+        );
+        let lesson = Arc::new(parse_lesson(&text.replace(';', ";\\n")).expect("a lesson"));
+        let outcomes = solution_player::play_lesson(&lesson).expect("a machine");
+        let done = matches!(outcomes[..], [StepResult::Done(_)]);
+        assert_eq!(done, is_done, "{load}: {outcomes:?}");
+    }
+    let negative = lesson(&step("until: [\"alarm none\"], solution: [\"press CS\"]"));
+    let negative = negative.replace("before: [\"press MDI\"]", "load: (grip_nm: -1)");
+    let error = parse_lesson(&negative).expect_err("a negative torque");
+    assert!(error.contains("begins: load.grip_nm: "), "{error}");
+}
+
 /// A lesson of three steps: AUTO, then single block, then JOG.
 fn three_steps() -> Arc<Lesson> {
     let steps = [

@@ -2941,6 +2941,9 @@ message_rows! {
     ported_note_coolant PortedNoteCoolant();
     ported_note_coordinates PortedNoteCoordinates();
     ported_note_corner PortedNoteCorner();
+    ported_note_corner_fit PortedNoteCornerFit();
+    ported_note_corner_haas PortedNoteCornerHaas();
+    ported_note_corner_plain PortedNoteCornerPlain();
     ported_note_data_input PortedNoteDataInput();
     ported_note_diameter PortedNoteDiameter();
     ported_note_drill PortedNoteDrill();
@@ -3303,6 +3306,7 @@ message_rows! {
     report_denied_warning ReportDeniedWarning(code, warning);
     report_ended ReportEnded(end);
     report_ended_by_collision ReportEndedByCollision();
+    report_ended_by_overload ReportEndedByOverload();
     report_ended_by_signal ReportEndedBySignal();
     report_ended_until ReportEndedUntil();
     report_given_up ReportGivenUp(reason: message);
@@ -3786,9 +3790,14 @@ message_rows! {
     tool_description_empty ToolDescriptionEmpty();
     tool_exists ToolExists(id);
     tool_format_unknown ToolFormatUnknown(path);
+    tool_freecad_angle ToolFreecadAngle();
+    tool_freecad_length ToolFreecadLength();
+    tool_freecad_letter ToolFreecadLetter(letter);
     tool_freecad_list ToolFreecadList(field);
     tool_freecad_missing ToolFreecadMissing(file, number);
     tool_freecad_shape ToolFreecadShape(shape);
+    tool_freecad_tip_angle ToolFreecadTipAngle(known);
+    tool_freecad_value ToolFreecadValue(key, value, rule: message);
     tool_holder_bar ToolHolderBar();
     tool_holder_none ToolHolderNone();
     tool_holder_shank ToolHolderShank();

@@ -3,9 +3,10 @@
 use gsk_messages::say;
 
 use crate::block::{ForeignBlock, ForeignWord};
+use crate::corner::known;
 use crate::number::{Number, divide_rounded, round_to, write_feed, write_number};
 use crate::porter::{Porter, Refusal};
-use crate::state::ActiveCode;
+use crate::state::{ActiveCode, TrackedAxis};
 
 /// Letters for the position and for the distance of the axes X and Z.
 pub(crate) const AXIS_LETTERS: [(u8, u8); 2] = [(b'X', b'U'), (b'Z', b'W')];
@@ -180,8 +181,19 @@ impl Porter<'_> {
     ) -> Result<(), Refusal> {
         self.start_profile(block);
         self.convert_feed(block);
+        let code = self.state.next_code.take();
+        if let Some(code) = code.filter(|_| !block.g_codes().any(|code| code <= 30)) {
+            block.prepend(code);
+        }
         match self.state.active {
-            ActiveCode::Arc => self.convert_arc(block)?,
+            ActiveCode::Arc { .. } => {
+                let corner = self.take_arc_corner(block, index)?;
+                self.convert_arc(block)?;
+                match corner {
+                    Some(corner) => self.write_arc_corner(block, &corner)?,
+                    None => self.complete_end(block),
+                }
+            }
             ActiveCode::Line => {
                 self.convert_angle(block, index)?;
                 self.convert_corner(block, index)?;
@@ -197,6 +209,7 @@ impl Porter<'_> {
     fn convert_arc(&mut self, block: &mut ForeignBlock) -> Result<(), Refusal> {
         let start = self.position();
         let end = self.end_point(block, start);
+        self.complete_center(block)?;
         if let Some(number) = block.number(b'R') {
             if number.micro < 0 {
                 let word = block.word(b'R').map(ForeignWord::shown);
@@ -206,7 +219,8 @@ impl Porter<'_> {
                 ));
             }
             let radius = round_to(self.state.length(number), LENGTH_DECIMALS);
-            let radius = radius.max(smallest_radius(start, end));
+            let written = self.state.axes.map(|axis| axis.written_position());
+            let radius = radius.max(smallest_radius(written, end));
             if radius != number.micro {
                 block.replace(b'R', &length_word(b'R', radius));
             }
@@ -229,6 +243,39 @@ impl Porter<'_> {
             };
             let offset = (center - from) / if axis == 0 { 2 } else { 1 };
             block.replace(letter, &length_word(letter, offset));
+        }
+        Ok(())
+    }
+
+    /// Writes both coordinates of an arc after a corner, because it begins beside the programmed
+    /// point.
+    fn complete_end(&mut self, block: &mut ForeignBlock) {
+        for (axis, (position, distance)) in AXIS_LETTERS.into_iter().enumerate() {
+            let tracked = self.state.axes[axis];
+            let is_missing = tracked.follows_corner() && !block.has_any(&[position, distance]);
+            if let Some(end) = tracked.position.filter(|_| is_missing) {
+                let written = self.state.axes[axis].move_to(end);
+                block.append(&length_word(position, written));
+            }
+        }
+    }
+
+    /// Writes the centre of an arc after a corner as distances from the end of the corner.
+    fn complete_center(&self, block: &mut ForeignBlock) -> Result<(), Refusal> {
+        if block.has(b'R') || !self.state.axes.iter().any(TrackedAxis::follows_corner) {
+            return Ok(());
+        }
+        let center = known(self.position()).and_then(|from| self.arc_center(block, from));
+        let written = self.state.axes.map(|axis| axis.written_position());
+        let (Some(center), Some(written)) = (center, known(written)) else {
+            return Err(Refusal::new("I K", say::ported_note_centers()));
+        };
+        for (axis, letter) in [(0, b'I'), (1, b'K')] {
+            let offset = (center[axis] - written[axis]).round() as i64;
+            let word = length_word(letter, offset);
+            if !block.replace(letter, &word) {
+                block.append(&word);
+            }
         }
         Ok(())
     }

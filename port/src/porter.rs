@@ -209,7 +209,7 @@ impl Porter<'_> {
             Some(CodeRule::Macro) => self.convert_macro(block),
             Some(CodeRule::RigidTap) => self.convert_rigid_tap(block),
             _ => match self.state.active {
-                ActiveCode::Rapid | ActiveCode::Line | ActiveCode::Arc => {
+                ActiveCode::Rapid | ActiveCode::Line | ActiveCode::Arc { .. } => {
                     self.convert_motion(block, index)
                 }
                 ActiveCode::Thread => self.convert_thread(block),
@@ -309,7 +309,9 @@ impl Porter<'_> {
         state.active = match rule {
             CodeRule::Motion if code == 0 => ActiveCode::Rapid,
             CodeRule::Motion if code == 10 => ActiveCode::Line,
-            CodeRule::Motion => ActiveCode::Arc,
+            CodeRule::Motion => ActiveCode::Arc {
+                is_left: code == 30,
+            },
             CodeRule::Thread | CodeRule::VariableThread => ActiveCode::Thread,
             CodeRule::Turn => ActiveCode::Turn,
             CodeRule::ThreadTurn => ActiveCode::ThreadTurn,

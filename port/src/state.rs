@@ -11,7 +11,10 @@ pub(crate) enum ActiveCode {
     /// G01: straight line at the feed.
     Line,
     /// G02 or G03: arc.
-    Arc,
+    Arc {
+        /// Whether it is G03.
+        is_left: bool,
+    },
     /// G32 or G34: thread of one pass.
     Thread,
     /// The turning cycle, which is G90 on this control.
@@ -57,6 +60,17 @@ impl TrackedAxis {
     /// millionths of a millimetre.
     pub const fn written_distance(self, distance: i64) -> i64 {
         round_to(distance - self.rounding, 3)
+    }
+
+    /// The position to which the written words lead, which a corner shifts; `None` if the text does
+    /// not show it.
+    pub fn written_position(&self) -> Option<i64> {
+        Some(self.position? + self.rounding)
+    }
+
+    /// Whether the tool is at the end of a corner, beside the programmed position.
+    pub const fn follows_corner(&self) -> bool {
+        self.rounding.abs() > 1_000
     }
 
     /// Marks the position as unknown.
@@ -108,6 +122,9 @@ pub(crate) struct ForeignState {
     pub is_radius: bool,
     pub has_absolute_centers: bool,
     pub active: ActiveCode,
+    /// The code that the next block needs because a corner block has replaced it; `None` without
+    /// one.
+    pub next_code: Option<&'static str>,
     /// Whether the feed is per revolution; `None` before the first code that selects it.
     pub per_revolution: Option<bool>,
     pub has_surface_speed: bool,
@@ -148,6 +165,7 @@ impl ForeignState {
             is_radius: false,
             has_absolute_centers: false,
             active: ActiveCode::Rapid,
+            next_code: None,
             per_revolution: None,
             has_surface_speed: false,
             axes: [TrackedAxis::default(); 2],

@@ -196,6 +196,78 @@ fn distances_after_a_corner_count_from_the_corner() {
 }
 
 #[test]
+fn corners_beside_arcs_become_blocks() {
+    // Into a quarter of a circle about X20 Z-20. The centre of the corner arc is at X24, 12 mm from
+    // there: Z-8.168.
+    assert_eq!(
+        fanuc("G98 G1 X20. Z0 F99.\nZ-10. ,R2.\nG3 X40. Z-20. R10.\nG1 Z-30.\n"),
+        "G98 G1 X20. Z0 F99.\nZ-8.168\nG02 X23.333 Z-10.14 R2.\nG3 X40. Z-20. R10.\nG1 Z-30.\n"
+    );
+    // The same with its centre: distances and centre count from the end of the corner.
+    assert_eq!(
+        fanuc("G98 G1 X20. Z0 F99.\nZ-10. ,R2.\nG3 U20. W-10. K-10.\nG1 Z-30.\n"),
+        "G98 G1 X20. Z0 F99.\nZ-8.168\nG02 X23.333 Z-10.14 R2.\n\
+         G3 U16.667 W-9.86 K-9.86 I-1.667\nG1 Z-30.\n"
+    );
+    // Chamfers have 2 mm straight from the corner, on the arc as a chord.
+    assert_eq!(
+        fanuc("G98 G1 X20. Z-10. F99.\nG3 X40. Z-20. R10. ,C2.\nG1 X50.\n"),
+        "G98 G1 X20. Z-10. F99.\nG3 R10. X39.6 Z-18.01\nG01 X44. Z-20.\nG1 X50.\n"
+    );
+    // Between two arcs, the second without its code.
+    assert_eq!(
+        fanuc("G98 G1 X20. Z0 F99.\nG3 X40. Z-10. R10. ,C1.\nX60. Z-20. R10.\n"),
+        "G98 G1 X20. Z0 F99.\nG3 R10. X39.9 Z-9.001\nG01 X41.997 Z-10.05\nG03 X60. Z-20. R10.\n"
+    );
+}
+
+#[test]
+fn corners_beside_arcs_are_refused_where_they_are_not_certain() {
+    let start = "G98 G1 X20. Z0 F99.\n";
+    for (text, dialect, wanted) in [
+        (
+            "Z-10. ,R9.\nG2 X30. Z-15. R5.\n",
+            ForeignDialect::Fanuc0t,
+            "2: ,R9. is not ported",
+        ),
+        (
+            "Z-10. R1.\nG2 X30. Z-15. R5.\n",
+            ForeignDialect::Fanuc0t,
+            "write ,C or ,R",
+        ),
+        (
+            "Z-10. I1.\nG2 X30. Z-15. R5.\n",
+            ForeignDialect::Fanuc0t,
+            "write ,C or ,R",
+        ),
+        (
+            "Z-10. ,C1.\nG2 X30. Z-15. R5.\n",
+            ForeignDialect::Haas,
+            "Haas",
+        ),
+        (
+            "Z-10. ,C1.\nG2 X30. Z-15. R#1\n",
+            ForeignDialect::Fanuc0t,
+            "must be a line or an arc",
+        ),
+        (
+            "G2 X30. Z-5. R5. ,C1.\nM30\n",
+            ForeignDialect::Fanuc0t,
+            "2: ,C1. is not ported",
+        ),
+        // The arc leaves in the direction of the line.
+        (
+            "Z-10. ,C1.\nG2 X30. Z-15. R5.\n",
+            ForeignDialect::Fanuc0t,
+            "same direction",
+        ),
+    ] {
+        let refused = first_finding(dialect, &format!("{start}{text}"));
+        assert!(refused.contains(wanted), "{text}: {refused}");
+    }
+}
+
+#[test]
 fn lines_by_their_angle() {
     assert_eq!(
         fanuc("G98 G1 X20. Z0 F99.\nX40. A135.\n"),

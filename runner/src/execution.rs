@@ -9,6 +9,7 @@ use gsk_core::alarm::Alarm;
 use gsk_core::cnc::Event;
 use gsk_core::command::{ExecutedMove, MoveKind};
 use gsk_core::interpreter::{Explanation, ModalState};
+use gsk_core::machine::LatheFault;
 use gsk_core::memory::ControlParameters;
 use gsk_core::operation::{OperatingMode, RunState};
 use gsk_core::plc::address::{Area, BitAddress};
@@ -66,6 +67,8 @@ pub enum WatcherStop {
     Collision,
     /// The run has reached the location at which it was set to end.
     Location,
+    /// A cut above the limits has stalled the spindle or loosened the stock.
+    Overload,
 }
 
 /// Receives the progress of an execution.
@@ -81,6 +84,11 @@ pub trait ExecutionWatcher {
         machine: Point,
         simulation: &Simulation,
     ) -> Option<WatcherStop>;
+    /// The fault that the cut of the last tick has caused in the simulated lathe; `None` without
+    /// one.
+    fn cut_fault(&self) -> Option<LatheFault> {
+        None
+    }
     /// Called when a block begins. `line` counts from 1; `modal` holds the G codes, F, S and T
     /// in force.
     fn on_block(&mut self, line: u32, text: &str, modal: &ModalState);
@@ -131,6 +139,7 @@ impl ExecutionEnd {
             Self::Requested => report::RunEnd::Requested,
             Self::Watcher(WatcherStop::Collision) => report::RunEnd::Collision,
             Self::Watcher(WatcherStop::Location) => report::RunEnd::Location,
+            Self::Watcher(WatcherStop::Overload) => report::RunEnd::Overload,
             Self::Limit => report::RunEnd::Limit,
         }
     }
@@ -475,6 +484,9 @@ impl ProgramRun<'_> {
             let stop = self.watcher.on_tick(time_ms, machine, &self.simulation);
             if self.pending_end.is_none() {
                 self.pending_end = stop.map(ExecutionEnd::Watcher);
+            }
+            if let Some(fault) = self.watcher.cut_fault().filter(|_| self.board.is_none()) {
+                self.simulation.lathe.set_fault(fault, true);
             }
         }
     }

@@ -370,11 +370,10 @@ impl ProgramReport {
         !self.end.is_expected_end()
     }
 
-    /// Whether the part report lists a collision.
+    /// Whether the part report lists a collision or a cut that has broken something.
     pub fn has_collision(&self) -> bool {
-        self.part
-            .as_ref()
-            .is_some_and(|part| !part.collisions.is_empty())
+        let has_any = |part: &PartReport| !part.collisions.is_empty() || !part.overloads.is_empty();
+        self.part.as_ref().is_some_and(has_any)
     }
 
     /// Removes the warnings of kinds that `levels` allows, and marks those of kinds that it

@@ -1,5 +1,6 @@
 //! Executes an operator script to its end.
 
+use gsk_core::machine::LatheFault;
 use gsk_core::simulation::Simulation;
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
@@ -86,6 +87,12 @@ pub trait TickObserver {
     fn follow_tick(&mut self, simulation: &Simulation);
 }
 
+/// The part that the simulated lathe cuts while a script runs.
+pub trait CutFollower {
+    /// Cuts the part after each tick, and returns the faults that this causes in the lathe.
+    fn follow_tick(&mut self, simulation: &Simulation) -> Vec<LatheFault>;
+}
+
 /// A script run on an emulator, with its board, partner and recording.
 pub struct ScriptSession<'a, S> {
     emulator: &'a mut Emulator,
@@ -94,6 +101,8 @@ pub struct ScriptSession<'a, S> {
     board: Option<&'a mut dyn PulseBoard>,
     record: Option<&'a mut ScriptRecord>,
     observer: Option<&'a mut dyn TickObserver>,
+    /// The part that the script cuts; `None` without one.
+    part: Option<&'a mut dyn CutFollower>,
     /// The partner that sends programs in DNC operation; `None` until a line of the script
     /// opens one.
     partner: Option<Box<dyn ProgramPartner>>,
@@ -108,6 +117,7 @@ impl<'a, S: ScriptHost> ScriptSession<'a, S> {
             board: None,
             record: None,
             observer: None,
+            part: None,
             partner: None,
         }
     }
@@ -130,19 +140,29 @@ impl<'a, S: ScriptHost> ScriptSession<'a, S> {
         Self { observer, ..self }
     }
 
+    /// Cuts `part` in each tick, and sets the faults that it causes.
+    #[must_use]
+    pub fn with_part(self, part: Option<&'a mut dyn CutFollower>) -> Self {
+        Self { part, ..self }
+    }
+
     /// Runs the script to its end, and returns how it ended.
     pub fn run(mut self, script: Script) -> ScriptEnd {
         let mut runner = Runner::new(script);
-        let slice = if self.record.is_some() || self.observer.is_some() {
-            1
-        } else {
-            SLICE_TICKS
-        };
+        let needs_ticks = self.record.is_some() || self.observer.is_some() || self.part.is_some();
+        let slice = if needs_ticks { 1 } else { SLICE_TICKS };
         loop {
             let tick = self.emulator.ticks();
             let Some(progress) = self.advance(&mut runner, slice) else {
                 return ScriptEnd::Requested;
             };
+            if let Some(part) = &mut self.part
+                && self.emulator.ticks() != tick
+            {
+                for fault in part.follow_tick(self.emulator.simulation()) {
+                    self.emulator.set_fault(fault, true);
+                }
+            }
             if let Some(observer) = &mut self.observer
                 && self.emulator.ticks() != tick
             {

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Chip area and edge length of `check --load-csv`, against shapely.
 
-This makes random parts: a bar, a turning or a grooving insert, and passes along it (cylinders,
-tapers, arcs, faces, grooves). Each program is checked with --moves and --load-csv. The script
+This makes random parts: a bar or tube, a turning or a grooving insert or a boring bar, and passes
+(cylinders, tapers, arcs, faces, grooves, bores, parting off). Each program is checked with --moves and --load-csv. The script
 builds the insert from its catalogue dimensions, follows the moves through the bar, and computes
 at each row of the file
 
@@ -10,7 +10,8 @@ at each row of the file
   edge    length of the edge of the insert that faces the feed and is in the material
   push    the shares of the cutting force against the feed and across the axis: half of it, at
           right angles to each piece of that edge
-  size    the change of the diameter, from the sections of the bar between jaws and tip
+  size    the change of the diameter, from the sections of the bar between jaws and tip, and from
+          the boring bar
 
 Needs numpy and shapely.
 
@@ -27,7 +28,7 @@ import subprocess
 import tempfile
 
 import numpy as np
-from shapely.affinity import translate
+from shapely.affinity import scale, translate
 from shapely.geometry import LineString, MultiPoint, Point, box
 
 AREA_TOLERANCE = 0.01  # of the area, with at least AREA_LEAST
@@ -40,6 +41,8 @@ SIZE_TOLERANCE = 0.02  # of the change, with at least SIZE_LEAST
 SIZE_LEAST = 0.000_02  # mm
 PRESSING = 0.5  # share of the cutting force at right angles to the edge
 MODULUS = 210_000.0  # N/mm²
+BORE = 30.0  # diameter of the tubes, mm
+KINDS = ("turn", "turn", "turn", "groove", "part", "bore", "bore")
 JAWS = -80.0
 SECTIONS = 100
 PIECE = 0.002  # half length of a piece of path, mm
@@ -82,25 +85,45 @@ def grooving_insert(width, nose):
     return MultiPoint([*points, (0.0, top), (width, top)]).convex_hull
 
 
-def random_job(rng):
+def random_job(rng, kind):
     """Text of the insert in the job file, and its polygon."""
-    if rng.random() < 0.2:
+    if kind in ("groove", "part"):
         width = rng.choice([2.0, 3.0, 4.0])
-        return f"Grooving(width: {width}, nose: 0.2, reach: 16)", grooving_insert(width, 0.2), True
+        text = f"Grooving(width: {width}, nose: 0.2, reach: 40)"
+        return text, grooving_insert(width, 0.2)
     letter = rng.choice("CDVWTS")
     nose = rng.choice([0.4, 0.8, 1.2])
     entering = {"C": 95.0, "D": 93.0, "V": 93.0, "W": 95.0, "T": 91.0, "S": 75.0}[letter]
     size = {"C": 12.7, "D": 12.7, "V": 9.525, "W": 12.7, "T": 12.7, "S": 12.7}[letter]
     text = f"Turning(letter: {letter}, entering: {entering}, size: {size}, nose: {nose})"
-    return text, turning_insert(letter, entering, size, nose), False
+    insert = turning_insert(letter, entering, size, nose)
+    # The body of a boring bar is towards the axis.
+    return text, scale(insert, 1.0, -1.0, origin=(0, 0)) if kind == "bore" else insert
 
 
-def random_program(rng, is_groove):
+def random_program(rng, kind):
     diameter = rng.choice([40.0, 50.0, 60.0])
     feed = rng.choice([0.1, 0.15, 0.2, 0.3])
     lines = ["G50 X150 Z100", "G99 G97 S600 M03", "T0101"]
     x = diameter
-    if is_groove:
+    if kind == "bore":
+        x = BORE
+        for _ in range(3):
+            x += 2 * rng.uniform(0.3, 1.5)
+            end = -rng.uniform(15, 45)
+            lines += [f"G00 X{x:.3f} Z2", f"G01 Z{end:.3f} F{feed}"]
+            last = rng.choice(["taper", "arc", "face"])
+            radius = rng.uniform(2.0, 5.0)
+            if last == "taper":
+                lines += [f"X{x - 3:.3f} Z{end - rng.uniform(1, 4):.3f}"]
+            elif last == "arc":
+                lines += [f"G03 X{x - 2 * radius:.3f} Z{end - radius:.3f} R{radius:.3f}"]
+            lines += [f"G01 X{BORE - 2:.3f}", "G00 Z2"]
+    elif kind == "part":
+        z = -rng.uniform(8, 40)
+        lines += [f"G00 X{diameter + 2:.3f} Z{z:.3f}", f"G01 X0 F{feed}"]
+        lines += [f"G00 X{diameter + 2:.3f}"]
+    elif kind == "groove":
         for _ in range(3):
             z = -rng.uniform(8, 40)
             depth = rng.uniform(2, 12)
@@ -184,15 +207,22 @@ def flexibility(part, z):
     return total
 
 
-def compare(program, rng, folder, worst):
-    insert_text, insert, is_groove = random_job(rng)
-    diameter, text = random_program(rng, is_groove)
+def compare(program, rng, folder, kind, worst):
+    insert_text, insert = random_job(rng, kind)
+    diameter, text = random_program(rng, kind)
+    form, tip, holder, bar = f"Bar(diameter: {diameter})", 3, "None", 0.0
+    bore = 0.0
+    if kind == "bore":
+        bar, length = rng.choice([10.0, 12.0, 16.0]), rng.uniform(50.0, 80.0)
+        form, tip, bore = f"Tube(diameter: {diameter}, bore: {BORE})", 2, BORE / 2
+        holder = f"Bar(diameter: {bar}, length: {length:.3f})"
+        bar = length**3 / (3.0 * MODULUS * math.pi * bar**4 / 64.0)
     name = os.path.join(folder, "part.CNC")
     with open(name, "w", encoding="utf-8") as file:
         file.write(text)
     job = (
-        f"(stock: (form: Bar(diameter: {diameter}), length: 120, overhang: 80),\n"
-        f" tools: {{ 1: (insert: {insert_text}, tip: 3) }})\n"
+        f"(stock: (form: {form}, length: 120, overhang: 80),\n"
+        f" tools: {{ 1: (insert: {insert_text}, tip: {tip}, holder: {holder}) }})\n"
     )
     with open(os.path.join(folder, "part.job.ron"), "w", encoding="utf-8") as file:
         file.write(job)
@@ -202,7 +232,7 @@ def compare(program, rng, folder, worst):
     assert os.path.exists(loads), done.stderr
     with open(loads, encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    part = box(-80.0, 0.0, 0.0, diameter / 2)
+    part = box(-80.0, bore, 0.0, diameter / 2)
     compared = 0
     with open(moves, encoding="utf-8") as file:
         for move in map(json.loads, file):
@@ -236,7 +266,7 @@ def compare(program, rng, folder, worst):
                 push = PRESSING * push / across if across > 0 else np.zeros(2)
                 force, radial = float(row["force_n"]), float(row["radial_force_n"])
                 least = max(PUSH_TOLERANCE * force, PUSH_LEAST)
-                size = 2 * radial * flexibility(part, around[1][0])
+                size = 2 * radial * (flexibility(part, around[1][0]) + bar)
                 size_error = abs(float(row["size_error_mm"]) - size)
                 errors = (
                     abs(float(row["area_mm2"]) - area) / max(AREA_TOLERANCE * area, AREA_LEAST),
@@ -261,14 +291,15 @@ def main():
     arguments = parser.parse_args()
     rng = random.Random(arguments.seed)
     worst = [(0.0,)] * len(NAMES)
-    compared = 0
-    for _ in range(arguments.parts):
+    chips = dict.fromkeys(KINDS, 0)
+    for index in range(arguments.parts):
+        kind = KINDS[index % len(KINDS)]
         with tempfile.TemporaryDirectory() as folder:
-            compared += compare(arguments.program, rng, folder, worst)
-    print(f"{arguments.parts} parts, {compared} chips")
+            chips[kind] += compare(arguments.program, rng, folder, kind, worst)
+    print(f"{arguments.parts} parts, {sum(chips.values())} chips:", chips)
     for name, value in zip(NAMES, worst):
         print(f"{name}: worst {value[0]:.3f} of the tolerance", *value[1:4])
-    if compared == 0 or any(value[0] > 1.0 for value in worst):
+    if 0 in chips.values() or any(value[0] > 1.0 for value in worst):
         for value in worst:
             print(*value[4:], sep="\n")
         raise SystemExit("differs")

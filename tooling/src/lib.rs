@@ -16,8 +16,8 @@ mod life;
 
 pub use description::{parse_description, tool_description};
 pub use formats::{
-    FreecadBit, ImportedTools, csv_text, freecad_bits, freecad_library_text, linuxcnc_text,
-    read_csv, read_freecad_bit, read_freecad_library, read_linuxcnc,
+    FreecadBit, FreecadInserts, ImportedTools, csv_text, freecad_bits, freecad_library_text,
+    linuxcnc_text, read_csv, read_freecad_bit, read_freecad_library, read_linuxcnc,
 };
 pub use iso::{HolderCode, InsertCode, IsoCodeError};
 pub use library::{LibraryTool, ToolLibrary};

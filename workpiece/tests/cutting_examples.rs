@@ -5,6 +5,8 @@ use gsk_workpiece::cutting::{
     CuttingChip, CuttingMaterial, cantilever_mm_per_n, chisel_edge_factors, cutting_power_kw,
     cutting_torque_nm, roughness_ra_um, surface_speed_m_per_min,
 };
+use gsk_workpiece::tool::Tool;
+use libm::pow;
 
 /// Greatest deviation from a published result.
 const TOLERANCE: f64 = 0.05;
@@ -274,6 +276,40 @@ fn ghosh_torque_of_a_drill_with_its_chisel_edge() {
     // M = 0.6 Fc d instead of 0.5 Fc d, F = 5 Ft sin β instead of 2 Ft sin β.
     assert_eq!((torque, thrust), (1.2, 2.5));
     assert_eq!(chisel_edge_factors(3.0, 10.0), (1.0, 1.0), "a bored hole");
+}
+
+/// Groove and parting off of a screw (course paper 193170-5, step 5, with the handbook by Kosilova
+/// and Meshcheryakov): 31.71 kgf at 28.25 m/min, 0.15 kW.
+#[test]
+fn power_of_a_groove_and_of_parting_off() {
+    let power = cutting_power_kw(31.71 * 9.806_65, 28.25);
+    assert_close("screw", power, 0.15);
+}
+
+/// The handbook by Kosilova and Meshcheryakov, table 22, as the papers ukrbukva.net/56407 (turning:
+/// 300, 1.0, 0.75, -0.15) and 193170-5 (cutting off: 408, 0.72, 0.8, 0) quote it, kgf. The ratio of
+/// both for the chips of blades of 4 and 5 mm at 0.1 mm and 28.25 m/min is that of the inserts.
+#[test]
+fn cutting_off_against_turning_by_the_constants_of_a_handbook() {
+    let (feed, speed) = (0.1, 28.25);
+    for width in [4.0, 5.0] {
+        let turning = 300.0 * width * pow(feed, 0.75) * pow(speed, -0.15);
+        let cutting_off = 408.0 * pow(width, 0.72) * pow(feed, 0.8);
+        let insert = Tool::grooving(width).insert;
+        let factor = insert.force_factor() / Tool::turning().insert.force_factor();
+        assert_close("handbook", factor, cutting_off / turning);
+    }
+}
+
+/// E. Isakov, Boring: calculating deflection, Cutting Tool Engineering, July 2019: bar of 1 in, 4 in,
+/// 207.8 lbf, 30 Mpsi: 0.003 in; 25.4 mm, 101.6 mm, 911.1 N, 206 000 N/mm²: 0.0757 mm.
+#[test]
+fn deflection_of_a_boring_bar() {
+    let (inch, pound, psi) = (25.4, 4.448_22, 0.006_894_76);
+    let bar = 207.8 * pound * cantilever_mm_per_n(4.0 * inch, inch, 30e6 * psi);
+    assert_close("Isakov, inches", bar, 0.003 * inch);
+    let bar = 911.1 * cantilever_mm_per_n(101.6, 25.4, 206_000.0);
+    assert_close("Isakov, metric", bar, 0.0757);
 }
 
 /// machinecalcs.com, boring bar deflection calculator: bar of 1 in, 4 in, 100 lbf, 29 Mpsi:

@@ -358,6 +358,11 @@ pub struct OperateArgs {
     /// port]
     #[arg(long, value_name = "PORT")]
     pub link: Option<String>,
+    /// The program cuts the part of its job, as in the window: a cut above the limits of `load` in
+    /// the machine file breaks the insert, stalls the spindle or loosens the stock, and a collision
+    /// stops the lathe
+    #[arg(long, requires = "program", conflicts_with = "link")]
+    pub overload: bool,
     /// Write the session as a script with the time of every key
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,

@@ -51,6 +51,11 @@ pub struct RunArgs {
     pub positions: Option<PathBuf>,
     #[command(flatten)]
     pub part: PartArgs,
+    /// A cut above the limits breaks the insert of the simulated lathe, stalls its spindle or
+    /// loosens its stock (exit code 3). A stall and loose stock end the run. The limits are those of
+    /// `load` in the machine file
+    #[arg(long, conflicts_with = "link")]
+    pub overload: bool,
     #[command(flatten)]
     pub debug: RunDebugArgs,
     #[command(flatten)]

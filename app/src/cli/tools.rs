@@ -17,7 +17,7 @@ pub enum ToolsCommand {
     Add(ToolsAddArgs),
     /// Remove a tool
     Remove(ToolsRemoveArgs),
-    /// Add the tools of a table: CSV, LinuxCNC (tool.tbl), FreeCAD (.fctl)
+    /// Add the tools of a table: CSV, LinuxCNC (tool.tbl), FreeCAD (.fctl, or one .fctb)
     Import(ToolsFileArgs),
     /// Write the tools as a table: CSV, LinuxCNC (tool.tbl), FreeCAD (.fctl with a .fctb each)
     Export(ToolsFileArgs),
@@ -123,6 +123,8 @@ pub enum TableFormat {
     Linuxcnc,
     /// FreeCAD's list of tools with a file for each tool
     Freecad,
+    /// The same with the shapes of FreeCAD's add-on for lathes (Iso_shape_C, D, S, T)
+    FreecadLathe,
     /// The file of this library
     Ron,
 }
@@ -133,6 +135,7 @@ impl From<TableFormat> for ToolTableFormat {
             TableFormat::Csv => Self::Csv,
             TableFormat::Linuxcnc => Self::LinuxCnc,
             TableFormat::Freecad => Self::FreeCad,
+            TableFormat::FreecadLathe => Self::FreeCadLathe,
             TableFormat::Ron => Self::Ron,
         }
     }

@@ -18,6 +18,7 @@ mod mill;
 mod mill_setup;
 mod network;
 mod operate;
+mod operate_part;
 mod outline;
 mod pitch;
 mod plot;

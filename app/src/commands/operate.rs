@@ -26,11 +26,12 @@ use gsk_runner::board::PulseBoard;
 use gsk_runner::machining::live_part::LivePart;
 use gsk_runner::partner::ProgramPartner;
 use gsk_runner::script::{
-    ScriptEnd, ScriptHost, ScriptPicture, ScriptRecord, ScriptSession, TickObserver,
+    CutFollower, ScriptEnd, ScriptHost, ScriptPicture, ScriptRecord, ScriptSession, TickObserver,
 };
 use gsk_runner::text_format::format_time;
 
 use super::network::CommandNetwork;
+use super::operate_part::OperatedPart;
 use super::{CommandError, EXIT_ALARM, EXIT_OK, output};
 use crate::cli::OperateArgs;
 use crate::picture::check_png;
@@ -80,6 +81,7 @@ pub fn operate(args: &OperateArgs, language: Option<Language>) -> Result<u8, Com
         true => job::choose(&JobArgs::default(), args.program.as_deref(), &setup).ok(),
         false => None,
     };
+    let mut part = OperatedPart::from_args(args, &setup)?;
     let mut emulator = Emulator::new(setup);
     let mut network = CommandNetwork::start(
         (&args.mtconnect, &args.mqtt),
@@ -105,7 +107,11 @@ pub fn operate(args: &OperateArgs, language: Option<Language>) -> Result<u8, Com
         path,
         &mut emulator,
         live,
-        (record.as_mut(), network.as_mut()),
+        ScriptFollowers {
+            record: record.as_mut(),
+            network: network.as_mut(),
+            part: part.as_mut(),
+        },
     );
     // Each result is written independently: one failure does not affect the others.
     let mut errors = Vec::new();
@@ -185,13 +191,20 @@ const fn simulation(emulator: &mut Emulator) -> &mut Simulation {
     emulator.board_simulation()
 }
 
+/// What follows a script, each `None` where no option requests it.
+struct ScriptFollowers<'a> {
+    record: Option<&'a mut ScriptRecord>,
+    network: Option<&'a mut CommandNetwork>,
+    part: Option<&'a mut OperatedPart>,
+}
+
 /// Plays the script once the board, if any, has reported its state. Returns the exit code.
 fn play_script(
     script: Script,
     path: &Path,
     emulator: &mut Emulator,
     mut live: Option<HeadlessBoard>,
-    (record, network): (Option<&mut ScriptRecord>, Option<&mut CommandNetwork>),
+    followers: ScriptFollowers<'_>,
 ) -> u8 {
     if let Some(live) = &mut live {
         let known = live.wait_until_ready(emulator, simulation, Emulator::tick);
@@ -211,8 +224,9 @@ fn play_script(
     let board = live.as_mut().map(|live| live as &mut dyn PulseBoard);
     let end = ScriptSession::new(emulator, &mut files)
         .with_board(board)
-        .with_record(record)
-        .with_observer(network.map(|network| network as &mut dyn TickObserver))
+        .with_record(followers.record)
+        .with_observer((followers.network).map(|it| it as &mut dyn TickObserver))
+        .with_part(followers.part.map(|it| it as &mut dyn CutFollower))
         .run(script);
     let code = match end {
         ScriptEnd::Finished => {

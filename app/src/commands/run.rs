@@ -1,6 +1,7 @@
 //! `run`: executes a program in the complete control.
 
 mod debugging;
+mod overload;
 mod restarting;
 
 use std::io::Write;
@@ -10,6 +11,7 @@ use gsk_core::alarm::number;
 use gsk_core::command::ExecutedMove;
 use gsk_core::interpreter::{Explanation, ModalState};
 use gsk_core::json_line::JsonLine;
+use gsk_core::machine::LatheFault;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
@@ -39,6 +41,7 @@ use gsk_runner::{move_output, narration, report};
 use indicatif::ProgressBar;
 
 use debugging::{RunDebugger, uses_standard_output};
+use overload::OverloadLog;
 use restarting::RequestedRestart;
 
 use super::network::CommandNetwork;
@@ -79,9 +82,11 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
     let needs_part = debugger.needs_part();
     let mut outputs = RunOutputs::open(args, main, &setup, language, debugger)?;
     let job_choice = choose_job(args, main, &setup, needs_part)?;
-    outputs.live_part = job_choice
-        .as_ref()
-        .map(|chosen| LivePart::new(chosen.create_machining()));
+    outputs.live_part = job_choice.as_ref().map(|chosen| {
+        let mut live = LivePart::new(chosen.create_machining());
+        live.set_overload(args.overload);
+        live
+    });
     let target = args.plot.as_deref().map(output::reserve_file).transpose()?;
     outputs.begin()?;
     let limits = ExecutionLimits {
@@ -139,6 +144,7 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
     report.part = job_choice.zip(live_part).map(|(chosen, live)| {
         let (machining, job) = (live.machining(), chosen.file_name());
         PartReport::new(machining, job, args.part.measure, None)
+            .with_overloads(outputs.overload.cuts(), spoken)
     });
     // Each result is written independently: one failure does not affect the others.
     let mut failures = Vec::new();
@@ -242,6 +248,7 @@ fn wants_part(args: &RunArgs, needs_part: bool) -> bool {
     needs_part
         || args.part.is_requested()
         || args.debug.stop_on_collision
+        || args.overload
         || args.picture.needs_part()
 }
 
@@ -392,6 +399,7 @@ struct RunOutputs {
     /// The part that the program cuts; `None` if no result needs it.
     live_part: Option<LivePart>,
     stops_at_collision: bool,
+    overload: OverloadLog,
     debugger: RunDebugger,
     /// Whether breakpoints are reported when they are reached, not in the JSON only.
     prints_breaks: bool,
@@ -434,6 +442,7 @@ impl RunOutputs {
             network: None,
             live_part: None,
             stops_at_collision: args.debug.stop_on_collision,
+            overload: OverloadLog::new(args),
             debugger,
             prints_breaks: !args.json && !uses_standard_output(args),
             first_error: None,
@@ -501,6 +510,9 @@ impl ExecutionWatcher for RunOutputs {
             .as_mut()
             .map(|live| live.follow_tick(simulation));
         let has_collided = found.is_some_and(|found| !found.is_empty());
+        if let Some(cut) = self.overload.follow_tick(self.live_part.as_ref()) {
+            self.show(&cut.message());
+        }
         if let Some(network) = &mut self.network {
             network.follow_tick(simulation);
         }
@@ -517,9 +529,15 @@ impl ExecutionWatcher for RunOutputs {
         }
         if has_collided && self.stops_at_collision {
             Some(WatcherStop::Collision)
+        } else if self.overload.ends_run() {
+            Some(WatcherStop::Overload)
         } else {
             reached.ends.then_some(WatcherStop::Location)
         }
+    }
+
+    fn cut_fault(&self) -> Option<LatheFault> {
+        self.overload.fault()
     }
 
     fn on_block(&mut self, line: u32, text: &str, modal: &ModalState) {

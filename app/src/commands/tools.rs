@@ -117,17 +117,25 @@ fn add(args: &ToolsAddArgs) -> Result<u8, CommandError> {
     Ok(EXIT_OK)
 }
 
-fn format_of(args: &ToolsFileArgs) -> Result<ToolTableFormat, Message> {
+/// The format of a table that is read or written; `by_name` finds it by the ending.
+fn format_of(
+    args: &ToolsFileArgs,
+    by_name: fn(&Path) -> Option<ToolTableFormat>,
+) -> Result<ToolTableFormat, Message> {
     let given = args.format.map(ToolTableFormat::from);
     given
-        .or_else(|| ToolTableFormat::from_path(&args.file))
+        .or_else(|| by_name(&args.file))
         .ok_or_else(|| say::tool_format_unknown(args.file.display()))
 }
 
 fn import(args: &ToolsFileArgs) -> Result<u8, CommandError> {
     select_data(&args.data);
     let unit_mm = if args.inch { 25.4 } else { 1.0 };
-    let imported = tool_tables::import(&args.file, format_of(args)?, unit_mm)?;
+    let imported = tool_tables::import(
+        &args.file,
+        format_of(args, ToolTableFormat::from_input_path)?,
+        unit_mm,
+    )?;
     for note in &imported.notes {
         output::report_error(note);
     }
@@ -141,7 +149,8 @@ fn import(args: &ToolsFileArgs) -> Result<u8, CommandError> {
 
 fn export(args: &ToolsFileArgs) -> Result<u8, CommandError> {
     select_data(&args.data);
-    let (library, format) = (tool_library::read()?, format_of(args)?);
+    let format = format_of(args, ToolTableFormat::from_path)?;
+    let library = tool_library::read()?;
     let text = tool_tables::table_text(&library, format);
     if let Some(text) = text.filter(|_| output::is_standard_output(Some(&args.file))) {
         output::print(&text);

@@ -1,6 +1,7 @@
 //! The output of `check --load` and `load`.
 
 use super::{TempFile, run_gsk};
+use crate::common::folder::TempFolder;
 
 const PASS: &[u8] = b"G50 X100 Z50\nG97 G99 M03 S600\nT0101\nG00 X46 Z2\nG01 Z-30 F0.25\nG00 Z5\n\
                       X100 Z50\nM30\n";
@@ -93,4 +94,81 @@ fn the_tables_name_materials_values_and_sources() {
     let (code, out, _) = run_gsk(&["form", "turn", "--material", "C45", "--blocks"]);
     assert_eq!(code, 0);
     assert!(out.contains("G96 S175"), "{out}");
+}
+
+/// The pass with a feed that no nose of 0.8 mm bears, its job, and a lathe with a weak spindle.
+fn overload_folder(name: &str) -> TempFolder {
+    let folder = TempFolder::new(name);
+    let fast = String::from_utf8_lossy(PASS).replace("F0.25", "F1.2");
+    let files: [(&str, &[u8]); 4] = [
+        ("pass.CNC", fast.as_bytes()),
+        ("pass.job.ron", JOB),
+        ("weak.ron", b"(load: (power_kw: 0.1))"),
+        (
+            "keys.txt",
+            b"press AUTO\npress CS\nwait 60s\nexpect fault insert-broken on\n",
+        ),
+    ];
+    for (file, bytes) in files {
+        std::fs::write(folder.join(file), bytes).unwrap();
+    }
+    folder
+}
+
+#[test]
+fn a_run_breaks_the_insert_or_stalls_if_it_is_requested() {
+    let folder = overload_folder("run-overload");
+    let run = |options: &str| {
+        let (code, out, error) = folder.run(&format!("run pass.CNC --json {options}"));
+        let report: serde_json::Value = serde_json::from_str(&out).expect(&error);
+        (code, report, error)
+    };
+    let (code, report, _) = run("--part");
+    assert_eq!(code, 0, "{report}");
+    assert_eq!(report["part"]["overloads"], serde_json::Value::Null);
+    let whole = report["part"]["removed_mm3"].as_f64().unwrap();
+
+    let (code, report, error) = run("--overload");
+    assert_eq!((code, report["end"].as_str()), (3, Some("M30")), "{report}");
+    assert!(
+        error.contains("OVERLOAD: the insert of T01 breaks"),
+        "{error}"
+    );
+    let found = &report["part"]["overloads"];
+    assert_eq!(found.as_array().map(Vec::len), Some(1), "{found}");
+    assert_eq!(found[0]["line"], 5, "{found}");
+    assert_eq!(found[0]["fault"], "insert-broken", "{found}");
+    let removed = report["part"]["removed_mm3"].as_f64().unwrap();
+    assert!(
+        removed < 0.2 * whole,
+        "{removed} of {whole}: it cuts no more"
+    );
+
+    let (code, report, error) = run("--overload --machine weak.ron");
+    assert_eq!(
+        (code, report["end"].as_str()),
+        (3, Some("overload")),
+        "{report}"
+    );
+    assert_eq!(report["part"]["overloads"][0]["fault"], "spindle-blocked");
+    assert!(error.contains("the spindle stalls"), "{error}");
+    let (code, _, _) = folder.run("run pass.CNC --overload --link COM1");
+    assert_eq!(code, 2, "a real lathe");
+}
+
+#[test]
+fn a_script_breaks_the_insert_if_it_is_requested() {
+    let folder = overload_folder("operate-overload");
+    let (code, _, error) = folder.run("operate keys.txt --program pass.CNC");
+    assert!(
+        code == 1 && error.contains("expect fault insert-broken on"),
+        "{error}"
+    );
+    let (code, _, error) = folder.run("operate keys.txt --program pass.CNC --overload");
+    assert_eq!(code, 0, "{error}");
+    assert!(
+        error.contains("OVERLOAD: the insert of T01 breaks"),
+        "{error}"
+    );
+    assert_eq!(folder.run("operate keys.txt --overload").0, 2, "no program");
 }

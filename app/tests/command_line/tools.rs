@@ -65,6 +65,50 @@ fn tools_are_added_listed_exported_and_imported() {
 }
 
 #[test]
+fn inserts_of_the_lathe_addon_of_freecad_are_imported_and_exported() {
+    let folder = TempFolder::new("tool-addon");
+    let bit = |name: &str, shape: &str, angle: &str, rotation: &str| {
+        let text = format!(
+            "{{\"version\": 2, \"name\": \"{name}\", \"shape\": \"/Tools/Shape/{shape}.fcstd\", \
+             \"parameter\": {{\"Diameter\": \"1.48 mm\", \"EdgeLength\": \"6.35 mm\", \
+             \"Rotation\": \"{rotation}\", \"TipAngle\": \"{angle}\", \"TipRadius\": \"0.40 mm\"}}, \
+             \"attribute\": {{}}}}"
+        );
+        std::fs::write(folder.join(&format!("{name}.fctb")), text).unwrap();
+    };
+    bit("iso_c", "Iso_shape_C", "80.00 °", "45.00 °");
+    bit("iso_s", "Iso_shape_S", "90.00 °", "45.00 °");
+    let list = "{\"tools\": [{\"nr\": 1, \"path\": \"iso_c.fctb\"}, \
+                {\"nr\": 3, \"path\": \"iso_s.fctb\"}], \"version\": 1}";
+    std::fs::write(folder.join("own.fctl"), list).unwrap();
+    let (code, out, error) = run(&folder, "tools import own.fctl");
+    assert_eq!((code, out.as_str()), (0, "1 tools are in the library\n"));
+    assert!(
+        error.contains("iso_s.fctb: `Rotation` is 45.00 °: entering angle"),
+        "{error}"
+    );
+    let (_, own, _) = run(&folder, "tools show iso_c");
+    assert!(
+        own.contains("entering=95 size=6.35 nose=0.4 tip=3"),
+        "{own}"
+    );
+    let (code, _, error) = run(&folder, "tools export out.fctl --format freecad-lathe");
+    assert_eq!(code, 0, "{error}");
+    // FreeCAD drops the attributes.
+    let written = std::fs::read_to_string(folder.join("iso_c.fctb")).unwrap();
+    let mut written: serde_json::Value = serde_json::from_str(&written).unwrap();
+    assert_eq!(written["shape"], "Iso_shape_C.fcstd");
+    written["attribute"] = serde_json::json!({});
+    std::fs::write(folder.join("iso_c.fctb"), written.to_string()).unwrap();
+    let (code, _, error) = folder.run("tools import iso_c.fctb --data other");
+    assert_eq!(code, 0, "{error}");
+    let (_, again, _) = folder.run("tools show iso_c --data other");
+    assert_eq!(again, own);
+    let (code, _, _) = run(&folder, "tools export one.fctb");
+    assert_eq!(code, 2, "a bit is not a list");
+}
+
+#[test]
 fn a_form_takes_its_tool_from_the_library_and_names_it_in_the_job() {
     let folder = TempFolder::new("tool-of-form");
     let add = "tools add DNMG 110402 PDJNR 2020K11 --id fine --station 7";

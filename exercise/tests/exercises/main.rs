@@ -5,6 +5,7 @@
 mod alterations;
 mod drafts;
 mod limits;
+mod overload;
 mod part_drafts;
 mod shipped;
 

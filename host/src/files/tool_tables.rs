@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use gsk_messages::{Message, say};
 use gsk_tooling::{
-    ImportedTools, ToolLibrary, csv_text, freecad_bits, freecad_library_text, linuxcnc_text,
-    read_csv, read_freecad_bit, read_freecad_library, read_linuxcnc,
+    FreecadInserts, ImportedTools, ToolLibrary, csv_text, freecad_bits, freecad_library_text,
+    linuxcnc_text, read_csv, read_freecad_bit, read_freecad_library, read_linuxcnc,
 };
 
 use crate::files::{atomic, program_file, tool_library};
@@ -22,6 +22,8 @@ pub enum ToolTableFormat {
     Csv,
     LinuxCnc,
     FreeCad,
+    /// FreeCAD's with the shapes of its add-on for lathes; read like [`Self::FreeCad`].
+    FreeCadLathe,
     /// The file of this program's library.
     Ron,
 }
@@ -38,6 +40,17 @@ impl ToolTableFormat {
             _ => None,
         }
     }
+
+    /// Returns the format of a file to read: [`Self::from_path`], or a single tool of FreeCAD.
+    pub fn from_input_path(path: &Path) -> Option<Self> {
+        Self::from_path(path).or_else(|| is_freecad_bit(path).then_some(Self::FreeCad))
+    }
+}
+
+/// Whether a file is a single tool of FreeCAD.
+fn is_freecad_bit(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|it| it.eq_ignore_ascii_case("fctb"))
 }
 
 /// Reads a tool table. `unit_mm` is the unit of lengths in a table of LinuxCNC.
@@ -62,7 +75,13 @@ pub fn import(
     let in_file = |why: Message| say::subject_reason(path.display(), why);
     match format {
         ToolTableFormat::LinuxCnc => Ok(read_linuxcnc(&text, unit_mm)),
-        ToolTableFormat::FreeCad => {
+        ToolTableFormat::FreeCad | ToolTableFormat::FreeCadLathe if is_freecad_bit(path) => {
+            let mut imported = ImportedTools::default();
+            let stem = path.file_stem().unwrap_or_default();
+            read_freecad_bit(&mut imported, &text, &stem.to_string_lossy(), 0);
+            Ok(imported)
+        }
+        ToolTableFormat::FreeCad | ToolTableFormat::FreeCadLathe => {
             let list = read_freecad_library(&text).map_err(in_file)?;
             Ok(import_freecad(path, &list))
         }
@@ -95,7 +114,7 @@ pub fn table_text(library: &ToolLibrary, format: ToolTableFormat) -> Option<Stri
     match format {
         ToolTableFormat::Csv => Some(csv_text(library)),
         ToolTableFormat::LinuxCnc => Some(linuxcnc_text(library)),
-        ToolTableFormat::FreeCad | ToolTableFormat::Ron => None,
+        ToolTableFormat::FreeCad | ToolTableFormat::FreeCadLathe | ToolTableFormat::Ron => None,
     }
 }
 
@@ -119,7 +138,11 @@ pub fn export(library: &ToolLibrary, path: &Path, format: ToolTableFormat) -> Re
     let folder = freecad_tool_folder(path);
     let failed = |error| say::subject_reason(folder.display(), say::as_written(error));
     platform::make_folder(&folder).map_err(failed)?;
-    for bit in freecad_bits(library) {
+    let inserts = match format {
+        ToolTableFormat::FreeCadLathe => FreecadInserts::LatheAddon,
+        _ => FreecadInserts::EndMill,
+    };
+    for bit in freecad_bits(library, inserts) {
         write(&folder.join(&bit.file_name), &bit.text)?;
     }
     Ok(())

@@ -140,7 +140,7 @@ fn action(verb: &str, rest: &str) -> Result<ScriptAction, ParseError> {
         ("dnc", [_, ..]) => Ok(ScriptAction::Dnc(Some(path(rest, &words)))),
         ("power", ["off"]) => Ok(ScriptAction::Power(false)),
         ("power", ["on"]) => Ok(ScriptAction::Power(true)),
-        ("fault", [name, state]) => Ok(ScriptAction::Fault(fault(name)?, on_off(state)?)),
+        ("fault", [name, state]) => Ok(ScriptAction::Fault(parse_fault(name)?, on_off(state)?)),
         ("turn", [count]) => Ok(ScriptAction::Turn(graduations(count)?, None)),
         ("turn", [count, time]) => Ok(ScriptAction::Turn(
             graduations(count)?,
@@ -269,7 +269,7 @@ fn zero_one(text: &str) -> Result<bool, ParseError> {
     }
 }
 
-fn fault(name: &str) -> Result<LatheFault, ParseError> {
+pub(super) fn parse_fault(name: &str) -> Result<LatheFault, ParseError> {
     LatheFault::from_name(name).ok_or_else(|| {
         let names: Vec<&str> = LatheFault::ALL.iter().map(|(name, _)| *name).collect();
         ParseError::UnknownFault {

@@ -3,10 +3,12 @@
 
 use gsk_core::cnc::Cnc;
 use gsk_core::command::ProgramId;
+use gsk_core::machine::LatheFault;
 use gsk_core::operation::RunState;
 use gsk_core::units::{Axis, parse_finite};
 use gsk_messages::{Language, Message, say};
 
+use super::parse::parse_fault;
 use super::{CoordinateSystem, ParseError};
 use crate::emulator::{Emulator, fold_blanks};
 use crate::face::{find_page, page_names};
@@ -20,7 +22,7 @@ const TOLERANCE: f64 = 0.000_500_1;
 /// The forms of `expect` in a script, for help and messages.
 pub(super) const FORM: &str = "expect screen \"TEXT\" | page oft | key ESTOP down | at abs X 20..30 | offset 1 X -2.5 | \
      param 22 3800 | param 1.4 1 | program 1 \"G01 X20\" | selected 1 | tool 2 | tool 0202 | \
-     spindle 500..600 | run run|hold|stop|reset | parts 1..9999 | power on | referenced X";
+     spindle 500..600 | run run|hold|stop|reset | parts 1..9999 | power on | referenced X | fault NAME on";
 
 /// A range of expected values, including both ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,6 +96,8 @@ pub enum ExpectedState {
     Power(bool),
     /// Expects that this axis has been referenced since power-on.
     Referenced(Axis),
+    /// Expects that the lathe has this fault (`true`) or not (`false`).
+    Fault(LatheFault, bool),
 }
 
 impl ExpectedState {
@@ -145,9 +149,12 @@ impl ExpectedState {
             ["parts", range] => ValueRange::read(range).map(Self::Parts),
             ["power", state @ ("on" | "off")] => Ok(Self::Power(*state == "on")),
             ["referenced", name @ ("X" | "Z")] => Ok(Self::Referenced(axis(name))),
+            ["fault", name, state @ ("on" | "off")] => {
+                parse_fault(name).map(|fault| Self::Fault(fault, *state == "on"))
+            }
             [
                 "screen" | "page" | "key" | "at" | "offset" | "param" | "program" | "selected"
-                | "tool" | "spindle" | "run" | "parts" | "power" | "referenced",
+                | "tool" | "spindle" | "run" | "parts" | "power" | "referenced" | "fault",
                 ..,
             ] => Err(ParseError::Form {
                 verb: "expect".to_owned(),
@@ -237,6 +244,12 @@ impl ExpectedState {
             Self::Referenced(axis) => verdict(*cnc.referenced_axes().get(*axis), || {
                 say::script_no_reference(format!("{axis:?}"))
             }),
+            Self::Fault(fault, on) => {
+                let seen = lathe.has_fault(*fault);
+                verdict(seen == *on, || {
+                    say::script_state_is(if seen { "on" } else { "off" })
+                })
+            }
         }
     }
 }

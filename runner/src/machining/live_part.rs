@@ -64,7 +64,7 @@ struct OverloadWatch {
     /// Whether an insert was replaced and the tool has not stopped since: the cut that broke it is
     /// to be left first.
     awaits_standstill: bool,
-    /// The first cut above a limit that was not taken yet.
+    /// The first cut above a limit since the last tick began.
     found: Option<CutFault>,
 }
 
@@ -142,10 +142,9 @@ impl LivePart {
         self.overload.is_on = is_on;
     }
 
-    /// Removes and returns the cut that has exceeded a limit since the last call; `None` without
-    /// one.
-    pub const fn take_cut_fault(&mut self) -> Option<CutFault> {
-        self.overload.found.take()
+    /// Returns the cut that has exceeded a limit in the last tick; `None` without one.
+    pub const fn cut_fault(&self) -> Option<CutFault> {
+        self.overload.found
     }
 
     /// Sets whether the load of the current cut is measured.
@@ -200,6 +199,7 @@ impl LivePart {
                 && !simulation.lathe.has_fault(LatheFault::StockLoose),
             source: moving_block(simulation),
         };
+        self.overload.found = None;
         self.overload.follow_tick(tool, &simulation.lathe);
         self.change_stock(simulation);
         let slide = cnc.position_machine();

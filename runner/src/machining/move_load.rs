@@ -125,7 +125,8 @@ impl CutConditions<'_> {
             area_mm2: sample.chip.area_mm2 * feed_share,
             ..sample.chip
         };
-        let force_n = edges * self.material.cutting_force_n(&chip);
+        let factor = edges * self.tool.insert.force_factor();
+        let force_n = factor * self.material.cutting_force_n(&chip);
         let pressing = sample.into_material * pressing_force_n(force_n);
         let mut load = CutLoad {
             share: sample.share,

@@ -7,7 +7,7 @@ use gsk_workpiece::measure::{self, Feature, SectionSide};
 use serde::Serialize;
 
 use super::message_text;
-use crate::machining::{CollisionFinding, Machining};
+use crate::machining::{CollisionFinding, CutFault, Machining};
 use crate::move_output::{diameter_z, round_to_millionth};
 
 /// The state of the part at the end of a program.
@@ -27,6 +27,22 @@ pub struct PartReport {
     pub features: Vec<Feature>,
     /// The collisions in the order in which they happened.
     pub collisions: Vec<CollisionReport>,
+    /// The cuts above the limits that have broken something in the simulated lathe.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub overloads: Vec<OverloadReport>,
+}
+
+/// A cut above the limits in a report.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OverloadReport {
+    /// Line of the block that cuts, from 1; `None` in manual operation.
+    pub line: Option<u32>,
+    /// The T number of the tool.
+    pub tool: u8,
+    /// Name of the fault that it causes.
+    pub fault: &'static str,
+    /// Message text with the limit that is exceeded.
+    pub text: String,
 }
 
 /// A collision in a report.
@@ -85,7 +101,21 @@ impl PartReport {
                 .iter()
                 .map(|finding| CollisionReport::new(finding, language))
                 .collect(),
+            overloads: Vec::new(),
         }
+    }
+
+    /// Adds the cuts above the limits.
+    #[must_use]
+    pub fn with_overloads(mut self, cuts: &[CutFault], language: Option<Language>) -> Self {
+        let reports = cuts.iter().map(|cut| OverloadReport {
+            line: cut.source.map(|source| source.line),
+            tool: cut.tool,
+            fault: cut.fault().row().name,
+            text: message_text(&cut.message(), language),
+        });
+        self.overloads = reports.collect();
+        self
     }
 
     /// Returns the report as lines of text for the user, in the language `words`.
@@ -95,10 +125,12 @@ impl PartReport {
             None => say::report_part_guessed(self.removed_mm3, self.left_mm3),
         };
         let collisions = self.collisions.iter().map(CollisionReport::message);
+        let overloads = self.overloads.iter().map(OverloadReport::message);
         let features = self.features.iter().map(feature_message);
         core::iter::once(part)
             .chain(features)
             .chain(collisions)
+            .chain(overloads)
             .map(|message| message.text(words))
             .collect()
     }
@@ -173,6 +205,16 @@ pub fn feature_message(feature: &Feature) -> Message {
             diameters: (crest, root),
             z,
         } => say::measure_thread(pitch, crest.0, root.0, z.0, z.1),
+    }
+}
+
+impl OverloadReport {
+    fn message(&self) -> Message {
+        let text = say::as_written(&self.text);
+        match self.line {
+            Some(line) => say::in_line(line, text),
+            None => text,
+        }
     }
 }
 

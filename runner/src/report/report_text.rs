@@ -94,6 +94,7 @@ impl ProgramReport {
             RunEnd::Stop => say::report_stopped(),
             RunEnd::Requested => say::report_ended_by_signal(),
             RunEnd::Collision => say::report_ended_by_collision(),
+            RunEnd::Overload => say::report_ended_by_overload(),
             RunEnd::Location => say::report_ended_until(),
             RunEnd::Limit => say::report_given_up(say::report_limit()),
             RunEnd::M30 | RunEnd::M02 | RunEnd::M99 | RunEnd::Text => {

@@ -26,6 +26,8 @@ pub enum RunEnd {
     Collision,
     /// The run reached the location at which it was set to end.
     Location,
+    /// A cut above the limits stalled the spindle or loosened the stock of the simulated lathe.
+    Overload,
     /// The program did not end within the time or part limit.
     Limit,
 }
@@ -44,6 +46,7 @@ impl RunEnd {
             Self::Requested => "ended",
             Self::Collision => "collision",
             Self::Location => "until",
+            Self::Overload => "overload",
             Self::Limit => "limit",
         }
     }

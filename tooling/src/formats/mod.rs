@@ -2,6 +2,8 @@
 
 mod csv;
 mod freecad;
+mod freecad_inserts;
+mod freecad_quantity;
 mod lathe_angles;
 mod linuxcnc;
 
@@ -11,7 +13,8 @@ use crate::library::{LibraryTool, ToolLibrary};
 
 pub use csv::{csv_text, read_csv};
 pub use freecad::{
-    FreecadBit, freecad_bits, freecad_library_text, read_freecad_bit, read_freecad_library,
+    FreecadBit, FreecadInserts, freecad_bits, freecad_library_text, read_freecad_bit,
+    read_freecad_library,
 };
 pub use linuxcnc::{linuxcnc_text, read_linuxcnc};
 

@@ -52,6 +52,12 @@ pub enum Insert {
 /// Multiple of the limits for roughing at which a turning insert breaks.
 const BREAKING_SHARE: f64 = 1.5;
 
+/// Cutting force of a grooving insert as a multiple of that of outside turning with the same chip,
+/// which cannot spread in the groove. The constants of the handbook by Kosilova and Meshcheryakov
+/// (table 22) give 1.28 for a blade of 5 mm, 1.36 for 4 mm and 1.65 for 2 mm at a feed of 0.1 mm
+/// and 28 m/min.
+const GROOVING_FORCE: f64 = 1.3;
+
 const fn right_angle() -> f64 {
     90.0
 }
@@ -136,6 +142,14 @@ impl Insert {
                 Some(nose * 2.0 / 3.0)
             }
             _ => None,
+        }
+    }
+
+    /// The cutting force as a multiple of that of outside turning with the same chip.
+    pub const fn force_factor(&self) -> f64 {
+        match self {
+            Self::Grooving { .. } => GROOVING_FORCE,
+            Self::Turning { .. } | Self::Threading { .. } | Self::Drill { .. } => 1.0,
         }
     }
 

@@ -12,7 +12,7 @@ use crossbeam::queue::ArrayQueue;
 use gsk_core::command::SourcePosition;
 use gsk_core::machine::{LatheConfig, LatheFault, SimulatedLathe};
 use gsk_core::units::Point;
-use gsk_history::machine_part::{CRASH_FAULTS, MachinePart, NamedJob, PartInput};
+use gsk_history::machine_part::{CRASH_FAULTS, CutEffect, MachinePart, NamedJob, PartInput};
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
 use gsk_runner::machining::live_part::{ThreadZone, running_block};
@@ -299,7 +299,11 @@ impl KernelPart {
         simulated: bool,
     ) -> Option<Message> {
         let finding = self.state.follow_tick(emulator.simulation());
-        let cut_fault = self.state.take_cut_fault().filter(|_| simulated);
+        let effect = match simulated {
+            true => (self.state).cut_effect(finding.as_ref(), emulator.simulation()),
+            false => CutEffect::default(),
+        };
+        let cut_fault = effect.cut_fault;
         if finding.is_none() && cut_fault.is_none() {
             return None;
         }
@@ -308,19 +312,16 @@ impl KernelPart {
         if let Some(cut_fault) = cut_fault {
             self.crash = None;
             self.cut_fault = Some(cut_fault);
-            emulator.set_fault(cut_fault.fault(), true);
+        }
+        for fault in effect.faults() {
+            emulator.set_fault(fault, true);
         }
         let Some(finding) = finding else {
             return cut_fault.map(|it| it.message());
         };
-        let faults = self.state.crash_faults(&finding, emulator.simulation());
-        let faults = faults.filter(|_| simulated);
-        let stops = faults.is_some();
-        if let Some(faults) = faults {
+        let stops = effect.crash_faults.is_some();
+        if stops {
             self.crash = Some(finding);
-            for fault in faults {
-                emulator.set_fault(fault, true);
-            }
         }
         Some(collision_message(&finding.collision, stops))
     }

@@ -177,7 +177,7 @@ impl ToolLibraryList {
             let hint = say::tool_library_import_hint().text(language);
             if import.on_hover_text(hint).clicked() {
                 let name = say::tool_library_name().text(language);
-                let choice = FileChoice::Open(name, vec!["csv", "tbl", "fctl", "ron"]);
+                let choice = FileChoice::Open(name, vec!["csv", "tbl", "fctl", "fctb", "ron"]);
                 let is_outdated = Arc::clone(&self.is_outdated);
                 let notices = &console.notice_sender;
                 choose_file(ui.ctx(), language, notices, choice, move |path| {
@@ -354,7 +354,7 @@ fn add_tool(name: &str, tool: LibraryTool) -> Result<String, Message> {
 
 /// Adds the tools of a table. Returns how many, or the first line that cannot be read.
 fn import_table(path: &Path) -> Result<Message, Message> {
-    let format = ToolTableFormat::from_path(path);
+    let format = ToolTableFormat::from_input_path(path);
     let format = format.ok_or_else(|| say::tool_format_unknown(path.display()))?;
     let imported = tool_tables::import(path, format, 1.0)?;
     if let (true, Some(note)) = (imported.tools.is_empty(), imported.notes.first()) {

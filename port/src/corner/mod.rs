@@ -1,17 +1,43 @@
 //! Chamfers and corner arcs between two lines.
 
+mod arcs;
+mod contour;
+
 use gsk_messages::say;
 
 use crate::angle::angle_word;
-use crate::block::ForeignBlock;
+use crate::block::{ForeignBlock, ForeignWord};
 use crate::motion::{LENGTH_DECIMALS, length_word};
 use crate::number::round_to;
 use crate::porter::{Porter, Refusal};
 use crate::program_numbers::whole;
 use crate::source::SourcePart;
 
-/// A point or direction: X as a radius, then Z; millionths of a millimetre.
-type Vector = [f64; 2];
+pub(crate) use arcs::known;
+use contour::Vector;
+
+/// A corner in the blocks of this control: points as X (diameter) and Z, millionths of a millimetre.
+pub(crate) struct CornerBlock {
+    /// End of the move before the corner.
+    pub before: [i64; 2],
+    /// Start of the move after it.
+    pub after: [i64; 2],
+    /// The axes that the move before the corner moves.
+    pub moved: [bool; 2],
+    /// Whether a corner arc is counter-clockwise, and its radius; `None` for a chamfer.
+    pub arc: Option<(bool, i64)>,
+}
+
+impl CornerBlock {
+    /// The code of the corner.
+    pub const fn code(&self) -> &'static str {
+        match self.arc {
+            None => "G01",
+            Some((true, _)) => "G03",
+            Some((false, _)) => "G02",
+        }
+    }
+}
 
 impl<'a> Porter<'a> {
     /// Converts a chamfer or rounding (`,C` `,R`, C, R) at the end of a line. Between lines
@@ -23,10 +49,11 @@ impl<'a> Porter<'a> {
         index: usize,
     ) -> Result<(), Refusal> {
         let is_rs274 = self.state.set.is_rs274();
-        let is_corner = |word: &crate::block::ForeignWord| {
+        let is_corner = |word: &ForeignWord| {
             matches!(word.letter, b'C' | b'R') && (word.has_comma || !is_rs274)
         };
         let Some(word) = block.words().find(|word| is_corner(word)).cloned() else {
+            self.refuse_plain_chamfer(block, index)?;
             self.convert_length(block, b'I');
             self.convert_length(block, b'K');
             return Ok(());
@@ -37,7 +64,7 @@ impl<'a> Porter<'a> {
             return Err(refuse());
         }
         block.remove_where(is_corner);
-        if size == 0 {
+        if size == 0 || self.convert_corner_before_arc(block, index, &word, size)? {
             return Ok(());
         }
         let start = self.position();
@@ -108,40 +135,68 @@ impl<'a> Porter<'a> {
                 (z as f64 + unit[1] * by).round() as i64,
             ]
         };
-        let (before, after) = (point(one_unit, -reach), point(two_unit, reach));
+        let corner = CornerBlock {
+            before: point(one_unit, -reach),
+            after: point(two_unit, reach),
+            moved: first.map(|it| it != 0.0),
+            arc: is_round.then_some((cross > 0.0, size)),
+        };
+        self.write_corner_block(block, [x, z], &corner);
+        if is_round && !next.g_codes().any(|code| code <= 30) {
+            block.after.push("G01".to_owned());
+        }
+        Some(())
+    }
+
+    /// Ends the block before a corner and writes the corner as a block after it. Distances in the
+    /// next block count from `point`, where both moves meet.
+    pub fn write_corner_block(
+        &mut self,
+        block: &mut ForeignBlock,
+        point: [i64; 2],
+        corner: &CornerBlock,
+    ) {
+        let [x, z] = corner.before;
         block.remove(b"XUZW");
         let written =
             |[x, z]: [i64; 2]| format!("{} {}", length_word(b'X', x), length_word(b'Z', z));
         // A corner of this control before the block needs a block that moves one axis only.
-        block.append(&match (first[0] == 0.0, first[1] == 0.0) {
-            (true, _) => length_word(b'Z', before[1]),
-            (false, true) => length_word(b'X', before[0]),
-            (false, false) => written(before),
+        block.append(&match corner.moved {
+            [false, _] => length_word(b'Z', z),
+            [true, false] => length_word(b'X', x),
+            [true, true] => written(corner.before),
         });
-        let code = match (is_round, cross > 0.0) {
-            (false, _) => "G01",
-            (true, true) => "G03",
-            (true, false) => "G02",
-        };
-        let mut line = format!("{code} {}", written(after));
-        if is_round {
-            line.push_str(&format!(" {}", length_word(b'R', size)));
+        let mut line = format!("{} {}", corner.code(), written(corner.after));
+        if let Some((_, radius)) = corner.arc {
+            line.push_str(&format!(" {}", length_word(b'R', radius)));
         }
         block.after.push(line);
-        if is_round && !next.g_codes().any(|code| code <= 30) {
-            block.after.push("G01".to_owned());
-        }
-        // Distances in the next block count from the corner, not from the end of its arc.
-        for (axis, (corner, end)) in self
-            .state
-            .axes
-            .iter_mut()
-            .zip([(x, after[0]), (z, after[1])])
+        for (axis, (point, end)) in
+            (self.state.axes.iter_mut()).zip(point.into_iter().zip(corner.after))
         {
-            axis.move_to(corner);
-            axis.rounding = round_to(end, LENGTH_DECIMALS) - corner;
+            axis.move_to(point);
+            axis.rounding = round_to(end, LENGTH_DECIMALS) - point;
         }
-        Some(())
+    }
+
+    /// Returns the next block with content; `None` at the end of the text.
+    pub fn next_block(&self, index: usize) -> Option<&'a ForeignBlock> {
+        let rest: &'a [SourcePart] = self.parts.get(index + 1..)?;
+        let next = rest.iter().find(|part| part.block.has_content())?;
+        Some(&next.block)
+    }
+
+    /// Returns the end of a line, which may have an angle in the place of a coordinate.
+    pub fn line_end(
+        &self,
+        block: &ForeignBlock,
+        from: [Option<i64>; 2],
+    ) -> Option<[Option<i64>; 2]> {
+        let has_both = block.has_any(b"XU") && block.has_any(b"ZW");
+        match angle_word(block).filter(|_| !has_both) {
+            Some(_) => Some(self.angle_end(block, from)?.map(Some)),
+            None => Some(self.end_point(block, from)),
+        }
     }
 
     /// Returns the next block with axis words and its end point, if that block is a straight line;
@@ -151,19 +206,13 @@ impl<'a> Porter<'a> {
         index: usize,
         from: [Option<i64>; 2],
     ) -> Option<(&'a ForeignBlock, [Option<i64>; 2])> {
-        let rest: &'a [SourcePart] = self.parts.get(index + 1..)?;
-        let next = rest.iter().find(|part| part.block.has_content())?;
-        let block = &next.block;
+        let block = self.next_block(index)?;
         let is_line = !block.g_codes().any(|code| code != 10);
         let is_program = whole(block, b'O').is_some();
         if !is_line || is_program || !block.has_any(b"XUZW") {
             return None;
         }
-        let has_both = block.has_any(b"XU") && block.has_any(b"ZW");
-        let end = match angle_word(block).filter(|_| !has_both) {
-            Some(_) => self.angle_end(block, from)?.map(Some),
-            None => self.end_point(block, from),
-        };
+        let end = self.line_end(block, from)?;
         Some((block, end))
     }
 }
