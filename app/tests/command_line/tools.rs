@@ -74,7 +74,7 @@ fn inserts_of_the_lathe_addon_of_freecad_are_imported_and_exported() {
              \"Rotation\": \"{rotation}\", \"TipAngle\": \"{angle}\", \"TipRadius\": \"0.40 mm\"}}, \
              \"attribute\": {{}}}}"
         );
-        std::fs::write(folder.join(&format!("{name}.fctb")), text).unwrap();
+        std::fs::write(folder.join(format!("{name}.fctb")), text).unwrap();
     };
     bit("iso_c", "Iso_shape_C", "80.00 °", "45.00 °");
     bit("iso_s", "Iso_shape_S", "90.00 °", "45.00 °");

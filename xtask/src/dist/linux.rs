@@ -103,7 +103,12 @@ fn build(root: &Path) -> Result<PathBuf, TaskError> {
         &target_folder,
     ];
     let flags = remap_flags(root);
-    run("cargo", &arguments, &[("CARGO_ENCODED_RUSTFLAGS", &flags)])?;
+    let environment = [
+        ("CARGO_ENCODED_RUSTFLAGS", flags.as_str()),
+        // Computers with an older C library than this one start it, too.
+        ("GSK980TD_PORTABLE", "1"),
+    ];
+    run("cargo", &arguments, &environment)?;
     Ok(target.join(host).join("release/gsk980td"))
 }
 
