@@ -14,7 +14,7 @@
 
 use serde::Deserialize;
 
-use super::{ControlModel, code_calls};
+use super::{ControlModel, ModelId, code_calls};
 
 /// The G codes of macro B that call programs or cancel calls, G65 to G67.
 const CALLS: core::ops::RangeInclusive<u16> = 65..=67;
@@ -53,10 +53,16 @@ impl ControlModel {
         macros.is_some_and(|(first, last)| (first..=last).contains(&code))
     }
 
-    /// The code that a parameter of macro B assigns to a program; 0 as delivered, so that a
-    /// program without such codes is checked without reading the parameters of the model.
-    fn calling_code(&self, parameter: u16) -> i32 {
-        self.parameters.get(&parameter).copied().unwrap_or(0)
+    /// The code that calls a program because of this parameter of macro B; 0 as delivered, so that
+    /// a program is checked without reading the parameters of the model.
+    pub(crate) fn calling_code(&self, parameter: u16) -> i32 {
+        match self.id() {
+            ModelId::Gsk980td | ModelId::Gsk980mdi => {
+                self.parameters.get(&parameter).copied().unwrap_or(0)
+            }
+            // The NC-B08 assigns its inputs by these numbers, the Huaxing has none of them.
+            ModelId::Hx31 | ModelId::Ncb08 => 0,
+        }
     }
 
     /// Whether a parameter assigns a program to at least one G code.
@@ -115,7 +121,6 @@ impl ControlModel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::ModelId;
 
     fn with(id: ModelId, parameters: &[(u16, i32)]) -> ControlModel {
         let mut model = ControlModel::new(id);
@@ -142,12 +147,20 @@ mod tests {
     #[test]
     fn no_code_calls_as_delivered() {
         let calling = code_calls::FIRST_G_PARAMETER..=code_calls::T_PARAMETER;
-        for id in ModelId::ALL {
+        for id in [ModelId::Gsk980td, ModelId::Gsk980mdi] {
             for (number, parameter) in id.record().parameters() {
                 let assigns = calling.contains(number);
                 assert!(!assigns || parameter.delivered == 0, "{id:?} {number}");
             }
         }
+    }
+
+    #[test]
+    fn an_input_of_the_ncb08_calls_no_program() {
+        let model = with(ModelId::Ncb08, &[(230, 3)]);
+        assert!(!model.has_g_calls());
+        assert_eq!(model.called_program(b'G', 12), None);
+        assert_eq!(model.called_program(b'M', 3), None);
     }
 
     /// Parameters 6044 to 6046: facts C32 and C33.

@@ -50,7 +50,7 @@ impl CodeCalls {
     pub(crate) fn from_model(model: &ControlModel) -> Option<Box<Self>> {
         let read_codes = |first: u16, to: &mut [u16]| {
             for (number, code) in (first..).zip(to) {
-                *code = u16::try_from(model.parameter(number)).unwrap_or(0);
+                *code = u16::try_from(model.calling_code(number)).unwrap_or(0);
             }
         };
         let mut calls = Self::default();
