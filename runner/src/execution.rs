@@ -219,6 +219,10 @@ pub fn execute<'a>(
     let end = run.run_to_end(limits);
     let time_ms = run.time_ms();
     let waits_for = run.wait_text(&end, language);
+    if end == ExecutionEnd::Watcher(WatcherStop::Overload) {
+        // Slides that go on would cut stock that does not turn.
+        run.press(board::FEED_HOLD_KEY);
+    }
     run.stop_motion();
     run.close_board();
     let time_s = time_ms as f64 / 1000.0;

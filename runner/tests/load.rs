@@ -205,10 +205,10 @@ fn slender_stock_is_warned_about_by_size_and_a_tailstock_holds_it() {
 
 #[test]
 fn grooving_needs_more_force_than_turning_with_the_same_chip() {
-    let text = "G50 X100 Z50\nG97 G99 M03 S600\nT0505\nG00 X52 Z-20\nG01 X40 F0.1\nG00 X60\n\
+    let text = "G50 X100 Z50\nG97 G99 M03 S600\nT0101\nG00 X52 Z-20\nG01 X40 F0.1\nG00 X60\n\
                 X100 Z50\nM30\n";
     let mut job = job();
-    job.tools.insert(5, Tool::grooving(3.0));
+    job.tools.insert(1, Tool::grooving(3.0));
     let (summary, _) = check_load(text, &job, &LoadLimits::default());
     let [block] = summary.blocks() else {
         panic!("{:?}", summary.blocks());

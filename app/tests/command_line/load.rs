@@ -96,13 +96,16 @@ fn the_tables_name_materials_values_and_sources() {
     assert!(out.contains("G96 S175"), "{out}");
 }
 
-/// The pass with a feed that no nose of 0.8 mm bears, its job, and a lathe with a weak spindle.
+/// The pass with a feed that no nose of 0.8 mm bears, the pass itself, their jobs, and a lathe with
+/// a weak spindle.
 fn overload_folder(name: &str) -> TempFolder {
     let folder = TempFolder::new(name);
     let fast = String::from_utf8_lossy(PASS).replace("F0.25", "F1.2");
-    let files: [(&str, &[u8]); 4] = [
+    let files: [(&str, &[u8]); 6] = [
         ("pass.CNC", fast.as_bytes()),
         ("pass.job.ron", JOB),
+        ("slow.CNC", PASS),
+        ("slow.job.ron", JOB),
         ("weak.ron", b"(load: (power_kw: 0.1))"),
         (
             "keys.txt",
@@ -119,16 +122,16 @@ fn overload_folder(name: &str) -> TempFolder {
 fn a_run_breaks_the_insert_or_stalls_if_it_is_requested() {
     let folder = overload_folder("run-overload");
     let run = |options: &str| {
-        let (code, out, error) = folder.run(&format!("run pass.CNC --json {options}"));
+        let (code, out, error) = folder.run(&format!("run --json {options}"));
         let report: serde_json::Value = serde_json::from_str(&out).expect(&error);
         (code, report, error)
     };
-    let (code, report, _) = run("--part");
+    let (code, report, _) = run("pass.CNC --part");
     assert_eq!(code, 0, "{report}");
     assert_eq!(report["part"]["overloads"], serde_json::Value::Null);
     let whole = report["part"]["removed_mm3"].as_f64().unwrap();
 
-    let (code, report, error) = run("--overload");
+    let (code, report, error) = run("pass.CNC --overload");
     assert_eq!((code, report["end"].as_str()), (3, Some("M30")), "{report}");
     assert!(
         error.contains("OVERLOAD: the insert of T01 breaks"),
@@ -144,7 +147,7 @@ fn a_run_breaks_the_insert_or_stalls_if_it_is_requested() {
         "{removed} of {whole}: it cuts no more"
     );
 
-    let (code, report, error) = run("--overload --machine weak.ron");
+    let (code, report, error) = run("slow.CNC --overload --machine weak.ron");
     assert_eq!(
         (code, report["end"].as_str()),
         (3, Some("overload")),

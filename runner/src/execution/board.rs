@@ -11,7 +11,7 @@ use crate::board::{OperatorAnswer, PulseBoard, RestartPlanner, TerminalOperator}
 
 const RESET_KEY: BitAddress = BitAddress::new(Area::X, 26, 0);
 const MACHINE_ZERO_KEY: BitAddress = BitAddress::new(Area::X, 20, 3);
-const FEED_HOLD_KEY: BitAddress = BitAddress::new(Area::X, 24, 7);
+pub(super) const FEED_HOLD_KEY: BitAddress = BitAddress::new(Area::X, 24, 7);
 /// DM00 (F009.7), the decode signal of M00. It stays on until the PLC reports FIN; only then
 /// does the program stop.
 const PROGRAM_STOP: BitAddress = BitAddress::new(Area::F, 9, 7);
