@@ -52,7 +52,7 @@ pub enum LoadError {
         /// Plus end of the axis travel, mm.
         plus: f64,
     },
-    /// The machine file lists a parameter that is none.
+    /// The machine file lists an invalid parameter.
     MachineParameter {
         /// The text in the file.
         word: String,

@@ -3,7 +3,6 @@
 use gsk_messages::say;
 
 use crate::block::{ForeignBlock, ForeignWord};
-use crate::corner::known;
 use crate::number::{Number, divide_rounded, round_to, write_feed, write_number};
 use crate::porter::{Porter, Refusal};
 use crate::state::{ActiveCode, TrackedAxis};
@@ -13,6 +12,14 @@ pub(crate) const AXIS_LETTERS: [(u8, u8); 2] = [(b'X', b'U'), (b'Z', b'W')];
 /// Number of decimals in the written lengths.
 pub(crate) const LENGTH_DECIMALS: u32 = 3;
 const FEED_DECIMALS: u32 = 5;
+
+/// A position with X as a diameter as a point with X as a radius; `None` if an axis is unknown.
+pub(crate) fn known(position: [Option<i64>; 2]) -> Option<[f64; 2]> {
+    let [Some(x), Some(z)] = position else {
+        return None;
+    };
+    Some([x as f64 / 2.0, z as f64])
+}
 
 /// Formats a length in millionths of a millimetre as a word with this letter.
 pub(crate) fn length_word(letter: u8, micro: i64) -> String {

@@ -314,7 +314,11 @@ fn packages_use_what_the_architecture_says() {
 /// The folder of the code that differs by system.
 const PLATFORM_FOLDER: &str = "host/src/platform/";
 /// Besides it: the entry point for a browser, and the comparison with other systems.
-const PAGE_FILES: [&str; 2] = ["tests/src/bin/golden.rs", "web/src/main.rs"];
+const PAGE_FILES: [&str; 3] = [
+    "tests/src/bin/golden.rs",
+    "web/src/main.rs",
+    "web/src/unpack.rs",
+];
 /// How a source queries the system, or uses functions of one system alone.
 const SYSTEM_QUERIES: [&str; 18] = [
     "cfg(unix",

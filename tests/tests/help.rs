@@ -152,7 +152,7 @@ fn questions_find_what_they_mean() {
         ("按键 CS", "key CS"),
         ("诊断 008", "DGN 008"),
         ("diagnosis 008", "DGN 008"),
-        ("编程速率（多个页面）", "field 编程速率 PRG.FEED"),
+        ("编程速率（液晶屏）", "field 编程速率 PRG.FEED"),
     ] {
         assert_eq!(first(question).as_deref(), Some(subject), "{question}");
     }

@@ -385,14 +385,14 @@ impl Window {
         let browser_input = self.browser.show(ui.ctx(), language, lcd);
         self.handle_keyboard(ui, receiver);
         self.handle_keys(&browser_input.stop_events);
-        let surroundings = views::SeparateWindows {
+        let shared = views::SeparateWindows {
             language,
             board,
             lcd,
             messages: self.messages_for_separate_windows(),
         };
         let layouts = &mut self.settings.layouts;
-        let view_input = self.views.show_floating(ui.ctx(), &surroundings, layouts);
+        let view_input = self.views.show_floating(ui.ctx(), &shared, layouts);
         if view_input.jogs_in_list {
             self.explain_axis_key_in_list();
         }

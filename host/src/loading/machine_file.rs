@@ -92,7 +92,7 @@ pub(super) fn apply_machine_parameters(setup: &mut Setup) -> Result<(), LoadErro
     Ok(())
 }
 
-/// Whether nobody has changed a parameter: they are those of the model, with or without the chuck of
+/// Whether all parameters are those with which the model is delivered, with or without the chuck of
 /// the training lathe.
 fn is_as_delivered(setup: &Setup) -> bool {
     let plain = Setup::default();

@@ -34,7 +34,7 @@ pub struct Face {
     /// Versions of software and hardware on the page of versions; `None` if the manual of the model
     /// has none.
     pub versions: Option<(&'static str, &'static str)>,
-    /// The heading of the distances to go on the position pages.
+    /// The heading of the remaining distances on the position pages.
     pub to_go: fn() -> Message,
     /// Colours of the LCD at full brightness.
     pub lcd: LcdColours,

@@ -2,12 +2,11 @@
 
 use core::ops::RangeInclusive;
 
-use gsk_core::machine::LatheFault;
 use gsk_core::operation::OperatingMode;
 use gsk_core::plc::address::{Area, BitAddress, ByteAddress};
 use gsk_core::units::parse_finite;
 
-use super::state::ExpectedState;
+use super::state::{ExpectedState, parse_fault};
 use super::{
     CoordinateSystem, Expectation, FORMS, ParseError, Script, ScriptAction, ScriptError, ScriptLine,
 };
@@ -267,16 +266,6 @@ fn zero_one(text: &str) -> Result<bool, ParseError> {
         "0" => Ok(false),
         _ => Err(ParseError::NotZeroOne(text.to_owned())),
     }
-}
-
-pub(super) fn parse_fault(name: &str) -> Result<LatheFault, ParseError> {
-    LatheFault::from_name(name).ok_or_else(|| {
-        let names: Vec<&str> = LatheFault::ALL.iter().map(|(name, _)| *name).collect();
-        ParseError::UnknownFault {
-            name: name.to_owned(),
-            all: names.join(" "),
-        }
-    })
 }
 
 fn bit(text: &str) -> Result<BitAddress, ParseError> {

@@ -8,7 +8,6 @@ use gsk_core::operation::RunState;
 use gsk_core::units::{Axis, parse_finite};
 use gsk_messages::{Language, Message, say};
 
-use super::parse::parse_fault;
 use super::{CoordinateSystem, ParseError};
 use crate::emulator::{Emulator, fold_blanks};
 use crate::face::{find_page, page_names};
@@ -366,4 +365,15 @@ fn tool(word: &str) -> Result<ExpectedState, ParseError> {
         )),
         _ => Ok(ExpectedState::Tool(whole(word)?, None)),
     }
+}
+
+/// Reads the name of a fault of the lathe. Returns an error that lists all names for another text.
+pub(super) fn parse_fault(name: &str) -> Result<LatheFault, ParseError> {
+    LatheFault::from_name(name).ok_or_else(|| {
+        let names: Vec<&str> = LatheFault::ALL.iter().map(|(name, _)| *name).collect();
+        ParseError::UnknownFault {
+            name: name.to_owned(),
+            all: names.join(" "),
+        }
+    })
 }

@@ -6,6 +6,7 @@ use super::CornerBlock;
 use super::contour::{ContourMove, MoveArc, Vector, corner_points};
 use crate::block::{ForeignBlock, ForeignWord};
 use crate::dialect::CodeSet;
+use crate::motion::known;
 use crate::porter::{Porter, Refusal};
 use crate::state::ActiveCode;
 
@@ -198,14 +199,6 @@ impl Porter<'_> {
 /// Whether a block names an arc.
 fn is_arc(block: &ForeignBlock) -> bool {
     block.g_codes().any(|code| matches!(code, 20 | 30))
-}
-
-/// A position with X as a diameter as a point with X as a radius; `None` if an axis is unknown.
-pub(crate) fn known(position: [Option<i64>; 2]) -> Option<Vector> {
-    let [Some(x), Some(z)] = position else {
-        return None;
-    };
-    Some([x as f64 / 2.0, z as f64])
 }
 
 /// A point with X as a radius as a position with X as a diameter.

@@ -7,13 +7,12 @@ use gsk_messages::say;
 
 use crate::angle::angle_word;
 use crate::block::{ForeignBlock, ForeignWord};
-use crate::motion::{LENGTH_DECIMALS, length_word};
+use crate::motion::{AXIS_LETTERS, LENGTH_DECIMALS, length_word};
 use crate::number::round_to;
 use crate::porter::{Porter, Refusal};
 use crate::program_numbers::whole;
 use crate::source::SourcePart;
 
-pub(crate) use arcs::known;
 use contour::Vector;
 
 /// A corner in the blocks of this control: points as X (diameter) and Z, millionths of a millimetre.
@@ -220,7 +219,7 @@ impl<'a> Porter<'a> {
 /// Returns the distance of a move along an axis, with its sign: 0 if the block does not command the
 /// axis, `None` if a position is unknown.
 fn leg(from: Option<i64>, to: Option<i64>, block: &ForeignBlock, axis: usize) -> Option<f64> {
-    let (position, distance) = crate::motion::AXIS_LETTERS[axis];
+    let (position, distance) = AXIS_LETTERS[axis];
     if !block.has(position) && !block.has(distance) {
         return Some(0.0);
     }

@@ -302,7 +302,7 @@ impl Views {
     pub fn show_floating(
         &mut self,
         context: &Context,
-        surroundings: &SeparateWindows,
+        shared: &SeparateWindows,
         layouts: &mut Layouts,
     ) -> PanelInput {
         self.follow(context, layouts);
@@ -315,7 +315,7 @@ impl Views {
             let opened = self.window_geometry.iter().find(|(open, ..)| *open == view);
             let opened = opened.map(|(_, corner, size)| (*corner, *size));
             let (corner, size) = opened.unwrap_or_else(|| {
-                let screen = WindowScreen::of_main_window(context, surroundings.lcd);
+                let screen = WindowScreen::of_main_window(context, shared.lcd);
                 let frame = Vec2::new(0.0, header::HEIGHT + separate_window::MESSAGE_HEIGHT);
                 let [wanted, least] = [row.size, row.min_size].map(|it| Vec2::from(it) + frame);
                 let (corner, size) =
@@ -326,12 +326,12 @@ impl Views {
             let window = ViewWindow {
                 row,
                 model: self.console.model,
-                surroundings,
+                shared,
                 corner,
                 size,
             };
             let report = window.show(context, &mut panel_input, |ui| {
-                let language = surroundings.language;
+                let language = shared.language;
                 let action = header::show(ui, row, language, header::ViewPlacement::Floating);
                 self.draw_content(ui, view, language, true);
                 action

@@ -97,7 +97,7 @@ pub struct PanelInput {
 pub(super) struct ViewWindow<'a> {
     pub(super) row: &'static ViewRow,
     pub(super) model: ModelId,
-    pub(super) surroundings: &'a SeparateWindows,
+    pub(super) shared: &'a SeparateWindows,
     /// Initial upper left corner, points; `None` if the window manager places the window.
     pub(super) corner: Option<Pos2>,
     pub(super) size: Vec2,
@@ -119,7 +119,7 @@ impl ViewWindow<'_> {
         mut add: impl FnMut(&mut Ui) -> Option<header::HeaderAction>,
     ) -> ViewWindowReport {
         let row = self.row;
-        let (language, board) = (self.surroundings.language, self.surroundings.board);
+        let (language, board) = (self.shared.language, self.shared.board);
         let title = (row.name)().text(language);
         let id = format!("{:?}", row.view);
         let mut report = ViewWindowReport::default();
@@ -137,7 +137,7 @@ impl ViewWindow<'_> {
         let viewport = viewport_of(row.view);
         context.show_viewport_immediate(viewport, builder, |ui, _| {
             real_machine_bar::show(ui, &id, board, language);
-            show_messages(ui, &id, &self.surroundings.messages, language);
+            show_messages(ui, &id, &self.shared.messages, language);
             report.header_action = add(ui);
             let typing = ui.ctx().egui_wants_keyboard_input();
             let mut events = ui.input(|input| input.events.clone());
