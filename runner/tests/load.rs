@@ -1,17 +1,20 @@
 //! The load of whole programs: forces of blocks, limits of lathe and inserts, the report.
 
 use gsk_core::command::{ExecutedMove, ProgramId};
-use gsk_core::machine::LoadLimits;
+use gsk_core::interpreter::{Explanation, ModalState};
+use gsk_core::machine::{LatheFault, LoadLimits};
 use gsk_core::operation::RunState;
 use gsk_core::preview::Lint;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
-use gsk_messages::Language;
+use gsk_core::units::Point;
+use gsk_messages::{Language, Message};
 use gsk_runner::curves::RapidRates;
+use gsk_runner::execution::{ExecutionLimits, ExecutionWatcher, WatcherStop, execute};
 use gsk_runner::machining::live_part::LivePart;
 use gsk_runner::machining::{CutLoad, LoadSummary, Machining};
-use gsk_runner::report::{ProgramReport, check_program};
+use gsk_runner::report::{ProgramReport, RunEnd, check_program};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::stock::{Stock, StockMaterial};
 use gsk_workpiece::tool::{Holder, Tool};
@@ -383,4 +386,52 @@ fn the_running_control_has_the_load_of_the_check_and_none_outside_the_cut() {
         unknown.iter().all(Option::is_none),
         "no constants for plastic"
     );
+}
+
+/// Cuts the part of a run, and ends it where the stock comes loose.
+struct LooseStock(LivePart);
+
+impl ExecutionWatcher for LooseStock {
+    fn on_move(&mut self, _: &ExecutedMove) {}
+
+    fn on_tick(&mut self, _: u64, _: Point, simulation: &Simulation) -> Option<WatcherStop> {
+        self.0.follow_tick(simulation);
+        self.cut_fault().map(|_| WatcherStop::Overload)
+    }
+
+    fn cut_fault(&self) -> Option<LatheFault> {
+        self.0.cut_fault().map(|it| it.fault())
+    }
+
+    fn on_block(&mut self, _: u32, _: &str, _: &ModalState) {}
+
+    fn on_pass(&mut self, _: &Explanation) {}
+
+    fn wants_explanations(&self) -> bool {
+        false
+    }
+
+    fn show(&mut self, _: &Message) {}
+}
+
+#[test]
+fn an_overload_sets_its_fault_and_the_slides_stop() {
+    let mut setup = Setup::default();
+    setup.lathe.load.grip_nm = Some(2.0);
+    setup.memory.programs.open_external(Program::new(PASS));
+    setup.memory.programs.select(ProgramId::External);
+    let mut live = LivePart::new(Machining::new(job()));
+    live.set_overload(true);
+    let mut watcher = LooseStock(live);
+    let limits = ExecutionLimits {
+        parts: 1,
+        time_ms: 60_000,
+    };
+    let simulation = Simulation::new(setup);
+    let run = execute("pass", simulation, limits, None, None, &mut watcher, None);
+    let (report, simulation) = run.expect("a run");
+    assert_eq!(report.end, RunEnd::Overload);
+    assert!(simulation.lathe.has_fault(LatheFault::StockLoose));
+    let z = simulation.cnc.position_absolute().z;
+    assert!(!simulation.cnc.is_moving() && z > -2.0, "{z}");
 }
