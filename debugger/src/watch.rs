@@ -164,6 +164,10 @@ impl WatchedValue {
 impl fmt::Display for WatchedValue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            // Six decimals: 399.99999999999994 r/min are 400.
+            Self::Number(value) if value.abs() < 1e9 => {
+                write!(f, "{}", (value * 1e6).round() / 1e6)
+            }
             Self::Number(value) => write!(f, "{value}"),
             Self::Bit(on) => write!(f, "{}", u8::from(*on)),
             Self::Text(text) => f.write_str(text),

@@ -29,8 +29,8 @@ pub struct LaunchedProgram {
     pub state: SessionState,
     pub stops_on_entry: bool,
     pub is_undisturbed: bool,
-    /// Name and alarm of the last stop by an alarm; `None` after another stop.
-    pub exception: Option<(String, Alarm)>,
+    /// The alarm or message of the last stop by one; `None` after another stop.
+    pub exception: Option<Alarm>,
     /// The targets of `goto` requests; their numbers count from 1.
     pub goto_targets: Vec<(ProgramId, u32)>,
     /// Line of the `goto` under way, and whether it already runs from the beginning.

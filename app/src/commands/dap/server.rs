@@ -229,8 +229,8 @@ impl<W: Write> DapServer<'_, W> {
                 Err(message) => json!({"dataId": null, "description": message.text(language)}),
             }),
             "exceptionInfo" => match &program.exception {
-                Some((id, alarm)) => Ok(json!({
-                    "exceptionId": id,
+                Some(alarm) => Ok(json!({
+                    "exceptionId": alarm.number_text(),
                     "description": alarm_text(alarm, language),
                     "breakMode": "always",
                 })),
@@ -360,8 +360,7 @@ impl<W: Write> DapServer<'_, W> {
                     }),
                 )
             }
-            StopReason::Alarm(alarm) => self.report_exception(ALARM_FILTER, alarm),
-            StopReason::Message(alarm) => self.report_exception(MESSAGE_FILTER, alarm),
+            StopReason::Alarm(alarm) | StopReason::Message(alarm) => self.report_exception(alarm),
             StopReason::Collision(found) => {
                 let text = found.collision.message().text(language);
                 self.send_stopped("exception", Some(text))
@@ -386,10 +385,10 @@ impl<W: Write> DapServer<'_, W> {
         }
     }
 
-    fn report_exception(&mut self, id: &str, alarm: Alarm) -> io::Result<()> {
+    fn report_exception(&mut self, alarm: Alarm) -> io::Result<()> {
         let text = alarm_text(&alarm, self.language);
         if let Some(program) = &mut self.program {
-            program.exception = Some((id.to_owned(), alarm));
+            program.exception = Some(alarm);
         }
         self.send_stopped("exception", Some(text))
     }

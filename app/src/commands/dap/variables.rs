@@ -100,9 +100,14 @@ fn named(names: impl IntoIterator<Item = String>, simulation: &Simulation) -> Ve
     let values = names.into_iter().map(|name| {
         let value = WatchTarget::parse(&name).ok();
         let value = value.and_then(|target| target.read(simulation).ok());
+        let value = match value.unwrap_or(WatchedValue::Null) {
+            // As the LCD writes it: T0101.
+            WatchedValue::Number(number) if name == "T" => format!("{number:04}"),
+            value => value.to_string(),
+        };
         json!({
             "name": name,
-            "value": value.unwrap_or(WatchedValue::Null).to_string(),
+            "value": value,
             "evaluateName": name,
             "variablesReference": 0,
         })
