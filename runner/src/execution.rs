@@ -220,7 +220,7 @@ pub fn execute<'a>(
     let time_ms = run.time_ms();
     let waits_for = run.wait_text(&end, language);
     if end == ExecutionEnd::Watcher(WatcherStop::Overload) {
-        // Slides that go on would cut stock that does not turn.
+        // Moving slides would cut stock that does not turn.
         run.press(board::FEED_HOLD_KEY);
     }
     run.stop_motion();
