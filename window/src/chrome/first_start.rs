@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use egui::{Align, Button, Context, Key, Layout as Flow, RichText, ScrollArea, Ui, vec2};
+use egui::{Align, Button, Context, Key, Layout as Flow, RichText, ScrollArea, Ui, Vec2, vec2};
 use gsk_core::model::ModelId;
 use gsk_host::kernel::Console;
 use gsk_host::loading::{self, SHIPPED_LATHES};
@@ -20,14 +20,12 @@ use crate::widgets::files::{self, FileChoice};
 use crate::widgets::icons::Icon;
 use gsk_messages::{Language, Message, say};
 
-/// Height of an answer, points: large enough for a finger.
-const ANSWER_HEIGHT: f32 = 44.0;
-/// Height of an answer in a low window, points.
-const LOW_ANSWER_HEIGHT: f32 = 36.0;
+/// Minimum size of a button with an answer, points: large enough for a finger.
+const ANSWER: Vec2 = vec2(150.0, 44.0);
+/// Minimum size of a button with an answer in a low window, points.
+const LOW_ANSWER: Vec2 = vec2(96.0, 36.0);
 /// Height of the window below which all questions are closer together, points.
 const LOW_WINDOW: f32 = 640.0;
-/// Minimum width of a button with an answer, points.
-const MIN_ANSWER_WIDTH: f32 = 150.0;
 /// Maximum width of the column of questions, points.
 const MAX_COLUMN_WIDTH: f32 = 720.0;
 
@@ -200,7 +198,7 @@ impl FirstStart {
         ui.horizontal_wrapped(|ui| {
             for (answer, other) in [(Language::Zh, Language::En), (Language::En, Language::Zh)] {
                 let name = say::window_other_language().text(other);
-                let answer_button = answer_option(ui, *language == answer, &name, MIN_ANSWER_WIDTH);
+                let answer_button = answer_option(ui, *language == answer, &name);
                 if !self.has_set_focus && *language == answer {
                     self.has_set_focus = true;
                     answer_button.request_focus();
@@ -228,7 +226,7 @@ impl FirstStart {
             show_heading(ui, &text(say::first_which_control()));
             ui.horizontal_wrapped(|ui| {
                 for id in ModelId::ALL.into_iter().filter(|id| !id.is_mill()) {
-                    if answer_option(ui, self.model == id, id.name(), MIN_ANSWER_WIDTH).clicked() {
+                    if answer_option(ui, self.model == id, id.name()).clicked() {
                         self.model = id;
                     }
                 }
@@ -240,7 +238,7 @@ impl FirstStart {
         let mut end = None;
         ui.horizontal_wrapped(|ui| {
             let begin = RichText::new(text(say::first_begin())).size(theme::LARGE_SIZE);
-            let begin = Button::new(begin).min_size(vec2(MIN_ANSWER_WIDTH, answer_height(ui)));
+            let begin = Button::new(begin).min_size(answer_size(ui));
             let begin = ui.add_enabled(self.purpose.is_some(), begin);
             if let (true, Some(purpose)) = (begin.clicked(), self.purpose) {
                 end = Some(FirstStartEnd::Answered(FirstStartAnswers {
@@ -249,8 +247,7 @@ impl FirstStart {
                     machine_file: self.machine_file.clone(),
                 }));
             }
-            let skip = Button::new(text(say::first_skip()))
-                .min_size(vec2(MIN_ANSWER_WIDTH, answer_height(ui)));
+            let skip = Button::new(text(say::first_skip())).min_size(answer_size(ui));
             if ui.add(skip).clicked() {
                 end = Some(FirstStartEnd::Skipped);
             }
@@ -267,14 +264,7 @@ impl FirstStart {
     fn show_lathe_question(&mut self, ui: &mut Ui, language: Language, console: &Console) {
         ui.horizontal_wrapped(|ui| {
             let simulated = say::first_simulated().text(language);
-            if answer_option(
-                ui,
-                self.machine_file.is_none(),
-                &simulated,
-                MIN_ANSWER_WIDTH,
-            )
-            .clicked()
-            {
+            if answer_option(ui, self.machine_file.is_none(), &simulated).clicked() {
                 self.machine_file = None;
                 self.file_error = None;
             }
@@ -282,31 +272,30 @@ impl FirstStart {
                 let path = Path::new(lathe.word);
                 let is_chosen = self.machine_file.as_deref() == Some(path);
                 let name = (lathe.name)().text(language);
-                if answer_option(ui, is_chosen, &name, MIN_ANSWER_WIDTH).clicked() {
+                if answer_option(ui, is_chosen, &name).clicked() {
                     self.machine_file = Some(path.to_owned());
                     self.file_error = None;
                 }
             }
-            let is_shipped =
-                |path: &&PathBuf| SHIPPED_LATHES.iter().any(|it| **path == Path::new(it.word));
-            let own_file = self.machine_file.as_ref().filter(|path| !is_shipped(path));
+            let own_file = self.machine_file.as_ref();
+            let own_file = own_file.filter(|path| !is_shipped(path));
             let name = own_file.and_then(|path| path.file_name());
             let file = match name {
                 Some(name) => say::first_machine_file_is(name.to_string_lossy()),
                 None => say::first_machine_file(),
             };
-            let file = answer_option(
-                ui,
-                own_file.is_some(),
-                &file.text(language),
-                MIN_ANSWER_WIDTH,
-            );
+            let file = answer_option(ui, own_file.is_some(), &file.text(language));
             if file.clicked() {
                 self.choose_machine_file(ui.ctx(), language, console);
             }
         });
-        let hint = say::first_machine_file_hint().text(language);
-        ui.weak(hint);
+        let is_own_file = self
+            .machine_file
+            .as_deref()
+            .is_some_and(|path| !is_shipped(path));
+        if is_own_file || !is_low(ui) {
+            ui.weak(say::first_machine_file_hint().text(language));
+        }
         if let Some(wrong) = &self.file_error {
             ui.label(RichText::new(wrong.text(language)).color(theme::ERROR_TEXT));
         }
@@ -347,16 +336,21 @@ impl FirstStart {
     }
 }
 
+/// Whether a machine file is one within the program.
+fn is_shipped(path: &Path) -> bool {
+    SHIPPED_LATHES.iter().any(|it| path == Path::new(it.word))
+}
+
 /// Whether the window is so low that the questions need less space between them.
 fn is_low(ui: &Ui) -> bool {
     ui.ctx().content_rect().height() < LOW_WINDOW
 }
 
-/// Height of an answer, points.
-fn answer_height(ui: &Ui) -> f32 {
+/// Minimum size of a button with an answer, points.
+fn answer_size(ui: &Ui) -> Vec2 {
     match is_low(ui) {
-        true => LOW_ANSWER_HEIGHT,
-        false => ANSWER_HEIGHT,
+        true => LOW_ANSWER,
+        false => ANSWER,
     }
 }
 
@@ -366,11 +360,11 @@ fn show_heading(ui: &mut Ui, text: &str) {
 }
 
 /// Draws an answer as a button that is large enough for a finger. Returns its response.
-fn answer_option(ui: &mut Ui, is_chosen: bool, name: &str, width: f32) -> egui::Response {
+fn answer_option(ui: &mut Ui, is_chosen: bool, name: &str) -> egui::Response {
     let text = RichText::new(name).size(theme::LARGE_SIZE);
     ui.add(
         Button::selectable(is_chosen, text)
-            .min_size(vec2(width, answer_height(ui)))
+            .min_size(answer_size(ui))
             .frame_when_inactive(true),
     )
 }
