@@ -17,6 +17,7 @@
 #     RUN=20       AUTO and cycle start, 20 s before the first picture
 #     PARAMS="84=12 175.0=1"  ARGUMENTS="--ladder FILE"   parameters; more of the command line
 #     LCD=1        the LCD in the language of the window, too (parameter 184.0)
+#     WAIT=6       seconds before a picture after a change of size or layout (3)
 #     NUMBER=70    display number; without it each run finds one, so several may run at a time
 #
 # A step is a name with actions: keys (names of xdotool), `at:X:Y` clicks, `wheel:X:Y:N` scrolls
@@ -25,7 +26,7 @@
 # sizes to which the window gives the same zoom (window/src/chrome/zoom.rs). All views at all
 # sizes take half an hour, four layouts at six sizes ten minutes.
 set -euo pipefail
-(($# >= 1)) || { sed -n '2,31s/^# \?//p' "$0" >&2; exit 2; }
+(($# >= 1)) || { sed -n '2,32s/^# \?//p' "$0" >&2; exit 2; }
 folder=$1
 program=${2:-target/release/gsk980td}
 shift $(($# < 2 ? $# : 2))
@@ -109,7 +110,7 @@ start() {
 # resize SIZE: the window has this size, with the pointer in its corner.
 resize() {
     xdotool windowsize "$id" "${1%x*}" "${1#*x}" mousemove $((${1%x*} - 1)) $((${1#*x} - 1))
-    sleep 3
+    sleep "${WAIT:-3}"
 }
 
 press() {
@@ -159,7 +160,7 @@ take_layouts() {
         if [[ $layout != "${layouts[0]}" ]]; then
             press "shift+${layout_keys[$layout]}"
             # A busy computer draws the panes and the keys of the panel late.
-            sleep 3
+            sleep "${WAIT:-3}"
         fi
         pictures "$layout"
     done
