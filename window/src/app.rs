@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use crossbeam::channel::{RecvTimeoutError, bounded};
 use eframe::egui::{self, ViewportCommand};
@@ -172,11 +173,10 @@ impl App {
         } = start;
         let data = Arc::new(data);
         let keeper = Keeper::start(Arc::clone(&data), &restored, kernel.emulator())?;
+        let shows_plc_memory = Arc::new(AtomicBool::new(true));
+        let filter = RepaintFilter::new(&console, ending.clone(), Arc::clone(&shows_plc_memory));
         let kernel_host = KernelEnvironment {
-            wake: spawn_repaint_thread(
-                context.clone(),
-                RepaintFilter::new(&console, ending.clone()),
-            )?,
+            wake: spawn_repaint_thread(context.clone(), filter)?,
             keeper: Some(keeper),
             partner_folder: Some(platform::sent_folder(data.path(), transfer::FOLDER)),
             udisk_folder: Some(data.path().join(udisk::FOLDER)),
@@ -189,6 +189,7 @@ impl App {
         })?;
         let thread = kernel::start(kernel, &console, kernel_host)?;
         let mut window = Window::new(console, settings.clone());
+        window.report_plc_memory_shown(shows_plc_memory);
         window.paint_panel();
         window.set_model(model, another.is_some());
         if asks {

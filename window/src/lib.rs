@@ -26,6 +26,8 @@ mod views;
 mod widgets;
 
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use egui::{Frame, Margin, Panel, Pos2, Ui};
 use gsk_core::model::ModelId;
@@ -259,6 +261,11 @@ impl Window {
         self.first_start = None;
         self.settings.layouts.choose(WindowLayout::Learner);
         self.show_view(ViewId::Lesson);
+    }
+
+    /// Sets the flag that reports whether an open view shows more of the PLC memory than the inputs.
+    pub fn report_plc_memory_shown(&mut self, flag: Arc<AtomicBool>) {
+        self.views.report_plc_memory_shown(flag);
     }
 
     /// Sets the lessons that the window lists, those of a teacher included, and the errors in

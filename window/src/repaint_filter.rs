@@ -3,10 +3,13 @@
 //! states look like the one before.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crossbeam::channel::Receiver;
 use crossbeam::queue::ArrayQueue;
 use gsk_core::machine::{LatheFault, SimulatedLathe};
+use gsk_core::plc::PlcMemory;
+use gsk_core::plc::address::Area;
 use gsk_core::units::Point;
 use gsk_host::kernel::monitor::MachineView;
 use gsk_host::kernel::part::PartView;
@@ -27,13 +30,20 @@ pub struct RepaintFilter {
     timeline: Arc<ArrayQueue<Arc<TimelineView>>>,
     notices: Receiver<Notice>,
     termination: TerminationFlag,
+    /// Whether a view shows more of the PLC memory than the inputs.
+    shows_plc_memory: Arc<AtomicBool>,
     last_machine: Option<MachineView>,
 }
 
 impl RepaintFilter {
     /// Creates a filter for the states that `console` receives. Once `termination` is requested,
-    /// the filter passes every repaint on.
-    pub fn new(console: &Console, termination: TerminationFlag) -> Self {
+    /// the filter passes every repaint on. `shows_plc_memory`: whether a view shows more of the PLC
+    /// memory than the inputs; its timers run all the time.
+    pub fn new(
+        console: &Console,
+        termination: TerminationFlag,
+        shows_plc_memory: Arc<AtomicBool>,
+    ) -> Self {
         Self {
             snapshots: Arc::clone(&console.snapshots),
             machine: Arc::clone(&console.machine),
@@ -41,6 +51,7 @@ impl RepaintFilter {
             timeline: Arc::clone(&console.timeline),
             notices: console.notices.clone(),
             termination,
+            shows_plc_memory,
             last_machine: None,
         }
     }
@@ -55,7 +66,8 @@ impl RepaintFilter {
             && self.notices.is_empty());
         let Some(machine) = machine else { return true };
         let last = self.last_machine.as_ref();
-        if last.is_some_and(|last| looks_same(last, &machine)) {
+        let with_memory = self.shows_plc_memory.load(Ordering::Relaxed);
+        if last.is_some_and(|last| looks_same(last, &machine, with_memory)) {
             return is_other_news || self.termination.is_requested();
         }
         // A newer state may have arrived since: it stays.
@@ -68,13 +80,14 @@ impl RepaintFilter {
 
 /// Whether no view shows a difference between two machine states. Both have all that views
 /// read; the part of the ladder that the scan runs next shows only while the scan is halted.
-fn looks_same(one: &MachineView, other: &MachineView) -> bool {
+/// `with_memory`: a view shows more of the PLC memory than the inputs.
+fn looks_same(one: &MachineView, other: &MachineView, with_memory: bool) -> bool {
     let (scan, other_scan) = (&one.plc, &other.plc);
     let is_plc_same = match one.halted || other.halted {
         true => scan == other_scan,
         false => {
             Arc::ptr_eq(scan.ladder(), other_scan.ladder())
-                && scan.memory() == other_scan.memory()
+                && has_same_memory(scan.memory(), other_scan.memory(), with_memory)
                 && scan.fault() == other_scan.fault()
                 && scan.forces() == other_scan.forces()
         }
@@ -91,6 +104,14 @@ fn looks_same(one: &MachineView, other: &MachineView) -> bool {
         && one.offsets == other.offsets
         && one.variables == other.variables
         && one.alarms == other.alarms
+}
+
+/// Whether two PLC memories are equal, or only their inputs if no view shows the rest.
+fn has_same_memory(one: &PlcMemory, other: &PlcMemory, whole: bool) -> bool {
+    if whole {
+        return one == other;
+    }
+    one.area(Area::X) == other.area(Area::X)
 }
 
 /// Whether no view shows a difference between two states of the lathe. Following error and
@@ -118,4 +139,22 @@ fn looks_same_lathe(one: &SimulatedLathe, other: &SimulatedLathe) -> bool {
         && (one.spindle_rpm() - other.spindle_rpm()).abs() < SHOWN_RPM
         && signals(one) == signals(other)
         && faults.all(|(_, fault)| one.has_fault(fault) == other.has_fault(fault))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gsk_core::plc::address::ByteAddress;
+
+    #[test]
+    fn a_running_timer_is_news_only_where_the_memory_is_shown() {
+        let still = PlcMemory::default();
+        let mut timed = still.clone();
+        timed.set_byte(ByteAddress::new(Area::R, 100), 1);
+        assert!(has_same_memory(&still, &timed, false));
+        assert!(!has_same_memory(&still, &timed, true));
+        let mut pressed = still.clone();
+        pressed.set_byte(ByteAddress::new(Area::X, 24), 1);
+        assert!(!has_same_memory(&still, &pressed, false));
+    }
 }

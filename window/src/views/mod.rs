@@ -25,6 +25,7 @@ mod transfer;
 mod undo_panel;
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use egui::{Context, Frame, Margin, Pos2, ScrollArea, Sense, Ui, UiBuilder, Vec2};
 use gsk_host::kernel::monitor::MachineView;
@@ -65,7 +66,12 @@ pub struct Views {
     part: Option<Arc<PartView>>,
     /// The view that another view has requested to open; `None` without a request.
     view_to_open: Option<ViewId>,
+    /// Whether an open view shows more of the PLC memory than the inputs.
+    shows_plc_memory: Arc<AtomicBool>,
 }
+
+/// The views that show more of the PLC memory than the inputs.
+const PLC_VIEWS: [ViewId; 3] = [ViewId::Ladder, ViewId::Commission, ViewId::Link];
 
 impl Views {
     /// Creates all views in the closed state.
@@ -78,7 +84,13 @@ impl Views {
             machine: None,
             part: None,
             view_to_open: None,
+            shows_plc_memory: Arc::default(),
         }
+    }
+
+    /// Sets the flag that reports whether an open view shows more of the PLC memory than the inputs.
+    pub fn report_plc_memory_shown(&mut self, flag: Arc<AtomicBool>) {
+        self.shows_plc_memory = flag;
     }
 
     /// Opens and closes views to match `layouts`. Starts or stops the kernel's reports of the
@@ -106,6 +118,8 @@ impl Views {
                 None => {}
             }
         }
+        let shows_plc = PLC_VIEWS.iter().any(|view| layouts.is_open(*view));
+        self.shows_plc_memory.store(shows_plc, Ordering::Relaxed);
         let is_monitoring = self.needs_machine_state();
         if is_monitoring != was_monitoring {
             self.machine = None;
