@@ -37,7 +37,7 @@ fn the_example_is_another_lathe() {
     let mut parameters = ControlParameters::default();
     parameters.set(84, 6).unwrap();
     let mut lathe = SimulatedLathe::new(config, &parameters);
-    assert_eq!(lathe.station(), Some(2));
+    assert_eq!(lathe.station(), Some(1));
     let at = lathe.slide_position();
     assert!(
         (at.x + 20.0).abs() < 1e-3 && (at.z + 80.0).abs() < 1e-3,
@@ -48,7 +48,7 @@ fn the_example_is_another_lathe() {
     forward.y[1] = 1 << 6;
     let ticks = (1..2000).find(|_| {
         lathe.tick(&forward, &mut MachineInputs::default());
-        lathe.station() == Some(3)
+        lathe.station() == Some(2)
     });
     assert_eq!(ticks, Some(855));
     // Its drives give no one-turn signal.

@@ -501,6 +501,14 @@ mod tests {
         let memory = |start: &WindowStart| start.kernel.emulator().cnc().parameters().clone();
         assert_eq!(memory(&start).value(84), 6);
         assert!(start.restored.complaints.is_empty());
+        // A tool change writes 075, which is no change by the user.
+        let mut changed = Setup::delivered().memory.parameters;
+        changed.set(75, 3).expect("a station");
+        start.data.store("parameters", &changed).expect("stored");
+        drop(start);
+        let start = turn_on(&folder, Some(&chosen("small-flat-bed.ron")), false);
+        assert_eq!(memory(&start).value(84), 6);
+        assert!(start.restored.complaints.is_empty());
         let mut own = ControlParameters::default();
         own.set(22, 3800).expect("a rapid rate");
         start.data.store("parameters", &own).expect("stored");

@@ -92,16 +92,28 @@ pub(super) fn apply_machine_parameters(setup: &mut Setup) -> Result<(), LoadErro
     Ok(())
 }
 
+/// Parameters that the control writes: depths and passes of cycles, the station of the tool post.
+const WRITTEN_BY_CONTROL: [u16; 7] = [51, 52, 53, 54, 55, 56, 75];
+
 /// Whether all parameters are those with which the model is delivered, with or without the chuck of
-/// the training lathe.
+/// the training lathe, apart from those that the control writes.
 fn is_as_delivered(setup: &Setup) -> bool {
     let plain = Setup::default();
     let mut of_model = plain.clone();
     of_model.memory.set_model(setup.memory.model.clone());
-    [plain, of_model].into_iter().any(|delivered| {
-        let is_same = delivered.memory.parameters == setup.memory.parameters;
-        is_same || delivered.with_chuck().memory.parameters == setup.memory.parameters
-    })
+    let with_chuck = [plain.clone().with_chuck(), of_model.clone().with_chuck()];
+    let now = &setup.memory.parameters;
+    [plain, of_model]
+        .into_iter()
+        .chain(with_chuck)
+        .any(|delivered| {
+            let mut parameters = delivered.memory.parameters;
+            for number in WRITTEN_BY_CONTROL {
+                // A value out of its range is no delivered one: the comparison fails.
+                let _ = parameters.set(number, now.value(number));
+            }
+            parameters == *now
+        })
 }
 
 /// Returns the parameters of the control with those that its machine file lists.
