@@ -3,14 +3,14 @@
 use std::path::Path;
 
 use gsk_core::machine::{ConfigError, LatheConfig};
-use gsk_core::memory::ControlParameters;
+use gsk_core::memory::{ControlParameters, parameter};
 use gsk_core::setup::Setup;
 use gsk_core::units::{NonFinite, find_non_finite};
 use gsk_messages::{Message, say};
 
 use super::{LoadError, apply_parameter};
 use crate::files::program_file;
-use crate::setup_args::{ParameterOption, parse_parameter};
+use crate::setup_args::parse_parameter;
 
 /// A lathe whose machine file is part of the program.
 #[derive(Debug)]
@@ -67,8 +67,9 @@ pub fn parse_machine(path: &Path, text: &str) -> Result<LatheConfig, LoadError> 
         line: error.span.start.line,
         error: Box::new(error.code),
     })?;
+    let mut trial = Setup::default();
     for word in &config.parameters {
-        parse_machine_parameter(word).map_err(|error| LoadError::InvalidLathe {
+        set_machine_parameter(&mut trial, word).map_err(|error| LoadError::InvalidLathe {
             path: path.to_owned(),
             rules: vec![error.message()],
         })?;
@@ -93,7 +94,17 @@ pub(super) fn apply_machine_parameters(setup: &mut Setup) -> Result<(), LoadErro
 }
 
 /// Parameters that the control writes: depths and passes of cycles, the station of the tool post.
-const WRITTEN_BY_CONTROL: [u16; 7] = [51, 52, 53, 54, 55, 56, 75];
+const WRITTEN_BY_CONTROL: [u16; 7] = [
+    parameter::ROUGHING_DEPTH,
+    parameter::ROUGHING_RETRACT,
+    parameter::PATTERN_RELIEF_X,
+    parameter::PATTERN_RELIEF_Z,
+    parameter::PATTERN_PASSES,
+    parameter::PECKING_RETRACT,
+    STATION,
+];
+/// The station of the tool post that is in position.
+const STATION: u16 = 75;
 
 /// Whether all parameters are those with which the model is delivered, with or without the chuck of
 /// the training lathe, apart from those that the control writes.
@@ -120,15 +131,21 @@ fn is_as_delivered(setup: &Setup) -> bool {
 fn with_machine_parameters(setup: &Setup) -> Result<ControlParameters, LoadError> {
     let mut changed = setup.clone();
     for word in &setup.lathe.parameters {
-        apply_parameter(&mut changed, parse_machine_parameter(word)?)?;
+        set_machine_parameter(&mut changed, word)?;
     }
     Ok(changed.memory.parameters)
 }
 
-fn parse_machine_parameter(word: &str) -> Result<ParameterOption, LoadError> {
-    parse_parameter(word).map_err(|error| LoadError::MachineParameter {
+/// Sets a parameter that a machine file lists. Returns an error that names its text.
+fn set_machine_parameter(setup: &mut Setup, word: &str) -> Result<(), LoadError> {
+    let refused = |reason| LoadError::MachineParameter {
         word: word.to_owned(),
-        reason: error.message(),
+        reason,
+    };
+    let parameter = parse_parameter(word).map_err(|error| refused(error.message()))?;
+    apply_parameter(setup, parameter).map_err(|error| match error {
+        LoadError::Parameter(error) => refused(error.message()),
+        other => other,
     })
 }
 
@@ -149,4 +166,21 @@ pub fn missing_machine_parameters(setup: &Setup) -> Option<String> {
         .map(String::as_str)
         .collect();
     (setup.memory.model.id().is_main() && !missing.is_empty()).then(|| missing.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gsk_messages::Language;
+
+    #[test]
+    fn a_wrong_parameter_is_named_with_its_rule() {
+        for word in ["84", "8.9=1", "84=999999", "22=-5"] {
+            let text = format!("(parameters: [\"{word}\"])");
+            let error = parse_machine(Path::new("lathe.ron"), &text).expect_err(word);
+            let message = error.message().text(Language::En);
+            let names_all = message.contains("lathe.ron") && message.contains(word);
+            assert!(names_all && !message.contains("--param"), "{message}");
+        }
+    }
 }
