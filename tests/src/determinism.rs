@@ -126,8 +126,7 @@ pub fn trace_session(saves: &[u64]) -> Result<SessionTrace, String> {
             add_to_hash(&mut trace.plc, format!("{:?}", cnc.plc().memory()).bytes());
         }
         if saves.contains(&trace.ticks) {
-            let saved = ron::to_string(&emulator).map_err(|error| error.to_string())?;
-            let restored: Emulator = ron::from_str(&saved).map_err(|error| error.to_string())?;
+            let restored = crate::saved_state::restore(&emulator)?;
             if restored != emulator {
                 return Err(format!("the state at tick {} differs", trace.ticks));
             }

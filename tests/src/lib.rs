@@ -11,6 +11,7 @@ pub mod folder;
 pub mod fuzz;
 pub mod marks;
 pub mod rust_text;
+pub mod saved_state;
 pub mod setup;
 pub mod sources;
 pub mod tree;

@@ -317,8 +317,7 @@ fn a_restored_session_continues_alike() {
     for _ in 0..500 {
         press(&mut emulator, &mut random);
     }
-    let text = ron::to_string(&emulator).unwrap();
-    let mut restored: Emulator = ron::from_str(&text).unwrap();
+    let mut restored = gsk_tests::saved_state::restore(&emulator).unwrap();
     let mut again = KeyRandom(random.0);
     for _ in 0..200 {
         press(&mut emulator, &mut random);

@@ -36,6 +36,7 @@ mod properties;
 mod protections;
 mod runner;
 mod samples;
+mod saved_state;
 mod signal_facts;
 mod type_names;
 mod vocabulary;

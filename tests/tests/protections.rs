@@ -237,11 +237,6 @@ fn prepare_machine(page: &WritingPage, protection: &str) -> Emulator {
     if let Some((number, bit, on)) = bit {
         setup.memory.parameters.set_bit(number, bit, on).unwrap();
     }
-    match protection {
-        "L4" => assert!(setup.memory.authority.enter("1234")),
-        "L5" => setup.memory.authority.log_off(),
-        _ => {}
-    }
     for number in [7, 12, 9001] {
         setup
             .memory
@@ -263,10 +258,18 @@ fn prepare_machine(page: &WritingPage, protection: &str) -> Emulator {
     // Hidden programs cannot be selected; that is their protection.
     let _ = emulator.request(ControlRequest::SelectProgram(selected));
     emulator.press(gsk_panel::keys::Key::Reset);
-    // The page sets the switches, unless a protection prevents it: then they were set before.
+    // The switches are set before the level that may not set them.
     let switch = protection != "PSW" && page.name != "set-switch";
     if switch {
-        force_switch(&mut emulator);
+        switch_on(&mut emulator);
+    }
+    let level = match protection {
+        "L4" => Some(ControlRequest::EnterPassword("1234".to_owned())),
+        "L5" => Some(ControlRequest::LowerLevel),
+        _ => None,
+    };
+    if let Some(request) = level {
+        emulator.request(request).unwrap();
     }
     if protection == "PRG" {
         run_script(
@@ -288,22 +291,15 @@ fn prepare_machine(page: &WritingPage, protection: &str) -> Emulator {
     emulator
 }
 
-/// Switches the parameter switch on and clears its alarm. If a protection prevents it, it was
-/// switched on before.
-fn force_switch(emulator: &mut Emulator) {
+/// Switches the parameter switch on and clears its alarm.
+fn switch_on(emulator: &mut Emulator) {
     for request in [
         ControlRequest::SetParameterSwitch(true),
         ControlRequest::CancelSwitchAlarm,
     ] {
-        emulator.request(request).unwrap_or_default();
+        emulator.request(request).unwrap();
     }
-    if cnc(emulator).is_parameter_switch_on() {
-        return;
-    }
-    let text = ron::to_string(emulator).unwrap();
-    let on = text.replacen("switches:(parameters:false", "switches:(parameters:true", 1);
-    assert!(text != on, "the switch was off");
-    *emulator = ron::from_str(&on).unwrap();
+    assert!(cnc(emulator).is_parameter_switch_on());
 }
 
 /// The result of the keys: `ok`, `-`, or the alarm.

@@ -476,22 +476,6 @@ fn a_machine_file_needs_only_the_differing_fields() {
 }
 
 #[test]
-fn a_restored_lathe_continues_unchanged() {
-    let mut lathe = lathe(&ANALOG);
-    let mut run = outputs(&[M03, TL_FORWARD]);
-    run.spindle_volts = 7.3;
-    for _ in 0..137 {
-        tick(&mut lathe, &run);
-    }
-    let text = ron::to_string(&lathe).unwrap();
-    let mut restored: SimulatedLathe = ron::from_str(&text).unwrap();
-    assert_eq!(restored, lathe);
-    for _ in 0..137 {
-        assert_eq!(tick(&mut restored, &run), tick(&mut lathe, &run));
-    }
-}
-
-#[test]
 fn every_fault_can_be_set_and_cleared() {
     let mut lathe = lathe(&[]);
     for (name, fault) in LatheFault::ALL {

@@ -395,24 +395,6 @@ fn reset_drops_the_vector() {
     assert_eq!(bench.machine, Point::new(30.0, -5.0));
 }
 
-#[test]
-fn a_saved_interpreter_continues_the_compensation() {
-    let text = "T0101 F100\nG42 G01 X40 Z0\nM08 Z-20\nX20 Z-10\nG02 X0 Z-20 R10\nG40 G01 Z-25";
-    for cut in 0..8 {
-        let mut bench = bench(20.0, -10.0);
-        bench.open(text);
-        for _ in 0..cut {
-            next_command(&mut bench);
-        }
-        let saved = ron::to_string(&bench.interpreter).unwrap();
-        let machine = bench.machine;
-        let rest = bench.run_to_end();
-        bench.interpreter = ron::from_str(&saved).unwrap();
-        bench.machine = machine;
-        assert_eq!(bench.run_to_end(), rest);
-    }
-}
-
 /// Runs `blocks` from X40 Z10 and returns their commands as short texts, without line numbers.
 fn trace_path(blocks: &str) -> Vec<String> {
     trace(&mut bench(40.0, 10.0), blocks)

@@ -179,24 +179,4 @@ proptest! {
             }
         }
     }
-
-    #[test]
-    fn a_saved_interpreter_continues_alike(steps in steps(), cut in 0_usize..40) {
-        let mut text = String::from("F100\n");
-        for (dx, dz, code) in steps {
-            let motion = if code < 2 { format!("G{code} U{} W{}", mm(dx), mm(dz)) } else { format!("G90 U{} W{}", mm(dx), mm(dz)) };
-            writeln!(text, "{motion}").unwrap();
-        }
-        let mut bench = InterpreterBench::at(0.0, 0.0);
-        bench.open(&text);
-        for _ in 0..cut {
-            let _ = bench.next();
-        }
-        let saved = ron::to_string(&bench.interpreter).unwrap();
-        let machine = bench.machine;
-        let (commands, alarm) = bench.run_to_end();
-        bench.interpreter = ron::from_str(&saved).unwrap();
-        bench.machine = machine;
-        prop_assert_eq!(bench.run_to_end(), (commands, alarm));
-    }
 }

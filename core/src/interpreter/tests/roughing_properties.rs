@@ -291,21 +291,4 @@ proptest! {
             }
         }
     }
-
-    #[test]
-    fn a_saved_cycle_continues_alike(legs in legs(), cut in 0_usize..120) {
-        let case = build_case(&legs, 0, false, 2_000, 500);
-        let text = case.text.replace("N1 ", "G76 X20 Z-9 P900 Q300 F2;\nG74 X10 Z-90 P900 Q3000;\nN1 ");
-        let mut bench = InterpreterBench::at(case.start.0, case.start.1);
-        bench.open(&text);
-        for _ in 0..cut {
-            let _ = bench.next();
-        }
-        let saved = ron::to_string(&bench.interpreter).unwrap();
-        let (machine, parameters) = (bench.machine, bench.parameters.clone());
-        let rest = bench.run_to_end();
-        bench.interpreter = ron::from_str(&saved).unwrap();
-        (bench.machine, bench.parameters) = (machine, parameters);
-        prop_assert_eq!(bench.run_to_end(), rest);
-    }
 }
