@@ -102,6 +102,8 @@ fn is_used(address: u8, words: &BlockWords, state: &MillState, memory: &MillMemo
                 || is(OneShotCode::OffsetInput)
                 || is(OneShotCode::FurtherReference)
         }
+        // The call by an M code has taken it.
+        b'L' if words.letters.l.is_none() => true,
         b'L' => calls || hole.is_some() || is(OneShotCode::OffsetInput),
         _ => true,
     }

@@ -22,7 +22,7 @@ use gsk_core::memory::{Counters, DayTime, Registers};
 use gsk_messages::say;
 
 use crate::axes::Axes;
-use crate::memory::{MillMemory, MillOffsetColumn, parameter};
+use crate::memory::{MillMemory, MillOffsetColumn, MillOffsetMemory, parameter};
 use crate::modal::{Hole, WorkZero};
 use crate::space::{Length, MillAxis, MillPosition};
 use crate::state::MillState;
@@ -88,16 +88,28 @@ fn axis(digit: u32, axes: Axes) -> Option<MillAxis> {
     (!further || axes.further(axis).is_some()).then_some(axis)
 }
 
+/// Returns the offset that a variable number refers to in this type of memory; `None` if it
+/// refers to none (manual 001, tables 2.2).
+fn offset_variable(number: u32, memory: MillOffsetMemory) -> Option<StoredVariable> {
+    let has_radius = memory == MillOffsetMemory::C;
+    let has_one_column = memory == MillOffsetMemory::A;
+    let (first, column) = match number {
+        2001..=2400 if has_one_column => (2000, MillOffsetColumn::Length),
+        2001..=2200 => (2000, MillOffsetColumn::LengthWear),
+        2201..=2400 => (2200, MillOffsetColumn::Length),
+        10_001..=10_400 => (10_000, MillOffsetColumn::LengthWear),
+        11_001..=11_400 if !has_one_column => (11_000, MillOffsetColumn::Length),
+        12_001..=12_400 if has_radius => (12_000, MillOffsetColumn::RadiusWear),
+        13_001..=13_400 if has_radius => (13_000, MillOffsetColumn::Radius),
+        _ => return None,
+    };
+    Some(StoredVariable::Offset((number - first) as u16, column))
+}
+
 /// Returns the offset or work zero that a variable number refers to; `None` if it is neither.
-fn stored_variable(number: u32, axes: Axes) -> Option<StoredVariable> {
-    let offset = |first: u32, column| Some(StoredVariable::Offset((number - first) as u16, column));
+fn stored_variable(number: u32, axes: Axes, memory: MillOffsetMemory) -> Option<StoredVariable> {
     match number {
-        2001..=2200 => offset(2000, MillOffsetColumn::LengthWear),
-        2201..=2400 => offset(2200, MillOffsetColumn::Length),
-        10_001..=10_400 => offset(10_000, MillOffsetColumn::LengthWear),
-        11_001..=11_400 => offset(11_000, MillOffsetColumn::Length),
-        12_001..=12_400 => offset(12_000, MillOffsetColumn::RadiusWear),
-        13_001..=13_400 => offset(13_000, MillOffsetColumn::Radius),
+        2001..=2400 | 10_001..=13_400 => offset_variable(number, memory),
         2500..=2999 => {
             let axis = axis((number - 2400) / 100, axes)?;
             match number % 100 {
@@ -313,7 +325,8 @@ impl VariableReader for VariableContext<'_> {
         if is_common(variable) {
             return Ok(self.variables.common.get(&variable).copied());
         }
-        if let Some(stored) = stored_variable(variable, self.state.axes) {
+        let memory = self.memory.offset_memory;
+        if let Some(stored) = stored_variable(variable, self.state.axes, memory) {
             let value = match stored {
                 StoredVariable::Offset(offset, column) => {
                     let column = self.memory.offset_memory.column(column);
@@ -357,7 +370,8 @@ impl VariableWriter for VariableContext<'_> {
         if self.write_control(variable, value)? {
             return Ok(());
         }
-        let Some(stored) = stored_variable(variable, self.state.axes) else {
+        let memory = self.memory.offset_memory;
+        let Some(stored) = stored_variable(variable, self.state.axes, memory) else {
             // The variable exists, but is read-only.
             self.read_system(variable)?;
             let detail = say::variable_of_macro_read_only(variable);

@@ -80,6 +80,9 @@ pub(crate) struct Cycle {
     /// The explanation data of the move taken last; `None` before the first move.
     #[serde(rename = "taken")]
     taken_note: Option<PassNote>,
+    /// Whether the move before the one ahead is a thread.
+    #[serde(default)]
+    is_after_thread: bool,
 }
 
 impl Cycle {
@@ -93,6 +96,7 @@ impl Cycle {
             move_ahead: None,
             ahead_end: state.to_machine(state.position).to_point(),
             taken_note: None,
+            is_after_thread: false,
         };
         cycle.generate_ahead();
         if cycle.move_ahead.is_none() {
@@ -102,14 +106,22 @@ impl Cycle {
     }
 
     /// Generates the next move of the cycle and stores it as the move ahead. Skips moves of
-    /// zero length.
+    /// zero length, except the retract after a thread, at whose end feed hold acts: it has no
+    /// length where the run-out ends at the start.
     fn generate_ahead(&mut self) {
         loop {
             self.move_ahead = self.generator.next_move();
-            let Some(generated) = &self.move_ahead else {
+            let Some(generated) = &mut self.move_ahead else {
                 return;
             };
+            let is_after_thread = self.is_after_thread;
+            self.is_after_thread = matches!(generated.action, Action::Thread { .. });
             let to = match generated.action {
+                Action::Rapid { to } if to == self.ahead_end && is_after_thread => {
+                    // Single block has stopped after the thread.
+                    generated.stops = false;
+                    return;
+                }
                 Action::Rapid { to } | Action::Line { to, .. } if to == self.ahead_end => continue,
                 Action::Rapid { to }
                 | Action::Line { to, .. }

@@ -234,14 +234,23 @@ fn profile_alarm(alarm: &Alarm, line: u32) -> Alarm {
     Alarm::new(alarm.number).with_detail(say::in_profile(line, detail))
 }
 
+/// Returns alarm 064 as error for M98 and M99, which neither the profile nor the block of its
+/// cycle can contain (manual I-3.2.6.7).
+pub(crate) fn check_call(words: &SortedWords) -> Result<(), Alarm> {
+    match words.m {
+        Some(code @ (98 | 99)) => {
+            Err(Alarm::new(number::PROFILE_CALL).with_detail(say::profile_calls(code)))
+        }
+        _ => Ok(()),
+    }
+}
+
 fn check_codes(
     context: &BlockContext<'_>,
     words: &SortedWords,
     motion: MotionCode,
 ) -> Result<(), Alarm> {
-    if let Some(code @ (98 | 99)) = words.m {
-        return Err(Alarm::new(number::PROFILE_CALL).with_detail(say::profile_calls(code)));
-    }
+    check_call(words)?;
     if special_call::find(words, context)?.is_some() {
         return Err(Alarm::new(number::PROFILE_CALL).with_detail(say::profile_calls_by_code()));
     }

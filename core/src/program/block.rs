@@ -193,14 +193,16 @@ impl ProgramBlock {
 
     /// Replaces references to variables by their values and checks the ranges again. A value
     /// counts as 0.001 mm (0.0001 inch) on X Z U W R I J K, as 0.001 s on X and U of G04,
-    /// and as the number itself on other addresses. The words of G65 remain unchanged: the
-    /// macro operations read variables themselves.
+    /// and as the number itself on other addresses and on those for which `is_count` holds in
+    /// this block. The words of G65 remain unchanged: the macro operations read variables
+    /// themselves.
     ///
     /// # Errors
     /// The alarm of `lookup`, or 043 for a value out of the range of its address.
     pub fn resolve<E: From<BlockError>>(
         mut self,
         syntax: Syntax,
+        is_count: impl Fn(u8) -> bool,
         mut lookup: impl FnMut(VariableReference) -> Result<i64, E>,
     ) -> Result<Self, E> {
         if !self.has_variables() || self.has_g(65) {
@@ -217,7 +219,7 @@ impl ProgramBlock {
             } else {
                 value
             };
-            word.value = if is_length(word.address) {
+            word.value = if is_length(word.address) && !is_count(word.address) {
                 let seconds = dwell && matches!(word.address, b'X' | b'U');
                 let increment = if seconds { 1000 } else { syntax.increment() };
                 WordNumber::from_millionths(value.saturating_mul(increment))

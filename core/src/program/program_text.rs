@@ -271,7 +271,8 @@ impl Program {
         if !block.has_variables() {
             return Ok(block);
         }
-        block.resolve(syntax, |variable| {
+        let is_count = |_| false;
+        block.resolve(syntax, is_count, |variable| {
             let detail = say::variable_without_value(variable.number);
             Err(BlockError {
                 alarm: number::BAD_VARIABLE,

@@ -34,6 +34,27 @@ fn memory_a_has_one_value_for_length_and_radius() {
 }
 
 #[test]
+fn each_memory_has_the_variables_of_its_table() {
+    let a = MillOffsetMemory::A;
+    let text =
+        "G10 P201 R7\n#2001=3\nG01 Z#10001 F500\nZ#2201\nZ0\nZ#10201\n#2400=6\nZ#10400\nM30\n";
+    assert_eq!(heights(a, text), (vec![3.0, 7.0, 0.0, 7.0, 6.0], None));
+    let b = MillOffsetMemory::B;
+    let text = "#2003=1\n#2203=5\nG01 Z#10003 F500\nZ#11003\nM30\n";
+    assert_eq!(heights(b, text), (vec![1.0, 5.0], None));
+    for (memory, number) in [
+        (a, 11_003),
+        (a, 12_003),
+        (a, 13_003),
+        (b, 12_003),
+        (b, 13_003),
+    ] {
+        let text = format!("G01 Z#{number} F500\nM30\n");
+        assert!(heights(memory, &text).1.is_some(), "{memory:?} #{number}");
+    }
+}
+
+#[test]
 fn memory_b_has_a_value_and_its_wear() {
     let b = MillOffsetMemory::B;
     let text = "G10 L10 P3 R5\nG10 L11 P3 R-0.5\nG90 G01 G43 H3 Z10 F500\nG01 Z#11003\n\

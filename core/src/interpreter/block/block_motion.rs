@@ -1,8 +1,10 @@
 //! Finds the kind of motion that a block commands.
 
 use crate::command::MotionCode;
+use crate::interpreter::codes::arc;
 use crate::interpreter::state::State;
 use crate::interpreter::words::{AxisWords, OneShot, SortedWords};
+use crate::model::ModelRecord;
 
 /// The kind of motion that a block commands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,16 +22,19 @@ pub(super) enum BlockMotion {
 }
 
 /// The motion that the words of a block command under the code of group 01 in force.
-pub(super) fn find_motion(state: &State, words: &SortedWords, axes: &AxisWords) -> BlockMotion {
+pub(super) fn find_motion(
+    state: &State,
+    words: &SortedWords,
+    axes: &AxisWords,
+    record: &ModelRecord,
+) -> BlockMotion {
     if let Some(code) = words.one_shot {
         return BlockMotion::OneShot(code);
     }
     match state.modal.motion {
         MotionCode::Rapid if axes.has_any() => BlockMotion::Rapid,
         MotionCode::Line if axes.has_any() => BlockMotion::Line,
-        code if code.is_arc() && (axes.has_any() || words.i.is_some() || words.k.is_some()) => {
-            BlockMotion::Arc
-        }
+        code if code.is_arc() && has_arc_words(words, axes, record) => BlockMotion::Arc,
         code if code.is_thread_pass() && axes.has_any() => BlockMotion::Thread,
         MotionCode::Tapping if axes.has_any() => BlockMotion::Tap,
         code if code.is_canned_cycle() => {
@@ -54,4 +59,11 @@ pub(super) fn find_motion(state: &State, words: &SortedWords, axes: &AxisWords) 
         }
         _ => BlockMotion::Nothing,
     }
+}
+
+/// Whether a block commands an arc: by an end point or a centre, and on some models by R alone.
+fn has_arc_words(words: &SortedWords, axes: &AxisWords, record: &ModelRecord) -> bool {
+    let has_center = words.i.is_some() || words.k.is_some();
+    let has_circle = words.r.is_some() && arc::allows_long_arc(record);
+    axes.has_any() || has_center || has_circle
 }

@@ -40,6 +40,9 @@ pub(crate) fn plan_cycle(
     axes: &AxisWords,
     plan: &mut Plan,
 ) -> Result<(), Alarm> {
+    if reads_named_profile(code) {
+        profile::check_call(words)?;
+    }
     let writes = &mut plan.writes;
     plan.motion = match code {
         OneShot::Finishing => {
@@ -104,6 +107,17 @@ pub(crate) fn plan_cycle(
         plan.holds_at_move_end = code != OneShot::CompoundThread;
     }
     Ok(())
+}
+
+/// Whether a cycle cuts the profile between two sequence numbers.
+const fn reads_named_profile(code: OneShot) -> bool {
+    matches!(
+        code,
+        OneShot::Finishing
+            | OneShot::TurningRough(ContourSource::Named)
+            | OneShot::FacingRough(ContourSource::Named)
+            | OneShot::Pattern(ContourSource::Named)
+    )
 }
 
 /// Starts the cycle of `generator`; `None`, from a block that only sets data, makes no motion.

@@ -90,7 +90,7 @@ pub(crate) fn evaluate(
         }
         _ => (words, words),
     };
-    let kind = find_motion(state, words, &axes);
+    let kind = find_motion(state, words, &axes, context.model.record());
 
     plan.modal = state.modal;
     let offset_travels = plan_tool(state, context, all_words, kind, plan)?;

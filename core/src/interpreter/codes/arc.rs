@@ -44,14 +44,21 @@ pub(crate) struct ArcTurn {
 impl ArcTurn {
     /// Combines the direction of an arc with the meaning of R and I on the model of `record`.
     pub(crate) fn from_record(record: &ModelRecord, clockwise: bool) -> Self {
-        let code = record.g_code(2);
-        let is_i_diameter = code == Some(GCode::DiameterArcClockwise);
         Self {
             clockwise,
-            allows_long_arc: is_i_diameter || code == Some(GCode::LongArcClockwise),
-            is_i_diameter,
+            allows_long_arc: allows_long_arc(record),
+            is_i_diameter: record.g_code(2) == Some(GCode::DiameterArcClockwise),
         }
     }
+}
+
+/// Whether R of either sign commands an arc on the model of `record`: then R without an end
+/// point is a full circle, and alarm 433.
+pub(crate) fn allows_long_arc(record: &ModelRecord) -> bool {
+    matches!(
+        record.g_code(2),
+        Some(GCode::DiameterArcClockwise | GCode::LongArcClockwise)
+    )
 }
 
 /// Finds the centre of an arc, in programmed coordinates (mm, X as a radius). Returns `None`

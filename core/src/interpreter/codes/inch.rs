@@ -3,6 +3,7 @@
 //! Lengths and the feed are inches. Times, counts, angles and threads per inch stay as they
 //! are. P and Q of cycles count in 0.0001 inch.
 
+use super::count_words::CountWords;
 use crate::command::MotionCode;
 use crate::program::{ProgramBlock, WordNumber};
 
@@ -10,22 +11,16 @@ use crate::program::{ProgramBlock, WordNumber};
 /// the block.
 pub(crate) fn convert_to_metric(block: &mut ProgramBlock, motion: MotionCode) {
     let is_dwell = block.has_g(4);
-    let motion = block.g_codes().fold(motion, |motion, code| {
-        MotionCode::from_number(code.into()).unwrap_or(motion)
-    });
+    let counts = CountWords::find(block, motion);
     let is_r_count = block.has_g(76) && block.number(b'R').is_some_and(|r| !r.has_point());
-    let is_thread = block.has_g(76) || motion.is_thread();
-    // R of G73 is the number of passes, in both of its blocks.
-    let is_r_passes = block.has_g(73);
     let has_end = block.has(b'X') || block.has(b'U') || block.has(b'Z') || block.has(b'W');
     let has_steps = (block.has_g(74) || block.has_g(75) || block.has_g(76)) && has_end;
     // The first block of G76: P is no length, Q is the minimum infeed.
     let has_minimum_infeed = block.has_g(76);
     block.map_numbers(|address, number| match address {
         b'X' | b'U' if is_dwell => number,
-        b'R' if is_r_passes => number,
+        _ if counts.has(address) => number,
         b'R' if is_r_count => convert_increments(number),
-        b'I' if is_thread => number,
         b'X' | b'U' | b'Z' | b'W' | b'R' | b'I' | b'J' | b'K' | b'F' => number.inches_to_mm(),
         b'P' if has_steps => convert_increments(number),
         b'Q' if has_steps || has_minimum_infeed => convert_increments(number),

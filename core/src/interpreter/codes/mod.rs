@@ -3,6 +3,7 @@
 pub(super) mod arc;
 pub(super) mod coordinates;
 pub(super) mod corner;
+pub(super) mod count_words;
 pub(super) mod dwell;
 pub(super) mod inch;
 pub(super) mod miscellaneous;

@@ -71,7 +71,7 @@ impl<H: Host> LookaheadReader<'_, H> {
             ));
         }
         if block.has_variables() {
-            block = variable::resolve_variables(block, self.syntax, self.host)?;
+            block = variable::resolve_variables(block, self.syntax, motion, self.host)?;
         }
         if self.syntax.inch {
             inch::convert_to_metric(&mut block, motion);

@@ -11,6 +11,8 @@
 use gsk_messages::{Message, say};
 
 use crate::alarm::{Alarm, number};
+use crate::command::MotionCode;
+use crate::interpreter::codes::count_words::CountWords;
 use crate::interpreter::host::Host;
 use crate::memory::Variables;
 use crate::program::{BlockError, ProgramBlock, Syntax, VariableReference};
@@ -171,14 +173,18 @@ pub(crate) fn read_value(variable: VariableReference, host: &impl Host) -> Resul
     MacroVariable::find(variable.number, host)?.read(host)
 }
 
-/// Copies a block with its references to variables replaced by numbers. Returns an error if a
-/// variable is invalid or must wait, or if a number is out of range.
+/// Copies a block with its references to variables replaced by numbers; `motion` is the code of
+/// group 01 in force before it. Returns an error if a variable is invalid or must wait, or if a
+/// number is out of range.
 pub(crate) fn resolve_variables(
     block: ProgramBlock,
     syntax: Syntax,
+    motion: MotionCode,
     host: &impl Host,
 ) -> Result<ProgramBlock, ReadError> {
-    let block = block.resolve(syntax, |variable| read_value(variable, host))?;
+    let counts = CountWords::find(&block, motion);
+    let is_count = |address| counts.has(address);
+    let block = block.resolve(syntax, is_count, |variable| read_value(variable, host))?;
     if block.has_g(65) {
         return Err(Alarm::new(number::BAD_IN_MACRO)
             .with_detail(say::macro_code_from_variable())

@@ -310,7 +310,7 @@ impl<'a> PendingBlock<'a> {
         motion: MotionCode,
         host: &H,
     ) -> Result<Option<ProgramBlock>, ReadError> {
-        let resolved = resolve_block(block, sources, self.syntax, host)?;
+        let resolved = resolve_block(block, sources, self.syntax, motion, host)?;
         if !self.syntax.inch {
             return Ok(resolved);
         }

@@ -4,7 +4,7 @@
 use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
-use crate::command::{Action, ProgramId, SourcePosition};
+use crate::command::{Action, MotionCode, ProgramId, SourcePosition};
 use crate::interpreter::calls::jump::JumpTargets;
 use crate::interpreter::codes::nose_radius;
 use crate::interpreter::context::CompensationMode;
@@ -158,11 +158,13 @@ pub(super) fn huaxing_alarm(statement: &MacroStatement) -> Option<Alarm> {
 }
 
 /// Copies a block with its variables and formulas replaced by numbers; `None` if the block has only
-/// numbers. Returns an error if a variable or formula has no value or must wait.
+/// numbers. `motion` is the code of group 01 in force before the block. Returns an error if a variable
+/// or formula has no value or must wait.
 pub(super) fn resolve_block<H: Host>(
     block: &ProgramBlock,
     sources: Option<&VariableSources<'_, H>>,
     syntax: Syntax,
+    motion: MotionCode,
     host: &H,
 ) -> Result<Option<ProgramBlock>, ReadError> {
     match (block.formulas(), sources) {
@@ -173,7 +175,7 @@ pub(super) fn resolve_block<H: Host>(
             {
                 return Err(system::unknown_huaxing_alarm(number.into()));
             }
-            variable::resolve_variables(block.clone(), syntax, host).map(Some)
+            variable::resolve_variables(block.clone(), syntax, motion, host).map(Some)
         }
         _ => Ok(None),
     }

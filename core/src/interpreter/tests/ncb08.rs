@@ -39,7 +39,9 @@ fn a_full_circle_has_its_centre_by_i_and_k() {
 /// C47: a full circle by R raises E433, because R does not define its centre.
 #[test]
 fn a_full_circle_by_r_is_e433() {
-    assert_eq!(bench().run_to_alarm("G02 X10 Z20 R8 F100;"), (433, 1));
+    for text in ["G02 X10 Z20 R8 F100;", "G02 R8 F100;", "G03 R-8 F100;"] {
+        assert_eq!(bench().run_to_alarm(text), (433, 1), "{text}");
+    }
 }
 
 #[test]

@@ -29,6 +29,8 @@ pub(super) const PER_INCH_RANGE: core::ops::RangeInclusive<i64> = 60_000..=25_40
 /// Allowed changes of the lead per revolution (R of G34, without sign), in millionths of a
 /// millimetre.
 const LEAD_CHANGE_RANGE: core::ops::RangeInclusive<i64> = 1_000..=500 * UNITS_PER_MM;
+/// The same in a block whose lead is I, threads per inch (decision THREAD-11).
+const LEAD_CHANGE_RANGE_PER_INCH: core::ops::RangeInclusive<i64> = PER_INCH_RANGE;
 pub(super) const MM_PER_INCH: f64 = 25.4;
 
 /// Whether F and I of a block set a thread lead. `motion` is the code of group 01 in force.
@@ -241,7 +243,7 @@ pub(crate) fn plan_thread(
         run_out: None,
     };
     if is_variable_lead {
-        cut.increase = read_lead_change(words.r)?;
+        cut.increase = read_lead_change(words)?;
         let end = lead_after(
             lead,
             cut.increase,
@@ -280,16 +282,22 @@ pub(crate) fn plan_thread(
 
 /// Reads R of G34, the change of the lead per revolution, mm; 0 if missing. Returns an alarm as
 /// error if it is out of range.
-fn read_lead_change(r: Option<i64>) -> Result<f64, Alarm> {
-    let Some(r) = r else {
+fn read_lead_change(words: &SortedWords) -> Result<f64, Alarm> {
+    let Some(r) = words.r else {
         return Ok(0.0);
     };
-    if !LEAD_CHANGE_RANGE.contains(&r.abs()) {
-        return Err(out_of_range_alarm(say::thread_lead_change_out_of_range(
-            to_mm(r),
-        )));
+    let is_per_inch = words.f.is_none() && words.i.is_some();
+    let (range, rule) = if is_per_inch {
+        let rule = say::thread_lead_change_per_inch_out_of_range(to_mm(r));
+        (LEAD_CHANGE_RANGE_PER_INCH, rule)
+    } else {
+        let rule = say::thread_lead_change_out_of_range(to_mm(r));
+        (LEAD_CHANGE_RANGE, rule)
+    };
+    match range.contains(&r.saturating_abs()) {
+        true => Ok(to_mm(r)),
+        false => Err(out_of_range_alarm(rule)),
     }
-    Ok(to_mm(r))
 }
 
 fn out_of_range_alarm(detail: Message) -> Alarm {

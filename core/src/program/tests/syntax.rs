@@ -342,13 +342,13 @@ fn variables_get_values() {
             detail: gsk_messages::say::as_written(""),
         }),
     };
-    let block = block.resolve(Syntax::default(), value).unwrap();
+    let block = block.resolve(Syntax::default(), |_| false, value).unwrap();
     assert_eq!(block.to_string(), "G3 X0.01 U-0.01 F15 T101;");
     assert!(block.has_g(3) && !block.has_variables());
     assert_eq!(
         parse("X#9")
             .unwrap()
-            .resolve(Syntax::default(), value)
+            .resolve(Syntax::default(), |_| false, value)
             .unwrap_err()
             .alarm,
         115
@@ -358,7 +358,7 @@ fn variables_get_values() {
         assert_eq!(
             parse(text)
                 .unwrap()
-                .resolve(Syntax::default(), huge)
+                .resolve(Syntax::default(), |_| false, huge)
                 .unwrap_err()
                 .alarm,
             43,
@@ -367,7 +367,7 @@ fn variables_get_values() {
     }
     let raw = parse("G65 H1 P#200 Q#9")
         .unwrap()
-        .resolve(Syntax::default(), value)
+        .resolve(Syntax::default(), |_| false, value)
         .unwrap();
     assert_eq!(raw.number(b'P').unwrap().variable().unwrap().number, 200);
 }
