@@ -3702,6 +3702,7 @@ message_rows! {
     thread_data_six_digits ThreadDataSixDigits(data);
     thread_infeed_too_long ThreadInfeedTooLong(deepest: "{:.3}", length: "{:.3}");
     thread_lead_change_out_of_range ThreadLeadChangeOutOfRange(change: "{:.3}");
+    thread_lead_change_per_inch_out_of_range ThreadLeadChangePerInchOutOfRange(change: "{:.3}");
     thread_lead_leaves_range ThreadLeadLeavesRange(lead, change);
     thread_lead_missing ThreadLeadMissing();
     thread_lead_out_of_range ThreadLeadOutOfRange(lead);
