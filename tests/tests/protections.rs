@@ -230,8 +230,9 @@ fn prepare_machine(page: &WritingPage, protection: &str) -> Emulator {
     let bit = match protection {
         "EAL" => Some((12, 3, false)),
         "SKEY" => Some((172, 1, true)),
-        "MPWE" => Some((172, 2, true)),
         "PRG9" => Some((12, 4, true)),
+        // Else the switches must be on before.
+        "MPWE" if page.name == "set-switch" => Some((172, 2, true)),
         _ => None,
     };
     if let Some((number, bit, on)) = bit {
@@ -258,17 +259,25 @@ fn prepare_machine(page: &WritingPage, protection: &str) -> Emulator {
     // Hidden programs cannot be selected; that is their protection.
     let _ = emulator.request(ControlRequest::SelectProgram(selected));
     emulator.press(gsk_panel::keys::Key::Reset);
-    // The switches are set before the level that may not set them.
+    // The switches are set before what forbids to set them.
     let switch = protection != "PSW" && page.name != "set-switch";
     if switch {
         switch_on(&mut emulator);
     }
-    let level = match protection {
+    let request = match protection {
         "L4" => Some(ControlRequest::EnterPassword("1234".to_owned())),
         "L5" => Some(ControlRequest::LowerLevel),
+        "MPWE" if switch => Some(ControlRequest::SetParameterBit {
+            number: 172,
+            bit: 2,
+            on: true,
+        }),
         _ => None,
     };
-    if let Some(request) = level {
+    if let Some(request) = request {
+        if matches!(request, ControlRequest::SetParameterBit { .. }) {
+            run_script(&mut emulator, "press MDI", protection);
+        }
         emulator.request(request).unwrap();
     }
     if protection == "PRG" {
