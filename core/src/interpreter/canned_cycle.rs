@@ -115,7 +115,10 @@ impl Cycle {
                 return;
             };
             let is_after_thread = self.is_after_thread;
-            self.is_after_thread = matches!(generated.action, Action::Thread { .. });
+            let is_thread = matches!(generated.action, Action::Thread { .. });
+            // A single pass ends with its thread.
+            self.is_after_thread =
+                is_thread && !matches!(self.generator, CycleGenerator::SinglePass(_));
             let to = match generated.action {
                 Action::Rapid { to } if to == self.ahead_end && is_after_thread => {
                     // Single block has stopped after the thread.

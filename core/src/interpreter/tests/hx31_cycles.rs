@@ -59,10 +59,12 @@ fn a_thread_has_a_run_out_and_starts() {
             "1: rapid X28 Z2",
             "1: thread X28 Z-27 Z lead 3.175 at 0",
             "1: run-out X34 Z-30 Z lead 3.175 continued",
+            "1: rapid X34 Z-30",
             "1: rapid X34 Z2",
             "1: rapid X28 Z2",
             "1: thread X28 Z-27 Z lead 3.175 at 180",
             "1: run-out X34 Z-30 Z lead 3.175 continued",
+            "1: rapid X34 Z-30",
             "1: rapid X34 Z2",
             "1: rapid X30 Z2",
         ]

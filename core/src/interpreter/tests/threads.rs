@@ -175,12 +175,14 @@ fn the_thread_cycle() {
     // A thread like that of figure 3-29 of the manual: 019 = 5, F3: J = K = 1.5.
     let trace = InterpreterBench::at(42.0, 155.0).trace("G92 X39 W-34 F3;\nX38.2;\n;\nG00 X50;");
     assert_eq!(
-        trace[..11],
+        trace[..12],
         [
             "1: rapid X39 Z155 |",
             "1: thread X39 Z122.5 Z lead 3 at 0",
             // 3 mm of diameter, exactly X_A.
             "1: run-out X42 Z121 Z lead 3 continued |",
+            // The retract is kept for feed hold, and single block does not stop after it.
+            "1: rapid X42 Z121",
             "1: rapid X42 Z155 |",
             "2: rapid X38.2 Z155 |",
             "2: thread X38.2 Z122.5 Z lead 3 at 0",
@@ -348,8 +350,12 @@ fn faults_of_the_thread_cycle() {
 fn without_an_infeed_only_the_thread_is_cut() {
     let trace = InterpreterBench::at(50.0, 0.0).trace("G92 W-30 F2;");
     assert_eq!(
-        trace[..2],
-        ["1: thread X50 Z-30 Z lead 2 at 0 |", "1: rapid X50 Z0 |"]
+        trace[..3],
+        [
+            "1: thread X50 Z-30 Z lead 2 at 0 |",
+            "1: rapid X50 Z-30",
+            "1: rapid X50 Z0 |"
+        ]
     );
 }
 
