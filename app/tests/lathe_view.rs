@@ -79,7 +79,8 @@ fn keys_turn_move_zoom_and_choose_the_camera_and_the_reader_hears_it() {
 
 #[test]
 fn every_control_of_the_bar_works_by_its_name() {
-    let mut bench = open_lathe(egui::vec2(1700.0, 900.0));
+    // In a narrower view a menu has the cameras.
+    let mut bench = open_lathe(egui::vec2(2400.0, 900.0));
     for name in ["At the tool", "Chuck", "From above", "Section", "Operator"] {
         bench.harness.get_by_label(name).click();
         bench.run(30);

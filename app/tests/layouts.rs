@@ -4,8 +4,8 @@ use gsk_window::layout::{Layouts, WindowLayout};
 use gsk_window::view::ViewId;
 
 use crate::common::WindowBench;
-use crate::common::windows::ViewWindows;
-use egui::{Event, Modifiers, PointerButton, Pos2, Role, vec2};
+use crate::common::windows::{DrawnWindow, ViewWindows};
+use egui::{Event, Modifiers, PointerButton, Pos2, Role, ViewportCommand, ViewportId, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable};
 use gsk_core::model::ModelId;
 use gsk_core::setup::Setup;
@@ -130,6 +130,39 @@ fn a_view_floats_docks_and_closes_by_its_header_buttons() {
         [ViewId::Scope],
         "it comes back where it was"
     );
+}
+
+#[test]
+fn a_covered_separate_window_comes_to_the_front_by_its_key_and_shows_the_messages() {
+    let mut bench = WindowBench::new();
+    let windows = ViewWindows::enable(&bench);
+    press_with_shift(&mut bench, egui::Key::F2);
+    assert_eq!(windows.draw_frame(&mut bench).len(), 1);
+    // In one frame, whose commands are read.
+    bench.harness.input_mut().events.push(Event::Key {
+        key: egui::Key::F2,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers: Modifiers::SHIFT,
+    });
+    bench.harness.step();
+    let scope = ViewportId::from_hash_of("Scope");
+    let output = bench.harness.output().viewport_output.get(&scope);
+    let is_raised = output.is_some_and(|it| it.commands.contains(&ViewportCommand::Focus));
+    assert!(is_raised);
+    assert_eq!(layouts_of(&bench).floating(), [ViewId::Scope]);
+    // The operator of the window does not see the message line of the main one.
+    let has_text = |windows: &[DrawnWindow], text: &str| {
+        let mut labels = windows[0].labels.iter();
+        labels.any(|(label, _)| label.contains(text))
+    };
+    let drawn = windows.draw_frame(&mut bench);
+    assert!(!has_text(&drawn, "press it again to release"));
+    bench.click("Emergency stop");
+    bench.run(300);
+    let drawn = windows.draw_frame(&mut bench);
+    assert!(has_text(&drawn, "press it again to release"));
 }
 
 #[test]

@@ -55,3 +55,4 @@ mod trial_cuts;
 mod unix_files;
 mod views;
 mod window;
+mod window_rows;

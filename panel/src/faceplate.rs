@@ -11,7 +11,7 @@ mod text;
 
 use std::sync::LazyLock;
 
-pub use paint::{FaceState, paint, paint_part, part_state};
+pub use paint::{FaceState, LcdPicture, paint, paint_part, part_state};
 pub use tiny_skia::Pixmap;
 
 use gsk_core::model::ModelId;
@@ -23,6 +23,9 @@ use crate::keys::{Key, KeyRole};
 
 /// Width and height of the panel in panel units.
 pub const SIZE: (f32, f32) = (1280.0, 756.0);
+
+/// Width of the glass around the picture of the LCD, panel units: four dots.
+pub const GLASS_MARGIN: f32 = 8.0;
 
 /// Line height of a legend, panel units: one Unifont cell at scale 1.
 pub(crate) const LINE_HEIGHT: f32 = 16.0;
@@ -143,39 +146,88 @@ pub fn parts(model: ModelId) -> &'static [PanelPart] {
     &PARTS[model as usize]
 }
 
-/// A rectangular section of the panel that is drawn with its own housing.
+/// A rectangular section of the panel that is drawn with its own housing. It can be stretched:
+/// plates and keys then grow, legends, LCD and round parts keep their proportions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PanelArea {
-    /// Position and size of the section on the panel, panel units.
+    /// Position and size of the section on the panel before it is stretched, panel units.
     pub rect: Rect,
+    /// Factors by which the section is wider and higher than its rectangle, from its upper left
+    /// corner; at least 1.
+    pub stretch: (f32, f32),
 }
 
 impl PanelArea {
     /// The area that covers the whole panel.
-    pub const WHOLE: Self = Self {
-        rect: Rect::new(0.0, 0.0, SIZE.0, SIZE.1),
-    };
+    pub const WHOLE: Self = Self::new(Rect::new(0.0, 0.0, SIZE.0, SIZE.1));
 
     /// The sections of the panel: LCD, name plate, edit keyboard, modes, directions, spindle
     /// and start, additional panel.
     pub const SECTIONS: [Self; 7] = layout::SECTIONS;
+
+    /// Creates an area that is not stretched.
+    pub const fn new(rect: Rect) -> Self {
+        Self {
+            rect,
+            stretch: (1.0, 1.0),
+        }
+    }
+
+    /// Returns the rectangle of the stretched area, panel units.
+    pub const fn bounds(&self) -> Rect {
+        let Rect { x, y, w, h } = self.rect;
+        Rect::new(x, y, w * self.stretch.0, h * self.stretch.1)
+    }
 
     /// Returns whether the area contains a part completely. The housing is in every area.
     pub fn contains(&self, part: &PanelPart) -> bool {
         part.what == PartKind::Housing || self.rect.encloses(&part.rect)
     }
 
-    /// Returns the parts of a model's panel in the area in drawing order. The housing is as
-    /// large as the area.
+    /// Returns the rectangle of a part in the stretched area, panel units.
+    pub fn stretched_rect(&self, part: &PanelPart) -> Rect {
+        let (along, up) = self.stretch;
+        let Rect { x, y, w, h } = part.rect;
+        let left = self.rect.x + (x - self.rect.x) * along;
+        let top = self.rect.y + (y - self.rect.y) * up;
+        let stretched = Rect::new(left, top, w * along, h * up);
+        let around_center = |w: f32, h: f32| {
+            let (x, y) = stretched.center();
+            Rect::new(x - w / 2.0, y - h / 2.0, w, h)
+        };
+        match (part.what, part.outline) {
+            (PartKind::Housing, _) => self.bounds(),
+            (PartKind::Lcd, _) => around_center(w, h),
+            (_, Outline::Round) => around_center(w * along.min(up), h * along.min(up)),
+            _ => stretched,
+        }
+    }
+
+    /// Returns the parts of a model's panel in the area in drawing order, stretched. The housing
+    /// is as large as the area.
     pub fn parts(self, model: ModelId) -> impl Iterator<Item = PanelPart> {
         let held = parts(model).iter().filter(move |part| self.contains(part));
         held.map(move |part| PanelPart {
-            rect: match part.what {
-                PartKind::Housing => self.rect,
-                _ => part.rect,
-            },
+            rect: self.stretched_rect(part),
             ..*part
         })
+    }
+
+    /// Returns the topmost part of a model's panel at the point (`x`, `y`) of the stretched area,
+    /// panel units; `None` outside the area.
+    pub fn part_at(&self, model: ModelId, x: f32, y: f32) -> Option<&'static PanelPart> {
+        let hit = |part: &&PanelPart| {
+            let rect = self.stretched_rect(part);
+            self.contains(part)
+                && match part.outline {
+                    Outline::Rounded(_) => rect.contains(x, y),
+                    Outline::Round => {
+                        let (cx, cy) = rect.center();
+                        (x - cx).hypot(y - cy) <= rect.w / 2.0
+                    }
+                }
+        };
+        parts(model).iter().rev().find(hit)
     }
 }
 
@@ -184,22 +236,15 @@ pub fn part_of(model: ModelId, key: Key) -> Option<&'static PanelPart> {
     parts(model).iter().find(|part| part.key() == Some(key))
 }
 
-/// Returns the rectangle of the LCD on the panel, panel units.
-pub const fn lcd() -> Rect {
-    layout::LCD
+/// Returns the part of the panel that is the LCD; `None` on a panel without one.
+pub fn lcd_part(model: ModelId) -> Option<&'static PanelPart> {
+    let mut parts = parts(model).iter();
+    parts.find(|part| part.what == PartKind::Lcd)
 }
 
-/// Returns the topmost part of a model's panel at the point (`x`, `y`), panel units; `None`
-/// outside the panel.
-pub fn part_at(model: ModelId, x: f32, y: f32) -> Option<&'static PanelPart> {
-    let hit = |part: &&PanelPart| match part.outline {
-        Outline::Rounded(_) => part.rect.contains(x, y),
-        Outline::Round => {
-            let (cx, cy) = part.rect.center();
-            (x - cx).hypot(y - cy) <= part.rect.w / 2.0
-        }
-    };
-    parts(model).iter().rev().find(hit)
+/// Returns the rectangle of the picture of the LCD on the panel, panel units.
+pub const fn lcd() -> Rect {
+    layout::LCD
 }
 
 #[cfg(test)]

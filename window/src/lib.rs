@@ -357,7 +357,6 @@ impl Window {
             .show_separator_line(false);
         status_panel.show(ui, |ui| self.show_message_line(ui));
         self.timeline.follow(self.settings.timeline);
-        self.timeline.show(ui, self.snapshot.as_ref(), language);
         // The central panel has no frame: the clear colour fills what the panel leaves free.
         egui::CentralPanel::default()
             .frame(Frame::NONE)

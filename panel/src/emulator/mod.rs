@@ -16,7 +16,7 @@ use gsk_messages::Message;
 use serde::{Deserialize, Serialize};
 use tiny_skia::Pixmap;
 
-use crate::faceplate::{self, FaceState};
+use crate::faceplate::{self, FaceState, LcdPicture};
 use crate::keys::{Bit, Key};
 pub use crate::panel::number_of_name;
 use crate::panel::{KeyEvent, Panel, ReceiveError, SerialFile, contacts};
@@ -310,15 +310,20 @@ impl Emulator {
     /// Draws the whole panel at `scale` pixels a panel unit (half an LCD dot). Returns `None`
     /// if the picture does not fit into memory.
     pub fn panel_picture(&self, scale: f32) -> Option<Pixmap> {
+        let (screen, brightness) = (self.screen(), self.panel.view().brightness);
         let lcd = if self.panel.powered() {
-            raster::render(&self.screen(), 1, self.panel.view().brightness)
+            raster::render(&screen, 1, brightness)
         } else {
             None
         };
+        let lcd = lcd.as_ref().map(|picture| LcdPicture {
+            dots: picture.as_ref(),
+            ground: raster::palette(screen.colours(), brightness).background,
+        });
         let state = FaceState {
             y: &self.lamps(),
             pressed: &self.panel.pressed(),
-            lcd: lcd.as_ref().map(Pixmap::as_ref),
+            lcd,
             wheel: self.panel.wheel(),
             real: false,
             model: self.simulation.cnc.model().id(),

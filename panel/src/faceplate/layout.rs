@@ -1,8 +1,8 @@
 //! Lays out the parts of the panel.
 
-use super::{Outline, PanelArea, PanelColour, PanelPart, PartKind, Rect, SIZE};
+use super::{Outline, PanelArea, PanelColour, PanelPart, PartKind, Rect, SIZE, text};
 use crate::face::{Face, GAP, KeyGrid};
-use crate::keys::{Key, STRIP};
+use crate::keys::{Key, STRIP, StripLamp};
 
 /// Rectangle of the LCD on the panel, panel units.
 pub(super) const LCD: Rect = Rect::new(28.0, 60.0, 640.0, 480.0);
@@ -14,6 +14,11 @@ const EDIT_PLATE: Rect = Rect::new(694.0, 78.0, 572.0, 372.0);
 const PAGE_PLATE: Rect = Rect::new(694.0, 458.0, 572.0, 96.0);
 /// Distance of the status lamps from the left and right edge of their plate, panel units.
 const STRIP_MARGIN: f32 = 2.0;
+/// Line height of the name of a status lamp, panel units: 11 pixels on an LCD with one pixel per
+/// dot.
+pub(super) const LAMP_NAME_HEIGHT: f32 = 24.0;
+/// Distance of the name from the left edge of its lamp, panel units.
+pub(super) const LAMP_NAME_LEFT: f32 = 18.0;
 /// Plate of the mode, toggle and increment keys, panel units.
 const MACHINE_PLATE: Rect = Rect::new(14.0, 562.0, 388.0, 184.0);
 const DIRECTION_PLATE: Rect = Rect::new(410.0, 562.0, 196.0, 184.0);
@@ -24,27 +29,13 @@ const ADDITIONAL_PLATE: Rect = Rect::new(970.0, 562.0, 296.0, 184.0);
 /// The sections of the panel, each with a margin: LCD, name plate, edit keyboard, modes,
 /// directions, spindle and start, additional panel.
 pub(super) const SECTIONS: [PanelArea; 7] = [
-    PanelArea {
-        rect: Rect::new(9.0, 4.0, 677.0, 554.0),
-    },
-    PanelArea {
-        rect: Rect::new(686.0, 2.0, 588.0, 76.0),
-    },
-    PanelArea {
-        rect: Rect::new(686.0, 72.0, 588.0, 488.0),
-    },
-    PanelArea {
-        rect: Rect::new(9.0, 555.0, 398.0, 198.0),
-    },
-    PanelArea {
-        rect: Rect::new(405.0, 555.0, 206.0, 198.0),
-    },
-    PanelArea {
-        rect: Rect::new(606.0, 555.0, 362.0, 198.0),
-    },
-    PanelArea {
-        rect: Rect::new(962.0, 555.0, 312.0, 198.0),
-    },
+    PanelArea::new(Rect::new(9.0, 4.0, 677.0, 554.0)),
+    PanelArea::new(Rect::new(686.0, 2.0, 588.0, 76.0)),
+    PanelArea::new(Rect::new(686.0, 72.0, 588.0, 488.0)),
+    PanelArea::new(Rect::new(9.0, 555.0, 398.0, 198.0)),
+    PanelArea::new(Rect::new(405.0, 555.0, 206.0, 198.0)),
+    PanelArea::new(Rect::new(606.0, 555.0, 362.0, 198.0)),
+    PanelArea::new(Rect::new(962.0, 555.0, 312.0, 198.0)),
 ];
 
 /// Number of the lowest drawing layer, for the background of the panel.
@@ -122,17 +113,23 @@ fn print(
     });
 }
 
-/// Adds the strip of status lamps above the LCD to the parts.
+/// Adds the strip of status lamps above the LCD to the parts. The width of a lamp depends on its
+/// name, so that the names are as large as they fit.
 fn strip(parts: &mut Vec<PanelPart>) {
     // Away from the edges of the plate: a lamp that changes repaints no edge.
-    let width = (STRIP_PLATE.w - 2.0 * STRIP_MARGIN) / STRIP.len() as f32;
-    for index in 0..STRIP.len() {
+    let mut left = STRIP_PLATE.x + STRIP_MARGIN;
+    let used: f32 = STRIP.iter().map(lamp_width).sum();
+    let fitted = STRIP.iter().filter(|lamp| lamp.fitted).count() as f32;
+    let gap = (STRIP_PLATE.w - 2.0 * STRIP_MARGIN - used) / fitted;
+    for (index, lamp) in STRIP.iter().enumerate() {
+        let gap = if lamp.fitted { gap } else { 0.0 };
+        let end = left + lamp_width(lamp) + gap;
         parts.push(PanelPart {
             what: PartKind::Strip(index),
             rect: Rect::new(
-                (STRIP_PLATE.x + STRIP_MARGIN + index as f32 * width).round(),
+                left.ceil(),
                 STRIP_PLATE.y + 3.0,
-                width.floor(),
+                end.floor() - left.ceil(),
                 24.0,
             ),
             outline: Outline::Rounded(4.0),
@@ -140,6 +137,15 @@ fn strip(parts: &mut Vec<PanelPart>) {
             colour: PanelColour::Print,
             print: &[],
         });
+        left = end;
+    }
+}
+
+/// Width of a lamp with its name; a lamp that is not fitted is as narrow as a mark.
+fn lamp_width(lamp: &StripLamp) -> f32 {
+    match lamp.fitted {
+        true => LAMP_NAME_LEFT + text::width(lamp.label, LAMP_NAME_HEIGHT),
+        false => 4.0,
     }
 }
 

@@ -10,8 +10,11 @@ use tiny_skia::{
     Transform,
 };
 
+use super::layout::{LAMP_NAME_HEIGHT, LAMP_NAME_LEFT};
 use super::text::{draw, opaque, width};
-use super::{LINE_HEIGHT, Outline, PanelArea, PanelColour, PanelPart, PartKind, Rect};
+use super::{
+    GLASS_MARGIN, LINE_HEIGHT, Outline, PanelArea, PanelColour, PanelPart, PartKind, Rect,
+};
 use crate::keys::{Bit, Key, KeyRole, STRIP, StripLamp};
 use additional::GRADUATIONS;
 
@@ -36,14 +39,23 @@ pub struct FaceState<'a> {
     pub y: &'a [u8],
     /// Keys drawn as pressed: those held down, and the mushroom button while it is latched.
     pub pressed: &'a [Key],
-    /// The picture of the LCD, 320x240 or an integer multiple; `None` draws the LCD dark.
-    pub lcd: Option<PixmapRef<'a>>,
+    /// The picture of the LCD; `None` draws the LCD dark.
+    pub lcd: Option<LcdPicture<'a>>,
     /// Position of the handwheel, graduations, clockwise positive.
     pub wheel: i32,
     /// Whether the keys move a real machine; the panel then shows the label that says it.
     pub real: bool,
     /// The control model, whose name is printed on the name plate.
     pub model: ModelId,
+}
+
+/// The picture that the LCD shows.
+#[derive(Clone, Copy)]
+pub struct LcdPicture<'a> {
+    /// The dots, 320x240 or an integer multiple.
+    pub dots: PixmapRef<'a>,
+    /// Colour of the glass around the dots.
+    pub ground: [u8; 3],
 }
 
 /// Returns a value that changes whenever the picture of `part` changes, so that unchanged
@@ -71,7 +83,7 @@ pub fn paint(area: PanelArea, state: &FaceState<'_>, scale: f32) -> Option<Pixma
     let scale = scale.clamp(0.1, MAX_SCALE);
     let size = |units: f32| (units * scale).round() as u32;
     let mut painter = Painter {
-        pixmap: Pixmap::new(size(area.rect.w), size(area.rect.h))?,
+        pixmap: Pixmap::new(size(area.bounds().w), size(area.bounds().h))?,
         scale,
         corner: corner(area, scale),
     };
@@ -267,14 +279,16 @@ impl Painter {
         }
     }
 
-    fn lcd(&mut self, part: &PanelPart, picture: Option<PixmapRef<'_>>) {
-        if let Some(path) = outline(inset(part.rect, -2.0), Outline::Rounded(2.0)) {
+    fn lcd(&mut self, part: &PanelPart, picture: Option<LcdPicture<'_>>) {
+        let glass = inset(part.rect, -GLASS_MARGIN);
+        if let Some(path) = outline(inset(glass, -2.0), Outline::Rounded(2.0)) {
             self.fill_flat(&path, faint(0, 0.9));
         }
-        if let Some(path) = outline(part.rect, part.outline) {
-            self.fill_flat(&path, opaque(part.colour.rgb()));
+        let ground = picture.map_or(part.colour.rgb(), |picture| picture.ground);
+        if let Some(path) = outline(glass, part.outline) {
+            self.fill_flat(&path, opaque(ground));
         }
-        let Some(picture) = picture else {
+        let Some(LcdPicture { dots: picture, .. }) = picture else {
             return;
         };
         let zoom = part.rect.w * self.scale / picture.width() as f32;
@@ -297,15 +311,17 @@ impl Painter {
         let Some(lamp) = STRIP.get(index) else {
             return;
         };
-        let (x, middle) = (part.rect.x + 13.0, part.rect.center().1);
         if !lamp.fitted {
             return;
         }
-        let bulb = Rect::around(x, middle, 10.0);
+        let wide = width(lamp.label, LAMP_NAME_HEIGHT);
+        let margin = (part.rect.w - LAMP_NAME_LEFT - wide).max(0.0) / 2.0;
+        let (x, middle) = (part.rect.x + margin + 9.0, part.rect.center().1);
+        let bulb = Rect::around(x, middle, 11.0);
         self.bulb(bulb, Outline::Round, lamp_colour(lamp.lamp, None, y));
-        let wide = width(lamp.label, LINE_HEIGHT);
-        let label = Rect::new(part.rect.x + 22.0, part.rect.y, wide, part.rect.h);
-        self.text(lamp.label, LINE_HEIGHT, label, part.colour.rgb());
+        let left = part.rect.x + margin + LAMP_NAME_LEFT;
+        let label = Rect::new(left, part.rect.y, wide, part.rect.h);
+        self.text(lamp.label, LAMP_NAME_HEIGHT, label, part.colour.rgb());
     }
 
     /// Paints a lamp in a colour, with a glow when it is lit.

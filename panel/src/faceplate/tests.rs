@@ -55,6 +55,77 @@ fn check_layers(parts: &[PanelPart]) {
 }
 
 #[test]
+fn a_stretched_section_keeps_its_layers_its_lcd_and_its_circles() {
+    for stretch in [(1.4, 1.0), (1.0, 1.4), (1.1, 1.1)] {
+        for area in PanelArea::SECTIONS {
+            let area = PanelArea { stretch, ..area };
+            let stretched: Vec<PanelPart> = area.parts(MAIN).collect();
+            // Parts that touch are rounded: the upper layers are a little smaller.
+            let smaller = stretched.iter().map(|part| {
+                let Rect { x, y, w, h } = part.rect;
+                let by = 0.01 * f32::from(part.layer);
+                let rect = Rect::new(x + by, y + by, w - 2.0 * by, h - 2.0 * by);
+                PanelPart { rect, ..*part }
+            });
+            check_layers(&smaller.collect::<Vec<PanelPart>>());
+            for part in &stretched {
+                let (x, y) = part.rect.center();
+                let found = area.part_at(MAIN, x, y).unwrap();
+                assert!(found.layer > part.layer || found.what == part.what);
+                match (part.what, part.outline) {
+                    (PartKind::Lcd, _) => assert_eq!((part.rect.w, part.rect.h), (640.0, 480.0)),
+                    (_, Outline::Round) => {
+                        assert!((part.rect.w - part.rect.h).abs() < 0.01, "{part:?}");
+                        let beside = x + part.rect.w / 2.0 + 1.0;
+                        assert_ne!(
+                            area.part_at(MAIN, beside, y).map(|it| it.what),
+                            Some(part.what)
+                        );
+                    }
+                    _ => {}
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn names_of_lamps_are_readable_at_one_pixel_per_dot() {
+    let lamps = parts(MAIN).iter().filter_map(|part| match part.what {
+        PartKind::Strip(index) => Some((part, &STRIP[index])),
+        _ => None,
+    });
+    for (part, lamp) in lamps.filter(|(_, lamp)| lamp.fitted) {
+        let name = text::width(lamp.label, layout::LAMP_NAME_HEIGHT);
+        assert!(layout::LAMP_NAME_LEFT + name <= part.rect.w, "{}", lamp.id);
+        assert!(layout::LAMP_NAME_HEIGHT <= part.rect.h);
+    }
+    // A character is as wide as high; at one pixel per dot a unit is half a pixel.
+    assert!(text::width("机", layout::LAMP_NAME_HEIGHT) * 0.5 >= 11.0);
+}
+
+#[test]
+fn the_glass_is_inside_the_frame_and_has_the_colour_of_the_picture() {
+    let part = lcd_part(MAIN).unwrap();
+    let frame = parts(MAIN).iter().find(|part| part.what == PartKind::Bezel);
+    let Rect { x, y, w, h } = part.rect;
+    let wide = 2.0 * GLASS_MARGIN;
+    let glass = Rect::new(x - GLASS_MARGIN, y - GLASS_MARGIN, w + wide, h + wide);
+    assert!(frame.unwrap().rect.encloses(&glass));
+    let dots = Pixmap::new(320, 240).unwrap();
+    let state = FaceState {
+        lcd: Some(LcdPicture {
+            dots: dots.as_ref(),
+            ground: [1, 2, 200],
+        }),
+        ..FaceState::default()
+    };
+    let picture = paint(PanelArea::WHOLE, &state, 1.0).unwrap();
+    let margin = picture.pixel(x as u32 - 4, y as u32 + 100).unwrap();
+    assert_eq!((margin.red(), margin.green(), margin.blue()), (1, 2, 200));
+}
+
+#[test]
 fn legends_and_lamps_stay_inside_their_key() {
     for part in ModelId::ALL.into_iter().flat_map(parts) {
         for (line, rect) in part.legend() {
@@ -112,18 +183,27 @@ fn the_pointer_finds_keys_by_their_outline() {
     let stop = part_of(MAIN, Key::EmergencyStop).unwrap().rect;
     let (x, y) = stop.center();
     assert_eq!(
-        part_at(MAIN, x, y).and_then(PanelPart::key),
+        PanelArea::WHOLE
+            .part_at(MAIN, x, y)
+            .and_then(PanelPart::key),
         Some(Key::EmergencyStop)
     );
     assert_eq!(
-        part_at(MAIN, stop.x + 1.0, stop.y + 1.0).and_then(PanelPart::key),
+        PanelArea::WHOLE
+            .part_at(MAIN, stop.x + 1.0, stop.y + 1.0)
+            .and_then(PanelPart::key),
         None
     );
     for row in face_of(MAIN).keys() {
         let (x, y) = part_of(MAIN, row.key).unwrap().rect.center();
-        assert_eq!(part_at(MAIN, x, y).and_then(PanelPart::key), Some(row.key));
+        assert_eq!(
+            PanelArea::WHOLE
+                .part_at(MAIN, x, y)
+                .and_then(PanelPart::key),
+            Some(row.key)
+        );
     }
-    assert_eq!(part_at(MAIN, -1.0, 5.0), None);
+    assert_eq!(PanelArea::WHOLE.part_at(MAIN, -1.0, 5.0), None);
 }
 
 #[test]

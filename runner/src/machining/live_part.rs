@@ -14,6 +14,7 @@ use gsk_workpiece::tool::Tool;
 
 use super::load_meter::LoadMeter;
 use super::move_load::CutLoad;
+use super::slide_shift::SlideShift;
 use super::thread_log::ThreadLog;
 pub use super::thread_log::ThreadZone;
 use super::{CollisionFinding, CutFault, Machining};
@@ -50,6 +51,7 @@ pub struct LivePart {
     /// For each tool that the skipped blocks of a restart cut with, the frame of its first cut;
     /// empty after the run.
     first_cut_frames: BTreeMap<u8, Frame>,
+    slide_shift: SlideShift,
 }
 
 /// Whether cuts above the limits break something, and what they have broken.
@@ -118,6 +120,7 @@ impl LivePart {
             program_ended: false,
             threads: ThreadLog::default(),
             first_cut_frames: BTreeMap::new(),
+            slide_shift: SlideShift::default(),
         }
     }
 
@@ -145,6 +148,12 @@ impl LivePart {
     /// Returns the cut that has exceeded a limit in the last tick; `None` without one.
     pub const fn cut_fault(&self) -> Option<CutFault> {
         self.overload.found
+    }
+
+    /// Returns the number of the tool whose insert is broken; `None` without one. After a tool
+    /// change it is not the tool in the working position.
+    pub const fn broken_tool(&self) -> Option<u8> {
+        self.overload.broken_tool
     }
 
     /// Sets whether the load of the current cut is measured.
@@ -187,6 +196,8 @@ impl LivePart {
         let cnc = &simulation.cnc;
         let tool = simulation.lathe.station().unwrap_or(cnc.tool().0);
         self.follow_restart(cnc);
+        self.slide_shift
+            .follow_tick(simulation, self.last_tick.is_none());
         let frame = self.part_frame(tool, cnc);
         // The way to the start point of a restart is rapid to its last tick.
         let is_operating = matches!(cnc.run_state(), RunState::Run | RunState::Hold);
@@ -202,7 +213,7 @@ impl LivePart {
         self.overload.found = None;
         self.overload.follow_tick(tool, &simulation.lathe);
         self.change_stock(simulation);
-        let slide = cnc.position_machine();
+        let slide = self.slide_position(cnc);
         // Under machine lock the commands move and the slides do not.
         let is_locked = cnc.is_machine_locked();
         let has_moved = !is_locked && self.last_tick.is_some_and(|last| last.slide != slide);
@@ -242,9 +253,26 @@ impl LivePart {
     /// The frame in which the program places the part for a tool that has not cut. In a restart it
     /// is the frame in which the skipped blocks would have cut, because the frame in force is
     /// that of the state before the restart.
-    pub fn part_frame(&self, tool: u8, cnc: &Cnc) -> Frame {
+    fn part_frame(&self, tool: u8, cnc: &Cnc) -> Frame {
         let skipped = self.first_cut_frames.get(&tool).copied();
-        skipped.unwrap_or_else(|| cnc.frame_at_restart(tool))
+        let frame = skipped.unwrap_or_else(|| cnc.frame_at_restart(tool));
+        Frame {
+            zero: frame.zero + self.slide_shift.distance,
+            ..frame
+        }
+    }
+
+    /// Position of the slides, machine coordinates of a control with a reference, mm: a machine
+    /// zero return changes the numbers of the control and not this position.
+    pub fn slide_position(&self, cnc: &Cnc) -> Point {
+        cnc.position_machine() + self.slide_shift.distance
+    }
+
+    /// Position of the tip of a tool in part coordinates, mm.
+    pub fn tip(&self, tool: u8, cnc: &Cnc) -> Point {
+        let frame = self.part_frame(tool, cnc);
+        let mounting = self.machining.mounting();
+        mounting.tip_in_part(tool, self.slide_position(cnc), &frame)
     }
 
     /// Stores the frames of the blocks that a restart skips, until the run ends.

@@ -5,6 +5,7 @@ use egui::{Align, Button, Layout, Ui, UiBuilder};
 use gsk_messages::say;
 use gsk_panel::why::CauseSubject;
 
+use super::timeline;
 use crate::focus;
 use crate::layout::{self, PaneTabs, Scales, WindowPane};
 use crate::placement::panel_placement;
@@ -23,12 +24,24 @@ impl Window {
         if self.settings.fingers {
             scales.min_key_size = panel_placement::FINGER_KEY_SIZE;
         }
-        if self.settings.timeline {
-            scales.min_legend_height = panel_placement::MIN_LEGEND_HEIGHT_ABOVE_TIME_LINE;
-        }
         let layouts = &mut self.settings.layouts;
         layouts.choose_first_layout(ui.max_rect(), pixels_per_point);
-        let arrangement = layouts.arrange(ui.max_rect(), scales);
+        let mut arrangement = layouts.arrange(ui.max_rect(), scales);
+        if self.settings.timeline {
+            let snapshot = self.snapshot.as_ref();
+            match arrangement.take_strip(timeline::HEIGHT) {
+                Some(strip) => {
+                    let mut ui = child_ui(ui, "time line", strip);
+                    self.timeline.show(&mut ui, snapshot, language);
+                }
+                None => {
+                    self.timeline.show(ui, snapshot, language);
+                    scales.min_legend_height = panel_placement::MIN_LEGEND_HEIGHT_ABOVE_TIME_LINE;
+                    arrangement = layouts.arrange(ui.available_rect_before_wrap(), scales);
+                }
+            }
+        }
+        let layouts = &mut self.settings.layouts;
         layouts.set_tabbed(arrangement.tabs.is_some());
         let panel_is_shown = arrangement
             .panes

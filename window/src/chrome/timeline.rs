@@ -1,4 +1,4 @@
-//! The time line under the panel: the session as a band with marks, a handle to see a past
+//! The time line under the views, or under the panel without one: the session as a band with marks, a handle to see a past
 //! moment, and buttons to continue from there.
 
 mod band;
@@ -72,7 +72,7 @@ impl TimelineStrip {
         self.console.send(Command::Timeline(command));
     }
 
-    /// Draws the open strip at the bottom of the window.
+    /// Draws the open strip at the lower end of `ui`.
     pub fn show(&mut self, ui: &mut Ui, snapshot: Option<&PanelSnapshot>, language: Language) {
         let (Some(snapshot), true) = (snapshot, self.is_open) else {
             return;

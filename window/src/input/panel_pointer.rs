@@ -254,14 +254,12 @@ fn release_if_left(
 }
 
 fn key_at(at: Pos2, placed: PlacedPanel<'_>) -> Option<Key> {
-    let (x, y) = panel_placement::to_panel(placed.areas, at)?;
-    faceplate::part_at(placed.model, x, y)?.key()
+    panel_placement::part_at(placed.areas, placed.model, at)?.key()
 }
 
 /// The angle of a position around the centre of the handwheel, rad; `None` outside the wheel.
 fn wheel_angle(at: Pos2, placed: PlacedPanel<'_>) -> Option<f32> {
-    let (x, y) = panel_placement::to_panel(placed.areas, at)?;
-    let part = faceplate::part_at(placed.model, x, y)?;
+    let part = panel_placement::part_at(placed.areas, placed.model, at)?;
     if part.what != PartKind::Handwheel {
         return None;
     }
@@ -274,8 +272,9 @@ fn angle_around_wheel(at: Pos2, placed: PlacedPanel<'_>) -> Option<f32> {
     let wheel = faceplate::parts(placed.model)
         .iter()
         .find(|part| part.what == PartKind::Handwheel)?;
-    let (cx, cy) = wheel.rect.center();
-    let (x, y) = panel_placement::area_of_part(placed.areas, wheel)?.to_panel(at);
+    let area = panel_placement::area_of_part(placed.areas, wheel)?;
+    let (cx, cy) = area.area.stretched_rect(wheel).center();
+    let (x, y) = area.to_area(at);
     Some((y - cy).atan2(x - cx))
 }
 

@@ -4,7 +4,7 @@ use egui::{Rect, pos2, vec2};
 
 use super::Scales;
 use super::{LAYOUTS, Layouts, WindowPane, panel_placement};
-use panel_placement::{MIN_LEGEND_HEIGHT, PlacedArea};
+use panel_placement::MIN_LEGEND_HEIGHT;
 
 const SIZES: [(f32, f32); 6] = [
     (800.0, 600.0),
@@ -16,6 +16,8 @@ const SIZES: [(f32, f32); 6] = [
 ];
 /// Total height of the top bar and the message line, points.
 const BARS: f32 = 50.0;
+/// Share of its pane that the panel at most leaves unused, per cent.
+const MAX_UNUSED: f32 = 10.0;
 
 fn panel_pane(layouts: &Layouts, (width, height): (f32, f32)) -> Option<Rect> {
     let room = Rect::from_min_size(pos2(0.0, 28.0), vec2(width, height - BARS));
@@ -40,12 +42,7 @@ fn legends_are_readable_in_each_layout() {
             let legend = panel_placement::legend_height(pane, 1.0);
             let zoom = panel_placement::lcd_zoom(pane, 1.0);
             let placed = panel_placement::place_panel(pane, 1.0);
-            let used: f32 = placed
-                .iter()
-                .map(PlacedArea::bounds)
-                .map(|it| it.area())
-                .sum();
-            let unused = 100.0 * (1.0 - used / pane.area());
+            let unused = 100.0 * panel_placement::unused_share(&placed, pane);
             let (width, height) = size;
             println!(
                 "{:<10} {:<10} {:>4.0}x{:<5.0} {legend:>8.1} {zoom:>10.2} {unused:>9.0}",
@@ -54,6 +51,7 @@ fn legends_are_readable_in_each_layout() {
                 pane.width(),
                 pane.height(),
             );
+            assert!(unused < MAX_UNUSED, "{size:?} {:?}: {unused} %", row.layout);
             if width > 800.0 {
                 assert!(legend >= MIN_LEGEND_HEIGHT, "{size:?} {:?}", row.layout);
             }

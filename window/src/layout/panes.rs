@@ -12,8 +12,13 @@ use gsk_panel::faceplate::SIZE;
 pub(super) const SPLITTER_WIDTH: f32 = 6.0;
 /// Minimum width and height of a pane, points.
 const MIN_PANE_SIDE: f32 = 90.0;
+/// Least width of a strip below a view: text and buttons of the time line, points.
+const STRIP_WIDTH: f32 = 480.0;
 /// Height that each of several views keeps above a square panel, points.
 const ROOMY_VIEW: f32 = 360.0;
+/// Height of a pane with the picture of the lathe among three and more stacked panes, divided by
+/// that of another one.
+const PICTURE_WEIGHT: f32 = 1.15;
 /// Number of the splitter between the columns; the settings store the numbers. The constants
 /// after it number the splitters in the left column, in the right column, and in the single
 /// column of a high window.
@@ -56,6 +61,18 @@ impl Splitter {
     pub fn current_share(&self) -> f32 {
         self.share_at(self.bar.center())
     }
+}
+
+/// Share of the first of `count` stacked panes whose splitter was not dragged. Among three and more
+/// the picture of the lathe is higher than the others, which can be scrolled.
+fn share_of_first(first: WindowPane, count: usize) -> f32 {
+    let is_picture = matches!(first, WindowPane::View(ViewId::Machine | ViewId::Lathe));
+    let weight = if is_picture && count > 2 {
+        PICTURE_WEIGHT
+    } else {
+        1.0
+    };
+    weight / (weight + count.saturating_sub(1) as f32)
 }
 
 /// The rectangles of panes and splitters in the window.
@@ -158,6 +175,27 @@ pub fn arrange_panes(
 }
 
 impl Arrangement {
+    /// Takes a strip of this height from the lower end of the last view beside or above the panel,
+    /// so that no key of the panel changes its place. `None` without a view that is large enough.
+    pub fn take_strip(&mut self, height: f32) -> Option<Rect> {
+        if self.tabs.is_some() {
+            return None;
+        }
+        let views = self.panes.iter_mut().filter_map(|(pane, bounds)| {
+            let is_large =
+                bounds.width() >= STRIP_WIDTH && bounds.height() >= height + MIN_PANE_SIDE;
+            (*pane != WindowPane::Panel && is_large).then_some(bounds)
+        });
+        let end = |bounds: &Rect| (bounds.left(), bounds.bottom());
+        let view = views.max_by(|one, other| {
+            let (one, other) = (end(one), end(other));
+            one.0.total_cmp(&other.0).then(one.1.total_cmp(&other.1))
+        })?;
+        let (rest, strip) = view.split_top_bottom_at_y(view.bottom() - height);
+        *view = rest;
+        Some(strip)
+    }
+
     /// Stacks `panes` in `room`, one above the other, with splitters between them. `split` is
     /// the number of the first splitter.
     fn stack_panes(
@@ -171,8 +209,7 @@ impl Arrangement {
             [] => {}
             [only] => self.panes.push((*only, room)),
             [first, rest @ ..] => {
-                let even = 1.0 / panes.len() as f32;
-                let at = share(split).unwrap_or(even);
+                let at = share(split).unwrap_or_else(|| share_of_first(*first, panes.len()));
                 let (above, below) = self.split(room, split, false, at);
                 self.panes.push((*first, above));
                 self.stack_panes(below, rest, split + 1, share);

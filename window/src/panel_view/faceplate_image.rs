@@ -22,6 +22,8 @@ const PIXEL_EXACT: TextureOptions = TextureOptions::NEAREST;
 /// The image of an area of the panel, and how its keys and lamps look in the image.
 struct AreaImage {
     texture: TextureHandle,
+    /// The area as it was stretched for the image.
+    area: PanelArea,
     /// The control model whose panel the image shows.
     model: ModelId,
     /// Number of physical pixels per panel unit.
@@ -30,8 +32,9 @@ struct AreaImage {
     looks: Vec<(PanelPart, u32)>,
 }
 
-/// An image that a thread has rendered, its model and its scale, physical pixels per panel unit.
-type AreaRendering = (ColorImage, ModelId, f32);
+/// An image that a thread has rendered, its area, its model and its scale, physical pixels per
+/// panel unit.
+type AreaRendering = (ColorImage, PanelArea, ModelId, f32);
 /// Receives the image that a background thread renders.
 type RenderedImage = Receiver<AreaRendering>;
 
@@ -58,9 +61,12 @@ impl FaceplateImage {
     /// Draws the panel except for the content of the LCD.
     pub fn paint(&mut self, painter: &Painter, placed: &[PlacedArea], state: &FaceState<'_>) {
         self.slots
-            .retain(|piece| placed.iter().any(|view| view.area == piece.area));
+            .retain(|piece| placed.iter().any(|view| view.area.rect == piece.area.rect));
         for view in placed {
-            let existing_index = self.slots.iter().position(|it| it.area == view.area);
+            let existing_index = self
+                .slots
+                .iter()
+                .position(|it| it.area.rect == view.area.rect);
             let index = existing_index.unwrap_or_else(|| {
                 self.slots.push(AreaSlot {
                     area: view.area,
@@ -84,13 +90,15 @@ impl AreaSlot {
         state: &FaceState<'_>,
         is_enabled: bool,
     ) {
+        self.area = view.area;
         self.collect_image(painter.ctx());
         let side = painter.ctx().input(|input| input.max_texture_side) as f32;
-        let longest = self.area.rect.w.max(self.area.rect.h);
+        let longest = self.area.bounds().w.max(self.area.bounds().h);
         let scale = (view.scale * view.pixels_per_point).min(side / longest);
         let same = |ready: &AreaImage| {
             ready.model == state.model
-                && image_size(self.area, ready.scale) == image_size(self.area, scale)
+                && image_size(ready.area, ready.scale) == image_size(self.area, scale)
+                && image_size(PanelArea::WHOLE, ready.scale) == image_size(PanelArea::WHOLE, scale)
         };
         if is_enabled && self.job.is_none() && !self.picture.as_ref().is_some_and(same) {
             self.start_rendering(painter.ctx(), state.model, scale);
@@ -102,8 +110,8 @@ impl AreaSlot {
             theme::fill_unthemed(painter, view.bounds(), housing);
             return;
         };
-        picture.repaint_changed_parts(self.area, state);
-        let size = image_size(self.area, picture.scale);
+        picture.repaint_changed_parts(state);
+        let size = image_size(picture.area, picture.scale);
         let target = if size == image_size(self.area, view.scale * view.pixels_per_point) {
             let size = size.map(|side| side as f32 / view.pixels_per_point);
             Rect::from_min_size(view.bounds().min, Vec2::from(size))
@@ -131,11 +139,12 @@ impl AreaSlot {
     fn collect_image(&mut self, context: &egui::Context) {
         let Some(job) = &self.job else { return };
         match job.try_recv() {
-            Ok((image, model, scale)) => {
+            Ok((image, area, model, scale)) => {
                 let dark = dark(model);
-                let parts = self.area.parts(model);
+                let parts = area.parts(model);
                 self.picture = Some(AreaImage {
                     texture: context.load_texture("panel", image, PIXEL_EXACT),
+                    area,
                     model,
                     scale,
                     looks: parts
@@ -152,14 +161,14 @@ impl AreaSlot {
 
 impl AreaImage {
     /// Repaints those keys and lamps whose appearance has changed.
-    fn repaint_changed_parts(&mut self, area: PanelArea, state: &FaceState<'_>) {
+    fn repaint_changed_parts(&mut self, state: &FaceState<'_>) {
         for (part, shown_look) in &mut self.looks {
             let look = faceplate::part_state(part, state);
             if look == *shown_look {
                 continue;
             }
             *shown_look = look;
-            if let Some((piece, at)) = faceplate::paint_part(area, part, state, self.scale) {
+            if let Some((piece, at)) = faceplate::paint_part(self.area, part, state, self.scale) {
                 let at = at.map(|side| side as usize);
                 let size = self.texture.size();
                 let free = [0, 1].map(|axis| size[axis].saturating_sub(at[axis]));
@@ -188,7 +197,7 @@ fn crop(image: ColorImage, [width, height]: [usize; 2]) -> Option<ColorImage> {
 
 /// Size of the image of an area at `scale` (pixels per panel unit), pixels.
 fn image_size(area: PanelArea, scale: f32) -> [u32; 2] {
-    [area.rect.w, area.rect.h].map(|units| (units * scale).round().max(1.0) as u32)
+    [area.bounds().w, area.bounds().h].map(|units| (units * scale).round().max(1.0) as u32)
 }
 
 /// The panel of a model without lit lamps and pressed keys.
@@ -210,7 +219,7 @@ fn render(
         return;
     };
     // A window that is closed by now needs no image.
-    let _ = sender.send((to_color_image(&picture), model, scale));
+    let _ = sender.send((to_color_image(&picture), area, model, scale));
     context.request_repaint();
 }
 

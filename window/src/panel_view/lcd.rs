@@ -1,6 +1,7 @@
 //! Draws the LCD in the window.
 
 use egui::{Color32, ColorImage, Pos2, Rect, TextureHandle, TextureOptions};
+use gsk_panel::faceplate::{self, GLASS_MARGIN};
 use gsk_panel::raster;
 use gsk_panel::screen::{HEIGHT, Screen, WIDTH};
 
@@ -46,9 +47,9 @@ impl Lcd {
         let Some(texture) = &self.texture else { return };
         let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
         let [red, green, blue] = raster::palette(screen.colours(), brightness).background;
-        if !placement.rect.expand(0.01).contains_rect(bounds) {
-            theme::fill_unthemed(painter, bounds, Color32::from_rgb(red, green, blue));
-        }
+        // The glass is larger than the picture, so that texts do not touch the frame.
+        let glass = bounds.expand(GLASS_MARGIN / faceplate::lcd().w * bounds.width());
+        theme::fill_unthemed(painter, glass, Color32::from_rgb(red, green, blue));
         painter.image(texture.id(), placement.rect, whole, theme::NO_TINT);
     }
 

@@ -31,7 +31,7 @@ enum PartRequest {
 
 /// Draws a coloured ring around a key of the panel.
 fn draw_ring(painter: &Painter, placed: PlacedArea, part: &PanelPart, colour: Color32) {
-    let rect = placed.to_window(part.rect);
+    let rect = placed.part_rect(part);
     let width = (4.0 * placed.scale).max(2.0);
     let stroke = Stroke::new(width, colour);
     match part.outline {
@@ -133,9 +133,7 @@ impl Window {
                 PartRequest::Explain(lamp) => self.explain_bit(lamp),
             }
         }
-        let lcd = faceplate::lcd();
-        let screen = placed.iter().find(|view| view.area.rect.encloses(&lcd));
-        let screen = screen.map(|view| view.to_window(lcd));
+        let screen = panel_placement::lcd_rect(placed);
         if let (Some(picture), Some(bounds)) = (&snapshot, screen) {
             self.lcd
                 .paint(&painter, bounds, &picture.screen, picture.brightness);
@@ -299,8 +297,7 @@ impl Window {
     fn follow_used_part(&mut self, events: &[Event], placed: PlacedPanel<'_>) {
         let part = self
             .pointer_position
-            .and_then(|at| panel_placement::to_panel(placed.areas, at))
-            .and_then(|(x, y)| faceplate::part_at(placed.model, x, y))
+            .and_then(|at| panel_placement::part_at(placed.areas, placed.model, at))
             .map(|part| part.what);
         let is_used = events
             .iter()
@@ -316,8 +313,7 @@ impl Window {
             let (model, page) = (snapshot.model, snapshot.page);
             return topic_at(model, page, &snapshot.screen, row, column);
         }
-        let (x, y) = panel_placement::to_panel(&self.placed_areas, position)?;
-        match faceplate::part_at(self.panel_model(), x, y)?.what {
+        match panel_placement::part_at(&self.placed_areas, self.panel_model(), position)?.what {
             PartKind::Key(key) => topic_of(self.panel_model(), Subject::Key(key.id())),
             PartKind::Strip(index) => topic(Subject::Lamp(STRIP.get(index)?.id)),
             _ => None,
@@ -326,12 +322,15 @@ impl Window {
 
     /// Row and column of the LCD, from 0, at a position in the window; `None` outside the LCD.
     fn lcd_cell(&self, position: Option<Pos2>) -> Option<(usize, usize)> {
-        let (x, y) = panel_placement::to_panel(&self.placed_areas, position?)?;
-        let lcd = faceplate::lcd();
-        let cell = |from: f32, size: f32, count: usize| (from / size * count as f32) as usize;
-        let row = cell(y - lcd.y, lcd.h, ROWS);
-        let column = cell(x - lcd.x, lcd.w, COLUMNS);
-        lcd.contains(x, y).then_some((row, column))
+        let lcd = panel_placement::lcd_rect(&self.placed_areas)?;
+        let from_corner = position.filter(|at| lcd.contains(*at))? - lcd.min;
+        let cell = |from: f32, size: f32, count: usize| {
+            let cell = (from / size * count as f32) as usize;
+            cell.min(count - 1)
+        };
+        let row = cell(from_corner.y, lcd.height(), ROWS);
+        let column = cell(from_corner.x, lcd.width(), COLUMNS);
+        Some((row, column))
     }
 
     /// The row of the LCD under the pointer, from the pointer to the right. A tip below it does
@@ -366,8 +365,8 @@ impl Window {
             return;
         };
         let model = self.panel_model();
-        let key = panel_placement::to_panel(&self.placed_areas, at);
-        let key = key.and_then(|(x, y)| faceplate::part_at(model, x, y)?.key());
+        let part = panel_placement::part_at(&self.placed_areas, model, at);
+        let key = part.and_then(PanelPart::key);
         if let (Some((row, column)), Some(picture)) = (self.lcd_cell(Some(at)), &self.snapshot) {
             let lines = tips::lcd_tip(picture, row, column, self.settings.language);
             self.message = Some(StatusMessage::Text(say::as_written(lines.join("   "))));
@@ -408,8 +407,8 @@ impl Window {
                 if let Some(about) = self.topic_at_position(at) {
                     self.help.show_pressed(about);
                 }
-                panel_placement::to_panel(placed, at)
-                    .and_then(|(x, y)| faceplate::part_at(model, x, y)?.key())
+                panel_placement::part_at(placed, model, at)
+                    .and_then(PanelPart::key)
                     .is_some_and(is_stop_key)
             });
         }

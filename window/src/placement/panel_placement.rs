@@ -26,19 +26,26 @@ const STOP_KEY_GAP: f32 = 8.0;
 /// Value of the whole panel, compared with sections of equal legends: it looks as on the
 /// machine, but dots of the LCD that are no whole pixels are blurred.
 const CRISP_WHOLE_VALUE: f32 = 1.15;
-const BLURRED_WHOLE_VALUE: f32 = 0.8;
+const BLURRED_WHOLE_VALUE: f32 = 0.7;
 /// Panel units per dot of the LCD in the drawing of the panel.
 pub const UNITS_PER_DOT: f32 = 2.0;
 /// Highest zoom of the LCD in a split panel, physical pixels per dot.
 const MAX_LCD_ZOOM: u32 = 6;
 /// Scale of legends up to which enlarging them is worth more than a higher zoom of the LCD,
 /// divided by the scale of the LCD. An upright window is usually touched, and needs large keys.
-const LCD_TEXT_GAIN: f32 = 1.4;
+const LCD_TEXT_GAIN: f32 = 1.5;
 const UPRIGHT_LCD_TEXT_GAIN: f32 = 2.4;
 /// Value of a larger LCD among arrangements with equal legends.
 const LCD_WEIGHT: f32 = 0.2;
 /// Value of larger keys among arrangements in which the LCD limits the score.
 const KEY_WEIGHT: f32 = 0.1;
+/// Loss of value of an arrangement that leaves all of its pane unused.
+const UNUSED_WEIGHT: f32 = 0.5;
+/// Greatest factor by which a section without the LCD is stretched in one direction: its keys grow,
+/// its legends do not.
+const MAX_STRETCH: f32 = 1.4;
+/// The same of a section with the LCD, whose frame grows.
+const MAX_LCD_STRETCH: f32 = 1.1;
 /// Height divided by width from which the available area counts as upright.
 const UPRIGHT_RATIO: f32 = 1.25;
 /// Height of the smallest printed legend, panel units.
@@ -71,7 +78,7 @@ pub struct PlacedArea {
 impl PlacedArea {
     /// Places an area in `bounds`: as large as possible, centred, on whole pixels.
     fn fit(area: PanelArea, bounds: Rect, pixels_per_point: f32) -> Self {
-        let faceplate::Rect { x, y, w, h } = area.rect;
+        let faceplate::Rect { x, y, w, h } = area.bounds();
         let scale = (bounds.width() / w).min(bounds.height() / h).max(0.01);
         let corner = bounds.center() - vec2(w, h) * scale / 2.0;
         // The area also begins at a whole pixel of the panel.
@@ -87,7 +94,42 @@ impl PlacedArea {
         }
     }
 
-    /// Converts a rectangle of the panel to window points, with its edges on whole pixels.
+    /// Places an area in `bounds` at a scale, stretched to fill them by at most `max_stretch`.
+    fn fill(
+        rect: faceplate::Rect,
+        bounds: Rect,
+        (scale, max_stretch): (f32, f32),
+        pixels_per_point: f32,
+    ) -> Self {
+        let stretch = |available: f32, size: f32| {
+            let factor = available / (size * scale).max(0.01);
+            factor.clamp(1.0, max_stretch)
+        };
+        let area = PanelArea {
+            rect,
+            stretch: (
+                stretch(bounds.width(), rect.w),
+                stretch(bounds.height(), rect.h),
+            ),
+        };
+        let bounds = Rect::from_center_size(
+            bounds.center(),
+            vec2(area.bounds().w, area.bounds().h) * scale,
+        );
+        // Rounding in `bounds` does not change the scale.
+        Self {
+            scale,
+            ..Self::fit(area, bounds, pixels_per_point)
+        }
+    }
+
+    /// The rectangle of a part of the area in the window, points.
+    pub fn part_rect(&self, part: &PanelPart) -> Rect {
+        self.to_window(self.area.stretched_rect(part))
+    }
+
+    /// Converts a rectangle of the stretched area to window points, with its edges on whole
+    /// pixels.
     pub fn to_window(self, rect: faceplate::Rect) -> Rect {
         let snap = |at: f32| (at * self.pixels_per_point).round() / self.pixels_per_point;
         let x = |units: f32| snap(self.origin.x + units * self.scale);
@@ -98,15 +140,15 @@ impl PlacedArea {
         )
     }
 
-    /// Converts a position in the window to panel units.
-    pub fn to_panel(self, position: Pos2) -> (f32, f32) {
+    /// Converts a position in the window to panel units of the stretched area.
+    pub fn to_area(self, position: Pos2) -> (f32, f32) {
         let from_origin = (position - self.origin) / self.scale;
         (from_origin.x, from_origin.y)
     }
 
     /// The rectangle of the whole area in the window, points.
     pub fn bounds(&self) -> Rect {
-        self.to_window(self.area.rect)
+        self.to_window(self.area.bounds())
     }
 }
 
@@ -148,7 +190,7 @@ pub fn place_stop_keys(bar: Rect, pixels_per_point: f32) -> Vec<PlacedArea> {
     let mut right = bar.right() - STOP_KEY_GAP;
     let mut placed = Vec::new();
     for part in stop_key_parts() {
-        let area = PanelArea { rect: part.rect };
+        let area = PanelArea::new(part.rect);
         let width = bar.height() * part.rect.w / part.rect.h;
         let room = Rect::from_min_max(pos2(right - width, bar.top()), pos2(right, bar.bottom()));
         placed.push(PlacedArea::fit(area, room.shrink(1.0), pixels_per_point));
@@ -182,18 +224,22 @@ pub fn place_panel(bounds: Rect, pixels_per_point: f32) -> Vec<PlacedArea> {
 }
 
 fn find_best_placement(bounds: Rect, pixels_per_point: f32) -> Vec<PlacedArea> {
-    let whole = PlacedArea::fit(PanelArea::WHOLE, bounds, pixels_per_point);
-    let is_crisp = lcd_placement::fit(whole.to_window(faceplate::lcd()), pixels_per_point).is_crisp;
+    let whole = place_whole(bounds, pixels_per_point);
+    let lcd = faceplate::lcd_part(PLACED_MODEL).map(|part| whole.part_rect(part));
+    let is_crisp = lcd.is_some_and(|lcd| lcd_placement::fit(lcd, pixels_per_point).is_crisp);
     let whole_value = match is_crisp {
         true => CRISP_WHOLE_VALUE,
         false => BLURRED_WHOLE_VALUE,
     };
-    let whole_score = whole.scale * (1.0 + LCD_WEIGHT + KEY_WEIGHT) * whole_value;
+    let whole_score = whole.scale
+        * (1.0 + LCD_WEIGHT + KEY_WEIGHT)
+        * whole_value
+        * value_of_use(&[whole], bounds);
     let text_gain = match bounds.height() < bounds.width() * UPRIGHT_RATIO {
         true => LCD_TEXT_GAIN,
         false => UPRIGHT_LCD_TEXT_GAIN,
     };
-    let mut best: Option<(f32, SectionPlan)> = None;
+    let mut best: Option<(f32, Vec<PlacedArea>)> = None;
     for zoom in 1..=MAX_LCD_ZOOM {
         let lcd_scale = zoom as f32 / UNITS_PER_DOT / pixels_per_point;
         for arrangement in &ARRANGEMENTS {
@@ -207,15 +253,35 @@ fn find_best_placement(bounds: Rect, pixels_per_point: f32) -> Vec<PlacedArea> {
                 false => 0.0,
             };
             let best_score = best.as_ref().map_or(whole_score, |(score, _)| *score);
+            if score <= best_score {
+                continue;
+            }
+            let placed = plan.place(bounds, pixels_per_point);
+            let score = score * value_of_use(&placed, bounds);
             if score > best_score {
-                best = Some((score, plan));
+                best = Some((score, placed));
             }
         }
     }
-    match best {
-        Some((_, plan)) => plan.place(bounds, pixels_per_point),
-        None => vec![whole],
-    }
+    best.map_or_else(|| vec![whole], |(_, placed)| placed)
+}
+
+/// Places the whole panel, stretched like a section with the LCD.
+fn place_whole(bounds: Rect, pixels_per_point: f32) -> PlacedArea {
+    let rect = PanelArea::WHOLE.rect;
+    let scale = scale_of_whole(bounds.size()).max(0.01);
+    PlacedArea::fill(rect, bounds, (scale, MAX_LCD_STRETCH), pixels_per_point)
+}
+
+/// Share of `bounds` that no area covers, 0–1.
+pub fn unused_share(placed: &[PlacedArea], bounds: Rect) -> f32 {
+    let used: f32 = placed.iter().map(|area| area.bounds().area()).sum();
+    (1.0 - used / bounds.area().max(1.0)).clamp(0.0, 1.0)
+}
+
+/// Factor by which the space that an arrangement leaves unused reduces its value.
+fn value_of_use(placed: &[PlacedArea], bounds: Rect) -> f32 {
+    1.0 - UNUSED_WEIGHT * unused_share(placed, bounds)
 }
 
 /// Height of the smallest legends of keys when the panel is placed in `bounds`, physical
@@ -237,12 +303,18 @@ pub fn lcd_zoom(bounds: Rect, pixels_per_point: f32) -> f32 {
     view.map_or(0.0, |view| view.scale * UNITS_PER_DOT * pixels_per_point)
 }
 
-/// Converts a position in the window to panel units; `None` outside the panel.
-pub fn to_panel(views: &[PlacedArea], position: Pos2) -> Option<(f32, f32)> {
+/// The topmost part of a model's panel at a position in the window; `None` outside the panel.
+pub fn part_at(views: &[PlacedArea], model: ModelId, position: Pos2) -> Option<&'static PanelPart> {
     views.iter().find_map(|view| {
-        let (x, y) = view.to_panel(position);
-        view.area.rect.contains(x, y).then_some((x, y))
+        let (x, y) = view.to_area(position);
+        view.area.part_at(model, x, y)
     })
+}
+
+/// The rectangle of the LCD's picture in the window, points; `None` if the LCD is not placed.
+pub fn lcd_rect(views: &[PlacedArea]) -> Option<Rect> {
+    let lcd = faceplate::lcd_part(PLACED_MODEL)?;
+    Some(area_of_part(views, lcd)?.part_rect(lcd))
 }
 
 /// The placed area that contains a part of the panel; `None` if that area is not placed.
@@ -266,12 +338,13 @@ mod tests {
             let room = Rect::from_min_size(pos2(0.0, 26.0), vec2(width, height));
             let views = place_panel(room, 1.0);
             assert_eq!(views.len(), 1);
-            let (w, h) = SIZE;
-            let whole = views[0].to_window(faceplate::Rect::new(0.0, 0.0, w, h));
+            let whole = views[0].bounds();
             assert!(room.expand(0.51).contains_rect(whole), "{whole:?}");
             assert!((whole.center() - room.center()).length() < 1.0);
-            let (x, y) = to_panel(&views, whole.center()).unwrap();
-            assert!((x - w / 2.0).abs() < 2.0 && (y - h / 2.0).abs() < 2.0);
+            let (x, y) = views[0].to_area(whole.center());
+            let (cx, cy) = views[0].area.bounds().center();
+            assert!((x - cx).abs() < 2.0 && (y - cy).abs() < 2.0);
+            assert!(unused_share(&views, room) < 0.01);
         }
     }
 
@@ -288,11 +361,11 @@ mod tests {
             if part.key() == Some(Key::OvertravelRelease) {
                 continue; // It must be pressed on purpose: as small as on the machine.
             }
-            let rect = area_of_part(&views, part).unwrap().to_window(part.rect);
+            let rect = area_of_part(&views, part).unwrap().part_rect(part);
             let side = rect.size().min_elem() / 149.0 * 25.4;
             assert!(side >= 9.0, "{part:?} is {side} mm");
         }
-        let screen = views[0].to_window(faceplate::lcd());
+        let screen = lcd_rect(&views).unwrap();
         assert!(screen.width() >= 320.0, "a pixel a dot: {screen:?}");
     }
 
@@ -319,9 +392,9 @@ mod tests {
                 .iter()
                 .filter(|part| part.what != PartKind::Housing)
             {
-                let place = area_of_part(&views, part).unwrap().to_window(part.rect);
-                let (x, y) = to_panel(&views, place.center()).unwrap();
-                assert!(part.rect.contains(x, y), "{part:?}");
+                let place = area_of_part(&views, part).unwrap().part_rect(part);
+                let found = part_at(&views, PLACED_MODEL, place.center()).unwrap();
+                assert!(found.layer > part.layer || found == part, "{part:?}");
             }
         }
     }

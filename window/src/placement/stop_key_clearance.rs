@@ -11,8 +11,8 @@ const KEY_MARGIN: f32 = 4.0;
 /// The rectangles of those placed keys that stop the machine, with their margin, points.
 pub fn stop_key_rects(placed: &[PlacedArea]) -> Vec<Rect> {
     let parts = panel_placement::stop_key_parts();
-    let places = parts
-        .filter_map(|part| Some(panel_placement::area_of_part(placed, part)?.to_window(part.rect)));
+    let places =
+        parts.filter_map(|part| Some(panel_placement::area_of_part(placed, part)?.part_rect(part)));
     places.map(|place| place.expand(KEY_MARGIN)).collect()
 }
 

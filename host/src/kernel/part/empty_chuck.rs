@@ -48,7 +48,11 @@ impl EmptyChuck {
     /// The lathe with its tool where the slides are.
     pub(super) fn view(&self, emulator: &Emulator) -> PartView {
         let (cnc, tool) = (emulator.cnc(), active_tool(emulator));
-        let slide = cnc.position_machine();
+        // A machine zero return changes the coordinates of the control, and not the slides.
+        let slide = match cnc.has_board() {
+            true => cnc.position_machine(),
+            false => emulator.lathe().slide_position(),
+        };
         let tip = self.mounting.tip_in_part(tool, slide, &cnc.frame());
         PartView {
             empty_chuck: Some(self.far_tip),

@@ -1,10 +1,12 @@
 //! What the 3D view shows of the lathe in addition to the part.
 
-use gsk_core::machine::LatheConstruction;
+use gsk_core::machine::{LatheConstruction, LatheFault};
 use gsk_panel::emulator::Emulator;
 
-/// Construction, steady rest, signal lamps and handwheel of the lathe, which the 3D view shows in
-/// addition to the part.
+use super::active_tool;
+
+/// Construction, steady rest, signal lamps, handwheel and broken insert of the lathe, which the 3D
+/// view shows in addition to the part.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LatheFittings {
     /// The construction by the machine file; `None`: it follows from tool post and chuck.
@@ -16,6 +18,8 @@ pub struct LatheFittings {
     pub lit_lamps: [bool; 3],
     /// Position of the handwheel since the start, detents, clockwise positive.
     pub wheel_detents: i32,
+    /// Number of the tool whose insert is broken by a fault; `None`: all cut.
+    pub broken_tool: Option<u8>,
 }
 
 impl LatheFittings {
@@ -30,6 +34,7 @@ impl LatheFittings {
             steady_rest: picture.steady_rest,
             lit_lamps: lamps.map(|address| address.is_some_and(is_lit)),
             wheel_detents: lathe.handwheel_detents(),
+            broken_tool: (lathe.has_fault(LatheFault::InsertBroken)).then(|| active_tool(emulator)),
         }
     }
 }
@@ -37,7 +42,6 @@ impl LatheFittings {
 #[cfg(test)]
 mod tests {
     use gsk_core::command::ProgramId;
-    use gsk_core::machine::LatheFault;
     use gsk_core::setup::Setup;
     use gsk_panel::keys::Key;
 
@@ -80,5 +84,9 @@ mod tests {
         assert_eq!(fittings.steady_rest, Some(120.0));
         assert_eq!(fittings.construction, Some(LatheConstruction::Bench));
         assert_eq!(fittings.wheel_detents, -7);
+        assert_eq!(fittings.broken_tool, None);
+        emulator.set_fault(LatheFault::InsertBroken, true);
+        let fittings = LatheFittings::from_emulator(&emulator);
+        assert_eq!(fittings.broken_tool, Some(active_tool(&emulator)));
     }
 }

@@ -57,7 +57,7 @@ pub struct PartView {
     pub door_open: bool,
     /// Whether the tool post is on the far side of the spindle.
     pub rear_tool_post: bool,
-    /// Construction, steady rest, signal lamps and handwheel of the lathe, for the 3D view.
+    /// Construction, steady rest, signal lamps, handwheel and broken insert, for the 3D view.
     pub fittings: LatheFittings,
     /// Collisions since the stock was clamped.
     pub findings: Vec<CollisionFinding>,
@@ -395,9 +395,13 @@ impl KernelPart {
             self.threads = Arc::new(live.threads().to_vec());
         }
         let (cnc, tool) = (emulator.cnc(), active_tool(emulator));
-        let frame = live.part_frame(tool, cnc);
-        let tip = (machining.mounting()).tip_in_part(tool, cnc.position_machine(), &frame);
+        let tip = live.tip(tool, cnc);
+        let fittings = LatheFittings {
+            broken_tool: live.broken_tool(),
+            ..LatheFittings::from_emulator(emulator)
+        };
         Some(PartView {
+            fittings,
             job_name: self.state.job_name().cloned(),
             section: Arc::clone(&self.section),
             threads: Arc::clone(&self.threads),
@@ -416,6 +420,54 @@ mod tests {
     use gsk_panel::keys::Key;
 
     use super::*;
+
+    #[test]
+    fn a_machine_zero_return_moves_the_tip_no_farther_than_the_slides() {
+        let slides = Point::new(-20.0, -60.0);
+        let mut emulator = Emulator::new(Setup {
+            lathe: LatheConfig::with_long_slides(),
+            slides: Some(slides),
+            ..Setup::default()
+        });
+        let views = Arc::new(ArrayQueue::new(1));
+        let mut part = KernelPart::new(Arc::clone(&views));
+        let mut job = Job::new(gsk_workpiece::stock::Stock::bar(40.0, 0.0, 60.0));
+        job.tools.insert(1, Tool::turning());
+        job.zero = Some(gsk_workpiece::job::DiameterPoint {
+            x: gsk_core::units::Diameter(-200.0),
+            z: -300.0,
+        });
+        job.lengths
+            .insert(1, gsk_workpiece::job::DiameterPoint::default());
+        part.set_job(Some(SelectedJob { job, file: None }));
+        part.set_visible(true);
+        let mut tip = |emulator: &mut Emulator, ticks: u32| {
+            for _ in 0..ticks {
+                emulator.tick();
+                part.after_tick(emulator, true);
+            }
+            part.force_publish();
+            part.publish(emulator);
+            views.pop().unwrap().tip
+        };
+        let start = tip(&mut emulator, 1);
+        assert!((start - (slides + Point::new(100.0, 300.0))).length() < 0.01);
+        // The control shows other coordinates, as after a power-on without a reference.
+        assert_eq!(emulator.cnc().position_machine(), Point::new(150.0, 300.0));
+        tip(&mut emulator, 5000);
+        emulator.press(Key::MachineZero);
+        emulator.key_down(Key::ZRight);
+        for _ in 0..2400 {
+            let moved = tip(&mut emulator, 25) - start;
+            let lathe = emulator.lathe();
+            let slides_moved = lathe.slide_position() + lathe.following_error() - slides;
+            assert!((moved - slides_moved).length() < 0.3, "{moved:?}");
+        }
+        // The slide has moved to the machine zero, which the control now shows.
+        let z = tip(&mut emulator, 1).z - start.z;
+        assert!((z - 60.0).abs() < 0.3, "{z}");
+        assert_eq!(emulator.cnc().position_machine().z, 0.0);
+    }
 
     #[test]
     fn time_in_the_material_counts_for_tools_of_the_library() {

@@ -1,9 +1,9 @@
 //! Arranges the sections of the panel in a pane.
 
 use egui::{Rect, Vec2, pos2, vec2};
-use gsk_panel::faceplate::{PanelArea, SIZE};
+use gsk_panel::faceplate::{self, PanelArea, SIZE};
 
-use super::PlacedArea;
+use super::{MAX_LCD_STRETCH, MAX_STRETCH, PlacedArea};
 
 /// Factor by which a section at most grows beyond the common scale to fill its cell.
 const MAX_GROWTH: f32 = 1.3;
@@ -24,11 +24,18 @@ const RUN: usize = 5;
 const ADDITIONAL: usize = 6;
 
 /// The arrangements of the sections, from that of a wide pane to that of an upright one.
-pub(super) static ARRANGEMENTS: [SectionArrangement; 11] = [
+pub(super) static ARRANGEMENTS: [SectionArrangement; 12] = [
     SectionArrangement {
         side: &[],
         rows: &[
             &[&[LCD], &[NAME, EDIT]],
+            &[&[MODES], &[DIRECTIONS], &[RUN], &[ADDITIONAL]],
+        ],
+    },
+    SectionArrangement {
+        side: &[],
+        rows: &[
+            &[&[LCD, NAME], &[EDIT]],
             &[&[MODES], &[DIRECTIONS], &[RUN], &[ADDITIONAL]],
         ],
     },
@@ -178,7 +185,7 @@ impl SectionPlan {
     }
 
     /// Places the sections in `bounds`. Each row and column gets an equal part of the remaining
-    /// space, into which its sections grow.
+    /// space, into which its sections grow and are stretched.
     pub(super) fn place(&self, bounds: Rect, pixels_per_point: f32) -> Vec<PlacedArea> {
         let mut placed = Vec::new();
         let SectionArrangement { side, rows } = self.arrangement;
@@ -220,25 +227,84 @@ impl SectionPlan {
             true => 1.0,
             false => cell.height() / self.column_size(column).y,
         };
-        let sizes: Vec<Vec2> = column
+        let sections: Vec<GrownSection> = column
             .iter()
-            .map(|section| {
+            .filter_map(|section| {
+                let rect = PanelArea::SECTIONS.get(*section)?.rect;
                 let size = self.section_size(*section);
-                size * growth.min(cell.width() / size.x).clamp(1.0, MAX_GROWTH)
+                let growth = growth.min(cell.width() / size.x).clamp(1.0, MAX_GROWTH);
+                let max_stretch = match *section {
+                    LCD => MAX_LCD_STRETCH,
+                    _ => MAX_STRETCH,
+                };
+                Some(GrownSection {
+                    rect,
+                    scale: size.x * growth / rect.w,
+                    max_stretch,
+                })
             })
             .collect();
-        let used: f32 = sizes.iter().map(|size| size.y).sum();
+        let heights = share_height(&sections, cell.height());
+        let widths = sections.iter().map(|it| it.max_width().min(cell.width()));
         // The left edges are in one line.
-        let widest = sizes.iter().map(|size| size.x).fold(0.0, f32::max);
+        let widest = widths.fold(0.0, f32::max);
         let left = cell.center().x - widest / 2.0;
+        let used: f32 = heights.iter().sum();
         let gap = (cell.height() - used).max(0.0) / (column.len() + 1) as f32;
         let mut top = cell.top() + gap;
-        for (section, size) in column.iter().zip(sizes) {
-            if let Some(area) = PanelArea::SECTIONS.get(*section) {
-                let room = Rect::from_min_size(pos2(left, top), size);
-                placed.push(PlacedArea::fit(*area, room, pixels_per_point));
-            }
-            top += size.y + gap;
+        for (section, height) in sections.iter().zip(heights) {
+            let width = section.max_width().min(widest);
+            let available = Rect::from_min_size(pos2(left, top), vec2(width, height));
+            let scales = (section.scale, section.max_stretch);
+            placed.push(PlacedArea::fill(
+                section.rect,
+                available,
+                scales,
+                pixels_per_point,
+            ));
+            top += height + gap;
         }
     }
+}
+
+/// A section with the scale to which it has grown, before it is stretched.
+struct GrownSection {
+    rect: faceplate::Rect,
+    scale: f32,
+    max_stretch: f32,
+}
+
+impl GrownSection {
+    fn height(&self) -> f32 {
+        self.rect.h * self.scale
+    }
+
+    fn max_height(&self) -> f32 {
+        self.height() * self.max_stretch
+    }
+
+    fn max_width(&self) -> f32 {
+        self.rect.w * self.scale * self.max_stretch
+    }
+}
+
+/// Divides the height of a column among its sections: in proportion to their heights, none
+/// higher than it can be stretched.
+fn share_height(sections: &[GrownSection], available: f32) -> Vec<f32> {
+    let mut heights: Vec<f32> = sections.iter().map(GrownSection::height).collect();
+    // In each round at least one section reaches its limit, or all space is shared.
+    for _ in sections {
+        let rest = available - heights.iter().sum::<f32>();
+        let growing = |(section, height): &(&GrownSection, &f32)| **height < section.max_height();
+        let pairs = sections.iter().zip(&heights);
+        let sum: f32 = pairs.filter(growing).map(|(_, height)| height).sum();
+        if rest <= 0.0 || sum <= 0.0 {
+            break;
+        }
+        let factor = 1.0 + rest / sum;
+        for (section, height) in sections.iter().zip(&mut heights) {
+            *height = (*height * factor).min(section.max_height());
+        }
+    }
+    heights
 }

@@ -36,11 +36,13 @@ pub fn is_blurred(part: &PartView) -> bool {
     part.spindle_rpm.abs() > BLUR_RPM
 }
 
-/// Whether the insert of the tool in use has broken in a crash that still stops the lathe.
-pub fn has_broken_insert(part: &PartView) -> bool {
+/// Number of the tool whose insert is broken: by a fault, or in a crash of the tool in use that
+/// still stops the lathe. `None` without one.
+pub fn broken_tool(part: &PartView) -> Option<u8> {
     let by_insert = |touching: TouchingPart| !matches!(touching, TouchingPart::Body(_));
     let crash = part.crash.filter(|crash| crash.tool == part.tool);
-    crash.is_some_and(|crash| by_insert(crash.collision.touching_part))
+    let crash = crash.filter(|crash| by_insert(crash.collision.touching_part));
+    part.fittings.broken_tool.or(crash.map(|crash| crash.tool))
 }
 
 /// The bend of the bar by a crash that still stops the lathe, radians.

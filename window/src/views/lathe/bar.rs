@@ -9,7 +9,10 @@ use gsk_scene::level::SceneLevel;
 
 use super::super::interface::ViewFrame;
 use super::LatheSceneView;
+use crate::widgets::icons;
 
+/// Width of a line between two groups of controls, points.
+const SEPARATOR_WIDTH: f32 = 6.0;
 /// Width and height below which a view is small, points.
 const SMALL_SIZE: Vec2 = Vec2::new(420.0, 240.0);
 
@@ -19,11 +22,27 @@ pub fn is_small(size: Vec2) -> bool {
 }
 
 impl LatheSceneView {
-    /// Draws the controls of the lathe view in rows.
+    /// Draws the controls of the lathe view in one row. Without room for all of them the cameras
+    /// are in a menu, and without room for the others all are.
     pub(super) fn show_bar(&mut self, ui: &mut Ui, frame: ViewFrame<'_>) {
         let language = frame.language;
-        ui.horizontal_wrapped(|ui| {
-            self.show_presets(ui, language);
+        let cameras = CameraPreset::ALL.map(|preset| preset_name(preset).text(language));
+        let cameras = icons::word_buttons_width(ui, &cameras);
+        let others = other_controls_width(ui, frame);
+        let available = ui.available_width();
+        if others + icons::word_buttons_width(ui, &[self.camera_name(language)]) > available {
+            return self.show_small_bar(ui, frame);
+        }
+        ui.horizontal(|ui| {
+            if cameras + others <= available {
+                self.show_presets(ui, language);
+            } else {
+                let menu = ui.menu_button(self.camera_name(language), |ui| {
+                    self.show_presets(ui, language);
+                });
+                menu.response
+                    .on_hover_text(say::lathe_scene_menu_hint().text(language));
+            }
             ui.separator();
             self.show_follow(ui, language);
             // A docked view cannot fill the screen by itself: its separate window can.
@@ -38,10 +57,8 @@ impl LatheSceneView {
     /// Shows one menu that holds all controls: a small view is for the picture.
     pub(super) fn show_small_bar(&mut self, ui: &mut Ui, frame: ViewFrame<'_>) {
         let language = frame.language;
-        let preset = self.camera.preset();
-        let words = preset.map_or_else(say::lathe_scene_camera, preset_name);
         ui.horizontal(|ui| {
-            let menu = ui.menu_button(words.text(language), |ui| {
+            let menu = ui.menu_button(self.camera_name(language), |ui| {
                 self.show_presets(ui, language);
                 ui.separator();
                 self.show_follow(ui, language);
@@ -54,6 +71,13 @@ impl LatheSceneView {
             menu.response
                 .on_hover_text(say::lathe_scene_menu_hint().text(language));
         });
+    }
+
+    /// The name of the chosen camera, or the word for a camera that was moved.
+    fn camera_name(&self, language: Language) -> String {
+        let preset = self.camera.preset();
+        let words = preset.map_or_else(say::lathe_scene_camera, preset_name);
+        words.text(language)
     }
 
     fn show_presets(&mut self, ui: &mut Ui, language: Language) {
@@ -83,11 +107,7 @@ impl LatheSceneView {
 
     fn show_section_cuts(&mut self, ui: &mut Ui, language: Language) {
         for cut in SectionCut::ALL {
-            let words = match cut {
-                SectionCut::Whole => say::lathe_scene_whole(),
-                SectionCut::Quarter => say::lathe_scene_quarter(),
-                SectionCut::Half => say::lathe_scene_half(),
-            };
+            let words = cut_name(cut);
             let chosen = self.describer.section_cut == cut;
             let button = ui.selectable_label(chosen, words.text(language));
             let hint = say::lathe_scene_cut_hint().text(language);
@@ -126,6 +146,29 @@ fn show_full_screen_button(ui: &mut Ui, language: Language) {
         ui.ctx()
             .send_viewport_cmd(ViewportCommand::Fullscreen(!is_full));
     }
+}
+
+fn cut_name(cut: SectionCut) -> Message {
+    match cut {
+        SectionCut::Whole => say::lathe_scene_whole(),
+        SectionCut::Quarter => say::lathe_scene_quarter(),
+        SectionCut::Half => say::lathe_scene_half(),
+    }
+}
+
+/// Width of the controls beside the cameras in the row, points.
+fn other_controls_width(ui: &Ui, frame: ViewFrame<'_>) -> f32 {
+    let cuts = SectionCut::ALL.map(cut_name);
+    let full_screen = frame.owns_keys.then(say::lathe_scene_full_screen);
+    let words = [say::lathe_scene_follow(), say::lathe_path()]
+        .into_iter()
+        .chain(cuts)
+        .chain(full_screen);
+    let words: Vec<String> = words.map(|it| it.text(frame.language)).collect();
+    let space = ui.spacing().item_spacing.x;
+    let separators = 3.0 * (SEPARATOR_WIDTH + space);
+    let check_mark = ui.spacing().icon_width + ui.spacing().icon_spacing;
+    icons::word_buttons_width(ui, &words) + check_mark + separators
 }
 
 /// Returns the name of a camera preset.

@@ -19,7 +19,7 @@ use gsk_workpiece::region::Region;
 use gsk_workpiece::stock::StockMaterial;
 use gsk_workpiece::tool::{BodyPart, Holder, Insert, Tool, ToolShape};
 
-use super::animation::{EffectsAnimation, has_broken_insert, is_blurred};
+use super::animation::{EffectsAnimation, broken_tool, is_blurred};
 use super::path::ScenePath;
 use crate::views::machine::path::DrawnPath;
 
@@ -34,9 +34,9 @@ const DOOR_TIME_S: f32 = 0.8;
 /// Cotangent of half the angle of a centre, 30 degrees.
 const CENTER_COTANGENT: f64 = 1.732;
 
-/// The data that determine the drawn tools: job, tool in use, machine, and whether its insert is
-/// broken.
-type ToolsKey = (Arc<Job>, u8, LatheKind, bool);
+/// The data that determine the drawn tools: job, tool in use, machine, and the tool with a broken
+/// insert.
+type ToolsKey = (Arc<Job>, u8, LatheKind, Option<u8>);
 
 /// Builds the descriptions from which the lathe is drawn; keeps the data that change only with the
 /// job or the part.
@@ -139,15 +139,15 @@ impl SceneDescriber {
     }
 
     fn update_tools(&mut self, part: &PartView, kind: LatheKind) {
-        let is_broken = has_broken_insert(part);
+        let broken = broken_tool(part);
         let known = self.tools_key.as_ref();
         if known.is_some_and(|(job, tool, known_kind, was_broken)| {
             Arc::ptr_eq(job, &part.job)
-                && (*tool, *known_kind, *was_broken) == (part.tool, kind, is_broken)
+                && (*tool, *known_kind, *was_broken) == (part.tool, kind, broken)
         }) {
             return;
         }
-        self.tools_key = Some((Arc::clone(&part.job), part.tool, kind, is_broken));
+        self.tools_key = Some((Arc::clone(&part.job), part.tool, kind, broken));
         let mut tools = vec![None; kind.station_count()];
         // A carrier has fewer stations than the control has tools: the tool in use is always
         // in its station.
@@ -155,11 +155,12 @@ impl SceneDescriber {
         let current = part.job.tools.get_key_value(&part.tool);
         for (number, tool) in all.chain(current) {
             if let Some(station) = tools.get_mut(station_of(*number, kind)) {
-                *station = Some(make_tool(tool));
+                let mounted = make_tool(tool);
+                *station = Some(match broken == Some(*number) {
+                    true => break_insert(&mounted),
+                    false => mounted,
+                });
             }
-        }
-        if let (true, Some(Some(tool))) = (is_broken, tools.get_mut(station_of(part.tool, kind))) {
-            *tool = break_insert(tool);
         }
         self.tools = tools;
     }
@@ -369,6 +370,25 @@ mod tests {
     }
 
     #[test]
+    fn an_insert_broken_by_a_fault_is_drawn_broken_without_a_crash() {
+        let mut part = view(50.0);
+        part.tool = 1;
+        let mut describer = SceneDescriber::default();
+        let whole = describer.describe(&part, SceneTheme::Day, 0.1);
+        part.fittings.broken_tool = Some(1);
+        let broken = describer.describe(&part, SceneTheme::Day, 0.1);
+        assert_ne!(broken.current_tool(), whole.current_tool());
+        assert!(broken.effects.marks.is_empty() && broken.effects.bar_bend == 0.0);
+        // It stays broken in its station while another tool works.
+        part.tool = 3;
+        let changed = describer.describe(&part, SceneTheme::Day, 9.0);
+        assert_eq!(changed.tools[0], broken.tools[0]);
+        part.fittings.broken_tool = None;
+        let mended = describer.describe(&part, SceneTheme::Day, 0.1);
+        assert_eq!(mended.tools[0], whole.tools[0]);
+    }
+
+    #[test]
     fn a_cut_throws_chips_and_a_tool_change_turns_the_carrier() {
         let mut part = view(50.0);
         part.tool = 1;
@@ -432,6 +452,7 @@ mod tests {
             steady_rest: Some(70.0),
             lit_lamps: [true, false, true],
             wheel_detents: -12,
+            broken_tool: None,
         };
         let fitted = describer.describe(&part, SceneTheme::Day, 0.1);
         assert_eq!(fitted.kind, LatheKind::Bench);

@@ -51,6 +51,7 @@ impl SceneRecorder {
                 // A program runs, without a ladder.
                 lit_lamps: [true, false, false],
                 wheel_detents: 0,
+                broken_tool: None,
             },
             section: (None, Arc::default()),
             lathes: Vec::new(),

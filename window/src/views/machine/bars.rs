@@ -1,6 +1,6 @@
 //! The tool bar above the picture, and the state lines, findings and clock below it.
 
-use egui::{Label, RichText, ScrollArea, Ui};
+use egui::{Color32, Label, RichText, ScrollArea, Ui};
 use gsk_core::command::ProgramId;
 use gsk_host::kernel::Command;
 use gsk_messages::{Language, Message, say};
@@ -164,24 +164,9 @@ impl LatheView {
 
     /// Draws the row below the picture: pointer position, block, text of the instrument, clock,
     /// guesses about the job, and collisions.
-    pub(super) fn show_state(&mut self, ui: &mut Ui, language: Language) {
-        ui.horizontal(|ui| {
-            let pointer = self.pointer.map_or_else(String::new, |at| {
-                say::lathe_pointer(f64::from(at.y) * 2.0, f64::from(at.x)).text(language)
-            });
-            // A fixed width, so that the label beside it does not move.
-            ui.label(RichText::new(format!("{pointer:<24}")).monospace());
-            let running = self.part.as_ref().and_then(|part| part.block);
-            let chosen = self.selected.as_ref().map(|chosen| chosen.block);
-            if let Some(block) = chosen.or(running.map(to_block_ref)) {
-                let words = RichText::new(self.describe_block(block)).monospace();
-                let words = Label::new(words).truncate().sense(egui::Sense::click());
-                let hint = say::lathe_show_text().text(language);
-                if ui.add(words).on_hover_text(hint).clicked() {
-                    self.program_text.request = Some(self.make_show_request(block, true));
-                }
-            }
-        });
+    /// In a low view the block takes the place of the sentence about the job.
+    pub(super) fn show_state(&mut self, ui: &mut Ui, is_low: bool, language: Language) {
+        self.show_position(ui, is_low, language);
         match self.instruments.selected {
             Instrument::Job | Instrument::Caliper => {}
             Instrument::Path => self.show_xray(ui, language),
@@ -203,24 +188,10 @@ impl LatheView {
         let elapsed = running.map(|_| self.time_bar.elapsed_share(total_s));
         let load = &mut self.instruments.load;
         load.show_bar(ui, total_s, elapsed, language);
-        let (words, color) = match &self.part {
-            Some(part) if part.empty_chuck.is_some() => {
-                (say::lathe_chuck_empty(), theme::STATE_TEXT)
-            }
-            Some(part) => match &part.job_name {
-                Some(name) => (say::lathe_job(name), theme::STATE_TEXT),
-                None if self.instruments.job.is_own_change(&part.job) => {
-                    (say::lathe_changed(), theme::STATE_TEXT)
-                }
-                None if self.preview.is_practice_job => (say::lathe_practice(), theme::STATE_TEXT),
-                None if self.preview.is_form_job => (say::job_of_form(), theme::STATE_TEXT),
-                None => (say::lathe_guessed(), theme::WARNING),
-            },
-            None if self.preview.is_practice_job => (say::lathe_no_path(), theme::STATE_TEXT),
-            None if self.preview.program_count > 0 => (say::lathe_nothing_cut(), theme::WARNING),
-            None => (say::window_one_moment(), theme::STATE_TEXT),
-        };
-        ui.label(RichText::new(words.text(language)).color(color));
+        if !is_low {
+            let (words, color) = self.job_message();
+            ui.label(RichText::new(words.text(language)).color(color));
+        }
         if let Some(trouble) = &self.preview.job_file_error {
             ui.label(RichText::new(trouble.text(language)).color(theme::COLLISION));
         }
@@ -237,6 +208,53 @@ impl LatheView {
             ui.label(RichText::new(words).color(theme::WARNING));
         }
         self.show_collisions(ui, language);
+    }
+
+    /// The sentence about the job of the part, and its colour.
+    fn job_message(&self) -> (Message, Color32) {
+        match &self.part {
+            Some(part) if part.empty_chuck.is_some() => {
+                (say::lathe_chuck_empty(), theme::STATE_TEXT)
+            }
+            Some(part) => match &part.job_name {
+                Some(name) => (say::lathe_job(name), theme::STATE_TEXT),
+                None if self.instruments.job.is_own_change(&part.job) => {
+                    (say::lathe_changed(), theme::STATE_TEXT)
+                }
+                None if self.preview.is_practice_job => (say::lathe_practice(), theme::STATE_TEXT),
+                None if self.preview.is_form_job => (say::job_of_form(), theme::STATE_TEXT),
+                None => (say::lathe_guessed(), theme::WARNING),
+            },
+            None if self.preview.is_practice_job => (say::lathe_no_path(), theme::STATE_TEXT),
+            None if self.preview.program_count > 0 => (say::lathe_nothing_cut(), theme::WARNING),
+            None => (say::window_one_moment(), theme::STATE_TEXT),
+        }
+    }
+
+    /// Draws the position of the pointer, and the block that is selected or runs. Without one a
+    /// low view (`is_low`) has the sentence about the job there.
+    fn show_position(&mut self, ui: &mut Ui, is_low: bool, language: Language) {
+        ui.horizontal(|ui| {
+            let pointer = self.pointer.map_or_else(String::new, |at| {
+                say::lathe_pointer(f64::from(at.y) * 2.0, f64::from(at.x)).text(language)
+            });
+            // A fixed width, so that the label beside it does not move.
+            ui.label(RichText::new(format!("{pointer:<24}")).monospace());
+            let running = self.part.as_ref().and_then(|part| part.block);
+            let chosen = self.selected.as_ref().map(|chosen| chosen.block);
+            if let Some(block) = chosen.or(running.map(to_block_ref)) {
+                let words = RichText::new(self.describe_block(block)).monospace();
+                let words = Label::new(words).truncate().sense(egui::Sense::click());
+                let hint = say::lathe_show_text().text(language);
+                if ui.add(words).on_hover_text(hint).clicked() {
+                    self.program_text.request = Some(self.make_show_request(block, true));
+                }
+            } else if is_low {
+                let (words, color) = self.job_message();
+                let words = RichText::new(words.text(language)).color(color);
+                ui.add(Label::new(words).truncate());
+            }
+        });
     }
 
     /// Draws the reason for the position of the selected cycle pass, and the words of its

@@ -9,9 +9,9 @@ use gsk_messages::{Language, say};
 /// Minimum distance between two grid lines, points.
 const MIN_LINE_DISTANCE: f32 = 56.0;
 /// Width of the scale of X at the left edge of the picture, points.
-pub const X_SCALE_WIDTH: f32 = 48.0;
+const X_SCALE_WIDTH: f32 = 48.0;
 /// Height of the name of X above its scale, points.
-pub const X_NAME_HEIGHT: f32 = 18.0;
+const X_NAME_HEIGHT: f32 = 18.0;
 
 /// Draws the grid lines below the picture.
 pub fn draw_lines(painter: &Painter, camera: &Camera) {

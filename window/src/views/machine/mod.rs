@@ -99,6 +99,9 @@ pub enum ProgramViewRequest {
     },
 }
 
+/// Height of a view below which its rows below the picture are fewer, points.
+const LOW_VIEW_HEIGHT: f32 = 300.0;
+
 /// The view that shows the lathe: path, part and tool, with instruments to examine them.
 pub struct LatheView {
     console: Console,
@@ -266,10 +269,11 @@ impl LatheView {
     /// Draws the machine view and handles its input.
     fn draw(&mut self, ui: &mut Ui, language: Language) {
         self.pass_part_on(ui);
+        let is_low = ui.available_height() < LOW_VIEW_HEIGHT;
         let tools = Panel::top("lathe bar").frame(bar_frame());
         tools.show(ui, |ui| self.show_toolbar(ui, language));
         let state = Panel::bottom("lathe state").frame(side_frame());
-        state.show(ui, |ui| self.show_state(ui, language));
+        state.show(ui, |ui| self.show_state(ui, is_low, language));
         if self.instruments.selected == Instrument::Job {
             self.show_job(ui, language);
         }

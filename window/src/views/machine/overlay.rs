@@ -6,7 +6,6 @@ use gsk_messages::{Language, Message, say};
 use gsk_runner::times::TimeUse;
 
 use super::camera::Camera;
-use super::grid::{X_NAME_HEIGHT, X_SCALE_WIDTH};
 use super::to_pos2;
 use crate::theme;
 
@@ -32,28 +31,29 @@ pub fn draw_states(painter: &Painter, rect: Rect, part: &PartView, language: Lan
     }
 }
 
-/// Writes the names of the kinds of moves into the upper left corner, each beside a line in the
-/// colour of its path.
+/// Writes the names of the kinds of moves into one row at the upper edge, each beside a line in the
+/// colour of its path: a row covers neither chuck nor part.
 pub fn draw_legend(painter: &Painter, rect: Rect, language: Language) {
     let font = FontId::proportional(theme::SCALE_SIZE);
-    // Beside the scale of X, which is at the left edge, and below its name.
-    let mut at = rect.left_top() + vec2(X_SCALE_WIDTH, X_NAME_HEIGHT + 4.0);
+    let layout = |text: String| painter.layout_no_wrap(text, font.clone(), theme::QUIET_TEXT);
+    // Beside the name of X, which is in the corner.
+    let name = layout(say::lathe_axis_x().text(language));
+    let mut at = rect.left_top() + vec2(name.size().x + 14.0, 1.0);
     for (what, color) in [
         (TimeUse::Rapid, theme::RAPID_PATH),
         (TimeUse::Feed, theme::FEED_PATH),
         (TimeUse::Thread, theme::THREAD_PATH),
     ] {
-        let words = what.message().text(language);
-        let galley = painter.layout_no_wrap(words, font.clone(), theme::QUIET_TEXT);
+        let galley = layout(what.message().text(language));
         let size = galley.size() + vec2(LEGEND_LINE + 10.0, 2.0);
-        let row = Rect::from_min_size(at, size);
-        painter.rect_filled(row, 2.0, theme::PICTURE_LABEL_GROUND);
-        let line = row.left_center() + vec2(3.0, 0.0);
+        let label = Rect::from_min_size(at, size);
+        painter.rect_filled(label, 2.0, theme::PICTURE_LABEL_GROUND);
+        let line = label.left_center() + vec2(3.0, 0.0);
         let ends = [line, line + vec2(LEGEND_LINE, 0.0)];
         painter.line_segment(ends, Stroke::new(2.5, color));
-        let text = row.left_top() + vec2(LEGEND_LINE + 7.0, 1.0);
+        let text = label.left_top() + vec2(LEGEND_LINE + 7.0, 1.0);
         painter.galley(text, galley, theme::QUIET_TEXT);
-        at.y += row.height();
+        at.x += label.width() + 2.0;
     }
 }
 

@@ -102,17 +102,6 @@ impl ProgramBar {
             }
             ui.separator();
             breakpoints.show_menu(ui, language);
-            ui.separator();
-            let name = match is_in_form {
-                true => say::program_form_open(),
-                false => say::program_form(),
-            };
-            let button = Button::new(name.text(language));
-            let hint = say::program_form_hint().text(language);
-            let button = ui.add_enabled(is_editable, button).on_hover_text(hint);
-            if button.clicked() {
-                command = Some(EditorCommand::OpenForm);
-            }
         });
         ui.horizontal(|ui| {
             if self.show_field(ui, "find", &say::program_find(), "Ctrl+F", language) {
@@ -126,6 +115,10 @@ impl ProgramBar {
             let hint = format!("{hint} (Ctrl+G)");
             if self.show_field(ui, "go to", &say::program_go_to(), &hint, language) {
                 command = Some(EditorCommand::GoTo);
+            }
+            ui.separator();
+            if show_form_button(ui, is_in_form, document.is_editable(), language) {
+                command = Some(EditorCommand::OpenForm);
             }
             ui.separator();
             let name =
@@ -180,6 +173,17 @@ impl ProgramBar {
         }
         pressed(Modifiers::NONE, Key::F3).then_some(EditorCommand::Find)
     }
+}
+
+/// Draws the button of the form of the section at the cursor. Returns true if it was clicked.
+fn show_form_button(ui: &mut Ui, is_in_form: bool, is_editable: bool, language: Language) -> bool {
+    let name = match is_in_form {
+        true => say::program_form_open(),
+        false => say::program_form(),
+    };
+    let button = ui.add_enabled(is_editable, Button::new(name.text(language)));
+    let hint = say::program_form_hint().text(language);
+    button.on_hover_text(hint).clicked()
 }
 
 /// Draws the menu of files and stores the chosen command in `command`.

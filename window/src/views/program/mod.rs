@@ -14,6 +14,7 @@ mod paint;
 mod port_pane;
 mod print;
 mod restart;
+mod run_follower;
 mod targets;
 mod watches;
 pub use std::ops::Range;
@@ -39,6 +40,7 @@ use editor::EditorInputs;
 use paint::TextColorizer;
 use port_pane::PortPane;
 use restart::RestartDialog;
+use run_follower::RunFollower;
 use targets::JumpTarget;
 
 /// The text to load into the editor.
@@ -69,10 +71,7 @@ pub struct ProgramView {
     port: PortPane,
     sections: SectionFinder,
     breakpoints: BreakpointList,
-    /// Whether the line of a new halt is shown in the next frame.
-    shows_running_line: bool,
-    /// The line of the block that runs, as in the last frame.
-    running_line: Option<u32>,
+    run_follower: RunFollower,
     bar: ProgramBar,
     /// The range of characters to select and scroll to in the next frame; `None`: none.
     selection_to_show: Option<Range<usize>>,
@@ -149,8 +148,7 @@ impl ProgramView {
             port: PortPane::default(),
             sections: SectionFinder::default(),
             breakpoints: BreakpointList::new(console.clone(), watched),
-            shows_running_line: false,
-            running_line: None,
+            run_follower: RunFollower::default(),
             document_store: DocumentStore::new(console),
             last_check: None,
             painter: TextColorizer::default(),
@@ -185,7 +183,7 @@ impl ProgramView {
         let Some(block) = self.breakpoints.take_snapshot(snapshot) else {
             return;
         };
-        self.shows_running_line = true;
+        self.run_follower.request();
         if let ProgramId::Stored(number) = block.program
             && !BreakpointList::is_program(&self.document, block.program)
             && !self.document.is_unsaved()
@@ -312,13 +310,14 @@ impl ProgramView {
         let margin = self.breakpoints.margin_marks(&self.document);
         // The text follows the program that runs, unless the cursor is in it.
         let is_edited = ui.memory(|memory| memory.has_focus(editor::text_field_id()));
-        let previous_line = std::mem::replace(&mut self.running_line, margin.running_line);
-        self.shows_running_line |= !is_edited && previous_line != margin.running_line;
+        let height = ui.available_height();
+        let shows_running_line =
+            (self.run_follower).should_scroll(margin.running_line, height, is_edited);
         let sheet = EditorInputs {
             document: &mut self.document,
             marks,
             margin,
-            shows_running_line: std::mem::take(&mut self.shows_running_line),
+            shows_running_line,
             language,
         };
         if !edited {

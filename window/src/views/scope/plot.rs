@@ -19,6 +19,11 @@ const TIME_HEIGHT: f32 = 24.0;
 /// Height of the lane in which a bit is drawn, points.
 const BIT_HEIGHT: f32 = 24.0;
 
+/// Height of the name of a lane above its curves, points.
+const NAME_HEIGHT: f32 = 17.0;
+/// Height of a lane below which its name is within the curves: they would be too flat, points.
+const MIN_NAMED_LANE_HEIGHT: f32 = 38.0;
+
 /// Converts ticks to x coordinates in the window and back.
 #[derive(Clone, Copy)]
 pub struct TimeScale {
@@ -61,7 +66,7 @@ impl Scope {
             plot_rect.min + vec2(SCALE_WIDTH, 0.0),
             plot_rect.max - vec2(4.0, TIME_HEIGHT),
         );
-        let lanes = self.layout_lanes(area);
+        let (lanes, is_name_above) = self.layout_lanes(area);
         let Some((first, last)) = self.visible_ticks() else {
             let words = say::scope_waits_for_samples().text(language);
             let font = FontId::proportional(theme::READING_SIZE);
@@ -91,15 +96,18 @@ impl Scope {
         self.draw_time_scale(ui, area, time);
         for (lane, place) in &lanes {
             match lane {
-                Lane::Quantity(index) => self.draw_lane(ui, *index, *place, time, language),
+                Lane::Quantity(index) => {
+                    self.draw_lane(ui, *index, (*place, is_name_above), time, language);
+                }
                 Lane::Bit(channel) => self.draw_bit_lane(ui, channel, *place, time),
             }
         }
         self.draw_cursors(ui, area, time);
     }
 
-    /// The lanes that have traces, from top to bottom, each with its rectangle.
-    fn layout_lanes(&self, area: Rect) -> Vec<(Lane, Rect)> {
+    /// The lanes that have traces, from top to bottom, each with the rectangle of its curves, and
+    /// whether their names are above the curves.
+    fn layout_lanes(&self, area: Rect) -> (Vec<(Lane, Rect)>, bool) {
         let drawn = |quantity| {
             let shown = TRACES.iter().zip(self.trace_enabled);
             shown
@@ -115,6 +123,7 @@ impl Scope {
         let bits = self.bit_channels.len() as f32 * BIT_HEIGHT;
         let height = (area.height() - bits) / quantities.len().max(1) as f32;
         let height = height.max(20.0);
+        let has_names_above = height >= MIN_NAMED_LANE_HEIGHT;
         let mut top = area.top();
         let mut lanes = Vec::new();
         let mut add = |lane, height: f32| {
@@ -129,7 +138,12 @@ impl Scope {
         for channel in &self.bit_channels {
             add(Lane::Bit(*channel), BIT_HEIGHT);
         }
-        lanes
+        for (lane, place) in &mut lanes {
+            if matches!(lane, Lane::Quantity(_)) {
+                place.min.y += if has_names_above { NAME_HEIGHT } else { 0.0 };
+            }
+        }
+        (lanes, has_names_above)
     }
 
     fn draw_time_scale(&self, ui: &Ui, area: Rect, time: TimeScale) {
@@ -175,7 +189,7 @@ impl Scope {
         &mut self,
         ui: &Ui,
         index: usize,
-        rect: Rect,
+        (rect, is_name_above): (Rect, bool),
         time: TimeScale,
         language: Language,
     ) {
@@ -221,10 +235,15 @@ impl Scope {
         let name = ui
             .painter()
             .layout_no_wrap(name, font, theme::SCOPE_LANE_TEXT);
-        let corner = rect.min + vec2(6.0, 3.0);
-        let back = Rect::from_min_size(corner, name.size()).expand2(vec2(3.0, 1.0));
-        let shade = theme::SCOPE_LANE_GROUND;
-        ui.painter().rect_filled(back, 2.0, shade);
+        let corner = if is_name_above {
+            rect.min + vec2(2.0, -NAME_HEIGHT)
+        } else {
+            let corner = rect.min + vec2(6.0, 3.0);
+            let back = Rect::from_min_size(corner, name.size()).expand2(vec2(3.0, 1.0));
+            ui.painter()
+                .rect_filled(back, 2.0, theme::SCOPE_LANE_GROUND);
+            corner
+        };
         ui.painter().galley(corner, name, theme::SCALE_TEXT);
     }
 
