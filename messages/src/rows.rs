@@ -3433,6 +3433,7 @@ message_rows! {
     run_program_stop RunProgramStop(line);
     run_question RunQuestion(place: message);
     run_reset_ended RunResetEnded();
+    run_restart_speed RunRestartSpeed(wanted: "{:.0}", measured: "{:.0}");
     run_start_at RunStartAt(place: message);
     run_stop RunStop(line);
     sample_bushing SampleBushing();
@@ -4049,6 +4050,7 @@ message_rows! {
     wait_for_gear_input WaitForGearInput();
     wait_for_input_high WaitForInputHigh(input);
     wait_for_input_low WaitForInputLow(input);
+    wait_for_restart_speed WaitForRestartSpeed(wanted: "{:.0}");
     wait_for_spindle WaitForSpindle();
     wait_for_spindle_speed WaitForSpindleSpeed();
     wait_for_tool_post WaitForToolPost(fin: message);
