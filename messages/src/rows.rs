@@ -142,6 +142,8 @@ message_rows! {
     breakpoint_next_slot BreakpointNextSlot();
     breakpoint_next_slot_hint BreakpointNextSlotHint();
     breakpoint_remove BreakpointRemove(location);
+    breakpoint_slot_back BreakpointSlotBack();
+    breakpoint_slot_back_hint BreakpointSlotBackHint();
     breakpoint_stepped BreakpointStepped(place);
     breakpoint_time_stands BreakpointTimeStands();
     breakpoint_variables BreakpointVariables();
@@ -3756,6 +3758,7 @@ message_rows! {
     timeline_menu_hint TimelineMenuHint();
     timeline_minutes TimelineMinutes(minutes);
     timeline_name TimelineName();
+    timeline_next_slot_hint TimelineNextSlotHint();
     timeline_no_other_future TimelineNoOtherFuture();
     timeline_not_in_lesson TimelineNotInLesson();
     timeline_not_while_moving TimelineNotWhileMoving();
