@@ -12,6 +12,7 @@ mod command_line;
 mod common;
 
 mod crash;
+mod dap;
 mod data_view;
 mod exercise_from_part;
 mod first_start;

@@ -156,6 +156,52 @@ fn a_slot_of_the_ladder_is_eight_ticks() {
 }
 
 #[test]
+fn a_slot_back_opens_the_time_line_and_leads_to_the_halt_again() {
+    let mut bench = open_program(WindowBench::with_settings(
+        Setup::default(),
+        settings(),
+        vec2(1280.0, 806.0),
+    ));
+    bench.run(4000);
+    let slot = BreakpointCommand::NextSlot;
+    bench.console.send(Command::Breakpoints(slot));
+    bench.run(100);
+    wait_for(&mut bench, "machine time stands still");
+    assert!(!bench.harness.state().settings().timeline);
+    bench
+        .harness
+        .query_all_by_label("Slot back")
+        .next()
+        .expect("a button")
+        .click();
+    wait_for(&mut bench, "You see the past");
+    bench.run(50);
+    assert!(bench.harness.state().settings().timeline);
+    let first = bench.kernel.snapshot().past.expect("the past");
+    assert_eq!(first.age_ms, 8);
+    click(&mut bench, "Slot back");
+    bench.run(1);
+    let second = bench.kernel.snapshot().past.expect("the past");
+    assert_eq!(second.age_ms, 16);
+    for _ in 0..2 {
+        click(&mut bench, "Ladder slot");
+        bench.run(1);
+    }
+    assert_eq!(bench.kernel.snapshot().past, None);
+    wait_for(&mut bench, "machine time stands still");
+    // A closed strip shows the present, and stays closed.
+    click(&mut bench, "Views");
+    let mut entries = bench.harness.query_all_by_label("Time line");
+    let is_entry =
+        |it: &egui_kittest::Node<'_>| it.accesskit_node().role() != egui::accesskit::Role::Slider;
+    entries.find(is_entry).expect("an entry").click();
+    drop(entries);
+    bench.run(50);
+    bench.run(50);
+    assert!(!bench.harness.state().settings().timeline);
+}
+
+#[test]
 fn the_list_of_differences_is_edited_and_checked_again() {
     let mut bench = open_program(WindowBench::with_settings(
         Setup::default(),

@@ -1,13 +1,15 @@
 //! A program that runs on the simulated lathe under a debugger: the machine, its part, and the
 //! operator's keys.
 
+use gsk_core::command::ProgramId;
 use gsk_core::operation::RunState;
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::simulation::Simulation;
 use gsk_runner::machining::CollisionFinding;
 use gsk_runner::machining::live_part::LivePart;
 
-use crate::call_stack::CallStack;
+use crate::call_stack::{CallFrame, CallStack};
+use crate::source_files::find_block_line;
 
 const AUTO_KEY: BitAddress = BitAddress::new(Area::X, 20, 1);
 const START_KEY: BitAddress = BitAddress::new(Area::X, 25, 0);
@@ -135,6 +137,32 @@ impl DebuggedRun {
     /// The call stack of the block in execution.
     pub const fn calls(&self) -> &CallStack {
         &self.calls
+    }
+
+    /// The levels of the call stack, the innermost first. Before the first block it is the main
+    /// program alone, at that block.
+    pub fn frames(&self) -> Vec<CallFrame> {
+        let Some((program, line)) = self.entry_block() else {
+            return self.calls.frames();
+        };
+        vec![CallFrame {
+            program,
+            line,
+            is_macro: false,
+            runs_left: 1,
+        }]
+    }
+
+    /// Program and line of the first block while no block has begun; `None` after it has. The
+    /// line of a program without a block is 1.
+    pub(crate) fn entry_block(&self) -> Option<(ProgramId, u32)> {
+        if self.calls.block().is_some() {
+            return None;
+        }
+        let programs = self.simulation.cnc.programs();
+        let program = programs.selected()?;
+        let first = find_block_line(programs, &[program], 1);
+        Some(first.unwrap_or((program, 1)))
     }
 
     /// The part that the run cuts; `None` without one.

@@ -150,9 +150,10 @@ impl DebugSession {
             if before == RunProgress::Ended {
                 return Some(StopReason::Ended);
             }
+            let entry = self.run.entry_block();
             let collisions = self.run.tick();
             self.history.record(&self.run);
-            let stop = self.find_stop(&collisions);
+            let stop = self.find_stop(&collisions, entry);
             if stop.is_some() {
                 return stop;
             }
@@ -173,8 +174,12 @@ impl DebugSession {
     }
 
     /// Returns the reason for which the tick that has just passed stops the session; `None` if it
-    /// does not.
-    fn find_stop(&mut self, collisions: &[CollisionFinding]) -> Option<StopReason> {
+    /// does not. `entry` is [`DebuggedRun::entry_block`] before the tick.
+    fn find_stop(
+        &mut self,
+        collisions: &[CollisionFinding],
+        entry: Option<(ProgramId, u32)>,
+    ) -> Option<StopReason> {
         let simulation = self.run.simulation();
         let hits = self
             .breakpoints
@@ -207,7 +212,7 @@ impl DebugSession {
         let RunGoal::Step { kind, depth } = self.goal else {
             return None;
         };
-        is_step_end(&self.run, kind, depth).then_some(StopReason::Step)
+        is_step_end(&self.run, entry, kind, depth).then_some(StopReason::Step)
     }
 
     /// Goes back: to the last breakpoint before the present moment ([`DebugStep::Continue`]), or
@@ -251,11 +256,12 @@ impl DebugSession {
         self.breakpoints
             .resync(run.simulation(), run.calls().block());
         while run.ticks() + 1 < end {
+            let entry = run.entry_block();
             let collisions = run.tick_again();
             let hits = self
                 .breakpoints
                 .follow_tick(run.simulation(), !collisions.is_empty());
-            if !hits.is_empty() || is_step_end(&run, kind, depth) {
+            if !hits.is_empty() || is_step_end(&run, entry, kind, depth) {
                 found = Some(run.ticks());
             }
         }
@@ -266,6 +272,7 @@ impl DebugSession {
     fn stop_at_tick(&mut self, tick: u64, kind: DebugStep, depth: usize) -> StopReason {
         self.go_to_tick(tick - 1);
         self.goal = RunGoal::Step { kind, depth };
+        self.press_start_if_stopped();
         self.advance(1).unwrap_or(StopReason::Step)
     }
 
@@ -301,9 +308,15 @@ fn raised_alarm(run: &DebuggedRun) -> Option<Alarm> {
     })
 }
 
-/// Whether the tick that has just passed ends a step that began at `depth` running calls.
-fn is_step_end(run: &DebuggedRun, kind: DebugStep, depth: usize) -> bool {
-    let has_begun = begun_blocks(run).next().is_some();
+/// Whether the tick that has just passed ends a step that began at `depth` running calls. The
+/// first block, `entry` before it begins, ends no step: the session stands at it from the start.
+fn is_step_end(
+    run: &DebuggedRun,
+    entry: Option<(ProgramId, u32)>,
+    kind: DebugStep,
+    depth: usize,
+) -> bool {
+    let has_begun = begun_blocks(run).any(|block| entry != Some((block.program, block.line)));
     let now = run.calls().depth();
     let events = run.simulation().cnc.events();
     match kind {

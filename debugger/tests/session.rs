@@ -42,7 +42,7 @@ fn step(session: &mut DebugSession, kind: DebugStep) -> StopReason {
 
 /// The call stack as `program:line`; the main program is `main`.
 fn frames(session: &DebugSession) -> Vec<String> {
-    let frames = session.run().calls().frames();
+    let frames = session.run().frames();
     let names = frames.iter().map(|frame| match frame.program {
         ProgramId::Stored(number) => format!("O{number}:{}", frame.line),
         _ => format!("main:{}", frame.line),
@@ -62,6 +62,59 @@ fn steps_follow_the_call_stack() {
     // M99 only returns: it is no block of the machine.
     assert_eq!(step(&mut session, DebugStep::Into), StopReason::Step);
     assert_eq!(frames(&session), ["main:5"]);
+}
+
+#[test]
+fn before_the_first_block_there_is_one_frame_at_it() {
+    let mut session = session();
+    assert_eq!(frames(&session), ["main:1"]);
+    step(&mut session, DebugStep::Slot);
+    assert_eq!(frames(&session), ["main:1"]);
+    assert_eq!(session.run().calls().block(), None);
+    assert_eq!(step(&mut session, DebugStep::Over), StopReason::Step);
+    assert_eq!(frames(&session), ["main:2"]);
+    assert_eq!(session.go_back(DebugStep::Over), StopReason::Entry);
+    assert_eq!(frames(&session), ["main:1"]);
+    assert_eq!(session.run().ticks(), 0);
+    add(&mut session, "1");
+    let reason = step(&mut session, DebugStep::Continue);
+    assert!(matches!(reason, StopReason::Breakpoint(_)), "{reason:?}");
+    assert_eq!(frames(&session), ["main:1"]);
+}
+
+/// Also over an M00: the operator pressed cycle start there once.
+#[test]
+fn slots_of_the_ladder_lead_back_to_the_states_of_before() {
+    let mut setup = Setup::default();
+    let text = "G00 X50 Z5;\nM00;\nG98 G01 X40 F500;\nM30;\n";
+    setup.memory.programs.open_external(Program::new(text));
+    setup.memory.programs.select(ProgramId::External);
+    let run = DebuggedRun::new(Simulation::new(setup), None);
+    let mut session = DebugSession::new(run, Box::<SnapshotHistory>::default());
+    let reason = step(&mut session, DebugStep::Continue);
+    assert_eq!(reason, StopReason::ProgramStop);
+    let mut states = vec![session.run().simulation().clone()];
+    for _ in 0..30 {
+        assert_eq!(step(&mut session, DebugStep::Slot), StopReason::Step);
+        states.push(session.run().simulation().clone());
+    }
+    let now = states.pop().expect("a state");
+    let first = states.remove(0);
+    for state in states.iter().rev() {
+        assert_eq!(session.go_back(DebugStep::Slot), StopReason::Step);
+        assert!(session.run().simulation() == state, "another state");
+    }
+    session.go_back(DebugStep::Slot);
+    assert!(session.run().ticks() <= first.cnc.ticks());
+    for state in &states {
+        step(&mut session, DebugStep::Slot);
+        while session.run().ticks() < state.cnc.ticks() {
+            step(&mut session, DebugStep::Slot);
+        }
+        assert!(session.run().simulation() == state, "another state");
+    }
+    step(&mut session, DebugStep::Slot);
+    assert!(*session.run().simulation() == now);
 }
 
 #[test]

@@ -142,6 +142,8 @@ message_rows! {
     breakpoint_next_slot BreakpointNextSlot();
     breakpoint_next_slot_hint BreakpointNextSlotHint();
     breakpoint_remove BreakpointRemove(location);
+    breakpoint_slot_back BreakpointSlotBack();
+    breakpoint_slot_back_hint BreakpointSlotBackHint();
     breakpoint_stepped BreakpointStepped(place);
     breakpoint_time_stands BreakpointTimeStands();
     breakpoint_variables BreakpointVariables();
@@ -3433,6 +3435,7 @@ message_rows! {
     run_program_stop RunProgramStop(line);
     run_question RunQuestion(place: message);
     run_reset_ended RunResetEnded();
+    run_restart_speed RunRestartSpeed(wanted: "{:.0}", measured: "{:.0}");
     run_start_at RunStartAt(place: message);
     run_stop RunStop(line);
     sample_bushing SampleBushing();
@@ -3756,6 +3759,7 @@ message_rows! {
     timeline_menu_hint TimelineMenuHint();
     timeline_minutes TimelineMinutes(minutes);
     timeline_name TimelineName();
+    timeline_next_slot_hint TimelineNextSlotHint();
     timeline_no_other_future TimelineNoOtherFuture();
     timeline_not_in_lesson TimelineNotInLesson();
     timeline_not_while_moving TimelineNotWhileMoving();
@@ -4050,6 +4054,7 @@ message_rows! {
     wait_for_gear_input WaitForGearInput();
     wait_for_input_high WaitForInputHigh(input);
     wait_for_input_low WaitForInputLow(input);
+    wait_for_restart_speed WaitForRestartSpeed(wanted: "{:.0}");
     wait_for_spindle WaitForSpindle();
     wait_for_spindle_speed WaitForSpindleSpeed();
     wait_for_tool_post WaitForToolPost(fin: message);

@@ -3,10 +3,14 @@
 //! `RESTART_SEED=2` draws others.
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
 
+#[path = "restart/board.rs"]
+mod board;
 #[path = "restart/part_position.rs"]
 mod part_position;
 #[path = "restart/programs.rs"]
 mod programs;
+#[path = "restart/threads.rs"]
+mod threads;
 #[path = "restart/words.rs"]
 mod words;
 
@@ -31,6 +35,10 @@ const AUTO_KEY: BitAddress = BitAddress::new(Area::X, 20, 1);
 const START_KEY: BitAddress = BitAddress::new(Area::X, 25, 0);
 const RESET_KEY: BitAddress = BitAddress::new(Area::X, 26, 0);
 const LIMIT: u32 = 3_000_000;
+/// Allowed distance of two passes of a thread along the work, mm.
+const HELIX_MM: f64 = 0.005;
+/// Distance of two points that count as one, mm.
+const SAME_MM: f64 = 1e-6;
 
 /// Random numbers that are the same in each run: xorshift.
 struct Random(u64);
@@ -93,6 +101,8 @@ struct RecordedRun {
     /// Tick at which each move has ended, as an index of `path`.
     move_ends: Vec<usize>,
     path: Vec<Point>,
+    /// Angle of the spindle after each tick, degrees.
+    angles: Vec<f64>,
     is_over: bool,
 }
 
@@ -105,6 +115,7 @@ impl RecordedRun {
             moves: Vec::new(),
             move_ends: Vec::new(),
             path: Vec::new(),
+            angles: Vec::new(),
             is_over: false,
         }
     }
@@ -125,6 +136,7 @@ impl RecordedRun {
             }
         }
         self.path.push(self.simulation.cnc.position_machine());
+        (self.angles).push(self.simulation.lathe.spindle_degrees());
     }
 
     fn press(&mut self, key: BitAddress) {
@@ -247,13 +259,31 @@ fn distance_to_segment(point: Point, from: Point, to: Point) -> f64 {
 struct Figures {
     path_mm: f64,
     part_mm3: f64,
+    /// Greatest distance of a thread from the helix of the reference, along the work, mm.
+    helix_mm: f64,
     /// Restarts of which every way collides.
     refused: usize,
 }
 
-/// Restarts at block number `number` of the reference run and compares.
-fn restart(now: &Simulation, part: &LivePart, reference: &RecordedRun, number: u64) -> Figures {
-    let target = find_block(now, Some(part.clone()), &mut BlockNumber(number), None);
+impl Figures {
+    fn add(&mut self, other: &Self) {
+        self.path_mm = self.path_mm.max(other.path_mm);
+        self.part_mm3 = self.part_mm3.max(other.part_mm3);
+        self.helix_mm = self.helix_mm.max(other.helix_mm);
+        self.refused += other.refused;
+    }
+}
+
+/// Restarts at block number `number` of the reference run, or at a pass of its cycle, and
+/// compares. `reach` is the allowed distance of the ends of moves, mm.
+fn restart(
+    now: &Simulation,
+    part: &LivePart,
+    reference: &RecordedRun,
+    (number, pass): (u64, Option<u64>),
+    reach: f64,
+) -> Figures {
+    let target = find_block(now, Some(part.clone()), &mut BlockNumber(number), pass);
     let target = target.unwrap_or_else(|why| panic!("{}", why.text(gsk_messages::Language::En)));
     let plan = plan_restart(now, target.part.as_ref(), &target, &RestartWords::default());
     // A tool that stands within the part cannot reach its point by rapids of one axis: the
@@ -295,21 +325,30 @@ fn restart(now: &Simulation, part: &LivePart, reference: &RecordedRun, number: u
     let sources = |blocks: &[(usize, SourcePosition)]| -> Vec<SourcePosition> {
         blocks.iter().map(|block| block.1).collect()
     };
+    // A block that begins at one of its passes has begun before.
+    let first_block = number + usize::from(pass.is_some());
     assert_eq!(
         sources(&run.blocks),
-        sources(&reference.blocks[number..]),
+        sources(&reference.blocks[first_block..]),
         "blocks"
     );
-    let (moves, expected) = (&run.moves[first_move..], &reference.moves[moves_before..]);
+    let moves = &run.moves[first_move..];
+    let skipped = reference.moves.len() - moves.len();
+    assert_eq!(skipped > moves_before, pass.is_some(), "number of moves");
+    let moves_before = moves_before.max(skipped);
+    let expected = &reference.moves[moves_before..];
     assert_eq!(moves.len(), expected.len(), "number of moves");
     for (made, wanted) in moves.iter().zip(expected) {
         let ends = |it: &ExecutedMove| (it.source, it.kind, it.feed, it.conditions.tool);
         assert_eq!(ends(made), ends(wanted));
         assert!(
-            (made.from - wanted.from).length() < 1e-6,
+            (made.from - wanted.from).length() < reach,
             "{made:?} {wanted:?}"
         );
-        assert!((made.to - wanted.to).length() < 1e-6, "{made:?} {wanted:?}");
+        assert!(
+            (made.to - wanted.to).length() < reach,
+            "{made:?} {wanted:?}"
+        );
         let centers = made.center.zip(wanted.center);
         assert!(centers.is_none_or(|(a, b)| (a - b).length() < 1e-6));
         if let Some((made, wanted)) = made.conditions.thread.zip(wanted.conditions.thread) {
@@ -320,6 +359,7 @@ fn restart(now: &Simulation, part: &LivePart, reference: &RecordedRun, number: u
     let volume = |run: &RecordedRun| run.part.machining().scene().part().volume();
     Figures {
         refused: usize::from(is_refused),
+        helix_mm: threads::greatest_helix_distance(&run, first_move, reference, moves_before),
         path_mm: greatest_deviation(&run, first_move, reference, moves_before),
         part_mm3: match is_refused {
             true => 0.0,
@@ -396,19 +436,16 @@ fn restarts_at_random_blocks_equal_an_uninterrupted_run() {
                 program.name,
                 reference.blocks[number as usize - 1].1
             );
-            let figures = restart(&now, &part, &reference, number);
-            worst.path_mm = worst.path_mm.max(figures.path_mm);
-            worst.part_mm3 = worst.part_mm3.max(figures.part_mm3);
-            worst.refused += figures.refused;
+            let figures = restart(&now, &part, &reference, (number, None), SAME_MM);
+            worst.add(&figures);
             done += 1;
         }
         println!("{}: {share} restarts, {worst:?}", program.name);
-        greatest.path_mm = greatest.path_mm.max(worst.path_mm);
-        greatest.part_mm3 = greatest.part_mm3.max(worst.part_mm3);
-        greatest.refused += worst.refused;
+        greatest.add(&worst);
     }
     println!("{done} restarts, greatest {greatest:?}");
     assert!(greatest.refused * 10 <= done, "{greatest:?} of {done}");
     assert!(greatest.path_mm < 0.005, "{greatest:?}");
     assert!(greatest.part_mm3 < 1.0, "{greatest:?}");
+    assert!(greatest.helix_mm < HELIX_MM, "{greatest:?}");
 }

@@ -40,6 +40,7 @@ const MAIN = write("main.CNC", [
 const SUB = write("O0012.CNC", ["O0012", "G01 Z4", "M08", "G01 Z3", "M09", "M99"]);
 const STOP = write("stop.CNC", ["O0002", "G00 X50 Z5", "M00", "G00 X40", "M30"]);
 const FAULT = write("fault.CNC", ["O0003", "G00 X50 Z5", "G01 X40", "G77", "M30"]);
+const PLAIN = write("plain.CNC", ["G00 X50 Z5", "G01 X40 F500", "M30"]);
 const LOOP = write("loop.CNC", ["O0004", "G00 X50 Z5", "G01 X40 F500", "G01 X50", "M99"]);
 
 const scenes = [];
@@ -113,11 +114,47 @@ scene("an unknown request is refused by its name", async (client) => {
   await client.initializeRequest();
   await assert.rejects(client.customRequest("juggle"), /juggle/);
 });
-scene("stop on entry is at the first block", async (client) => {
+scene("stop on entry is before the first block", async (client) => {
   const stop = stopped(client);
   await begin(client, MAIN, undefined, { stopOnEntry: true });
   assert.strictEqual((await stop).body.reason, "entry");
-  assert.match((await place(client))[0], /^main\.CNC:[12]$/);
+  assert.deepStrictEqual(await place(client), ["main.CNC:1"]);
+  assert.strictEqual(await value(client, "tick"), "0");
+});
+scene("the first step after the entry leads to the second block", async (client) => {
+  const stop = stopped(client);
+  await begin(client, PLAIN, undefined, { stopOnEntry: true });
+  await stop;
+  assert.deepStrictEqual(await place(client), ["plain.CNC:1"]);
+  await go(client, "next");
+  assert.deepStrictEqual(await place(client), ["plain.CNC:2"]);
+  const body = await go(client, "stepBack");
+  assert.strictEqual(body.reason, "entry");
+  assert.deepStrictEqual(await place(client), ["plain.CNC:1"]);
+});
+scene("before the first block the frame stays at it", async (client) => {
+  const stop = stopped(client);
+  await begin(client, PLAIN, undefined, { stopOnEntry: true });
+  await stop;
+  await go(client, "next", { granularity: "instruction" });
+  assert.strictEqual(await value(client, "tick"), "1");
+  assert.deepStrictEqual(await place(client), ["plain.CNC:1"]);
+});
+scene("a slot of the ladder forwards and back is the same state", async (client) => {
+  const stop = stopped(client);
+  await begin(client, MAIN, () => lines(client, MAIN, 4), { instruction: "slot" });
+  await stop;
+  const state = async () => [await value(client, "tick"), await value(client, "XM"), await value(client, "Y5")];
+  const slot = { granularity: "instruction" };
+  await go(client, "next", slot);
+  const first = await state();
+  await go(client, "next", slot);
+  const second = await state();
+  assert.strictEqual(Number(second[0]), Number(first[0]) + 8);
+  await go(client, "stepBack", slot);
+  assert.deepStrictEqual(await state(), first);
+  await go(client, "next", slot);
+  assert.deepStrictEqual(await state(), second);
 });
 scene("a line breakpoint stops at its line", async (client) => {
   const body = await stopAt(client, MAIN, MAIN, 4);
@@ -242,6 +279,7 @@ scene("reverse continue without a breakpoint goes to the beginning", async (clie
   const body = await go(client, "reverseContinue");
   assert.strictEqual(body.reason, "entry");
   assert.strictEqual(await value(client, "tick"), "0");
+  assert.deepStrictEqual(await place(client), ["main.CNC:1"]);
 });
 scene("a breakpoint stays armed after going back", async (client) => {
   await stopAt(client, MAIN, MAIN, 6);

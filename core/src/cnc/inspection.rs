@@ -22,7 +22,12 @@ impl Cnc {
 
     /// Whether the last tick has run a slot of the ladder.
     pub const fn has_run_ladder_slot(&self) -> bool {
-        self.ticks % SLOT_TICKS == 1
+        self.ticks_since_ladder_slot() == 0
+    }
+
+    /// Number of ticks since the last slot of the ladder has run: 0 to 7.
+    pub const fn ticks_since_ladder_slot(&self) -> u64 {
+        (self.ticks + SLOT_TICKS - 1) % SLOT_TICKS
     }
 
     /// The running calls of subprograms and macros after the block that the control has read

@@ -47,7 +47,7 @@ use crate::units::PerAxis;
 /// Ticks between two samples of the input contacts; the outputs are refreshed as often.
 const SAMPLE_TICKS: u64 = 4;
 /// Ticks from one slot of the PLC to the next.
-const SLOT_TICKS: u64 = 8;
+pub const SLOT_TICKS: u64 = 8;
 /// X0.5, *ESP: closed when no emergency stop is pressed.
 const ESP_BYTE: usize = 0;
 const ESP_MASK: u8 = 1 << 5;

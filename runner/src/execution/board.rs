@@ -29,6 +29,8 @@ const MAX_RETURN_TICKS: u32 = 10 * 60 * 1000;
 const KEY_RESPONSE_TICKS: u32 = 1000;
 /// Ticks within which RESET clears the alarms that can be cleared.
 const RESET_RESPONSE_TICKS: u32 = 5000;
+/// Ticks within which the spindle reaches the speed of a restart.
+const RESTART_SPEED_TICKS: u32 = 30_000;
 /// Ticks at standstill after which a stop cannot raise a delayed alarm any more.
 const STOP_SETTLE_TICKS: u32 = 300;
 
@@ -81,6 +83,8 @@ pub(super) struct StopState {
     duration_ticks: u32,
     /// Whether the terminal already shows the question whether the program should continue.
     is_question_shown: bool,
+    /// Time for which a restart has waited for the speed of the spindle, ticks.
+    speed_wait_ticks: u32,
     /// Line at which the last M00 stopped the program, from 1; `None` before any M00.
     program_stop_line: Option<u32>,
 }
@@ -182,8 +186,10 @@ impl ProgramRun<'_> {
             };
             self.stop_state = StopState {
                 program_stop_line,
+                speed_wait_ticks: self.stop_state.speed_wait_ticks,
                 ..StopState::default()
             };
+            self.supervise_restart_speed();
         }
         if state == RunState::Run || self.pending_end.is_some() || !self.is_at_standstill() {
             return;
@@ -225,6 +231,20 @@ impl ProgramRun<'_> {
                 self.pending_end = Some(ExecutionEnd::Stop(say::run_start_at(stop)));
             }
             OperatorAnswer::None | OperatorAnswer::Other | OperatorAnswer::EndOfInput => {}
+        }
+    }
+
+    /// Ends a restart whose spindle does not reach its speed, in place of a wait without an end.
+    fn supervise_restart_speed(&mut self) {
+        let wait = self.simulation.cnc.restart_speed_wait();
+        let Some((wanted, measured)) = wait.filter(|_| self.is_at_standstill()) else {
+            self.stop_state.speed_wait_ticks = 0;
+            return;
+        };
+        self.stop_state.speed_wait_ticks += 1;
+        if self.stop_state.speed_wait_ticks >= RESTART_SPEED_TICKS {
+            let why = say::run_restart_speed(wanted, measured);
+            self.pending_end.get_or_insert(ExecutionEnd::Stop(why));
         }
     }
 

@@ -83,7 +83,7 @@ impl Window {
         let is_halted = self.snapshot.as_ref().is_some_and(|it| it.halt.is_some());
         if is_halted && *severity == MessageSeverity::Hint {
             if let Some(command) = show_halt_buttons(ui, language) {
-                self.console.send(Command::Breakpoints(command));
+                self.console.send(command);
             }
         } else if self.is_start_hint(*severity) {
             self.show_way_back_button(ui);

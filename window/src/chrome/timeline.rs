@@ -33,6 +33,8 @@ const SECOND_TICKS: u64 = 1000;
 pub struct TimelineStrip {
     console: Console,
     is_open: bool,
+    /// Whether the last snapshot shows the past.
+    shows_past: bool,
     /// The session, as it was received last; `None` before the first one.
     view: Option<Arc<TimelineView>>,
     /// Minutes before the present that the band shows; `None` shows the whole session.
@@ -46,6 +48,7 @@ impl TimelineStrip {
         Self {
             console,
             is_open: false,
+            shows_past: false,
             view: None,
             range_minutes: None,
             band: Band::default(),
@@ -53,8 +56,12 @@ impl TimelineStrip {
     }
 
     /// Opens or closes the strip and receives the newest session. A closed strip shows the
-    /// present.
-    pub fn follow(&mut self, is_open: bool) {
+    /// present; a step to the past from elsewhere opens it.
+    pub fn follow(&mut self, is_wanted: &mut bool, snapshot: Option<&PanelSnapshot>) {
+        let shows_past = snapshot.is_some_and(|it| it.past.is_some());
+        *is_wanted |= shows_past && !self.shows_past;
+        self.shows_past = shows_past;
+        let is_open = *is_wanted;
         if self.is_open != is_open {
             self.is_open = is_open;
             self.view = None;
@@ -200,7 +207,30 @@ impl TimelineStrip {
         });
     }
 
-    /// Draws the menu of time ranges and the band with the marks.
+    /// Draws the buttons that step by slots of the ladder. They keep their place in the present,
+    /// so that the band stays under the pointer.
+    fn show_slot_buttons(
+        &self,
+        ui: &mut Ui,
+        view: &TimelineView,
+        past: Option<PastMoment>,
+        language: Language,
+    ) {
+        let slot_back = (
+            say::breakpoint_slot_back(),
+            say::breakpoint_slot_back_hint(),
+        );
+        let next_slot = (say::breakpoint_next_slot(), say::timeline_next_slot_hint());
+        for ((name, hint), back) in [(slot_back, true), (next_slot, false)] {
+            let is_enabled = view.can_continue && (back || past.is_some());
+            let button = ui.add_enabled(is_enabled, egui::Button::new(name.text(language)));
+            if button.on_hover_text(hint.text(language)).clicked() {
+                self.send(TimelineCommand::StepSlot { back });
+            }
+        }
+    }
+
+    /// Draws the menu of time ranges, the steps by slots and the band with the marks.
     fn show_band_row(
         &mut self,
         ui: &mut Ui,
@@ -225,6 +255,7 @@ impl TimelineStrip {
             });
             let hint = say::timeline_range_hint().text(language);
             menu.response.on_hover_text(hint);
+            self.show_slot_buttons(ui, view, past, language);
             let shown = past.map_or(view.end, |past| past.tick);
             let first = match self.range_minutes {
                 Some(minutes) => view.end.saturating_sub(minutes * MINUTE_TICKS).min(shown),

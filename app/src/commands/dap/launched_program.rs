@@ -27,6 +27,7 @@ pub struct LaunchedProgram {
     pub sources: ProgramSources,
     pub breakpoints: ClientBreakpoints,
     pub state: SessionState,
+    /// Whether the session stops before the first block.
     pub stops_on_entry: bool,
     pub is_undisturbed: bool,
     /// The alarm or message of the last stop by one; `None` after another stop.
@@ -62,7 +63,7 @@ impl LaunchedProgram {
         let run = self.session.run();
         let model = run.simulation().cnc.model();
         let naming = model.record().program_naming();
-        let mut frames = run.calls().frames();
+        let mut frames = run.frames();
         if let (Some(block), Some(frame)) = (self.session.stop_block(), frames.first_mut())
             && frame.program == block.program
         {

@@ -128,7 +128,7 @@ impl<W: Write> DapServer<'_, W> {
                 sources,
                 breakpoints: ClientBreakpoints::default(),
                 state: SessionState::Configuring,
-                stops_on_entry: args.stop_on_entry,
+                stops_on_entry: args.stop_on_entry && !args.no_debug,
                 is_undisturbed: args.no_debug,
                 exception: None,
                 goto_targets: Vec::new(),
@@ -254,11 +254,15 @@ impl<W: Write> DapServer<'_, W> {
         let Some(program) = &mut self.program else {
             return Ok(());
         };
+        if request.command == "configurationDone" && program.stops_on_entry {
+            program.state = SessionState::Stopped;
+            self.client.send_response(request, Ok(Value::Null))?;
+            return self.send_stopped("entry", None);
+        }
         let is_instruction = args.granularity == "instruction";
         let instruction = program.instruction;
         let step = |kind: DebugStep| if is_instruction { instruction } else { kind };
         let forwards = match request.command.as_str() {
-            "configurationDone" if program.stops_on_entry => Some(DebugStep::Into),
             "configurationDone" | "continue" => Some(DebugStep::Continue),
             "next" => Some(step(DebugStep::Over)),
             "stepIn" => Some(step(DebugStep::Into)),
@@ -338,10 +342,8 @@ impl<W: Write> DapServer<'_, W> {
         }
         program.state = SessionState::Stopped;
         program.exception = None;
-        let is_entry = core::mem::take(&mut program.stops_on_entry);
         match reason {
             StopReason::Entry => self.send_stopped("entry", None),
-            StopReason::Step if is_entry => self.send_stopped("entry", None),
             StopReason::Step => self.send_stopped("step", None),
             StopReason::ProgramStop => self.send_stopped("pause", Some("M00".to_owned())),
             StopReason::Reached => self.send_stopped("goto", None),

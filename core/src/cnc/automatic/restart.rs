@@ -301,24 +301,26 @@ impl Cnc {
                 programmed_x: None,
             });
         }
-        if !self.waits_for_restart_speed() {
+        if self.restart_speed_wait().is_none() {
             self.take_over_run();
         }
         None
     }
 
-    /// Whether the approach has ended and the spindle has not reached its speed.
-    pub(super) fn waits_for_restart_speed(&self) -> bool {
+    /// The commanded and the measured speed of the spindle, r/min, while the approach of a restart
+    /// has ended and the two differ; `None` otherwise.
+    pub fn restart_speed_wait(&self) -> Option<(f64, f64)> {
         let restart = self.run.automatic.restart.as_ref();
         let has_arrived = restart.is_some_and(|restart| restart.steps.is_empty());
         if !self.run.automatic.is_approaching() || !has_arrived {
-            return false;
+            return None;
         }
         let top = self.spindle.control.top_speed();
         let wanted = self.spindle_switched().abs().min(top);
         let tolerance = wanted * SPEED_TOLERANCE + SPEED_TOLERANCE_RPM;
-        self.spindle.control.has_encoder()
-            && (self.spindle_actual().abs() - wanted).abs() > tolerance
+        let measured = self.spindle_actual().abs();
+        let waits = self.spindle.control.has_encoder() && (measured - wanted).abs() > tolerance;
+        waits.then_some((wanted, measured))
     }
 
     fn take_over_run(&mut self) {

@@ -112,8 +112,8 @@ impl Cnc {
                 false => say::wait_for_input_low(*input),
             });
         }
-        if self.waits_for_restart_speed() {
-            return Some(say::wait_for_spindle_speed());
+        if let Some((wanted, _)) = self.restart_speed_wait() {
+            return Some(say::wait_for_restart_speed(wanted));
         }
         if self.drives.interpolator.is_finished() || self.is_moving() {
             return None;

@@ -7,6 +7,7 @@
 mod marks;
 mod past;
 mod saving;
+mod slot_step;
 #[cfg(test)]
 mod tests;
 
@@ -48,6 +49,12 @@ pub enum TimelineCommand {
     RunByHandwheel(bool),
     /// Show the state of the machine at this tick of the session.
     LookAt(u64),
+    /// Show the state after the slot of the ladder before the shown moment (`back`), or after
+    /// the next one.
+    StepSlot {
+        /// Whether the step goes back.
+        back: bool,
+    },
     /// Continue the machine from the moment that is shown, and abandon what followed.
     ContinueFromHere,
     /// Return from a past moment to the present.
@@ -287,6 +294,7 @@ impl Kernel {
                 self.timeline.last_view = None;
             }
             TimelineCommand::LookAt(tick) => self.look_at(tick),
+            TimelineCommand::StepSlot { back } => self.step_slot(back),
             TimelineCommand::ContinueFromHere => self.continue_from_past(),
             TimelineCommand::ReturnToPresent => self.return_to_present(),
             TimelineCommand::ReturnToBranch => self.return_to_branch(),

@@ -15,7 +15,7 @@ mod passes;
 mod path;
 mod programs;
 mod reference;
-mod restart;
+pub mod restart;
 mod retrace;
 mod states;
 mod stop_position;

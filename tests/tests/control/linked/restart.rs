@@ -22,17 +22,18 @@ use crate::bench::keys::{CYCLE_START, RESET};
 
 /// Plans the restart at a line of the opened program.
 fn plan<T: BenchBoard>(machine: &LinkedMachine<T>, line: u32) -> Result<RestartPlan, Message> {
-    plan_with_part(&machine.simulation, line, None)
+    plan_at(&machine.simulation, (line, None), None)
 }
 
-fn plan_with_part(
+/// Plans the restart at a line, or at a pass of the cycle there.
+pub fn plan_at(
     now: &Simulation,
-    line: u32,
+    (line, pass): (u32, Option<u64>),
     part: Option<&LivePart>,
 ) -> Result<RestartPlan, Message> {
     let program = now.cnc.programs().get(ProgramId::External).unwrap();
     let mut watcher = LineWatcher::new(ProgramId::External, program, line);
-    let target = find_block(now, None, &mut watcher, None)?;
+    let target = find_block(now, None, &mut watcher, pass)?;
     plan_restart(now, part, &target, &RestartWords::default())
 }
 
@@ -157,12 +158,12 @@ fn a_restart_before_the_first_g50_is_checked_where_the_program_has_the_part() {
     programs.select(ProgramId::External);
     let mut job = guess_program_job(&setup, &mut |_| true).expect("a job");
     let part = LivePart::new(Machining::new(job.clone()));
-    let planned = plan_with_part(now, 7, Some(&part));
+    let planned = plan_at(now, (7, None), Some(&part));
     assert!(planned.is_ok(), "{}", planned.unwrap_err());
     // The job has its part where the way leads through.
     let start = now.cnc.position_machine() + Point::new(-20.0, -40.0);
     job.zero = Some(DiameterPoint::from(start));
     let part = LivePart::new(Machining::new(job));
-    let refusal = plan_with_part(now, 7, Some(&part)).unwrap_err();
+    let refusal = plan_at(now, (7, None), Some(&part)).unwrap_err();
     assert_eq!(refusal, say::restart_approach_collision());
 }

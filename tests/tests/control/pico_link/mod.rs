@@ -3,5 +3,6 @@
 
 mod faults;
 mod machine;
+mod restart;
 mod stops;
 mod threads;

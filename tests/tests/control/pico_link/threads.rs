@@ -6,7 +6,7 @@ use super::machine::{COUNTS, PicoMachine};
 use crate::step_link::lathe::referenced_lathe;
 
 /// A pulse of Z, mm.
-const PULSE_MM: f64 = 0.005;
+pub const PULSE_MM: f64 = 0.005;
 
 /// A spindle whose speed varies by 20 % within a turn, and drops by 40 % for half a turn when the
 /// tool enters.
@@ -22,7 +22,12 @@ pub fn disturb(machine: &mut PicoMachine, entry: i64) {
 
 /// The steps of Z in the cuts between two positions, by pass: the distance of each from the helix
 /// of the lead through the first, mm.
-fn passes(machine: &PicoMachine, lead: f64, between: (f64, f64), direction: f64) -> Vec<Vec<f64>> {
+pub fn passes(
+    machine: &PicoMachine,
+    lead: f64,
+    between: (f64, f64),
+    direction: f64,
+) -> Vec<Vec<f64>> {
     let (_, offset) = machine.program_offset();
     let mut passes: Vec<Vec<f64>> = Vec::new();
     let (mut is_cutting, mut last) = (false, i64::MAX);
@@ -54,7 +59,7 @@ fn passes(machine: &PicoMachine, lead: f64, between: (f64, f64), direction: f64)
 }
 
 /// The greatest distance of two steps of all passes from one helix, mm.
-fn spread(passes: &[Vec<f64>]) -> f64 {
+pub fn spread(passes: &[Vec<f64>]) -> f64 {
     let all = || passes.iter().flatten().copied();
     all().fold(f64::MIN, f64::max) - all().fold(f64::MAX, f64::min)
 }

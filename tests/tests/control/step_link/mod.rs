@@ -9,6 +9,7 @@ mod lines;
 mod linked;
 pub mod machine;
 mod motion;
+pub mod restart;
 mod returns;
 mod shutdowns;
 mod speeds;

@@ -15,13 +15,13 @@ const PULSE_MM: f64 = 0.005;
 /// Position of the groove of a pass, mm from the first pulse of the first pass: the least and
 /// the greatest of its pulses.
 #[derive(Clone, Copy, Debug)]
-struct PassGroove {
+pub struct PassGroove {
     least: f64,
     most: f64,
 }
 
 /// The passes of a lathe between two positions; `way` is the direction of its spindle.
-fn pass_grooves(
+pub fn pass_grooves(
     lathe: &StepMachine,
     lead: f64,
     between: (f64, f64),
@@ -64,24 +64,24 @@ fn pass_grooves(
 }
 
 /// The greatest distance of two pulses of all passes.
-fn groove_spread(grooves: &[PassGroove]) -> f64 {
+pub fn groove_spread(grooves: &[PassGroove]) -> f64 {
     let most = grooves.iter().map(|groove| groove.most);
     let least = grooves.iter().map(|groove| groove.least);
     most.fold(f64::MIN, f64::max) - least.fold(f64::MAX, f64::min)
 }
 
 /// The head of a program: part zero, spindle.
-fn program_head(spindle: &str) -> String {
+pub fn program_head(spindle: &str) -> String {
     format!("O1\nG50 X40 Z5\nG98 G97 {spindle}\nG00 X30 Z5\n")
 }
 
-const FIVE_PASSES: &str = "G92 X29 Z-25 F2\nX28.6\nX28.3\nX28.1\nX28\nG00 X40 Z5\nM30\n";
+pub const FIVE_PASSES: &str = "G92 X29 Z-25 F2\nX28.6\nX28.3\nX28.1\nX28\nG00 X40 Z5\nM30\n";
 const LONG_THREAD: &str = "G92 X29 Z-80 F2\nX28.6\nG00 X40 Z5\nM30\n";
 
 /// A pulse, and a tenth of a micrometre. Measured: 0.05 µm at 196 r/min, 2.7 µm at 596 and 4.1
 /// µm at 996. The error above 0.1 µm comes from the board's sampling of the index every 0.1
 /// ms.
-const GROOVE_TOLERANCE_MM: f64 = PULSE_MM + 0.000_1;
+pub const GROOVE_TOLERANCE_MM: f64 = PULSE_MM + 0.000_1;
 
 #[test]
 fn five_passes_of_g92_meet_in_one_groove() {

@@ -9,6 +9,7 @@ use gsk_core::model::ProgramNaming;
 use gsk_core::program::Program;
 use gsk_debugger::location::{BreakEvent, BreakLocation, ProgramFilter};
 use gsk_debugger::source_files::ProgramSources;
+use gsk_host::kernel::timeline::TimelineCommand;
 use gsk_host::kernel::{BreakpointCommand, BreakpointHalt, Command, Console, PanelSnapshot};
 use gsk_messages::{Language, Message, say};
 
@@ -215,7 +216,7 @@ impl BreakpointList {
         ui.horizontal_wrapped(|ui| {
             ui.strong(halt_text(halt, self.console.naming(), language).text(language));
             if let Some(command) = show_halt_buttons(ui, language) {
-                self.command(command);
+                self.console.send(command);
             }
         });
         if let Some(fault) = &halt.fault {
@@ -237,23 +238,29 @@ impl BreakpointList {
     }
 }
 
-/// Draws the buttons that end a halt, and returns the command of the clicked one.
-pub fn show_halt_buttons(ui: &mut Ui, language: Language) -> Option<BreakpointCommand> {
+/// Draws the buttons that lead on or back from a halt, and returns the command of the clicked
+/// one.
+pub fn show_halt_buttons(ui: &mut Ui, language: Language) -> Option<Command> {
     let buttons = [
         (
             say::breakpoint_continue(),
             say::breakpoint_continue_hint(),
-            BreakpointCommand::Continue,
+            Command::Breakpoints(BreakpointCommand::Continue),
         ),
         (
             say::breakpoint_next_block(),
             say::breakpoint_next_block_hint(),
-            BreakpointCommand::NextBlock,
+            Command::Breakpoints(BreakpointCommand::NextBlock),
         ),
         (
             say::breakpoint_next_slot(),
             say::breakpoint_next_slot_hint(),
-            BreakpointCommand::NextSlot,
+            Command::Breakpoints(BreakpointCommand::NextSlot),
+        ),
+        (
+            say::breakpoint_slot_back(),
+            say::breakpoint_slot_back_hint(),
+            Command::Timeline(TimelineCommand::StepSlot { back: true }),
         ),
     ];
     let mut chosen = None;

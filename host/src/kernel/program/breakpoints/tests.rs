@@ -108,3 +108,43 @@ fn a_breakpoint_stays_armed_when_the_machine_goes_back() {
     let block = kernel.snapshot().running_block.unwrap();
     assert_eq!(block.program, ProgramId::Stored(1));
 }
+
+/// The ticks since the last slot of the ladder in the machine that is shown, and its tick.
+fn shown_slot(kernel: &Kernel) -> (u64, u64) {
+    let shown = kernel.shown_machine();
+    (shown.cnc().ticks_since_ladder_slot(), shown.ticks())
+}
+
+#[test]
+fn slots_of_the_ladder_lead_back_from_a_halt_and_forwards_to_it() {
+    let (mut kernel, console) = ready_kernel(&["O1:6"]);
+    press(&mut kernel, &console, Key::CycleStart, 60_000);
+    assert_eq!(halted_line(&kernel), Some(6));
+    let present = kernel.emulator.clone();
+    let (since, halted_at) = shown_slot(&kernel);
+    let last_slot = match since {
+        0 => halted_at - 8,
+        since => halted_at - since,
+    };
+    let mut step = |back: bool, count: u64| {
+        for _ in 0..count {
+            console.send(Command::Timeline(TimelineCommand::StepSlot { back }));
+            kernel.run(0);
+        }
+        let past = kernel.snapshot().past.map(|past| past.tick);
+        let state = kernel.shown_machine().clone();
+        (past, shown_slot(&kernel), state)
+    };
+    let (past, shown, first) = step(true, 1);
+    assert_eq!((past, shown), (Some(last_slot), (0, last_slot)));
+    let far = last_slot - 200 * 8;
+    let (past, shown, _) = step(true, 200);
+    assert_eq!((past, shown), (Some(far), (0, far)));
+    let (past, _, again) = step(false, 200);
+    assert_eq!(past, Some(last_slot));
+    assert!(again == first, "another state");
+    let (past, ..) = step(false, 1);
+    assert_eq!(past, None, "the present is shown");
+    assert_eq!(halted_line(&kernel), Some(6));
+    assert!(kernel.emulator == present, "the present has moved");
+}
