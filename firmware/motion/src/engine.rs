@@ -115,7 +115,7 @@ struct Moment {
 }
 
 /// What the host has configured.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Objects {
     steppers: Vec<Stepper, AXES>,
     groups: Vec<StopGroup, GROUPS>,
@@ -166,7 +166,7 @@ struct EncoderReport {
 }
 
 /// The engine of a board.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Engine {
     state: EngineState,
     oid_count: Option<u32>,

@@ -70,6 +70,7 @@ messages! {
     EncoderState "encoder_state oid=%c clock=%u count=%i index_count=%i"
     AngleState "angle_state oid=%c state=%c count=%i"
     LeaseExpired "lease_expired clock=%u"
+    AngleError "angle_error oid=%c error=%u"
 }
 
 macro_rules! reasons {

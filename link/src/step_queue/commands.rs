@@ -72,7 +72,7 @@ commands! {
 }
 
 /// All replies with their requirement and their exact text in the dictionary.
-pub(super) const REPLIES: [(ReplyKind, Requirement, &str); 13] = [
+pub(super) const REPLIES: [(ReplyKind, Requirement, &str); 14] = [
     (
         ReplyKind::Identify,
         Requirement::Always,
@@ -135,6 +135,11 @@ pub(super) const REPLIES: [(ReplyKind, Requirement, &str); 13] = [
         Requirement::Optional,
         "lease_expired clock=%u",
     ),
+    (
+        ReplyKind::AngleError,
+        Requirement::Optional,
+        "angle_error oid=%c error=%u",
+    ),
 ];
 
 /// The kind of a reply of the board.
@@ -153,6 +158,7 @@ pub(super) enum ReplyKind {
     Encoder,
     Angle,
     LeaseExpired,
+    AngleError,
 }
 
 /// A reply of the board; `numbers` are in the order of the reply's text in the dictionary.

@@ -389,6 +389,13 @@ mod tests {
     }
 
     #[test]
+    fn a_board_with_the_older_dictionary_is_complete() {
+        let text = all_commands(20).replace("angle_error oid=%c error=%u", "other_reply oid=%c");
+        let board = Dictionary::read(text.as_bytes()).unwrap();
+        assert_eq!(board.missing(ALL_WIRED), None);
+    }
+
+    #[test]
     fn a_command_that_differs_by_a_letter_is_named() {
         let text = all_commands(20).replace("count=%hu add=%hi", "count=%hu add=%i");
         let board = Dictionary::read(text.as_bytes()).unwrap();

@@ -309,6 +309,7 @@ impl StepLink {
             ReplyKind::IsShutdown => self.shut_down(numbers[0], self.wire.send_queue.progressed()),
             ReplyKind::Encoder => self.encoder_report(numbers),
             ReplyKind::Angle => self.angle_report(numbers),
+            ReplyKind::AngleError => self.angle.note_phase_error(numbers[1]),
             ReplyKind::LeaseExpired => self.lease_expired(),
             ReplyKind::Starting if self.is_opened() => self.board_restarted(),
             _ => {}

@@ -3,6 +3,7 @@
 use super::{Engine, EngineState, Moment, SLOW_TURNS, StepPort};
 use crate::clock_steps::is_before;
 use crate::messages::{Reason, Response};
+use crate::stepper::Stepper;
 use crate::stops::PlannedStop;
 
 impl Engine {
@@ -148,7 +149,13 @@ impl Engine {
                 spindle.angle.count.into(),
                 spindle.index_count.into(),
             ];
+            let oid = spindle.oid;
             self.send(Response::EncoderState, values);
+            let steppers = self.objects.steppers.iter_mut();
+            let error = steppers.map(Stepper::take_thread_error).max().unwrap_or(0);
+            if error > 0 {
+                self.send(Response::AngleError, [oid.into(), error.into(), 0, 0]);
+            }
         }
     }
 
