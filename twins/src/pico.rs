@@ -56,7 +56,7 @@ pub struct PicoStep {
 }
 
 /// A Raspberry Pi Pico with our firmware, its serial line and its pins, in virtual time.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct PicoTwin {
     now_ns: u64,
     /// Serial line from the host to the board.
@@ -229,6 +229,11 @@ impl PicoTwin {
     /// Exchanges A and B of the spindle encoder, or ends that.
     pub fn set_encoder_reversed(&mut self, is_reversed: bool) {
         self.change_spindle(|spindle| spindle.is_encoder_reversed = is_reversed);
+    }
+
+    /// Shifts the count of the spindle encoder, as lost or doubled edges do.
+    pub fn jump_encoder(&mut self, counts: i64) {
+        self.change_spindle(|spindle| spindle.jumped += counts);
     }
 
     /// Suppresses the index signal, or restores it.

@@ -47,6 +47,7 @@ pub const SPINDLE: SpindleEncoderWiring = SpindleEncoderWiring {
     time_constant_s: 0.2,
 };
 
+#[derive(Clone)]
 pub struct PicoMachine {
     pub simulation: Simulation,
     pub linked: LinkedControl,

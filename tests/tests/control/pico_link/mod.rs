@@ -3,5 +3,6 @@
 
 mod faults;
 mod machine;
+mod random_faults;
 mod stops;
 mod threads;
