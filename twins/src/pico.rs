@@ -183,6 +183,11 @@ impl PicoTwin {
         }
     }
 
+    /// Turns the handwheel by some counts of its encoder.
+    pub const fn turn_wheel(&mut self, counts: i32) {
+        self.port.wheel_count = self.port.wheel_count.wrapping_add(counts);
+    }
+
     /// Lets the motor of an axis lose steps.
     pub fn lose_steps(&mut self, axis: usize, steps: i64) {
         if let Some(encoder) = self

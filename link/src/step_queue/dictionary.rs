@@ -123,6 +123,8 @@ pub(super) struct WiredSignals {
     pub(super) encoder: bool,
     /// The encoder of an axis.
     pub(super) axis_encoder: bool,
+    /// The handwheel.
+    pub(super) wheel: bool,
 }
 
 impl Dictionary {
@@ -184,6 +186,7 @@ impl Dictionary {
             Requirement::Index => wired.index,
             Requirement::Angle => wired.encoder,
             Requirement::AxisEncoder => wired.axis_encoder,
+            Requirement::Wheel => wired.wheel,
             Requirement::Restart | Requirement::Optional => false,
         };
         let has = |text: &str| {
@@ -358,6 +361,7 @@ mod tests {
         index: true,
         encoder: true,
         axis_encoder: true,
+        wheel: true,
     };
 
     fn all_commands(first: i64) -> String {

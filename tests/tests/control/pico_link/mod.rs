@@ -6,3 +6,4 @@ mod machine;
 mod random_faults;
 mod stops;
 mod threads;
+mod wheel;
