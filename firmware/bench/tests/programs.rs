@@ -1,7 +1,7 @@
 //! Random programs of the control on the built firmware in the emulator and on the twin: the same
 //! steps, each step of a thread at the same count of the spindle.
 //!
-//! `PICO_PROGRAMS=0..100` runs the programs with these numbers, by default the first two.
+//! `PICO_PROGRAMS=0..100` runs the programs with these numbers, by default the first three.
 
 mod machine;
 
@@ -11,7 +11,7 @@ use machine::{
 };
 
 /// Programs that run by default.
-const DEFAULT_PROGRAMS: std::ops::Range<u64> = 0..2;
+const DEFAULT_PROGRAMS: std::ops::Range<u64> = 0..3;
 /// Greatest difference of the counts of a step of a thread: the tolerance of the segments (twice an
 /// eighth of a step), the angle of the index, and the time from the count to the step.
 const MOST_COUNTS_APART: i64 = 12;
