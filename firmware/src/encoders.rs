@@ -8,10 +8,10 @@ use embassy_rp::pio::program::pio_asm;
 
 use crate::pins::{self, PinFunction, Pull};
 
-/// The counters of the spindle and of the axes.
+/// The counters of the spindle, of the axes and of the handwheel.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct QuadratureCounters {
-    is_set_up: [bool; 3],
+    is_set_up: [bool; 4],
 }
 
 impl QuadratureCounters {
@@ -55,7 +55,7 @@ impl QuadratureCounters {
                 .instr_mem(address)
                 .write(|word| word.set_instr_mem(*code));
         }
-        for index in 0..3 {
+        for index in 0..4 {
             pac::PIO0.sm(index).execctrl().write(|exec| {
                 exec.set_wrap_bottom(program.program.wrap.target);
                 exec.set_wrap_top(program.program.wrap.source);

@@ -188,6 +188,10 @@ pub struct EncoderReading {
     /// the mean. A report every 10 ms does not show a faster ripple. `None` until a turn is
     /// complete, and at standstill.
     pub ripple: Option<f64>,
+    /// Greatest phase error of the current or last thread, pulses, as the board has measured it:
+    /// the distance of the slide from its path at a count of the encoder. `None` before the first
+    /// thread, and from a board that does not report it.
+    pub phase_error: Option<f64>,
 }
 
 /// Counters of the serial traffic for the link page. A board reads lines or blocks.

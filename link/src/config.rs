@@ -265,6 +265,7 @@ impl LinkConfig {
                 100,
                 1_000_000,
             ),
+            ("io.wheel_counts", Some(self.io.wheel_counts), 1, 100),
             (
                 "x.encoder.counts",
                 Some(self.x.encoder.counts),
@@ -352,6 +353,7 @@ impl LinkConfig {
             ("io.drive_alarm", &io.drive_alarm),
             ("io.index", &io.index),
             ("io.encoder", &io.encoder),
+            ("io.wheel", &io.wheel),
             ("x.encoder.pin", &x.encoder.pin),
             ("z.encoder.pin", &z.encoder.pin),
         ];

@@ -233,6 +233,8 @@ pub enum LinkEvent {
     Homed(PerAxis<bool>),
     /// This awaited input stopped the axes at this position, in the kernel's pulses.
     Reached(Input, PerAxis<Pulses>),
+    /// The operator has turned the handwheel at the board by this number of graduations.
+    WheelTurned(i32),
     /// The link reports an alarm for the operator.
     Alarm {
         /// Number in the alarm table, 601–622.

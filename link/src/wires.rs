@@ -117,6 +117,10 @@ pub struct LinkIo {
     pub encoder: String,
     /// Counts of the spindle encoder per turn of the spindle: four for each line, 100–1 000 000.
     pub encoder_counts: u32,
+    /// Pin of the signal A of the handwheel, B is at the next pin; empty if not wired.
+    pub wheel: String,
+    /// Counts of the handwheel per graduation, 1–100: four edges for most.
+    pub wheel_counts: u32,
 }
 
 impl Default for LinkIo {
@@ -132,6 +136,8 @@ impl Default for LinkIo {
             index: String::new(),
             encoder: String::new(),
             encoder_counts: 4096,
+            wheel: String::new(),
+            wheel_counts: 4,
         }
     }
 }

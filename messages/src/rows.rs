@@ -2192,6 +2192,7 @@ message_rows! {
     link_page_place_of_slides LinkPagePlaceOfSlides();
     link_page_position LinkPagePosition();
     link_page_position_checks LinkPagePositionChecks();
+    link_page_pulses LinkPagePulses(pulses: "{:.2}");
     link_page_queue_places LinkPageQueuePlaces();
     link_page_reconnect LinkPageReconnect();
     link_page_round_trip LinkPageRoundTrip();
@@ -2244,6 +2245,7 @@ message_rows! {
     link_page_state_tripped LinkPageStateTripped();
     link_page_state_verify LinkPageStateVerify();
     link_page_step_commands LinkPageStepCommands();
+    link_page_thread_phase_error LinkPageThreadPhaseError();
     link_page_traffic LinkPageTraffic();
     link_page_wire LinkPageWire();
     link_page_write_settings LinkPageWriteSettings();

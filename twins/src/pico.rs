@@ -56,7 +56,7 @@ pub struct PicoStep {
 }
 
 /// A Raspberry Pi Pico with our firmware, its serial line and its pins, in virtual time.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct PicoTwin {
     now_ns: u64,
     /// Serial line from the host to the board.
@@ -183,6 +183,11 @@ impl PicoTwin {
         }
     }
 
+    /// Turns the handwheel by some counts of its encoder.
+    pub const fn turn_wheel(&mut self, counts: i32) {
+        self.port.wheel_count = self.port.wheel_count.wrapping_add(counts);
+    }
+
     /// Lets the motor of an axis lose steps.
     pub fn lose_steps(&mut self, axis: usize, steps: i64) {
         if let Some(encoder) = self
@@ -229,6 +234,11 @@ impl PicoTwin {
     /// Exchanges A and B of the spindle encoder, or ends that.
     pub fn set_encoder_reversed(&mut self, is_reversed: bool) {
         self.change_spindle(|spindle| spindle.is_encoder_reversed = is_reversed);
+    }
+
+    /// Shifts the count of the spindle encoder, as lost or doubled edges do.
+    pub fn jump_encoder(&mut self, counts: i64) {
+        self.change_spindle(|spindle| spindle.jumped += counts);
     }
 
     /// Suppresses the index signal, or restores it.

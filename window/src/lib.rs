@@ -356,7 +356,8 @@ impl Window {
             .frame(slim)
             .show_separator_line(false);
         status_panel.show(ui, |ui| self.show_message_line(ui));
-        self.timeline.follow(&mut self.settings.timeline, self.snapshot.as_ref());
+        self.timeline
+            .follow(&mut self.settings.timeline, self.snapshot.as_ref());
         // The central panel has no frame: the clear colour fills what the panel leaves free.
         egui::CentralPanel::default()
             .frame(Frame::NONE)

@@ -245,6 +245,7 @@ impl LinkedControl {
                     self.log.agreed_count = agreed_count;
                 }
             }
+            LinkEvent::WheelTurned(graduations) => self.queue_wheel_turn(graduations),
             LinkEvent::Halting { reached } => {
                 let stops_at_switch = self.stopping.halt(reached);
                 self.report(if stops_at_switch {

@@ -245,6 +245,8 @@ impl LinkedControl {
     pub fn before_tick(&mut self, simulation: &mut Simulation) {
         let inputs = self.inputs_of_tick();
         simulation.set_board(inputs);
+        let turned = self.take_wheel_turn();
+        simulation.lathe.turn_handwheel(turned);
     }
 
     /// Passes motion and orders of the control to the board. Call it after each tick.

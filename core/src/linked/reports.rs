@@ -1,10 +1,15 @@
 //! Reports of the board that wait for the control's next tick.
 
+use core::time::Duration;
+
 use super::LinkedControl;
 use crate::alarm::Alarm;
 use crate::board::{BoardReport, Standstill};
 use gsk_link::HostTime;
 use gsk_messages::Message;
+
+/// Time after which a turn of the handwheel that no tick has taken moves nothing.
+const WHEEL_LEASE: Duration = Duration::from_millis(200);
 
 /// Board reports that wait for the control's next tick.
 #[derive(Clone, Debug, Default)]
@@ -16,6 +21,8 @@ pub(super) struct PendingReports {
     /// The message about motion that was too late, and the host time; `None` if no motion was. The
     /// alarm waits until the board has answered.
     pub(super) late_motion: Option<(Message, HostTime)>,
+    /// Graduations by which the handwheel at the board has turned, and the host time of the last.
+    wheel: (i32, HostTime),
 }
 
 impl PendingReports {
@@ -35,6 +42,21 @@ impl LinkedControl {
     /// Queues a report for the control's next tick.
     pub(super) fn report(&mut self, report: BoardReport) {
         self.reports.waiting.push(report);
+    }
+
+    /// Queues a turn of the handwheel for the control's next tick.
+    pub(super) fn queue_wheel_turn(&mut self, graduations: i32) {
+        let turned = self.take_wheel_turn();
+        self.reports.wheel = (turned.saturating_add(graduations), self.clock.now);
+    }
+
+    /// Removes and returns the turns of the handwheel for a tick; none if they are too old.
+    pub(super) fn take_wheel_turn(&mut self) -> i32 {
+        let (turned, at) = core::mem::take(&mut self.reports.wheel);
+        if self.clock.now.saturating_sub(at) > WHEEL_LEASE {
+            return 0;
+        }
+        turned
     }
 
     /// Queues an alarm for the control's next tick. The control later adds the position of

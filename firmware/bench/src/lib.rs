@@ -65,6 +65,12 @@ pub struct Reply {
     pub cycle: u64,
 }
 
+/// The inputs with a level of the test, a bit for each pin.
+struct Inputs {
+    levels: u32,
+    connected: u32,
+}
+
 /// The spindle: gives its count at a processor cycle.
 type Spindle = Box<dyn FnMut(u64) -> i64>;
 
@@ -75,10 +81,12 @@ pub struct Bench {
     /// Count of the spindle.
     pub count: i64,
     counts_per_turn: i64,
-    /// Length of the index signal, counts.
+    /// Length of the index signal, counts; 0 for a lost one.
     pub index_counts: i64,
+    /// Count at which the index signal begins: not 0 after the encoder has lost counts.
+    pub index_at: i64,
     counted_at: u64,
-    levels: u32,
+    inputs: Inputs,
     last_pins: u32,
     /// Step edges so far.
     pub edges: Vec<StepEdge>,
@@ -126,8 +134,12 @@ impl Bench {
             count: 0,
             counts_per_turn: 4096,
             index_counts: 1,
+            index_at: 0,
             counted_at: 0,
-            levels: 0,
+            inputs: Inputs {
+                levels: 0,
+                connected: 1 << LIMIT_PIN | 1 << GUARD_PIN | 3 << ENCODER_PIN | 1 << INDEX_PIN,
+            },
             last_pins: 0,
             edges: Vec::new(),
             falls: Vec::new(),
@@ -177,8 +189,15 @@ impl Bench {
 
     /// Sets the level of an input.
     pub fn set_input(&mut self, pin: u32, is_high: bool) {
-        self.levels = self.levels & !(1 << pin) | u32::from(is_high) << pin;
+        let levels = &mut self.inputs.levels;
+        *levels = *levels & !(1 << pin) | u32::from(is_high) << pin;
         self.set_levels();
+    }
+
+    /// Connects an input and sets its level.
+    pub fn drive_input(&mut self, pin: u32, is_high: bool) {
+        self.inputs.connected |= 1 << pin;
+        self.set_input(pin, is_high);
     }
 
     /// Returns the level of a pin.
@@ -188,11 +207,12 @@ impl Bench {
 
     fn set_levels(&mut self) {
         let phase = [0, 1, 3, 2][self.count.rem_euclid(4) as usize];
-        let index = u32::from(self.count.rem_euclid(self.counts_per_turn) < self.index_counts);
+        let after_index = (self.count - self.index_at).rem_euclid(self.counts_per_turn);
+        let index = u32::from(after_index < self.index_counts);
         let bus = &mut self.emulator.bus;
-        bus.external_gpio_in_mask =
-            1 << LIMIT_PIN | 1 << GUARD_PIN | 3 << ENCODER_PIN | 1 << INDEX_PIN;
-        bus.external_gpio_in_override = self.levels | phase << ENCODER_PIN | index << INDEX_PIN;
+        bus.external_gpio_in_mask = self.inputs.connected;
+        bus.external_gpio_in_override =
+            self.inputs.levels | phase << ENCODER_PIN | index << INDEX_PIN;
     }
 
     /// Runs the board for some cycles.

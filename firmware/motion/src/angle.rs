@@ -60,6 +60,9 @@ pub struct AngleFollower {
     is_first: bool,
     /// Whether a segment before those in `done` was dropped.
     has_dropped: bool,
+    /// Greatest distance of `due` from half a step since the last report, in fractions of the
+    /// denominator.
+    error: i64,
 }
 
 impl AngleFollower {
@@ -78,7 +81,18 @@ impl AngleFollower {
             undone: Deque::new(),
             is_first: true,
             has_dropped: false,
+            error: 0,
         }
+    }
+
+    /// Returns the greatest phase error since the last call, thousandths of a step, and begins
+    /// anew. An axis that makes each step at its count has up to half a step and one count.
+    pub fn take_error(&mut self) -> u32 {
+        // 16 bits of the denominator suffice, and spare the processor a division of 64 bits.
+        let bits = u64::BITS - self.denominator.unsigned_abs().leading_zeros();
+        let shift = bits.saturating_sub(16);
+        let error = (core::mem::take(&mut self.error) >> shift) as u32;
+        error.saturating_mul(1000) / (self.denominator >> shift) as u32
     }
 
     /// Whether the spindle has not passed the start of the thread.
@@ -167,6 +181,7 @@ impl AngleFollower {
         for _ in 0..-along {
             self.turn_back()?;
         }
+        self.error = self.error.max((self.due - (self.denominator >> 1)).abs());
         let most = self.denominator << MAX_LAG_SHIFT;
         if self.due > most || self.due < -most {
             return Err(Reason::CannotFollow);

@@ -119,6 +119,15 @@ impl AxisEncoder {
     }
 }
 
+/// The handwheel: an encoder that the board only reports.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Handwheel {
+    pub oid: u32,
+    /// Clock of the next report, ticks; `None` without a query.
+    pub next: Option<u32>,
+    pub rest_ticks: u32,
+}
+
 /// A counter of level changes at an input.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EdgeCounter {

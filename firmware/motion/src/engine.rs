@@ -6,7 +6,7 @@ mod watch;
 
 use crate::storage::{Deque, Vec};
 
-use crate::encoders::{AxisEncoder, EdgeCounter, SpindleEncoder};
+use crate::encoders::{AxisEncoder, EdgeCounter, Handwheel, SpindleEncoder};
 use crate::messages::{Command, FIRST_REASON_ID, RESPONSES, Reason, Response, parameter_count};
 use crate::outputs::OutputChannel;
 use crate::stepper::Stepper;
@@ -22,6 +22,8 @@ const INPUTS: usize = 16;
 const OUTPUTS: usize = 8;
 const GUARDS: usize = 8;
 const COUNTERS: usize = 2;
+/// Number of the encoder of the handwheel.
+const WHEEL_ENCODER: usize = 3;
 /// Capacity of the queue of events.
 const EVENTS: usize = 32;
 /// Number of turns of the slow work: one kind of object at every second call of [`Engine::poll`].
@@ -75,7 +77,7 @@ pub trait StepPort {
     fn clock(&mut self) -> u64;
     /// Returns the levels of all pins, a bit for each.
     fn pins(&mut self) -> u32;
-    /// Returns the count of an encoder: 0 of the spindle, 1 and 2 of the axes.
+    /// Returns the count of an encoder: 0 of the spindle, 1 and 2 of the axes, 3 of the handwheel.
     fn encoder(&mut self, index: usize) -> i32;
     /// Makes a step at the clock `at`, ticks, or as soon as possible after it. Returns whether the
     /// step output takes it: not more than `waiting` steps wait in it, besides the one under way.
@@ -115,7 +117,7 @@ struct Moment {
 }
 
 /// What the host has configured.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Objects {
     steppers: Vec<Stepper, AXES>,
     groups: Vec<StopGroup, GROUPS>,
@@ -128,6 +130,7 @@ struct Objects {
     counters: Vec<EdgeCounter, COUNTERS>,
     spindle: Option<SpindleEncoder>,
     axis_encoders: Vec<AxisEncoder, AXES>,
+    wheel: Option<Handwheel>,
     /// The object numbers that are used, a bit for each.
     oids: u64,
 }
@@ -145,6 +148,7 @@ impl Objects {
             counters: Vec::new(),
             spindle: None,
             axis_encoders: Vec::new(),
+            wheel: None,
             oids: 0,
         }
     }
@@ -166,7 +170,7 @@ struct EncoderReport {
 }
 
 /// The engine of a board.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Engine {
     state: EngineState,
     oid_count: Option<u32>,
@@ -381,6 +385,9 @@ impl Engine {
         self.objects.collect_input_levels();
         self.lease = None;
         self.encoder_report.next = None;
+        if let Some(wheel) = &mut self.objects.wheel {
+            wheel.next = None;
+        }
         if let EngineState::ShutDown(_) = self.state {
             return;
         }

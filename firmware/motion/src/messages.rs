@@ -52,6 +52,8 @@ messages! {
     BeginAngle "begin_angle oid=%c clock=%u start=%u denominator=%u phase=%u reverse=%c"
     QueueAngle "queue_angle oid=%c length=%u numerator=%i add=%i"
     EndAngle "end_angle oid=%c"
+    ConfigWheel "config_wheel oid=%c pin_a=%c"
+    QueryWheel "query_wheel oid=%c clock=%u rest_ticks=%u"
 }
 
 messages! {
@@ -70,6 +72,8 @@ messages! {
     EncoderState "encoder_state oid=%c clock=%u count=%i index_count=%i"
     AngleState "angle_state oid=%c state=%c count=%i"
     LeaseExpired "lease_expired clock=%u"
+    AngleError "angle_error oid=%c error=%u"
+    WheelState "wheel_state oid=%c clock=%u count=%i"
 }
 
 macro_rules! reasons {

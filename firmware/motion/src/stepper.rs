@@ -62,7 +62,7 @@ pub struct SpindleAngle {
 }
 
 /// An axis.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Stepper {
     /// Object number.
     pub oid: u32,
@@ -78,6 +78,8 @@ pub struct Stepper {
     /// Whether the clock of the last step is known when the queue is done; not after a thread.
     is_clock_known: bool,
     queues_thread: bool,
+    /// Greatest phase error of threads that have ended, thousandths of a step.
+    ended_error: u32,
     /// Direction of the runs that are queued next.
     pub next_is_up: bool,
     /// Object number of the stop group; `None` without one.
@@ -96,6 +98,7 @@ impl Stepper {
             is_stopped: true,
             is_clock_known: false,
             queues_thread: false,
+            ended_error: 0,
             next_is_up: false,
             trsync: None,
         }
@@ -124,6 +127,16 @@ impl Stepper {
         self.is_stopped = false;
         self.is_clock_known = true;
         Ok(())
+    }
+
+    /// Returns the greatest phase error of its threads since the last call, thousandths of a step;
+    /// 0 without a thread.
+    pub fn take_thread_error(&mut self) -> u32 {
+        let current = match &mut self.activity {
+            Activity::Angle { follower, .. } if !follower.is_waiting() => follower.take_error(),
+            _ => 0,
+        };
+        core::mem::take(&mut self.ended_error).max(current)
     }
 
     /// Whether the axis drops entries, as after a stop.
@@ -275,6 +288,7 @@ impl Stepper {
                     let Some(is_up) = follower.due_step() else {
                         let is_ended = follower.is_ended();
                         if is_ended {
+                            self.ended_error = self.ended_error.max(follower.take_error());
                             self.activity = Activity::Idle;
                         }
                         return Ok(is_ended);

@@ -3,7 +3,7 @@
 
 mod support;
 
-use gsk_motion::messages::Command;
+use gsk_motion::messages::{Command, Response};
 use support::{TestBoard, X, Z};
 
 /// Counts per turn in the table.
@@ -203,4 +203,49 @@ fn every_step_of_thirty_threads_is_at_the_count_of_the_oracle() {
     }
     println!("greatest phase error beyond one count: {worst:.3} steps");
     assert!(worst <= 1.0, "{worst}");
+}
+
+/// Follows the spindle with a ratio for 20 000 counts at a speed, counts per second; returns the
+/// greatest phase error that the board reports, thousandths of a step.
+fn reported_error([steps, counts]: [i64; 2], speed: f64) -> i64 {
+    let mut board = TestBoard::default();
+    board.configure(16_384);
+    board.begin();
+    let mut count = 0.0;
+    let mut run = |board: &mut TestBoard, ticks| {
+        board.run_with(ticks, |_| {
+            count += speed * support::POLL_TICKS as f64 / CLOCK_HZ;
+            Some(count as i32)
+        });
+    };
+    // The first turn shows the index.
+    run(&mut board, 16_400 * 15_625_000 / speed as u64);
+    let now = board.port.now as u32 as i64;
+    let spindle = i64::from(support::SPINDLE);
+    board.send(Command::QueryEncoder, &[spindle, now, 15_625]);
+    let begin = [Z.into(), now, 0, counts, counts / 2, 0];
+    board.send(Command::BeginAngle, &begin);
+    board.send(Command::QueueAngle, &[Z.into(), 20_000, steps, 0]);
+    board.send(Command::EndAngle, &[Z.into()]);
+    assert!(!board.has(Response::AngleError), "before the thread");
+    run(&mut board, 40_000 * 15_625_000 / speed as u64);
+    assert_eq!(board.shutdown_text(), None);
+    let events = board.events.iter();
+    let errors = events.filter(|event| event.response == Response::AngleError);
+    let errors: Vec<i64> = errors.map(|event| event.values()[1]).collect();
+    let time = 20_000.0 / speed * 1000.0;
+    // A report in each millisecond, and the time until its turn comes.
+    assert!(errors.len() as f64 >= 0.9 * time - 1.0, "{}", errors.len());
+    errors.iter().copied().max().unwrap_or(0)
+}
+
+#[test]
+fn the_board_reports_the_phase_error() {
+    // Half a step and a count; each poll takes at most one count.
+    let exact = reported_error([3, 8], 100_000.0);
+    assert!((500..=875).contains(&exact), "{exact}");
+    // A count at each poll. The output makes a step at every second one: it lags by four steps.
+    let lags = reported_error([5002, 10_000], 390_625.0);
+    println!("phase error {exact}, at the limit of the output {lags} thousandths of a step");
+    assert!((3000..=6000).contains(&lags), "{lags}");
 }

@@ -16,6 +16,8 @@ pub(super) enum Requirement {
     Angle,
     /// The board must have the command if the encoder of an axis is wired.
     AxisEncoder,
+    /// The board must have the command or reply if a handwheel is wired.
+    Wheel,
     /// The link uses the command or reply if the board has it.
     Optional,
 }
@@ -69,10 +71,12 @@ commands! {
     BeginAngle Angle "begin_angle oid=%c clock=%u start=%u denominator=%u phase=%u reverse=%c"
     QueueAngle Angle "queue_angle oid=%c length=%u numerator=%i add=%i"
     EndAngle Angle "end_angle oid=%c"
+    ConfigWheel Wheel "config_wheel oid=%c pin_a=%c"
+    QueryWheel Wheel "query_wheel oid=%c clock=%u rest_ticks=%u"
 }
 
 /// All replies with their requirement and their exact text in the dictionary.
-pub(super) const REPLIES: [(ReplyKind, Requirement, &str); 13] = [
+pub(super) const REPLIES: [(ReplyKind, Requirement, &str); 15] = [
     (
         ReplyKind::Identify,
         Requirement::Always,
@@ -135,6 +139,16 @@ pub(super) const REPLIES: [(ReplyKind, Requirement, &str); 13] = [
         Requirement::Optional,
         "lease_expired clock=%u",
     ),
+    (
+        ReplyKind::AngleError,
+        Requirement::Optional,
+        "angle_error oid=%c error=%u",
+    ),
+    (
+        ReplyKind::Wheel,
+        Requirement::Wheel,
+        "wheel_state oid=%c clock=%u count=%i",
+    ),
 ];
 
 /// The kind of a reply of the board.
@@ -153,6 +167,8 @@ pub(super) enum ReplyKind {
     Encoder,
     Angle,
     LeaseExpired,
+    AngleError,
+    Wheel,
 }
 
 /// A reply of the board; `numbers` are in the order of the reply's text in the dictionary.

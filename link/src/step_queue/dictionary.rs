@@ -123,6 +123,8 @@ pub(super) struct WiredSignals {
     pub(super) encoder: bool,
     /// The encoder of an axis.
     pub(super) axis_encoder: bool,
+    /// The handwheel.
+    pub(super) wheel: bool,
 }
 
 impl Dictionary {
@@ -184,6 +186,7 @@ impl Dictionary {
             Requirement::Index => wired.index,
             Requirement::Angle => wired.encoder,
             Requirement::AxisEncoder => wired.axis_encoder,
+            Requirement::Wheel => wired.wheel,
             Requirement::Restart | Requirement::Optional => false,
         };
         let has = |text: &str| {
@@ -358,6 +361,7 @@ mod tests {
         index: true,
         encoder: true,
         axis_encoder: true,
+        wheel: true,
     };
 
     fn all_commands(first: i64) -> String {
@@ -386,6 +390,13 @@ mod tests {
         assert_eq!(board.processor(), "atmega2560");
         assert_eq!(board.text(3), "Timer too close");
         assert_eq!(board.text(4), "text 4");
+    }
+
+    #[test]
+    fn a_board_with_the_older_dictionary_is_complete() {
+        let text = all_commands(20).replace("angle_error oid=%c error=%u", "other_reply oid=%c");
+        let board = Dictionary::read(text.as_bytes()).unwrap();
+        assert_eq!(board.missing(ALL_WIRED), None);
     }
 
     #[test]

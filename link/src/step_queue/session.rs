@@ -14,6 +14,7 @@ mod samples;
 mod spindle;
 mod stops;
 mod switches;
+mod wheel;
 mod wire;
 
 use crate::Backend;
@@ -309,6 +310,8 @@ impl StepLink {
             ReplyKind::IsShutdown => self.shut_down(numbers[0], self.wire.send_queue.progressed()),
             ReplyKind::Encoder => self.encoder_report(numbers),
             ReplyKind::Angle => self.angle_report(numbers),
+            ReplyKind::AngleError => self.angle.note_phase_error(numbers[1]),
+            ReplyKind::Wheel => self.wheel_report(numbers),
             ReplyKind::LeaseExpired => self.lease_expired(),
             ReplyKind::Starting if self.is_opened() => self.board_restarted(),
             _ => {}

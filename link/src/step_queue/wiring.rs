@@ -51,6 +51,8 @@ pub(super) struct Wiring {
     pub(super) index: Option<i64>,
     /// Object number of the spindle encoder; `None` without one.
     pub(super) spindle: Option<i64>,
+    /// Object number of the handwheel; `None` without one.
+    pub(super) wheel: Option<i64>,
     /// Value of the speed output that gives the full spindle voltage.
     pub(super) full: u32,
     /// The configuration messages for the board, without `finalize_config`.
@@ -224,6 +226,7 @@ impl Wiring {
             );
             index = Some(oid);
         }
+        let wheel = writer.wheel(config)?;
         if board.has(Command::ConfigGuard) {
             writer.guards(config, rate)?;
         }
@@ -237,6 +240,7 @@ impl Wiring {
             outputs,
             index,
             spindle,
+            wheel,
             full,
             messages,
             crc: crc32(writer.text.as_bytes()),
@@ -303,6 +307,17 @@ impl Writer<'_> {
             );
         }
         Ok(spindle)
+    }
+
+    /// Configures the handwheel. Returns its object number; `None` without one.
+    fn wheel(&mut self, config: &LinkConfig) -> Result<Option<i64>, WiringError> {
+        if config.io.wheel.is_empty() {
+            return Ok(None);
+        }
+        let pin = self.pin("io.wheel", &config.io.wheel)?;
+        let oid = self.oid();
+        self.add(Command::ConfigWheel, &[oid, pin.number]);
+        Ok(Some(oid))
     }
 
     /// Configures emergency stop and drive alarm as guards: the board then shuts down without the

@@ -50,6 +50,8 @@ pub(super) struct PicoPort {
     pub(super) steps: Option<Vec<PicoStep>>,
     pub(super) step_count: u64,
     pub(super) spindle: Option<EncoderSpindle>,
+    /// Counts of the handwheel's encoder.
+    pub(super) wheel_count: i32,
     pub(super) axis_encoders: [Option<TwinAxisEncoder>; 2],
     /// Values of the outputs as a share of the full value.
     pub(super) outputs: BTreeMap<u32, f64>,
@@ -144,6 +146,7 @@ impl StepPort for PicoPort {
     fn encoder(&mut self, index: usize) -> i32 {
         match index {
             0 => self.spindle.map_or(0, |spindle| spindle.count() as i32),
+            3 => self.wheel_count,
             _ => self
                 .axis_encoders
                 .get(index - 1)

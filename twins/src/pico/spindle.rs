@@ -54,6 +54,8 @@ pub(super) struct EncoderSpindle {
     loaded_until: Option<f64>,
     was_inside: bool,
     pub(super) is_stalled: bool,
+    /// Counts that the encoder shows too many.
+    pub(super) jumped: i64,
     /// Whether A and B of the encoder are exchanged.
     pub(super) is_encoder_reversed: bool,
     pub(super) is_index_lost: bool,
@@ -74,6 +76,7 @@ impl EncoderSpindle {
             loaded_until: None,
             was_inside: false,
             is_stalled: false,
+            jumped: 0,
             is_encoder_reversed: false,
             is_index_lost: false,
             is_index_stuck: false,
@@ -139,6 +142,11 @@ impl EncoderSpindle {
 
     /// Returns the count of the encoder.
     pub(super) fn count(&self) -> i64 {
+        self.true_count() + self.jumped
+    }
+
+    /// Returns the count without lost and doubled edges.
+    fn true_count(&self) -> i64 {
         let count = (self.turns * f64::from(self.wiring.counts_per_turn)).floor() as i64;
         if self.is_encoder_reversed {
             -count
@@ -150,7 +158,7 @@ impl EncoderSpindle {
     /// Returns the levels of the pins that the spindle drives.
     pub(super) fn levels(&self) -> u32 {
         let turn = i64::from(self.wiring.counts_per_turn.max(1));
-        let is_at_index = self.count().rem_euclid(turn) < INDEX_COUNTS && !self.is_index_lost;
+        let is_at_index = self.true_count().rem_euclid(turn) < INDEX_COUNTS && !self.is_index_lost;
         u32::from(is_at_index || self.is_index_stuck) << self.wiring.index_pin
     }
 }

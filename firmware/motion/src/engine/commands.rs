@@ -133,6 +133,13 @@ impl Engine {
                 self.encoder_report.next = Some(values[1]);
                 self.encoder_report.rest_ticks = values[2];
             }
+            Command::QueryWheel => {
+                let wheel = self.objects.wheel.as_mut();
+                let wheel = wheel.filter(|wheel| wheel.oid == values[0]);
+                let wheel = wheel.ok_or(Reason::InvalidOidType)?;
+                wheel.next = Some(values[1]);
+                wheel.rest_ticks = values[2];
+            }
             Command::RenewLease => return self.renew_lease(values[0], values[1], port),
             _ => return self.configure(request, port),
         }

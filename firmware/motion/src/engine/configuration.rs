@@ -1,7 +1,7 @@
 //! Takes the configuration of the host: which object is at which pin.
 
-use super::{Engine, Objects, Request, StepPort};
-use crate::encoders::{AxisEncoder, EdgeCounter, MAX_COUNTS, SpindleEncoder};
+use super::{Engine, Objects, Request, StepPort, WHEEL_ENCODER};
+use crate::encoders::{AxisEncoder, EdgeCounter, Handwheel, MAX_COUNTS, SpindleEncoder};
 use crate::messages::{Command, PINS, Reason};
 use crate::outputs::OutputChannel;
 use crate::stepper::Stepper;
@@ -170,6 +170,17 @@ impl Engine {
             let raw = port.encoder(0);
             let spindle = SpindleEncoder::new(oid, values[3], index_pin, raw);
             self.objects.spindle = Some(spindle);
+            return Ok(());
+        }
+        if request.command == Command::ConfigWheel {
+            if self.objects.wheel.is_some() {
+                return Err(Reason::AssignOid);
+            }
+            port.set_up_encoder(WHEEL_ENCODER, pin_a);
+            self.objects.wheel = Some(Handwheel {
+                oid,
+                ..Handwheel::default()
+            });
             return Ok(());
         }
         let mut steppers = self.objects.steppers.iter();

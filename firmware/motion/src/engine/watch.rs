@@ -1,8 +1,9 @@
 //! Watches inputs, lease, stop groups, counters and encoders, and switches the outputs.
 
-use super::{Engine, EngineState, Moment, SLOW_TURNS, StepPort};
+use super::{Engine, EngineState, Moment, SLOW_TURNS, StepPort, WHEEL_ENCODER};
 use crate::clock_steps::is_before;
 use crate::messages::{Reason, Response};
+use crate::stepper::Stepper;
 use crate::stops::PlannedStop;
 
 impl Engine {
@@ -70,7 +71,7 @@ impl Engine {
             4 => return self.switch_outputs(now, port),
             5 => return self.compare_encoder(0, port),
             6 => return self.compare_encoder(1, port),
-            _ => {}
+            _ => self.report_wheel(now, port),
         }
         Ok(())
     }
@@ -148,7 +149,25 @@ impl Engine {
                 spindle.angle.count.into(),
                 spindle.index_count.into(),
             ];
+            let oid = spindle.oid;
             self.send(Response::EncoderState, values);
+            let steppers = self.objects.steppers.iter_mut();
+            let error = steppers.map(Stepper::take_thread_error).max().unwrap_or(0);
+            if error > 0 {
+                self.send(Response::AngleError, [oid.into(), error.into(), 0, 0]);
+            }
+        }
+    }
+
+    fn report_wheel(&mut self, now: u32, port: &mut impl StepPort) {
+        let Some(wheel) = &mut self.objects.wheel else {
+            return;
+        };
+        if wheel.next.is_some_and(|next| !is_before(now, next)) {
+            wheel.next = (wheel.rest_ticks > 0).then(|| now.wrapping_add(wheel.rest_ticks));
+            let count = port.encoder(WHEEL_ENCODER);
+            let values = [wheel.oid.into(), now.into(), count.into(), 0];
+            self.send(Response::WheelState, values);
         }
     }
 

@@ -40,7 +40,7 @@ pub struct RecordedStep {
 pub struct TestPort {
     pub now: u64,
     pub levels: u32,
-    pub counts: [i32; 3],
+    pub counts: [i32; 4],
     /// Counts per turn of an index signal one count long; 0 without one.
     pub index_turn: i32,
     busy_until: [u64; 2],

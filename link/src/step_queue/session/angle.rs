@@ -55,6 +55,9 @@ pub(super) struct AngleDrive {
     waiting: VecDeque<Sample>,
     /// Whether a stop has ended a thread, at an angle that the board has not reported.
     pub(super) was_dropped: bool,
+    /// Greatest phase error that the board has reported in the current or last thread, thousandths
+    /// of a pulse; `None` before the first report.
+    phase_error: Option<u32>,
 }
 
 impl AngleDrive {
@@ -64,6 +67,11 @@ impl AngleDrive {
             track: Some(EncoderTrack::new(counts_per_turn, rate)),
             ..Self::default()
         }
+    }
+
+    /// Takes a report of the phase error of the thread in the board, thousandths of a pulse.
+    pub(super) fn note_phase_error(&mut self, error: u32) {
+        self.phase_error = self.phase_error.max(Some(error));
     }
 
     /// Whether the motion of the kernel depends on the angle.
@@ -132,6 +140,10 @@ impl StepLink {
         Some(EncoderReading {
             angle: track.angle(),
             ripple: track.ripple(now),
+            phase_error: self
+                .angle
+                .phase_error
+                .map(|error| f64::from(error) / 1000.0),
         })
     }
 
@@ -278,6 +290,7 @@ impl StepLink {
             thread.push(Command::BeginAngle, axis, &arguments, zero);
         }
         self.angle.stretch = Some(thread);
+        self.angle.phase_error = None;
         Ok(())
     }
 

@@ -285,6 +285,7 @@ impl StepLink {
             encoder: has_encoder,
             axis_encoder: is_wired(&self.config.x.encoder.pin)
                 || is_wired(&self.config.z.encoder.pin),
+            wheel: is_wired(&io.wheel),
         };
         if let Some(missing) = board.missing(wired) {
             return Err((
@@ -454,6 +455,7 @@ impl StepLink {
         self.take_over_outputs();
         self.forget_spindle();
         self.query_encoder();
+        self.query_wheel();
         let index = self.wiring.as_ref().and_then(|wiring| wiring.index);
         if let Some(oid) = index {
             let at = self.soon();

@@ -6,6 +6,7 @@ use super::StepLink;
 use super::lease::Lease;
 use super::outputs::StepQueueOutputs;
 use super::switches::Switches;
+use super::wheel::Wheel;
 use crate::HostTime;
 use crate::step_queue::commands::Command;
 use crate::step_queue::send_queue::Mark;
@@ -53,6 +54,7 @@ pub(super) struct Periodic {
     heartbeat_due: HostTime,
     pub(super) lease: Lease,
     pub(super) switches: Switches,
+    pub(super) wheel: Wheel,
     pub(super) outputs: StepQueueOutputs,
 }
 

@@ -47,6 +47,7 @@ pub const SPINDLE: SpindleEncoderWiring = SpindleEncoderWiring {
     time_constant_s: 0.2,
 };
 
+#[derive(Clone)]
 pub struct PicoMachine {
     pub simulation: Simulation,
     pub linked: LinkedControl,
@@ -65,8 +66,9 @@ impl PicoMachine {
     /// Electronic gear 1/5: a pulse of Z is 5 µm. A deceleration switch for each axis.
     pub fn new(wired: &str, parameters: &[(u16, i32)]) -> Self {
         let mut setup = Setup::delivered();
-        for bit in [0, 1] {
-            setup.memory.parameters.set_bit(7, bit, true).unwrap();
+        // 001.3: a handwheel in place of the steps.
+        for (number, bit) in [(1, 3), (7, 0), (7, 1)] {
+            setup.memory.parameters.set_bit(number, bit, true).unwrap();
         }
         let gear = [(17, 5), (18, 5), (37, 2000)];
         for (number, value) in gear.iter().chain(parameters) {

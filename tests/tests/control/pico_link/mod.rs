@@ -3,6 +3,8 @@
 
 mod faults;
 mod machine;
+mod random_faults;
 mod restart;
 mod stops;
 mod threads;
+mod wheel;

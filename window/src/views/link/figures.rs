@@ -292,12 +292,12 @@ fn contacts_section(language: Language, view: &LinkView) -> FigureSection {
     }
 }
 
-/// Speed, angle and ripple of a spindle with an encoder.
+/// Speed, angle and ripple of a spindle with an encoder, and the phase error of the last thread.
 fn encoder_rows(
     language: Language,
     view: &LinkView,
     encoder: EncoderReading,
-) -> [(String, String); 3] {
+) -> [(String, String); 4] {
     let speed = match view.spindle.map_or(0.0, |spindle| spindle.rpm) {
         rpm if rpm > 0.0 => format!("{rpm:.1} r/min"),
         _ => say::link_page_spindle_stands().text(language),
@@ -308,10 +308,18 @@ fn encoder_rows(
     };
     let percent = |ripple: f64| format!("{:.1} %", ripple * 100.0);
     let ripple = encoder.ripple.map_or_else(|| "-".to_owned(), percent);
+    let phase_error = match encoder.phase_error {
+        Some(pulses) => say::link_page_pulses(pulses).text(language),
+        None => "-".to_owned(),
+    };
     [
         (say::link_page_spindle_speed().text(language), speed),
         (say::link_page_spindle_angle().text(language), angle),
         (say::link_page_spindle_ripple().text(language), ripple),
+        (
+            say::link_page_thread_phase_error().text(language),
+            phase_error,
+        ),
     ]
 }
 
@@ -399,9 +407,18 @@ mod tests {
             let spindle = rows.filter(|row| row.0.contains("spindle"));
             spindle.map(|row| row.1).collect::<Vec<_>>()
         };
+        let phase_error = |view: &LinkView, language| {
+            let sections = build_sections(language, view, &TrafficRates::default());
+            let mut rows = sections.into_iter().flat_map(|section| section.rows);
+            rows.find(|row| row.0.contains("phase error") || row.0.contains("螺纹相位误差"))
+                .map(|row| row.1)
+        };
         assert_eq!(rows(&view).last().map(String::as_str), Some("not wired"));
+        assert_eq!(phase_error(&view, Language::En), None);
         view.encoder = Some(EncoderReading::default());
         assert_eq!(rows(&view)[1..], ["stopped", "no index yet", "-"]);
+        // A board that does not report it.
+        assert_eq!(phase_error(&view, Language::En).as_deref(), Some("-"));
         view.spindle = Some(SpindleView {
             rpm: 600.0,
             ..SpindleView::default()
@@ -409,7 +426,12 @@ mod tests {
         view.encoder = Some(EncoderReading {
             angle: Some(0.25),
             ripple: Some(0.123),
+            phase_error: Some(0.634),
         });
+        let error = phase_error(&view, Language::En);
+        assert_eq!(error.as_deref(), Some("0.63 pulses"));
+        let error = phase_error(&view, Language::Zh);
+        assert_eq!(error.as_deref(), Some("0.63 脉冲"));
         assert_eq!(rows(&view)[1..], ["600.0 r/min", "90.0°", "12.3 %"]);
         view.is_connected = false;
         assert_eq!(rows(&view).last().map(String::as_str), Some("-"));
