@@ -11,7 +11,7 @@ mod text;
 
 use std::sync::LazyLock;
 
-pub use paint::{FaceState, LcdPicture, paint, paint_part, part_state};
+pub use paint::{FaceState, LcdGlass, paint, paint_part, part_state};
 pub use tiny_skia::Pixmap;
 
 use gsk_core::model::ModelId;

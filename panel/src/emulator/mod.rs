@@ -16,7 +16,7 @@ use gsk_messages::Message;
 use serde::{Deserialize, Serialize};
 use tiny_skia::Pixmap;
 
-use crate::faceplate::{self, FaceState, LcdPicture};
+use crate::faceplate::{self, FaceState, LcdGlass};
 use crate::keys::{Bit, Key};
 pub use crate::panel::number_of_name;
 use crate::panel::{KeyEvent, Panel, ReceiveError, SerialFile, contacts};
@@ -316,7 +316,7 @@ impl Emulator {
         } else {
             None
         };
-        let lcd = lcd.as_ref().map(|picture| LcdPicture {
+        let lcd = lcd.as_ref().map(|picture| LcdGlass {
             dots: picture.as_ref(),
             ground: raster::palette(screen.colours(), brightness).background,
         });

@@ -40,7 +40,7 @@ pub struct FaceState<'a> {
     /// Keys drawn as pressed: those held down, and the mushroom button while it is latched.
     pub pressed: &'a [Key],
     /// The picture of the LCD; `None` draws the LCD dark.
-    pub lcd: Option<LcdPicture<'a>>,
+    pub lcd: Option<LcdGlass<'a>>,
     /// Position of the handwheel, graduations, clockwise positive.
     pub wheel: i32,
     /// Whether the keys move a real machine; the panel then shows the label that says it.
@@ -49,9 +49,9 @@ pub struct FaceState<'a> {
     pub model: ModelId,
 }
 
-/// The picture that the LCD shows.
+/// What the LCD shows: its dots and the glass around them.
 #[derive(Clone, Copy)]
-pub struct LcdPicture<'a> {
+pub struct LcdGlass<'a> {
     /// The dots, 320x240 or an integer multiple.
     pub dots: PixmapRef<'a>,
     /// Colour of the glass around the dots.
@@ -279,7 +279,7 @@ impl Painter {
         }
     }
 
-    fn lcd(&mut self, part: &PanelPart, picture: Option<LcdPicture<'_>>) {
+    fn lcd(&mut self, part: &PanelPart, picture: Option<LcdGlass<'_>>) {
         let glass = inset(part.rect, -GLASS_MARGIN);
         if let Some(path) = outline(inset(glass, -2.0), Outline::Rounded(2.0)) {
             self.fill_flat(&path, faint(0, 0.9));
@@ -288,7 +288,7 @@ impl Painter {
         if let Some(path) = outline(glass, part.outline) {
             self.fill_flat(&path, opaque(ground));
         }
-        let Some(LcdPicture { dots: picture, .. }) = picture else {
+        let Some(LcdGlass { dots: picture, .. }) = picture else {
             return;
         };
         let zoom = part.rect.w * self.scale / picture.width() as f32;

@@ -114,7 +114,7 @@ fn the_glass_is_inside_the_frame_and_has_the_colour_of_the_picture() {
     assert!(frame.unwrap().rect.encloses(&glass));
     let dots = Pixmap::new(320, 240).unwrap();
     let state = FaceState {
-        lcd: Some(LcdPicture {
+        lcd: Some(LcdGlass {
             dots: dots.as_ref(),
             ground: [1, 2, 200],
         }),
