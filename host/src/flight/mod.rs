@@ -190,7 +190,7 @@ impl FlightRecorder {
         }
     }
 
-    /// Adds the hash of the state. It takes as long as two thousand ticks: in a fast run there
+    /// Adds the hash of the state. It takes as long as two hundred ticks: in a fast run there
     /// is one a second.
     fn add_hash(&mut self, machine: &Emulator) {
         let tick = machine.ticks();
