@@ -318,6 +318,12 @@ impl ProgramEditor {
     /// Whether the cursor is on the letter N at the beginning of a line.
     fn is_at_block_number(&self) -> bool {
         let (before, after) = self.split_line();
+        // In the first column also before blanks (manual III-8.1.1.6).
+        let after = if before.is_empty() {
+            after.trim_start()
+        } else {
+            after
+        };
         before.trim().is_empty() && after.starts_with(['N', 'n'])
     }
 

@@ -147,6 +147,10 @@ fn characters_ends_and_blocks_are_deleted() {
     let mut editing = editor_at("O0001;\nN10 M3; M8;\n", 2, 0);
     assert!(editing.delete());
     assert_eq!(finished_text(&mut editing), "O0001;\nM8;\n");
+    // In the first column also before the blanks of the number.
+    let mut editing = editor_at("O0001;\n  N10 M3;\nM8;\n", 2, 0);
+    assert!(editing.delete());
+    assert_eq!(finished_text(&mut editing), "O0001;\nM8;\n");
     let mut editing = editor_at(PART, 5, 0);
     assert!(!editing.delete());
     assert!(editing.backspace());

@@ -9,6 +9,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crossbeam::queue::ArrayQueue;
+use gsk_core::alarm::Alarm;
 use gsk_core::command::SourcePosition;
 use gsk_core::machine::{LatheConfig, LatheFault, SimulatedLathe};
 use gsk_core::units::Point;
@@ -65,6 +66,8 @@ pub struct PartView {
     pub crash: Option<CollisionFinding>,
     /// The block that is being executed; `None` if no program runs.
     pub block: Option<SourcePosition>,
+    /// The active alarms, the newest first.
+    pub alarms: Vec<Alarm>,
 }
 
 impl PartView {
@@ -75,6 +78,7 @@ impl PartView {
         Self {
             job: Arc::clone(job),
             job_name: None,
+            alarms: simulation.cnc.alarms().to_vec(),
             empty_chuck: None,
             section: Arc::default(),
             threads: Arc::default(),

@@ -26,6 +26,7 @@ use super::{bar_frame, plain_frame};
 use crate::fonts;
 use crate::settings::StoredSceneCamera;
 use crate::theme;
+use crate::widgets::alarm_text;
 use camera_control::CameraControl;
 use description::SceneDescriber;
 use jolt::PictureJolt;
@@ -181,9 +182,10 @@ fn show_state(ui: &Ui, picture: Rect, part: &PartView, language: Language) {
 fn show_alarms(ui: &Ui, picture: Rect, frame: ViewFrame<'_>) {
     let font = egui::TextStyle::Body.resolve(ui.style());
     let mut top = picture.top() + LABEL_MARGIN;
-    let alarms = frame.machine.map_or(&[][..], |machine| &machine.alarms);
+    let alarms = frame.part.map_or(&[][..], |part| &part.alarms);
     for alarm in alarms.iter().take(MAX_ALARMS) {
-        let text = fonts::layout_text(alarm, font.clone(), theme::ALARM_TEXT);
+        let text = alarm_text::one_line(alarm, frame.language);
+        let text = fonts::layout_text(&text, font.clone(), theme::ALARM_TEXT);
         top = show_label(ui, picture, top, Align::Min, text);
     }
 }
