@@ -60,9 +60,9 @@ pub struct AngleFollower {
     is_first: bool,
     /// Whether a segment before those in `done` was dropped.
     has_dropped: bool,
-    /// Greatest distance of `due` from half a step since the last report, in fractions of the
-    /// denominator.
-    error: i64,
+    /// Greatest lateness of a step since the last report, in fractions of the denominator;
+    /// negative without a step.
+    late: i64,
 }
 
 impl AngleFollower {
@@ -81,17 +81,22 @@ impl AngleFollower {
             undone: Deque::new(),
             is_first: true,
             has_dropped: false,
-            error: 0,
+            late: -1,
         }
     }
 
     /// Returns the greatest phase error since the last call, thousandths of a step, and begins
     /// anew. An axis that makes each step at its count has up to half a step and one count.
+    #[inline(never)]
     pub fn take_error(&mut self) -> u32 {
         // 16 bits of the denominator suffice, and spare the processor a division of 64 bits.
         let bits = u64::BITS - self.denominator.unsigned_abs().leading_zeros();
         let shift = bits.saturating_sub(16);
-        let error = (core::mem::take(&mut self.error) >> shift) as u32;
+        let late = core::mem::replace(&mut self.late, -1);
+        if late < 0 {
+            return 0;
+        }
+        let error = ((late + (self.denominator >> 1)) >> shift) as u32;
         error.saturating_mul(1000) / (self.denominator >> shift) as u32
     }
 
@@ -181,7 +186,6 @@ impl AngleFollower {
         for _ in 0..-along {
             self.turn_back()?;
         }
-        self.error = self.error.max((self.due - (self.denominator >> 1)).abs());
         let most = self.denominator << MAX_LAG_SHIFT;
         if self.due > most || self.due < -most {
             return Err(Reason::CannotFollow);
@@ -224,12 +228,15 @@ impl AngleFollower {
         (self.due < -self.rate.abs().min(self.denominator)).then_some(false)
     }
 
-    /// Notes that the step that was due is made.
+    /// Notes that the step that was due is made. The phase error is greatest before a step: half a
+    /// step and its lateness.
     pub fn made_step(&mut self, is_up: bool) {
-        self.due += if is_up {
-            -self.denominator
+        if is_up {
+            self.due -= self.denominator;
+            self.late = self.late.max(self.due);
         } else {
-            self.denominator
-        };
+            self.late = self.late.max(-self.due);
+            self.due += self.denominator;
+        }
     }
 }

@@ -131,6 +131,7 @@ impl Stepper {
 
     /// Returns the greatest phase error of its threads since the last call, thousandths of a step;
     /// 0 without a thread.
+    #[inline(never)]
     pub fn take_thread_error(&mut self) -> u32 {
         let current = match &mut self.activity {
             Activity::Angle { follower, .. } if !follower.is_waiting() => follower.take_error(),

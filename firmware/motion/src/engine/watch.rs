@@ -159,6 +159,7 @@ impl Engine {
         }
     }
 
+    #[inline(never)]
     fn report_wheel(&mut self, now: u32, port: &mut impl StepPort) {
         let Some(wheel) = &mut self.objects.wheel else {
             return;
