@@ -319,10 +319,9 @@ impl ProgramEditor {
     fn is_at_block_number(&self) -> bool {
         let (before, after) = self.split_line();
         // In the first column also before blanks (manual III-8.1.1.6).
-        let after = if before.is_empty() {
-            after.trim_start()
-        } else {
-            after
+        let after = match before.is_empty() {
+            true => after.trim_start(),
+            false => after.as_str(),
         };
         before.trim().is_empty() && after.starts_with(['N', 'n'])
     }
