@@ -278,6 +278,7 @@ mod tests {
         job.tools.insert(1, Tool::turning());
         job.tools.insert(9, Tool::drill(10.0));
         PartView {
+            alarms: Vec::new(),
             job: Arc::new(job),
             job_name: None,
             empty_chuck: None,

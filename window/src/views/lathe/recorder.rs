@@ -128,6 +128,7 @@ impl SceneRecorder {
             self.section = (Some(part.version()), Arc::new(part.section()));
         }
         let view = PartView {
+            alarms: Vec::new(),
             job: Arc::clone(&self.job),
             job_name: None,
             empty_chuck: None,
