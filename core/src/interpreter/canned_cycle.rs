@@ -80,8 +80,9 @@ pub(crate) struct Cycle {
     /// The explanation data of the move taken last; `None` before the first move.
     #[serde(rename = "taken")]
     taken_note: Option<PassNote>,
-    /// Whether the move before the one ahead is a thread.
-    #[serde(default)]
+    /// Whether the move before the one ahead is a thread. Not stored otherwise, so that hashes in
+    /// earlier recordings of other cycles stay right.
+    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
     is_after_thread: bool,
 }
 

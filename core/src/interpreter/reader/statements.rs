@@ -158,8 +158,8 @@ pub(super) fn huaxing_alarm(statement: &MacroStatement) -> Option<Alarm> {
 }
 
 /// Copies a block with its variables and formulas replaced by numbers; `None` if the block has only
-/// numbers. `motion` is the code of group 01 in force before the block. Returns an error if a variable
-/// or formula has no value or must wait.
+/// numbers. `motion` is the code of group 01 in force before the block. Returns an error if a
+/// variable or formula has no value or must wait.
 pub(super) fn resolve_block<H: Host>(
     block: &ProgramBlock,
     sources: Option<&VariableSources<'_, H>>,
