@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use crossbeam::channel::{RecvTimeoutError, bounded};
 use eframe::egui::{self, ViewportCommand};
@@ -25,6 +24,7 @@ use web_time::{Duration, Instant};
 use super::frame_figures::FrameFigures;
 use super::layout::floating;
 use super::repaint_filter::RepaintFilter;
+use super::shown_content::ShownContent;
 use super::{ProjectSelection, TITLE, Window, WindowSettings, fonts, theme};
 use crate::chrome::zoom;
 
@@ -36,9 +36,6 @@ const INITIAL_SHARE: f32 = 0.92;
 /// Largest monitor on which the window fills the screen at the first start, points: panel and
 /// machine need all of it.
 const MAXIMIZED_UP_TO: [f32; 2] = [1920.0, 1200.0];
-/// Shortest interval between two frames that the kernel requests: that of a picture that moves.
-/// Keys and pointer are drawn at once.
-const MIN_FRAME_INTERVAL: Duration = Duration::from_millis(40);
 /// Settings are written when they have not changed for this time, so that a dragged splitter
 /// does not cause many writes.
 const SAVE_DELAY: Duration = Duration::from_secs(1);
@@ -123,18 +120,24 @@ struct App {
 fn spawn_repaint_thread(
     context: egui::Context,
     mut filter: RepaintFilter,
+    shown: Arc<ShownContent>,
 ) -> std::io::Result<Box<dyn Fn() + Send>> {
     let (request, requested) = bounded::<()>(1);
-    let mut next_frame = Instant::now();
+    let mut last_frame = Instant::now();
+    let mut next_frame = last_frame;
     platform::start_task("bell", move || match platform::receive(&requested, None) {
         Ok(()) => {
             if filter.needs_repaint() {
                 let now = Instant::now();
-                if next_frame <= now {
-                    // With a delay egui draws one frame; without it, two.
-                    let soon = now + Duration::from_millis(1);
-                    next_frame = soon.max(next_frame + MIN_FRAME_INTERVAL);
+                let is_pending = next_frame > now;
+                if !is_pending {
+                    last_frame = next_frame;
+                    shown.count_frame();
                 }
+                // With a delay egui draws one frame; without it, two.
+                let soon = now + Duration::from_millis(1);
+                let due = soon.max(last_frame + shown.frame_interval());
+                next_frame = if is_pending { next_frame.min(due) } else { due };
                 // Repeated in any case: a frame for a key discards the request before it.
                 let delay = next_frame.saturating_duration_since(now);
                 context.request_repaint_after(delay);
@@ -173,10 +176,10 @@ impl App {
         } = start;
         let data = Arc::new(data);
         let keeper = Keeper::start(Arc::clone(&data), &restored, kernel.emulator())?;
-        let shows_plc_memory = Arc::new(AtomicBool::new(true));
-        let filter = RepaintFilter::new(&console, ending.clone(), Arc::clone(&shows_plc_memory));
+        let shown = Arc::new(ShownContent::default());
+        let filter = RepaintFilter::new(&console, ending.clone(), Arc::clone(&shown));
         let kernel_host = KernelEnvironment {
-            wake: spawn_repaint_thread(context.clone(), filter)?,
+            wake: spawn_repaint_thread(context.clone(), filter, Arc::clone(&shown))?,
             keeper: Some(keeper),
             partner_folder: Some(platform::sent_folder(data.path(), transfer::FOLDER)),
             udisk_folder: Some(data.path().join(udisk::FOLDER)),
@@ -189,7 +192,7 @@ impl App {
         })?;
         let thread = kernel::start(kernel, &console, kernel_host)?;
         let mut window = Window::new(console, settings.clone());
-        window.report_plc_memory_shown(shows_plc_memory);
+        window.report_shown_content(shown);
         window.paint_panel();
         window.set_model(model, another.is_some());
         if asks {

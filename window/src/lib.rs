@@ -20,6 +20,7 @@ mod request;
 mod samples;
 mod screen_reader;
 mod settings;
+mod shown_content;
 mod theme;
 pub mod view;
 mod views;
@@ -27,7 +28,6 @@ mod widgets;
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use egui::{Frame, Margin, Panel, Pos2, Ui};
 use gsk_core::model::ModelId;
@@ -62,6 +62,7 @@ use crate::input::panel_pointer::PanelPointer;
 use crate::layout::WindowLayout;
 use crate::panel_view::{faceplate_image, lcd};
 use crate::placement::{panel_placement, stop_key_clearance};
+use crate::shown_content::ShownContent;
 use crate::widgets::files::FileBrowser;
 use crate::widgets::questions::Questions;
 use crate::widgets::real_machine_bar;
@@ -263,9 +264,9 @@ impl Window {
         self.show_view(ViewId::Lesson);
     }
 
-    /// Sets the flag that reports whether an open view shows more of the PLC memory than the inputs.
-    pub fn report_plc_memory_shown(&mut self, flag: Arc<AtomicBool>) {
-        self.views.report_plc_memory_shown(flag);
+    /// Sets where the window reports what it shows.
+    pub fn report_shown_content(&mut self, shown: Arc<ShownContent>) {
+        self.views.report_shown_content(shown);
     }
 
     /// Sets the lessons that the window lists, those of a teacher included, and the errors in

@@ -3,7 +3,6 @@
 //! states look like the one before.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use crossbeam::channel::Receiver;
 use crossbeam::queue::ArrayQueue;
@@ -16,6 +15,8 @@ use gsk_host::kernel::part::PartView;
 use gsk_host::kernel::timeline::TimelineView;
 use gsk_host::kernel::{Console, Notice, PanelSnapshot};
 use gsk_host::termination::TerminationFlag;
+
+use crate::shown_content::ShownContent;
 
 /// Differences of positions below this one are not shown, mm.
 const SHOWN_MM: f64 = 0.000_1;
@@ -30,20 +31,14 @@ pub struct RepaintFilter {
     timeline: Arc<ArrayQueue<Arc<TimelineView>>>,
     notices: Receiver<Notice>,
     termination: TerminationFlag,
-    /// Whether a view shows more of the PLC memory than the inputs.
-    shows_plc_memory: Arc<AtomicBool>,
+    shown: Arc<ShownContent>,
     last_machine: Option<MachineView>,
 }
 
 impl RepaintFilter {
     /// Creates a filter for the states that `console` receives. Once `termination` is requested,
-    /// the filter passes every repaint on. `shows_plc_memory`: whether a view shows more of the PLC
-    /// memory than the inputs; its timers run all the time.
-    pub fn new(
-        console: &Console,
-        termination: TerminationFlag,
-        shows_plc_memory: Arc<AtomicBool>,
-    ) -> Self {
+    /// the filter passes every repaint on. `shown`: what the window shows.
+    pub fn new(console: &Console, termination: TerminationFlag, shown: Arc<ShownContent>) -> Self {
         Self {
             snapshots: Arc::clone(&console.snapshots),
             machine: Arc::clone(&console.machine),
@@ -51,7 +46,7 @@ impl RepaintFilter {
             timeline: Arc::clone(&console.timeline),
             notices: console.notices.clone(),
             termination,
-            shows_plc_memory,
+            shown,
             last_machine: None,
         }
     }
@@ -66,7 +61,7 @@ impl RepaintFilter {
             && self.notices.is_empty());
         let Some(machine) = machine else { return true };
         let last = self.last_machine.as_ref();
-        let with_memory = self.shows_plc_memory.load(Ordering::Relaxed);
+        let with_memory = self.shown.has_plc_memory();
         if last.is_some_and(|last| looks_same(last, &machine, with_memory)) {
             return is_other_news || self.termination.is_requested();
         }

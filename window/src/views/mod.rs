@@ -25,7 +25,6 @@ mod transfer;
 mod undo_panel;
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use egui::{Context, Frame, Margin, Pos2, ScrollArea, Sense, Ui, UiBuilder, Vec2};
 use gsk_host::kernel::monitor::MachineView;
@@ -38,6 +37,7 @@ use super::view::{VIEWS, ViewId};
 use crate::focus;
 use crate::samples::SampleRequest;
 use crate::settings::StoredSceneCamera;
+use crate::shown_content::ShownContent;
 use crate::theme;
 use crate::widgets::questions::Unsaved;
 use gsk_messages::Language;
@@ -66,8 +66,7 @@ pub struct Views {
     part: Option<Arc<PartView>>,
     /// The view that another view has requested to open; `None` without a request.
     view_to_open: Option<ViewId>,
-    /// Whether an open view shows more of the PLC memory than the inputs.
-    shows_plc_memory: Arc<AtomicBool>,
+    shown: Arc<ShownContent>,
 }
 
 /// The views that show more of the PLC memory than the inputs.
@@ -84,13 +83,13 @@ impl Views {
             machine: None,
             part: None,
             view_to_open: None,
-            shows_plc_memory: Arc::default(),
+            shown: Arc::default(),
         }
     }
 
-    /// Sets the flag that reports whether an open view shows more of the PLC memory than the inputs.
-    pub fn report_plc_memory_shown(&mut self, flag: Arc<AtomicBool>) {
-        self.shows_plc_memory = flag;
+    /// Sets where the views report what they show.
+    pub fn report_shown_content(&mut self, shown: Arc<ShownContent>) {
+        self.shown = shown;
     }
 
     /// Opens and closes views to match `layouts`. Starts or stops the kernel's reports of the
@@ -119,7 +118,6 @@ impl Views {
             }
         }
         let shows_plc = PLC_VIEWS.iter().any(|view| layouts.is_open(*view));
-        self.shows_plc_memory.store(shows_plc, Ordering::Relaxed);
         let is_monitoring = self.needs_machine_state();
         if is_monitoring != was_monitoring {
             self.machine = None;
@@ -129,6 +127,11 @@ impl Views {
             self.machine = Some(Arc::new(machine));
         }
         let is_showing_part = self.needs_part();
+        if context.input(|input| !input.events.is_empty() || input.pointer.any_down()) {
+            self.shown.record_input();
+        }
+        self.shown
+            .set_views(shows_plc, is_monitoring || is_showing_part);
         if is_showing_part != was_showing_part {
             self.part = None;
             self.console.send(Command::ShowPart(is_showing_part));

@@ -34,7 +34,7 @@ const SPANS_MS: [u64; 11] = [
 /// Numbers of ticks that the user can choose for the average of speed and acceleration.
 const AVERAGES_TICKS: [u64; 6] = [1, 2, 4, 8, 16, 32];
 /// Interval between two frames while all traces are level, ms.
-const LEVEL_PAUSE_MS: u64 = 1500;
+const LEVEL_PAUSE_MS: u64 = 4000;
 /// Share of the picture after the trigger's event, in tenths.
 const TENTHS_AFTER_EDGE: u64 = 9;
 
