@@ -10,6 +10,7 @@ use gsk_scene::camera::CameraPreset;
 use gsk_scene::description::{
     LatheDescription, LatheDimensions, LatheKind, MountedTool, MountedToolForm, TipPosition,
 };
+use gsk_scene::level::SceneLevel;
 use gsk_scene::opengl::renderer::{SceneFigures, SceneRenderer, SceneViewport};
 use gsk_scene::part::outline::PartOutline;
 use gsk_scene::tool_path::{ToolPath, ToolPathBuilder, ToolPathPiece};
@@ -249,8 +250,8 @@ impl eframe::App for Bench {
                     place.height_px,
                 ],
                 output: painter.intermediate_fbo(),
-                is_moving: trial != Trial::FullSize,
-                level: None,
+                is_moving: true,
+                level: (trial == Trial::FullSize).then_some(SceneLevel::Full),
             };
             let mut shared = shared.lock().expect("the lock");
             let (renderer, figures) = &mut *shared;

@@ -20,8 +20,8 @@ pub enum SceneLevel {
     /// While something moves, the picture is drawn at half its size.
     #[default]
     Half,
-    /// The picture is drawn at its full size, with new shadows in each picture and soft shadow
-    /// edges.
+    /// The picture is drawn at its full size; by a graphics card with soft shadow edges and new
+    /// shadows in each picture.
     Full,
 }
 
@@ -35,18 +35,31 @@ impl SceneLevel {
         }
     }
 
-    /// Number of pictures after which the shadows are drawn again.
-    pub const fn shadow_pictures(self) -> u32 {
+    /// Number of pictures after which the shadows are drawn again while something moves.
+    /// `is_software`: the processor computes OpenGL.
+    pub const fn shadow_pictures(self, is_software: bool) -> u32 {
         match self {
             Self::Processor | Self::Coarse => 6,
             Self::Half => 3,
+            Self::Full if is_software => 3,
             Self::Full => 1,
         }
     }
 
-    /// Whether the level of detail draws soft edges of shadows.
-    pub const fn has_soft_shadow(self) -> bool {
-        matches!(self, Self::Full)
+    /// Number of pictures after which the stationary parts are drawn again while something moves,
+    /// to renew the shadows that moving parts cast on them. `is_software`: the processor computes
+    /// OpenGL.
+    pub const fn layer_pictures(self, is_software: bool) -> u32 {
+        match self {
+            Self::Full if !is_software => 1,
+            _ => 15,
+        }
+    }
+
+    /// Whether the level of detail draws soft edges of shadows. `is_software`: the processor
+    /// computes OpenGL.
+    pub const fn has_soft_shadow(self, is_software: bool) -> bool {
+        matches!(self, Self::Full) && !is_software
     }
 
     /// Returns the number of sides of the finest part that are merged to one drawn side.

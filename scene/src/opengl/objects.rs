@@ -18,9 +18,6 @@ use crate::opengl::shader;
 use crate::opengl::targets::SceneTargets;
 use crate::viewport::{SceneFigures, SceneViewport};
 
-/// Number of frames after which the picture of the stationary parts is drawn again, to renew the
-/// shadows that moving parts cast on it.
-const LAYER_FRAMES: u32 = 15;
 /// The shader programs that draw a scene.
 #[derive(Debug)]
 struct ScenePrograms {
@@ -115,6 +112,8 @@ pub struct SceneObjects {
     layer: Option<LayerInputs>,
     has_fixed_shadow: bool,
     is_full_size: bool,
+    /// Whether nothing in the next picture is left from an earlier one.
+    is_thorough: bool,
     frame: u32,
 }
 
@@ -125,7 +124,7 @@ impl SceneObjects {
         let is_software = device.is_software();
         let level = usual_level(is_software);
         Ok(Self {
-            programs: ScenePrograms::create(device, level.has_soft_shadow())?,
+            programs: ScenePrograms::create(device, level.has_soft_shadow(is_software))?,
             meshes: GpuMeshes::create(device, lathe)?,
             part: PartObjects::create(device)?,
             path: PathObjects::default(),
@@ -139,6 +138,7 @@ impl SceneObjects {
             layer: None,
             has_fixed_shadow: false,
             is_full_size: true,
+            is_thorough: true,
             frame: 0,
         })
     }
@@ -198,6 +198,11 @@ impl SceneObjects {
             false => 1,
         };
         self.is_full_size = share == 1;
+        if !viewport.is_moving && !self.is_thorough {
+            // The first picture at rest has all shadows.
+            self.drawn = None;
+        }
+        self.is_thorough = !viewport.is_moving;
         let size = [width, height].map(|it| (it / share).clamp(1, 8192));
         let mut is_new = self.targets.resize(device, size)?;
         if !self.meshes.is_design_of(lathe) {
@@ -223,8 +228,9 @@ impl SceneObjects {
         level: Option<SceneLevel>,
     ) -> Result<(), SceneError> {
         let level = level.unwrap_or(usual_level(self.is_software));
-        if level.has_soft_shadow() != self.level.has_soft_shadow() {
-            let programs = ScenePrograms::create(device, level.has_soft_shadow())?;
+        let has_soft_shadow = level.has_soft_shadow(self.is_software);
+        if has_soft_shadow != self.level.has_soft_shadow(self.is_software) {
+            let programs = ScenePrograms::create(device, has_soft_shadow)?;
             core::mem::replace(&mut self.programs, programs).release(device);
             self.drawn = None;
         }
@@ -239,8 +245,9 @@ impl SceneObjects {
 
     fn draw(&mut self, device: Device<'_>, scene: &FrameInputs) {
         self.frame = self.frame.wrapping_add(1);
-        let is_thorough = self.is_full_size || self.drawn.is_none();
-        if is_thorough || self.frame.is_multiple_of(self.level.shadow_pictures()) {
+        let is_thorough = self.is_thorough || self.drawn.is_none();
+        let shadow_pictures = self.level.shadow_pictures(self.is_software);
+        if is_thorough || self.frame.is_multiple_of(shadow_pictures) {
             self.draw_shadows(device, scene);
         }
         device.bind_texture(0, Some(self.targets.shadow.texture));
@@ -346,7 +353,8 @@ impl SceneObjects {
     fn draw_layer(&mut self, device: Device<'_>, scene: &FrameInputs, is_thorough: bool) {
         let layer = scene.layer();
         let is_same = self.layer.as_ref() == Some(&layer);
-        if is_same && !is_thorough && !self.frame.is_multiple_of(LAYER_FRAMES) {
+        let layer_pictures = self.level.layer_pictures(self.is_software);
+        if is_same && !is_thorough && !self.frame.is_multiple_of(layer_pictures) {
             return;
         }
         self.layer = Some(layer);
@@ -409,7 +417,10 @@ impl SceneObjects {
         } = &self.targets;
         if self.is_full_size {
             device.bind_output(viewport.output, viewport.pixels);
-            self.show_picture(device, show_smooth, picture);
+            // A processor smooths the edges of all pixels when they rest.
+            let is_smoothed = self.is_thorough || !self.is_software;
+            let program = if is_smoothed { show_smooth } else { show };
+            self.show_picture(device, program, picture);
             return;
         }
         device.begin_surfaces(false);
