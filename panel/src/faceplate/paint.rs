@@ -164,7 +164,7 @@ impl Painter {
             PartKind::Handwheel => self.handwheel(part, state.wheel),
             PartKind::Text(text, size) => self.text(text, size, part.rect, part.colour.rgb()),
             PartKind::Model => {
-                let name = state.model.name();
+                let name = state.model.plate_name();
                 let available = part.rect.w;
                 // A long name is smaller.
                 let size = NAME_SIZE * (available / width(name, NAME_SIZE)).min(1.0);

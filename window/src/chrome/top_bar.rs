@@ -150,7 +150,8 @@ pub fn show(
                         request = menus::show_views(ui, settings).or(request.take());
                     });
                     if !models.current.is_main() {
-                        let name = RichText::new(models.current.name()).color(theme::WARNING);
+                        let name = RichText::new(models.current.name().text(language))
+                            .color(theme::WARNING);
                         ui.label(name)
                             .on_hover_text(say::model_is_on(models.current.name()).text(language));
                     }
