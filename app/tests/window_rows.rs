@@ -139,6 +139,30 @@ fn a_long_name_of_a_program_ends_before_the_speed() {
 }
 
 #[test]
+fn no_text_of_a_card_is_shortened() {
+    for size in [(800.0, 600.0), (1024.0, 768.0), (1366.0, 768.0)] {
+        let mut bench = open(Layouts::with_layout(WindowLayout::Learner), size);
+        bench.run(50);
+        if bench
+            .harness
+            .query_by_label("See a part being cut")
+            .is_none()
+        {
+            // The lessons are a tab.
+            bench.click("Lessons");
+        }
+        bench.harness.get_by_label("See a part being cut");
+        let is_shortened = |shape: &egui::epaint::ClippedShape| match &shape.shape {
+            Shape::Text(text) if text.galley.elided => Some(text.galley.text().to_owned()),
+            _ => None,
+        };
+        let shapes = bench.harness.output().shapes.iter();
+        let shortened: Vec<String> = shapes.filter_map(is_shortened).collect();
+        assert!(shortened.is_empty(), "{size:?}: {shortened:?}");
+    }
+}
+
+#[test]
 fn the_picture_of_the_lathe_is_high_enough_beside_scope_and_faults() {
     let bench = open(
         Layouts::with_layout(WindowLayout::Instructor),
