@@ -93,12 +93,21 @@ fn every_control_of_the_bar_works_by_its_name() {
 }
 
 #[test]
-fn a_small_view_has_one_menu_with_all_controls() {
+fn a_small_view_has_a_menu_of_the_cameras_and_one_of_all_other_controls() {
     let mut bench = open_lathe(egui::vec2(1024.0, 768.0));
     assert!(bench.harness.query_by_label("Quarter cut").is_none());
     let menu = bench.harness.query_all_by_label("Operator").next();
     menu.unwrap().click();
     bench.run(30);
-    bench.harness.get_by_label("Quarter cut").click();
+    bench.harness.get_by_label("From above").click();
     bench.run(30);
+    assert!(picture_name(&bench).unwrap().contains("From above"));
+    for name in ["Follow the tool", "Quarter cut", "Path"] {
+        bench.harness.get_by_label("…").click();
+        bench.run(30);
+        bench.harness.get_by_label(name).click();
+        bench.run(30);
+        bench.harness.key_press(Key::Escape);
+        bench.run(30);
+    }
 }

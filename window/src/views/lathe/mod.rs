@@ -81,12 +81,8 @@ impl View for LatheSceneView {
 
     fn show(&mut self, ui: &mut Ui, frame: ViewFrame<'_>) {
         let part = frame.part.map(AsRef::as_ref);
-        let size = ui.available_size();
         let bar = Panel::top("scene bar").frame(bar_frame());
-        bar.show(ui, |ui| match bar::is_small(size) {
-            true => self.show_small_bar(ui, frame),
-            false => self.show_bar(ui, frame),
-        });
+        bar.show(ui, |ui| self.show_bar(ui, frame));
         egui::CentralPanel::default()
             .frame(plain_frame())
             .show(ui, |ui| match part {
