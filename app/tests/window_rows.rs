@@ -110,6 +110,24 @@ fn no_curve_of_the_scope_is_under_the_name_of_its_lane() {
 }
 
 #[test]
+fn the_scope_shows_all_lanes_and_the_time_beside_machine_and_faults() {
+    let mut bench = open(
+        Layouts::with_layout(WindowLayout::Instructor),
+        (1366.0, 768.0),
+    );
+    bench.run(500);
+    let plot = bench.harness.get_by_label("Scope picture").rect();
+    let faults = bench.harness.get_by_label("Faults").rect();
+    assert!(plot.bottom() < faults.top(), "{plot} {faults}");
+    let (texts, _) = drawn(&bench);
+    for name in ["Position", "Speed", "Acceleration"] {
+        let is_inside =
+            |(text, at): &(String, Rect)| text.starts_with(name) && plot.contains_rect(*at);
+        assert!(texts.iter().any(is_inside), "{name}: {texts:?}");
+    }
+}
+
+#[test]
 fn a_long_name_of_a_program_ends_before_the_speed() {
     let folder = TempFolder::new("long-name");
     let name = "a-shaft-with-a-name-longer-than-the-bar.CNC";
