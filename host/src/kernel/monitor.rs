@@ -33,12 +33,12 @@ pub struct MachineView {
     pub parameters_refused: Option<WriteRefusal>,
     pub offsets: OffsetTable,
     pub variables: VariableTable,
-    pub alarms: ActiveAlarms,
+    pub alarms: MachineAlarms,
 }
 
 /// The active alarms, and the active messages of the PLC.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct ActiveAlarms {
+pub struct MachineAlarms {
     /// The alarms, the newest first.
     pub alarms: Vec<Alarm>,
     /// Number of each message with the text that the machine builder has written.
@@ -114,7 +114,7 @@ impl MachineView {
                 refused: cnc.rights().check_offsets().err(),
             },
             variables: VariableTable::from_cnc(cnc),
-            alarms: ActiveAlarms {
+            alarms: MachineAlarms {
                 alarms: cnc.alarms().to_vec(),
                 plc_messages: messages.collect(),
             },

@@ -4,7 +4,7 @@
 use gsk_core::alarm::Alarm;
 use gsk_core::command::{ProgramId, SourcePosition};
 use gsk_core::model::ProgramNaming;
-use gsk_host::kernel::monitor::ActiveAlarms;
+use gsk_host::kernel::monitor::MachineAlarms;
 
 use gsk_messages::{Language, say};
 
@@ -24,7 +24,7 @@ pub fn one_line(alarm: &Alarm, language: Language) -> String {
 }
 
 /// Formats the active alarms and messages of the PLC in one row.
-pub fn joined_row(active: &ActiveAlarms, language: Language) -> String {
+pub fn joined_row(active: &MachineAlarms, language: Language) -> String {
     let alarms = active.alarms.iter().map(|it| one_line(it, language));
     let messages = active.plc_messages.iter().cloned();
     alarms.chain(messages).collect::<Vec<_>>().join("   ")
@@ -96,7 +96,7 @@ mod tests {
 
     #[test]
     fn a_row_has_alarms_in_the_language_of_the_window_and_messages_as_written() {
-        let active = ActiveAlarms {
+        let active = MachineAlarms {
             alarms: vec![Alarm::new(207), Alarm::new(1000)],
             plc_messages: vec!["2000 润滑油位低".to_owned()],
         };

@@ -3,7 +3,7 @@
 use gsk_core::battery::BatteryMemory;
 use gsk_core::memory::{ControlParameters, PitchTable, Variables, WriteRefusal};
 use gsk_core::model::ModelRecord;
-use gsk_host::kernel::monitor::{ActiveAlarms, MachineView, OffsetTable, VariableTable};
+use gsk_host::kernel::monitor::{MachineAlarms, MachineView, OffsetTable, VariableTable};
 use gsk_panel::pages::CoordinateFormat;
 
 /// The values that the data view shows, and why they cannot be written now.
@@ -20,7 +20,7 @@ pub struct DataValues<'a> {
     pub offsets: &'a OffsetTable,
     pub variables: &'a VariableTable,
     /// The active alarms; `None` for a memory without a control.
-    pub alarms: Option<&'a ActiveAlarms>,
+    pub alarms: Option<&'a MachineAlarms>,
 }
 
 impl<'a> DataValues<'a> {
