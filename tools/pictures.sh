@@ -26,23 +26,32 @@ click() {
     xdotool mousemove "$1" "$2" sleep 0.2 click 1 sleep 0.5
 }
 
+# wait_for_window: the id of the window, after its first pictures.
+wait_for_window() {
+    local id
+    for _ in {1..240}; do
+        id=$(xdotool search --onlyvisible --name GSK980TD 2>/dev/null | tail -1) && [[ $id ]] && break
+        sleep 0.25
+    done
+    sleep 4
+    echo "$id"
+}
+
 # picture FILE LANGUAGE KEY…: the window as it opens, with these keys pressed.
 picture() {
     local file=$1 language=$2 window
     shift 2
     "$program" --data "$work/data" --lang "$language" --program "$sample" 2>"$work/window.log" &
     local started=$!
-    sleep 4
-    window=$(xdotool search --name GSK980TD | tail -1)
+    window=$(wait_for_window)
     xdotool windowmove "$window" 0 0 windowsize "$window" 1440 900 windowfocus "$window" sleep 1
-    click 600 15
+    click 1000 15
     for key in "$@"; do
         xdotool key "$key" sleep 2
     done
-    # "Solid" in the bar of the machine view, in either language; what stands still is
-    # smoothed.
-    click 774 65
-    xdotool mousemove 700 12 sleep 2
+    # The icon *Solid* in the bar of the machine view; what stands still is smoothed.
+    click 841 65
+    xdotool mousemove 1000 12 sleep 4
     import -window root "$work/shot.png"
     convert "$work/shot.png" +dither -colors 128 -strip "$file"
     kill "$started"
@@ -58,8 +67,7 @@ hour() {
     shift 3
     "$program" --data "$work/data" --lang "$language" "$@" 2>"$work/window.log" &
     local started=$!
-    sleep 4
-    window=$(xdotool search --name GSK980TD | tail -1)
+    window=$(wait_for_window)
     xdotool windowmove "$window" 0 0 windowsize "$window" 1366 768 windowfocus "$window" sleep 1
     for press in $presses; do
         case $press in
@@ -78,8 +86,8 @@ hour() {
 
 for language in en zh; do
     hour 1 "$language" "" --first-start
-    # *I am learning*, *Start*, the first lesson of the list.
-    hour 2 "$language" "556,167 450,566 2s 780,93" --first-start
+    # *I am learning*, *Begin*, the first card under *The first hour*.
+    hour 2 "$language" "683,174 398,615 5s 802,680 3s" --first-start
     hour 3 "$language" "shift+F7 ctrl+2 F9 150s" --program "$sample"
 done
 

@@ -93,12 +93,44 @@ fn every_control_of_the_bar_works_by_its_name() {
 }
 
 #[test]
-fn a_small_view_has_one_menu_with_all_controls() {
+fn the_picture_names_an_alarm_whole_and_beside_tool_and_speed() {
+    for size in [(1024.0, 768.0), (1366.0, 768.0)] {
+        let mut bench = open_lathe(egui::vec2(size.0, size.1));
+        bench.click("Emergency stop");
+        bench.run(300);
+        let picture = bench.harness.get_by_label_contains("Picture of the lathe");
+        let picture = picture.rect();
+        let texts = bench.harness.output().shapes.iter();
+        let texts = texts.filter_map(|it| match &it.shape {
+            egui::Shape::Text(text) => Some((text.galley.clone(), text.visual_bounding_rect())),
+            _ => None,
+        });
+        let texts: Vec<_> = texts.filter(|(_, at)| picture.contains_rect(*at)).collect();
+        let alarm = texts.iter().find(|(it, _)| it.text().starts_with("207: "));
+        let (galley, at) = alarm.unwrap();
+        assert!(!galley.elided, "{size:?}: {}", galley.text());
+        for (other, place) in texts.iter().filter(|(it, _)| it.text() != galley.text()) {
+            assert!(!place.intersects(*at), "{size:?}: {}", other.text());
+        }
+    }
+}
+
+#[test]
+fn a_small_view_has_a_menu_of_the_cameras_and_one_of_all_other_controls() {
     let mut bench = open_lathe(egui::vec2(1024.0, 768.0));
     assert!(bench.harness.query_by_label("Quarter cut").is_none());
     let menu = bench.harness.query_all_by_label("Operator").next();
     menu.unwrap().click();
     bench.run(30);
-    bench.harness.get_by_label("Quarter cut").click();
+    bench.harness.get_by_label("From above").click();
     bench.run(30);
+    assert!(picture_name(&bench).unwrap().contains("From above"));
+    for name in ["Follow the tool", "Quarter cut", "Path"] {
+        bench.harness.get_by_label("…").click();
+        bench.run(30);
+        bench.harness.get_by_label(name).click();
+        bench.run(30);
+        bench.harness.key_press(Key::Escape);
+        bench.run(30);
+    }
 }

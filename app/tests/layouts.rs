@@ -320,4 +320,9 @@ fn another_control_model_is_requested_in_the_menu() {
     bench.harness.state_mut().set_model(ModelId::Ncb08, true);
     bench.run(50);
     assert_eq!(bench.harness.state().title(), "NC-B08");
+    bench.harness.state_mut().set_model(ModelId::Hx31, true);
+    bench.run(50);
+    assert_eq!(bench.harness.state().title(), "Huaxing 31/32");
+    bench.click("Layout");
+    bench.harness.get_by_label("Control Huaxing 31/32");
 }

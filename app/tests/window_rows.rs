@@ -3,6 +3,7 @@
 
 use egui::{Rect, Shape, vec2};
 use egui_kittest::kittest::Queryable as _;
+use gsk_core::model::ModelId;
 use gsk_core::setup::Setup;
 use gsk_messages::Language;
 use gsk_panel::keys::KEYS;
@@ -11,6 +12,7 @@ use gsk_window::layout::{Layouts, WindowLayout};
 use gsk_window::view::ViewId;
 
 use crate::common::WindowBench;
+use crate::common::folder::TempFolder;
 
 fn open(layouts: Layouts, size: (f32, f32)) -> WindowBench {
     let mut bench = WindowBench::with_layouts(Setup::default(), layouts, vec2(size.0, size.1));
@@ -104,6 +106,77 @@ fn no_curve_of_the_scope_is_under_the_name_of_its_lane() {
             let hidden = curves.iter().find(|it| it.intersects(at.shrink(1.0)));
             assert_eq!(hidden, None, "{text} at {at} in {size:?}");
         }
+    }
+}
+
+#[test]
+fn the_scope_shows_all_lanes_and_the_time_beside_machine_and_faults() {
+    let mut bench = open(
+        Layouts::with_layout(WindowLayout::Instructor),
+        (1366.0, 768.0),
+    );
+    bench.run(500);
+    let plot = bench.harness.get_by_label("Scope picture").rect();
+    let faults = bench.harness.get_by_label("Faults").rect();
+    assert!(plot.bottom() < faults.top(), "{plot} {faults}");
+    let (texts, _) = drawn(&bench);
+    for name in ["Position", "Speed", "Acceleration"] {
+        let is_inside =
+            |(text, at): &(String, Rect)| text.starts_with(name) && plot.contains_rect(*at);
+        assert!(texts.iter().any(is_inside), "{name}: {texts:?}");
+    }
+}
+
+#[test]
+fn a_long_name_of_a_program_ends_before_the_speed() {
+    let folder = TempFolder::new("long-name");
+    let name = "a-shaft-with-a-name-longer-than-the-bar.CNC";
+    folder.write(name, "O0007\nM30\n");
+    for (model, width) in [
+        (ModelId::Gsk980td, 1024.0),
+        (ModelId::Hx31, 1024.0),
+        (ModelId::Hx31, 800.0),
+        (ModelId::Ncb08, 1366.0),
+    ] {
+        let layouts = Layouts::with_layout(WindowLayout::Panel);
+        let mut bench = open(layouts, (width, 768.0));
+        bench.harness.state_mut().set_model(model, true);
+        bench.open(folder.0.join(name).to_str().unwrap());
+        bench.run(50);
+        let speed = bench.harness.get_by_label("Speed 1x").rect();
+        let (texts, _) = drawn(&bench);
+        let shown = texts
+            .iter()
+            .find(|(text, at)| text == name && at.top() < 28.0);
+        let (_, at) = shown.unwrap();
+        assert!(at.width() >= 8.0, "{model:?}: {at}");
+        assert!(at.right() < speed.left(), "{model:?}: {at} {speed}");
+        let bar = bench.harness.get_by_label(name).rect();
+        assert!(bar.right() < speed.left(), "{model:?}: {bar} {speed}");
+    }
+}
+
+#[test]
+fn no_text_of_a_card_is_shortened() {
+    for size in [(800.0, 600.0), (1024.0, 768.0), (1366.0, 768.0)] {
+        let mut bench = open(Layouts::with_layout(WindowLayout::Learner), size);
+        bench.run(50);
+        if bench
+            .harness
+            .query_by_label("See a part being cut")
+            .is_none()
+        {
+            // The lessons are a tab.
+            bench.click("Lessons");
+        }
+        bench.harness.get_by_label("See a part being cut");
+        let is_shortened = |shape: &egui::epaint::ClippedShape| match &shape.shape {
+            Shape::Text(text) if text.galley.elided => Some(text.galley.text().to_owned()),
+            _ => None,
+        };
+        let shapes = bench.harness.output().shapes.iter();
+        let shortened: Vec<String> = shapes.filter_map(is_shortened).collect();
+        assert!(shortened.is_empty(), "{size:?}: {shortened:?}");
     }
 }
 

@@ -29,7 +29,7 @@ impl DeviceDescription {
         };
         Self {
             lathe_name: config.name.clone(),
-            control_model: cnc.model().record().name().to_owned(),
+            control_model: cnc.model().id().plate_name().to_owned(),
             max_speed_rpm: cnc.spindle().top_speed(),
             travel: [travel(Axis::X, &config.x), travel(Axis::Z, &config.z)],
         }

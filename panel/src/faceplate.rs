@@ -24,7 +24,7 @@ use crate::keys::{Key, KeyRole};
 /// Width and height of the panel in panel units.
 pub const SIZE: (f32, f32) = (1280.0, 756.0);
 
-/// Width of the glass around the picture of the LCD, panel units: four dots.
+/// Least width of the glass around the picture of the LCD, panel units: four dots.
 pub const GLASS_MARGIN: f32 = 8.0;
 
 /// Line height of a legend, panel units: one Unifont cell at scale 1.
@@ -240,6 +240,20 @@ pub fn part_of(model: ModelId, key: Key) -> Option<&'static PanelPart> {
 pub fn lcd_part(model: ModelId) -> Option<&'static PanelPart> {
     let mut parts = parts(model).iter();
     parts.find(|part| part.what == PartKind::Lcd)
+}
+
+/// Returns the part of the panel that is the frame of the LCD; `None` on a panel without one.
+pub fn frame_part(model: ModelId) -> Option<&'static PanelPart> {
+    let mut parts = parts(model).iter();
+    parts.find(|part| part.what == PartKind::Bezel)
+}
+
+/// Returns the width of the frame of the LCD: the same at all four sides, where the frame is
+/// stretched more in one direction too. `frame` and `picture` are the sizes of the frame and of
+/// the picture, in any unit.
+pub fn frame_width(frame: (f32, f32), picture: (f32, f32)) -> f32 {
+    let margin = ((frame.0 - picture.0) / 2.0).min((frame.1 - picture.1) / 2.0);
+    margin - GLASS_MARGIN * picture.0 / lcd().w
 }
 
 /// Returns the rectangle of the picture of the LCD on the panel, panel units.

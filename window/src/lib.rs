@@ -304,7 +304,8 @@ impl Window {
     }
 
     pub fn title(&self) -> String {
-        real_machine_bar::window_title(self.models.current.name(), self.board())
+        let model = self.models.current.name();
+        real_machine_bar::window_title(&model.text(self.settings.language), self.board())
     }
 
     /// State of the board that moves real slides; `None` if no board is connected.

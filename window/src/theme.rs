@@ -310,7 +310,6 @@ pub const SCOPE_FRAME: Color32 = Color32::from_gray(84);
 /// Colour of the numbers at the scales of scope and curves.
 pub const SCALE_TEXT: Color32 = Color32::from_gray(160);
 pub const SCOPE_LANE_TEXT: Color32 = Color32::from_gray(205);
-pub const SCOPE_LANE_GROUND: Color32 = Color32::from_black_alpha(150);
 /// Colour of the scope trace of the actual values of X.
 pub const SCOPE_X: Color32 = Color32::from_rgb(92, 190, 255);
 pub const SCOPE_X_COMMAND: Color32 = Color32::from_rgb(64, 118, 158);

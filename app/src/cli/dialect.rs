@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gsk_core::model::ModelId;
+use gsk_messages::Language;
 use gsk_port::{ForeignDialect, PlainNumbers};
 
 /// Arguments of the command `dialect`.
@@ -47,7 +48,8 @@ pub enum ProgramOrigin {
 
 fn origin_parser() -> impl TypedValueParser<Value = ProgramOrigin> {
     let models = ModelId::ALL.into_iter();
-    let models = models.map(|id| PossibleValue::new(id.command_word()).help(id.name()));
+    let models =
+        models.map(|id| PossibleValue::new(id.command_word()).help(id.name().text(Language::En)));
     let dialects = ForeignDialect::ALL.into_iter();
     let dialects = dialects.map(|it| PossibleValue::new(it.command_word()).help(it.name()));
     PossibleValuesParser::new(models.chain(dialects)).map(|word| {

@@ -56,8 +56,16 @@ impl ModelId {
         }
     }
 
-    /// The name of the model for the operator.
-    pub const fn name(self) -> &'static str {
+    /// The name of the model in the language of the operator.
+    pub fn name(self) -> Message {
+        match self {
+            Self::Hx31 => say::model_huaxing(),
+            Self::Gsk980td | Self::Gsk980mdi | Self::Ncb08 => say::as_written(self.plate_name()),
+        }
+    }
+
+    /// The name of the model as its name plate and its LCD show it.
+    pub const fn plate_name(self) -> &'static str {
         match self {
             Self::Gsk980td => "GSK980TD",
             Self::Gsk980mdi => "GSK980MDi",

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
+use gsk_messages::Message;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
@@ -204,8 +205,8 @@ impl ModelRecord {
         self.id
     }
 
-    /// The name of the model for the operator.
-    pub const fn name(&self) -> &'static str {
+    /// The name of the model in the language of the operator.
+    pub fn name(&self) -> Message {
         self.id.name()
     }
 

@@ -33,8 +33,16 @@ pub struct MachineView {
     pub parameters_refused: Option<WriteRefusal>,
     pub offsets: OffsetTable,
     pub variables: VariableTable,
-    /// Texts of the active alarms and messages, the newest first.
-    pub alarms: Vec<String>,
+    pub alarms: MachineAlarms,
+}
+
+/// The active alarms, and the active messages of the PLC.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct MachineAlarms {
+    /// The alarms, the newest first.
+    pub alarms: Vec<Alarm>,
+    /// Number of each message with the text that the machine builder has written.
+    pub plc_messages: Vec<String>,
 }
 
 /// The tool offsets at one moment, their display format, and whether they may be written.
@@ -86,7 +94,6 @@ impl MachineView {
     pub fn from_emulator(emulator: &Emulator) -> Self {
         let simulation = emulator.simulation();
         let cnc = &simulation.cnc;
-        let alarms = cnc.alarms().iter().map(Alarm::line_text);
         let messages = cnc
             .plc_messages()
             .map(|(number, text)| format!("{number:04} {text}"));
@@ -107,7 +114,10 @@ impl MachineView {
                 refused: cnc.rights().check_offsets().err(),
             },
             variables: VariableTable::from_cnc(cnc),
-            alarms: alarms.chain(messages).collect(),
+            alarms: MachineAlarms {
+                alarms: cnc.alarms().to_vec(),
+                plc_messages: messages.collect(),
+            },
         }
     }
 }

@@ -4,7 +4,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gsk_core::memory::DayTime;
 use gsk_core::model::ModelId;
 use gsk_core::units::parse_finite;
-use gsk_messages::{Message, say};
+use gsk_messages::{Language, Message, say};
 
 /// The reason why a value of an option is invalid. A text in a variant is the value as typed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -152,7 +152,8 @@ pub fn model_parser() -> impl TypedValueParser<Value = ModelId> {
 
 fn model_parser_for(is_accepted: fn(&ModelId) -> bool) -> impl TypedValueParser<Value = ModelId> {
     let words = ModelId::ALL.into_iter().filter(is_accepted);
-    let words = words.map(|id| PossibleValue::new(id.command_word()).help(id.name()));
+    let words =
+        words.map(|id| PossibleValue::new(id.command_word()).help(id.name().text(Language::En)));
     PossibleValuesParser::new(words)
         .map(|word| ModelId::from_command_word(&word).unwrap_or_default())
 }

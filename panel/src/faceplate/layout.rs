@@ -12,6 +12,8 @@ const STRIP_PLATE: Rect = Rect::new(14.0, 10.0, 668.0, 30.0);
 const NAME_PLATE: Rect = Rect::new(694.0, 10.0, 572.0, 60.0);
 const EDIT_PLATE: Rect = Rect::new(694.0, 78.0, 572.0, 372.0);
 const PAGE_PLATE: Rect = Rect::new(694.0, 458.0, 572.0, 96.0);
+/// Line height of the small print on the name plate, panel units.
+pub(super) const PLATE_PRINT: f32 = 21.0;
 /// Distance of the status lamps from the left and right edge of their plate, panel units.
 const STRIP_MARGIN: f32 = 2.0;
 /// Line height of the name of a status lamp, panel units: 11 pixels on an LCD with one pixel per
@@ -159,13 +161,19 @@ fn name_plate(parts: &mut Vec<PanelPart>) {
         colour: PanelColour::Print,
         print: &[],
     });
-    let right = Rect::new(x + w - 160.0, y + 12.0, 140.0, 16.0);
-    print(parts, "车床数控系统", 16.0, right, PanelColour::Print);
+    let right = Rect::new(x + w - 190.0, y + 7.0, 180.0, PLATE_PRINT);
+    print(
+        parts,
+        "车床数控系统",
+        PLATE_PRINT,
+        right,
+        PanelColour::Print,
+    );
     let below = Rect {
         y: y + 32.0,
         ..right
     };
-    let middle = Rect::new(x + 194.0, y + 6.0, 210.0, h - 12.0);
+    let middle = Rect::new(x + 188.0, y + 6.0, 190.0, h - 12.0);
     for (what, rect, radius, colour) in [
         (PartKind::Emulator, below, 0.0, PanelColour::Hint),
         (PartKind::RealMotion, middle, 6.0, PanelColour::Danger),

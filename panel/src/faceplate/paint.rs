@@ -10,11 +10,9 @@ use tiny_skia::{
     Transform,
 };
 
-use super::layout::{LAMP_NAME_HEIGHT, LAMP_NAME_LEFT};
+use super::layout::{LAMP_NAME_HEIGHT, LAMP_NAME_LEFT, LCD, PLATE_PRINT};
 use super::text::{draw, opaque, width};
-use super::{
-    GLASS_MARGIN, LINE_HEIGHT, Outline, PanelArea, PanelColour, PanelPart, PartKind, Rect,
-};
+use super::{Outline, PanelArea, PanelColour, PanelPart, PartKind, Rect, frame_width};
 use crate::keys::{Bit, Key, KeyRole, STRIP, StripLamp};
 use additional::GRADUATIONS;
 
@@ -23,6 +21,9 @@ const BOTH: [Language; 2] = [Language::Zh, Language::En];
 
 /// Line height of the control's name on the name plate, panel units.
 const NAME_SIZE: f32 = 32.0;
+
+/// Line height below which the label that the machine is simulated is left out, pixels.
+const MIN_PRINT_HEIGHT: f32 = 9.0;
 
 /// Greatest `scale` of [`paint`], pixels per panel unit.
 const MAX_SCALE: f32 = 8.0;
@@ -157,22 +158,22 @@ impl Painter {
         match part.what {
             PartKind::Housing => self.housing(part),
             PartKind::Plate => self.plate(part),
-            PartKind::Bezel => self.bezel(part),
+            PartKind::Bezel => self.bezel(part, state.lcd),
             PartKind::Lcd => self.lcd(part, state.lcd),
             PartKind::Strip(index) => self.strip_lamp(part, index, state.y),
             PartKind::Key(key) => self.key(part, key, state),
             PartKind::Handwheel => self.handwheel(part, state.wheel),
             PartKind::Text(text, size) => self.text(text, size, part.rect, part.colour.rgb()),
             PartKind::Model => {
-                let name = state.model.name();
+                let name = state.model.plate_name();
                 let available = part.rect.w;
                 // A long name is smaller.
                 let size = NAME_SIZE * (available / width(name, NAME_SIZE)).min(1.0);
                 self.text(name, size, part.rect, part.colour.rgb());
             }
-            PartKind::Emulator if !state.real => {
+            PartKind::Emulator if !state.real && PLATE_PRINT * self.scale >= MIN_PRINT_HEIGHT => {
                 let text = BOTH.map(|language| say::panel_emulator().text(language));
-                self.text(&text.join("  "), LINE_HEIGHT, part.rect, part.colour.rgb());
+                self.text(&text.join("  "), PLATE_PRINT, part.rect, part.colour.rgb());
             }
             PartKind::RealMotion if state.real => self.real_motion(part),
             PartKind::Emulator | PartKind::RealMotion => {}
@@ -268,7 +269,8 @@ impl Painter {
         }
     }
 
-    fn bezel(&mut self, part: &PanelPart) {
+    /// Paints the frame of the LCD and the glass in it.
+    fn bezel(&mut self, part: &PanelPart, picture: Option<LcdGlass<'_>>) {
         let base = part.colour.rgb();
         if let Some(path) = outline(part.rect, part.outline) {
             self.fill(
@@ -277,17 +279,18 @@ impl Painter {
             );
             self.line(&path, faint(0, 0.5), 1.5);
         }
-    }
-
-    fn lcd(&mut self, part: &PanelPart, picture: Option<LcdGlass<'_>>) {
-        let glass = inset(part.rect, -GLASS_MARGIN);
+        let width = frame_width((part.rect.w, part.rect.h), (LCD.w, LCD.h));
+        let glass = inset(part.rect, width);
         if let Some(path) = outline(inset(glass, -2.0), Outline::Rounded(2.0)) {
             self.fill_flat(&path, faint(0, 0.9));
         }
-        let ground = picture.map_or(part.colour.rgb(), |picture| picture.ground);
-        if let Some(path) = outline(glass, part.outline) {
+        let ground = picture.map_or(PanelColour::Lcd.rgb(), |picture| picture.ground);
+        if let Some(path) = outline(glass, Outline::Rounded(0.0)) {
             self.fill_flat(&path, opaque(ground));
         }
+    }
+
+    fn lcd(&mut self, part: &PanelPart, picture: Option<LcdGlass<'_>>) {
         let Some(LcdGlass { dots: picture, .. }) = picture else {
             return;
         };

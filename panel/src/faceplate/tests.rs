@@ -126,6 +126,62 @@ fn the_glass_is_inside_the_frame_and_has_the_colour_of_the_picture() {
 }
 
 #[test]
+fn the_frame_is_as_wide_at_each_side_when_it_is_stretched_in_one_direction() {
+    let frame = frame_part(MAIN).unwrap();
+    let state = FaceState::default();
+    for stretch in [(1.0, 1.0), (1.1, 1.0), (1.0, 1.1), (1.3, 1.05)] {
+        let area = PanelArea {
+            stretch,
+            ..PanelArea::SECTIONS[0]
+        };
+        let picture = paint(area, &state, 1.0).unwrap();
+        let frame = area.stretched_rect(frame);
+        let (left, top) = (frame.x - area.rect.x, frame.y - area.rect.y);
+        let (middle_x, middle_y) = (left + frame.w / 2.0, top + frame.h / 2.0);
+        let ground = PanelColour::Lcd.rgb();
+        let is_glass = |x: u32, y: u32| {
+            let dot = picture.pixel(x, y).unwrap();
+            [dot.red(), dot.green(), dot.blue()] == ground
+        };
+        let row: Vec<u32> = (0..picture.width())
+            .filter(|x| is_glass(*x, middle_y as u32))
+            .collect();
+        let column: Vec<u32> = (0..picture.height())
+            .filter(|y| is_glass(middle_x as u32, *y))
+            .collect();
+        let widths = [
+            row[0] as f32 - left,
+            left + frame.w - row[row.len() - 1] as f32 - 1.0,
+            column[0] as f32 - top,
+            top + frame.h - column[column.len() - 1] as f32 - 1.0,
+        ];
+        let spread = widths
+            .iter()
+            .fold(0.0, |most, it| f32::max(most, it - widths[0]));
+        assert!(
+            spread.abs() <= 1.0 && widths[0] >= 5.0,
+            "{stretch:?}: {widths:?}"
+        );
+    }
+}
+
+#[test]
+fn a_label_too_small_to_read_is_left_out() {
+    let part = parts(MAIN)
+        .iter()
+        .find(|part| part.what == PartKind::Emulator)
+        .unwrap();
+    let is_printed = |scale: f32| {
+        let state = FaceState::default();
+        let (picture, _) = paint_part(PanelArea::WHOLE, part, &state, scale).unwrap();
+        let reds = picture.pixels().iter().map(|dot| dot.red());
+        reds.clone().max().unwrap() - reds.min().unwrap() > 40
+    };
+    assert!(is_printed(0.45), "9.4 pixels high");
+    assert!(!is_printed(0.4), "8.4 pixels high");
+}
+
+#[test]
 fn legends_and_lamps_stay_inside_their_key() {
     for part in ModelId::ALL.into_iter().flat_map(parts) {
         for (line, rect) in part.legend() {

@@ -13,7 +13,7 @@ pub const POWER_ON_TICKS: u64 = 3000;
 pub fn draw(language: Language, model: ModelId) -> Screen {
     let face = face_of(model);
     let mut screen = Screen::in_language(language, face.lcd);
-    screen.put(4, 13, model.name());
+    screen.put(4, 13, model.plate_name());
     screen.put_message(6, 10, &say::lcd_lathe_cnc());
     if let Some(maker) = face.maker {
         screen.put_message(9, 8, &maker());

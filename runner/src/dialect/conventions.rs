@@ -210,7 +210,7 @@ impl MetDifference {
             Difference::Address(letter) => say::dialect_address(letter, to.name(), blocks),
             Difference::Plane => {
                 let planes = (plane_name(here.plane), plane_name(there.plane));
-                say::dialect_plane(from.name(), planes.0, to.name(), planes.1, blocks)
+                say::dialect_plane(planes.0, from.name(), planes.1, to.name(), blocks)
             }
             Difference::FirstFeed => say::dialect_first_feed(
                 code,

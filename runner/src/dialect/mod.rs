@@ -446,8 +446,8 @@ mod tests {
         assert_eq!(
             list(TURNED, ModelId::Gsk980td, ModelId::Hx31),
             [
-                "2: G50, coordinate system set, no motion, is G92 in 华兴 31/32",
-                "4: G92 is thread cycle here, in 华兴 31/32 coordinate system set, no motion (decided, not in its manual)",
+                "2: G50, coordinate system set, no motion, is G92 in Huaxing 31/32",
+                "4: G92 is thread cycle here, in Huaxing 31/32 coordinate system set, no motion (decided, not in its manual)",
             ]
         );
     }

@@ -226,7 +226,7 @@ impl FirstStart {
             show_heading(ui, &text(say::first_which_control()));
             ui.horizontal_wrapped(|ui| {
                 for id in ModelId::ALL.into_iter().filter(|id| !id.is_mill()) {
-                    if answer_option(ui, self.model == id, id.name()).clicked() {
+                    if answer_option(ui, self.model == id, &text(id.name())).clicked() {
                         self.model = id;
                     }
                 }

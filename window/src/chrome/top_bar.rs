@@ -29,11 +29,13 @@ use gsk_messages::{Language, Message, say};
 const RIGHT_GROUP: &str = "bar right";
 /// Width of the bar below which the program menus become one menu, points.
 const NARROW_WIDTH: f32 = 620.0;
-/// Smallest width of the name of the opened file, points.
-const MIN_FILE_NAME_WIDTH: f32 = 80.0;
+/// Smallest width of the name of the opened file, points: room for an ellipsis.
+const MIN_FILE_NAME_WIDTH: f32 = 16.0;
 
 /// Width of the window from which the buttons at the right end show their names, points.
 const NAMED_BUTTONS_WIDTH: f32 = 1000.0;
+/// The same where the bar has the name of the control model.
+const NAMED_BUTTONS_WIDTH_WITH_MODEL: f32 = 1150.0;
 
 /// A request of the operator in the top bar.
 #[derive(Clone, Debug)]
@@ -150,7 +152,8 @@ pub fn show(
                         request = menus::show_views(ui, settings).or(request.take());
                     });
                     if !models.current.is_main() {
-                        let name = RichText::new(models.current.name()).color(theme::WARNING);
+                        let name = RichText::new(models.current.name().text(language))
+                            .color(theme::WARNING);
                         ui.label(name)
                             .on_hover_text(say::model_is_on(models.current.name()).text(language));
                     }
@@ -180,7 +183,7 @@ pub fn show(
             if let Some(picture) = snapshot {
                 request = show_speeds(ui, language, picture).or(request.take());
             }
-            request = show_help_buttons(ui, language).or(request.take());
+            request = show_help_buttons(ui, language, models.current).or(request.take());
         });
     });
     request
@@ -188,9 +191,13 @@ pub fn show(
 
 /// Draws the buttons for help, key map and language. Returns the request of the clicked one,
 /// if any.
-fn show_help_buttons(ui: &mut Ui, language: Language) -> Option<TopBarRequest> {
+fn show_help_buttons(ui: &mut Ui, language: Language, model: ModelId) -> Option<TopBarRequest> {
     let mut request = None;
-    let has_names = ui.ctx().content_rect().width() >= NAMED_BUTTONS_WIDTH;
+    let width = match model.is_main() {
+        true => NAMED_BUTTONS_WIDTH,
+        false => NAMED_BUTTONS_WIDTH_WITH_MODEL,
+    };
+    let has_names = ui.ctx().content_rect().width() >= width;
     for (icon, name, hint, button_request) in [
         (
             Icon::HELP,

@@ -2,22 +2,26 @@
 //! changed parts are repainted.
 //!
 //! A software renderer pays for every pixel of every layer: painting a hundred parts in each
-//! frame takes ten times as long as one image of them all. A thread renders the whole image
-//! with the panel's own painter at the size of the window in physical pixels. Until it is
-//! finished, the last image is stretched. A key, a lamp or the wheel is repainted into the
-//! image when its look changes.
+//! frame takes ten times as long as one image of them all. Threads render the images with the
+//! panel's own painter at the size of the window in physical pixels, a few areas at a time: on a
+//! busy computer all of them together would be late at the same moment. Until an image is
+//! finished, the last one is stretched. A key, a lamp or the wheel is repainted into the image
+//! when its look changes.
 
 use crossbeam::channel::{Receiver, Sender, TryRecvError, bounded};
 use egui::{Color32, ColorImage, Painter, Pos2, Rect, TextureHandle, TextureOptions, Vec2, pos2};
 use gsk_core::model::ModelId;
 use gsk_host::platform;
-use gsk_panel::faceplate::{self, FaceState, PanelArea, PanelColour, PanelPart, Pixmap};
+use gsk_panel::faceplate::{self, FaceState, PanelArea, PanelPart, PartKind, Pixmap};
 
 use crate::placement::panel_placement::PlacedArea;
 use crate::theme;
 
 /// Texture filtering of the images: none, because their pixels match the physical ones.
 const PIXEL_EXACT: TextureOptions = TextureOptions::NEAREST;
+
+/// Number of areas that are rendered at the same time.
+const MAX_RENDERINGS: usize = 2;
 
 /// The image of an area of the panel, and how its keys and lamps look in the image.
 struct AreaImage {
@@ -41,6 +45,10 @@ type RenderedImage = Receiver<AreaRendering>;
 /// An area of the panel with its image, which is rendered again when its size changes.
 struct AreaSlot {
     area: PanelArea,
+    /// Number of physical pixels per panel unit that the image should have.
+    scale: f32,
+    /// Whether the image is missing or has another size, and is not being rendered.
+    is_waiting: bool,
     job: Option<RenderedImage>,
     picture: Option<AreaImage>,
 }
@@ -53,7 +61,7 @@ pub struct FaceplateImage {
 }
 
 impl FaceplateImage {
-    /// Enables the rendering of images. Without images the panel is a plain rectangle.
+    /// Enables the rendering of images. Without images the panel consists of plain shapes.
     pub const fn enable(&mut self) {
         self.is_enabled = true;
     }
@@ -63,51 +71,86 @@ impl FaceplateImage {
         self.slots
             .retain(|piece| placed.iter().any(|view| view.area.rect == piece.area.rect));
         for view in placed {
-            let existing_index = self
-                .slots
-                .iter()
-                .position(|it| it.area.rect == view.area.rect);
+            let existing_index = self.slots.iter().position(|it| it.shows(view));
             let index = existing_index.unwrap_or_else(|| {
                 self.slots.push(AreaSlot {
                     area: view.area,
+                    scale: view.scale,
+                    is_waiting: false,
                     job: None,
                     picture: None,
                 });
                 self.slots.len() - 1
             });
             if let Some(piece) = self.slots.get_mut(index) {
-                piece.paint(painter, *view, state, self.is_enabled);
+                piece.update(painter.ctx(), *view, state.model);
             }
+        }
+        if self.is_enabled {
+            self.start_renderings(painter.ctx(), state.model);
+        }
+        for view in placed {
+            let piece = self.slots.iter_mut().find(|it| it.shows(view));
+            if let Some(piece) = piece {
+                piece.paint(painter, *view, state);
+            }
+        }
+    }
+
+    /// Renders the areas whose image is missing or has another size, [`MAX_RENDERINGS`] at a
+    /// time: areas without an image first, the largest of them before the others.
+    fn start_renderings(&mut self, context: &egui::Context, model: ModelId) {
+        let running = self.slots.iter().filter(|it| it.job.is_some()).count();
+        let mut waiting: Vec<&mut AreaSlot> =
+            self.slots.iter_mut().filter(|it| it.is_waiting).collect();
+        waiting.sort_by(|one, other| {
+            let has_picture = one.has_picture(model).cmp(&other.has_picture(model));
+            has_picture.then(other.size().total_cmp(&one.size()))
+        });
+        let free = MAX_RENDERINGS.saturating_sub(running);
+        for slot in waiting.into_iter().take(free) {
+            slot.start_rendering(context, model);
         }
     }
 }
 
 impl AreaSlot {
-    fn paint(
-        &mut self,
-        painter: &Painter,
-        view: PlacedArea,
-        state: &FaceState<'_>,
-        is_enabled: bool,
-    ) {
+    /// Whether the slot holds the image of a placed area.
+    fn shows(&self, view: &PlacedArea) -> bool {
+        self.area.rect == view.area.rect
+    }
+
+    /// Whether an image of the model's panel exists, of any size.
+    fn has_picture(&self, model: ModelId) -> bool {
+        self.picture.as_ref().is_some_and(|it| it.model == model)
+    }
+
+    /// Size of the area in the window, square pixels.
+    fn size(&self) -> f32 {
+        let bounds = self.area.bounds();
+        bounds.w * bounds.h * self.scale * self.scale
+    }
+
+    /// Takes a finished image, and determines whether another one is needed.
+    fn update(&mut self, context: &egui::Context, view: PlacedArea, model: ModelId) {
         self.area = view.area;
-        self.collect_image(painter.ctx());
-        let side = painter.ctx().input(|input| input.max_texture_side) as f32;
+        self.collect_image(context);
+        let side = context.input(|input| input.max_texture_side) as f32;
         let longest = self.area.bounds().w.max(self.area.bounds().h);
-        let scale = (view.scale * view.pixels_per_point).min(side / longest);
+        self.scale = (view.scale * view.pixels_per_point).min(side / longest);
+        let scale = self.scale;
         let same = |ready: &AreaImage| {
-            ready.model == state.model
+            ready.model == model
                 && image_size(ready.area, ready.scale) == image_size(self.area, scale)
                 && image_size(PanelArea::WHOLE, ready.scale) == image_size(PanelArea::WHOLE, scale)
         };
-        if is_enabled && self.job.is_none() && !self.picture.as_ref().is_some_and(same) {
-            self.start_rendering(painter.ctx(), state.model, scale);
-        }
+        self.is_waiting = self.job.is_none() && !self.picture.as_ref().is_some_and(same);
+    }
+
+    fn paint(&mut self, painter: &Painter, view: PlacedArea, state: &FaceState<'_>) {
         let shown = self.picture.as_mut();
         let Some(picture) = shown.filter(|picture| picture.model == state.model) else {
-            let [red, green, blue] = PanelColour::Housing.rgb();
-            let housing = Color32::from_rgb(red, green, blue);
-            theme::fill_unthemed(painter, view.bounds(), housing);
+            paint_shapes(painter, view, state.model);
             return;
         };
         picture.repaint_changed_parts(state);
@@ -122,10 +165,11 @@ impl AreaSlot {
         painter.image(picture.texture.id(), target, whole, theme::NO_TINT);
     }
 
-    fn start_rendering(&mut self, context: &egui::Context, model: ModelId, scale: f32) {
+    fn start_rendering(&mut self, context: &egui::Context, model: ModelId) {
         let (sender, job) = bounded(1);
         self.job = Some(job);
-        let area = self.area;
+        self.is_waiting = false;
+        let (area, scale) = (self.area, self.scale);
         let waker = context.clone();
         let thread_sender = sender.clone();
         let started = platform::run_in_background("faceplate", move || {
@@ -156,6 +200,27 @@ impl AreaSlot {
             Err(TryRecvError::Disconnected) => {}
         }
         self.job = None;
+    }
+}
+
+/// Draws plates and keys as plain shapes, until an image of the area is finished.
+fn paint_shapes(painter: &Painter, view: PlacedArea, model: ModelId) {
+    for part in view.area.parts(model) {
+        let is_shape = match part.what {
+            PartKind::Housing | PartKind::Plate | PartKind::Bezel | PartKind::Key(_) => true,
+            PartKind::Lcd
+            | PartKind::Strip(_)
+            | PartKind::Handwheel
+            | PartKind::Model
+            | PartKind::Text(..)
+            | PartKind::Emulator
+            | PartKind::RealMotion => false,
+        };
+        if is_shape {
+            let [red, green, blue] = part.colour.rgb();
+            let colour = Color32::from_rgb(red, green, blue);
+            theme::fill_unthemed(painter, view.to_window(part.rect), colour);
+        }
     }
 }
 

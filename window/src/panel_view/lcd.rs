@@ -1,7 +1,6 @@
 //! Draws the LCD in the window.
 
 use egui::{Color32, ColorImage, Pos2, Rect, TextureHandle, TextureOptions};
-use gsk_panel::faceplate::{self, GLASS_MARGIN};
 use gsk_panel::raster;
 use gsk_panel::screen::{HEIGHT, Screen, WIDTH};
 
@@ -27,11 +26,12 @@ impl Lcd {
         self.bounds = None;
     }
 
-    /// Draws a screen in `bounds`. `brightness` is that of the control, 0 to 15.
+    /// Draws a screen in `bounds` on the glass of the panel. `brightness` is that of the control,
+    /// 0 to 15.
     pub fn paint(
         &mut self,
         painter: &egui::Painter,
-        bounds: Rect,
+        (bounds, glass): (Rect, Rect),
         screen: &Screen,
         brightness: u8,
     ) {
@@ -47,8 +47,6 @@ impl Lcd {
         let Some(texture) = &self.texture else { return };
         let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
         let [red, green, blue] = raster::palette(screen.colours(), brightness).background;
-        // The glass is larger than the picture, so that texts do not touch the frame.
-        let glass = bounds.expand(GLASS_MARGIN / faceplate::lcd().w * bounds.width());
         theme::fill_unthemed(painter, glass, Color32::from_rgb(red, green, blue));
         painter.image(texture.id(), placement.rect, whole, theme::NO_TINT);
     }

@@ -133,10 +133,11 @@ impl Window {
                 PartRequest::Explain(lamp) => self.explain_bit(lamp),
             }
         }
-        let screen = panel_placement::lcd_rect(placed);
-        if let (Some(picture), Some(bounds)) = (&snapshot, screen) {
+        let lcd = panel_placement::lcd_rect(placed).zip(panel_placement::glass_rect(placed));
+        if let (Some(picture), Some(lcd)) = (&snapshot, lcd) {
+            let (bounds, _) = lcd;
             self.lcd
-                .paint(&painter, bounds, &picture.screen, picture.brightness);
+                .paint(&painter, lcd, &picture.screen, picture.brightness);
             let lcd = ui.interact(bounds, ui.scope_id().with("lcd"), Sense::HOVER);
             self.request_translation(lcd.hovered());
             lcd.widget_info(|| WidgetInfo {

@@ -317,6 +317,17 @@ pub fn lcd_rect(views: &[PlacedArea]) -> Option<Rect> {
     Some(area_of_part(views, lcd)?.part_rect(lcd))
 }
 
+/// The rectangle of the glass around the LCD's picture in the window, points: the frame around it
+/// is equally wide at all four sides. `None` if the LCD is not placed.
+pub fn glass_rect(views: &[PlacedArea]) -> Option<Rect> {
+    let frame = faceplate::frame_part(PLACED_MODEL)?;
+    let view = area_of_part(views, frame)?;
+    let (frame, picture) = (view.part_rect(frame), lcd_rect(views)?.size());
+    let width = faceplate::frame_width(frame.size().into(), picture.into());
+    let pixels = view.pixels_per_point;
+    Some(frame.shrink((width * pixels).floor() / pixels))
+}
+
 /// The placed area that contains a part of the panel; `None` if that area is not placed.
 pub fn area_of_part<'a>(views: &'a [PlacedArea], part: &PanelPart) -> Option<&'a PlacedArea> {
     views.iter().find(|view| view.area.contains(part))
@@ -346,6 +357,42 @@ mod tests {
             assert!((x - cx).abs() < 2.0 && (y - cy).abs() < 2.0);
             assert!(unused_share(&views, room) < 0.01);
         }
+    }
+
+    #[test]
+    fn the_frame_of_the_lcd_is_as_wide_at_each_side() {
+        for (width, height) in [
+            (680.0, 718.0),
+            (717.0, 850.0),
+            (800.0, 550.0),
+            (1920.0, 1030.0),
+        ] {
+            let room = Rect::from_min_size(pos2(0.0, 28.0), vec2(width, height));
+            let views = place_panel(room, 1.0);
+            let part = faceplate::frame_part(PLACED_MODEL).unwrap();
+            let frame = area_of_part(&views, part).unwrap().part_rect(part);
+            let (glass, lcd) = (glass_rect(&views).unwrap(), lcd_rect(&views).unwrap());
+            assert!(glass.contains_rect(lcd), "{glass} {lcd}");
+            let [before, after] = [glass.min - frame.min, frame.max - glass.max];
+            for side in [before.x, before.y, after.x, after.y] {
+                assert!(
+                    side >= 1.0 && (side - before.x).abs() < 0.01,
+                    "{frame} {glass}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn no_bare_strip_is_beside_the_lcd_in_a_wide_window() {
+        let room = Rect::from_min_size(pos2(0.0, 28.0), vec2(1920.0, 1030.0));
+        let views = place_panel(room, 1.0);
+        let frame = faceplate::frame_part(PLACED_MODEL).unwrap();
+        let lcd = area_of_part(&views, frame).unwrap().bounds();
+        let beside = views.iter().map(PlacedArea::bounds);
+        let beside = beside.filter(|it| it.left() >= lcd.right() - 1.0 && it.top() < lcd.bottom());
+        let gap = beside.map(|it| it.left() - lcd.right());
+        assert!(gap.fold(f32::INFINITY, f32::min) < 12.0, "{views:?}");
     }
 
     /// A 10.1-inch tablet held upright has 800 × 1280 pixels, 149 per inch; the bars of the

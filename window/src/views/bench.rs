@@ -14,7 +14,7 @@ use gsk_panel::pages::{signal_meaning, signal_name};
 
 use super::interface::{View, ViewFrame, ViewStart};
 use crate::theme;
-use crate::widgets::right_aligned;
+use crate::widgets::{alarm_text, right_aligned};
 use crate::{focus, screen_reader};
 use gsk_messages::{Language, Message, say};
 
@@ -377,10 +377,11 @@ fn show_state(ui: &mut Ui, language: Language, machine: &MachineView) {
     ui.horizontal_wrapped(|ui| {
         let words = say::bench_alarms().text(language);
         ui.label(RichText::new(words).weak());
-        if machine.alarms.is_empty() {
+        let alarms = alarm_text::joined_row(&machine.alarms, language);
+        if alarms.is_empty() {
             ui.label(say::bench_no_alarms().text(language));
         } else {
-            ui.label(RichText::new(machine.alarms.join("   ")).color(theme::ALARM_TEXT));
+            ui.label(RichText::new(alarms).color(theme::ALARM_TEXT));
         }
     });
 }

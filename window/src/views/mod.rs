@@ -292,13 +292,15 @@ impl Views {
         content_rect.min.y = content_rect
             .bottom()
             .min(content_rect.top() + header::HEIGHT);
-        // The text of a lesson scrolls above its buttons, and the picture of the lathe shrinks: a
-        // low pane shows their lower edge.
-        let share = match row.shows_part {
+        // The text of a lesson scrolls above its buttons, and the picture of the lathe and the lanes
+        // of the scope shrink: a low pane shows their lower edge.
+        let share = match row.shows_part || row.view == ViewId::Scope {
             true => MIN_SHARE,
             false => Vec2::splat(1.0),
         };
-        let size = content_rect.size().max(Vec2::from(row.min_size) * share);
+        // The layout measures panes with their header.
+        let least = Vec2::from(row.min_size) * share - egui::vec2(0.0, header::HEIGHT);
+        let size = content_rect.size().max(least);
         ui.scope_builder(UiBuilder::new().max_rect(content_rect), |ui| {
             ScrollArea::both()
                 .id_salt(("docked", row.view))

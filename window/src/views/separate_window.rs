@@ -121,11 +121,12 @@ impl ViewWindow<'_> {
         let row = self.row;
         let (language, board) = (self.shared.language, self.shared.board);
         let title = (row.name)().text(language);
+        let model = self.model.name().text(language);
         let id = format!("{:?}", row.view);
         let mut report = ViewWindowReport::default();
         let mut builder = ViewportBuilder::default()
             .with_title(real_machine_bar::window_title(
-                &format!("{title} - {}", self.model.name()),
+                &format!("{title} - {model}"),
                 board,
             ))
             .with_app_id("gsk980td")

@@ -4,6 +4,7 @@
 use gsk_core::alarm::Alarm;
 use gsk_core::command::{ProgramId, SourcePosition};
 use gsk_core::model::ProgramNaming;
+use gsk_host::kernel::monitor::MachineAlarms;
 
 use gsk_messages::{Language, say};
 
@@ -20,6 +21,13 @@ pub fn one_line(alarm: &Alarm, language: Language) -> String {
         line.push_str(&format!("  ({})", detail.text(language)));
     }
     line
+}
+
+/// Formats the active alarms and messages of the PLC in one row.
+pub fn joined_row(active: &MachineAlarms, language: Language) -> String {
+    let alarms = active.alarms.iter().map(|it| one_line(it, language));
+    let messages = active.plc_messages.iter().cloned();
+    alarms.chain(messages).collect::<Vec<_>>().join("   ")
 }
 
 /// Formats an alarm as one line, followed by lines with its cause and its remedy.
@@ -84,6 +92,22 @@ mod tests {
             let text = source_text(&source, naming, Language::En);
             assert!(text.starts_with(name), "{text}");
         }
+    }
+
+    #[test]
+    fn a_row_has_alarms_in_the_language_of_the_window_and_messages_as_written() {
+        let active = MachineAlarms {
+            alarms: vec![Alarm::new(207), Alarm::new(1000)],
+            plc_messages: vec!["2000 润滑油位低".to_owned()],
+        };
+        assert_eq!(
+            joined_row(&active, Language::Zh),
+            "207: 超程或急停开关报警   1000: 换刀时间过长   2000 润滑油位低"
+        );
+        let en = joined_row(&active, Language::En);
+        assert!(en.starts_with("207: Over"), "{en}");
+        assert!(en.ends_with("   2000 润滑油位低"), "{en}");
+        assert_eq!(en.matches(|it: char| !it.is_ascii()).count(), 5, "{en}");
     }
 
     #[test]

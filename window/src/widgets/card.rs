@@ -9,8 +9,10 @@ use std::sync::Arc;
 use super::icons::Icon;
 use crate::theme;
 
-/// Height of a card, points.
+/// Height of a card whose texts fit into three lines, points. Longer texts make it higher.
 const HEIGHT: f32 = 60.0;
+/// Greatest number of lines of a title, and of the details under it.
+const MAX_LINES: (usize, usize) = (3, 2);
 /// Minimum width of a card beside another one, points.
 const MIN_WIDTH: f32 = 190.0;
 /// Maximum width of a card, points.
@@ -42,10 +44,60 @@ pub struct Card {
     pub is_marked: bool,
 }
 
+/// The texts of a card as they are broken into lines.
+struct CardTexts {
+    title: Arc<Galley>,
+    detail: Arc<Galley>,
+}
+
+impl CardTexts {
+    fn height(&self) -> f32 {
+        self.title.size().y + self.detail.size().y
+    }
+
+    /// The height of a card that shows these texts.
+    fn card_height(&self) -> f32 {
+        HEIGHT.max(self.height() + MARGIN)
+    }
+}
+
 impl Card {
     /// Draws the card; its accessible name is its title.
     pub fn show(&self, ui: &mut Ui, width: f32) -> Response {
-        let (rect, response) = ui.allocate_exact_size(vec2(width, HEIGHT), Sense::click());
+        let texts = self.layout_texts(ui, width);
+        let height = texts.card_height();
+        self.show_with(ui, texts, vec2(width, height))
+    }
+
+    fn layout_texts(&self, ui: &Ui, width: f32) -> CardTexts {
+        let mark = match self.is_marked {
+            true => theme::ICON_SIZE + MARGIN,
+            false => 0.0,
+        };
+        let text_width = (width - PICTURE_SIZE.x - 3.0 * MARGIN - mark).max(20.0);
+        let title_font = TextStyle::Body.resolve(ui.style());
+        let detail_font = TextStyle::Small.resolve(ui.style());
+        let (title, detail) = (&self.title, &self.detail);
+        CardTexts {
+            title: layout(
+                ui,
+                title,
+                title_font,
+                theme::TEXT,
+                (text_width, MAX_LINES.0),
+            ),
+            detail: layout(
+                ui,
+                detail,
+                detail_font,
+                theme::NOTE_TEXT,
+                (text_width, MAX_LINES.1),
+            ),
+        }
+    }
+
+    fn show_with(&self, ui: &mut Ui, texts: CardTexts, size: Vec2) -> Response {
+        let (rect, response) = ui.allocate_exact_size(size, Sense::click());
         response.widget_info(|| {
             WidgetInfo::selected(Role::Button, ui.is_enabled(), self.is_marked, &self.title)
         });
@@ -76,27 +128,10 @@ impl Card {
             CardPicture::Part(outline) => paint_part(&painter, picture.shrink(5.0), outline),
         }
         let left = picture.right() + MARGIN;
-        let mark = match self.is_marked {
-            true => theme::ICON_SIZE + MARGIN,
-            false => 0.0,
-        };
-        let text_width = (rect.right() - MARGIN - mark - left).max(20.0);
-        let title_font = TextStyle::Body.resolve(ui.style());
-        let title = layout(ui, &self.title, title_font, theme::TEXT, (text_width, 2));
-        let detail_font = TextStyle::Small.resolve(ui.style());
-        let detail = layout(
-            ui,
-            &self.detail,
-            detail_font,
-            theme::NOTE_TEXT,
-            // A long file name may take the line that the title leaves.
-            (text_width, 3 - title.rows.len().clamp(1, 2)),
-        );
-        let height = title.size().y + detail.size().y;
-        let top = rect.center().y - height / 2.0;
-        let under = top + title.size().y;
-        painter.galley(pos2(left, top), title, theme::TEXT);
-        painter.galley(pos2(left, under), detail, theme::NOTE_TEXT);
+        let top = rect.center().y - texts.height() / 2.0;
+        let under = top + texts.title.size().y;
+        painter.galley(pos2(left, top), texts.title, theme::TEXT);
+        painter.galley(pos2(left, under), texts.detail, theme::NOTE_TEXT);
         if self.is_marked {
             let at = rect.right_center() - vec2(MARGIN + theme::ICON_SIZE / 2.0, 0.0);
             Icon::DONE.paint(&painter, at, theme::ICON_SIZE, theme::SUCCESS);
@@ -147,7 +182,7 @@ fn paint_part(painter: &Painter, rect: Rect, outline: SampleOutline) {
     painter.extend(Shape::dashed_line(&ends, stroke, 6.0, 3.0));
 }
 
-/// Draws cards in rows of equal width. Returns the responses in the order of the cards.
+/// Draws cards in rows, of equal width and in a row of equal height. Returns the responses in the order of the cards.
 pub fn show_cards(ui: &mut Ui, cards: &[Card]) -> Vec<Response> {
     let space = ui.spacing().item_spacing.x;
     let available = ui.available_width();
@@ -156,7 +191,11 @@ pub fn show_cards(ui: &mut Ui, cards: &[Card]) -> Vec<Response> {
     let mut responses = Vec::with_capacity(cards.len());
     for row in cards.chunks(columns as usize) {
         ui.horizontal(|ui| {
-            responses.extend(row.iter().map(|card| card.show(ui, width)));
+            let texts: Vec<CardTexts> = row.iter().map(|it| it.layout_texts(ui, width)).collect();
+            let height = texts.iter().map(CardTexts::card_height).fold(0.0, f32::max);
+            let cards = row.iter().zip(texts);
+            let shown = cards.map(|(card, texts)| card.show_with(ui, texts, vec2(width, height)));
+            responses.extend(shown);
         });
     }
     responses

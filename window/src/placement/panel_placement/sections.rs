@@ -165,6 +165,14 @@ impl SectionPlan {
         })
     }
 
+    /// The width to which a column can be stretched. That of the LCD does not grow.
+    fn max_width(&self, column: &[usize]) -> f32 {
+        match column.contains(&LCD) {
+            true => self.section_size(LCD).x * MAX_LCD_STRETCH,
+            false => self.column_size(column).x * MAX_GROWTH * MAX_STRETCH,
+        }
+    }
+
     fn row_size(&self, row: &[&[usize]]) -> Vec2 {
         let sizes = row.iter().map(|column| self.column_size(column));
         sizes.fold(Vec2::ZERO, |sum, size| {
@@ -185,14 +193,18 @@ impl SectionPlan {
     }
 
     /// Places the sections in `bounds`. Each row and column gets an equal part of the remaining
-    /// space, into which its sections grow and are stretched.
+    /// space, a column no more than it can fill. Its sections grow and are stretched into it.
     pub(super) fn place(&self, bounds: Rect, pixels_per_point: f32) -> Vec<PlacedArea> {
         let mut placed = Vec::new();
         let SectionArrangement { side, rows } = self.arrangement;
         let mut beside = bounds;
         if !side.is_empty() {
-            let extra_width = (bounds.width() - self.size().x) / 2.0;
-            let at = bounds.left() + self.column_size(side).x + extra_width;
+            let spare = bounds.width() - self.size().x;
+            let widths = [
+                (self.column_size(side).x, self.max_width(side)),
+                (self.rows_size().x, f32::INFINITY),
+            ];
+            let at = bounds.left() + share_width(&widths, spare)[0];
             let (side_cell, rest) = bounds.split_left_right_at_x(at);
             self.place_column(side, side_cell, pixels_per_point, &mut placed);
             beside = rest;
@@ -202,10 +214,13 @@ impl SectionPlan {
         for row in *rows {
             let row_size = self.row_size(row);
             let row_height = row_size.y + extra_height;
-            let extra_width = (beside.width() - row_size.x) / row.len() as f32;
+            let widths: Vec<(f32, f32)> = row
+                .iter()
+                .map(|column| (self.column_size(column).x, self.max_width(column)))
+                .collect();
+            let widths = share_width(&widths, beside.width() - row_size.x);
             let mut x = beside.left();
-            for column in *row {
-                let width = self.column_size(column).x + extra_width;
+            for (column, width) in row.iter().zip(widths) {
                 let cell = Rect::from_min_size(pos2(x, y), vec2(width, row_height));
                 self.place_column(column, cell, pixels_per_point, &mut placed);
                 x += width;
@@ -265,6 +280,29 @@ impl SectionPlan {
             top += height + gap;
         }
     }
+}
+
+/// Divides `spare` width equally among columns, none wider than it can be stretched unless all
+/// are. `widths`: width and greatest width of each column.
+fn share_width(widths: &[(f32, f32)], spare: f32) -> Vec<f32> {
+    let mut shared: Vec<f32> = widths.iter().map(|(width, _)| *width).collect();
+    let mut rest = spare;
+    // In each round at least one column reaches its limit, or all space is shared.
+    for _ in widths {
+        let growing = shared.iter().zip(widths).filter(|(now, it)| **now < it.1);
+        let count = growing.count();
+        if rest <= 0.0 || count == 0 {
+            break;
+        }
+        let share = rest / count as f32;
+        for (now, (_, most)) in shared.iter_mut().zip(widths) {
+            let more = share.min((most - *now).max(0.0));
+            *now += more;
+            rest -= more;
+        }
+    }
+    let equal = rest / widths.len().max(1) as f32;
+    shared.iter().map(|width| width + equal).collect()
 }
 
 /// A section with the scale to which it has grown, before it is stretched.

@@ -3,7 +3,7 @@
 use gsk_core::battery::BatteryMemory;
 use gsk_core::memory::{ControlParameters, PitchTable, Variables, WriteRefusal};
 use gsk_core::model::ModelRecord;
-use gsk_host::kernel::monitor::{MachineView, OffsetTable, VariableTable};
+use gsk_host::kernel::monitor::{MachineAlarms, MachineView, OffsetTable, VariableTable};
 use gsk_panel::pages::CoordinateFormat;
 
 /// The values that the data view shows, and why they cannot be written now.
@@ -19,8 +19,8 @@ pub struct DataValues<'a> {
     pub parameters_refusal: Option<WriteRefusal>,
     pub offsets: &'a OffsetTable,
     pub variables: &'a VariableTable,
-    /// Texts of the alarms and PLC messages that are active.
-    pub alarms: &'a [String],
+    /// The active alarms; `None` for a memory without a control.
+    pub alarms: Option<&'a MachineAlarms>,
 }
 
 impl<'a> DataValues<'a> {
@@ -34,7 +34,7 @@ impl<'a> DataValues<'a> {
             parameters_refusal: machine.parameters_refused,
             offsets: &machine.offsets,
             variables: &machine.variables,
-            alarms: &machine.alarms,
+            alarms: Some(&machine.alarms),
         }
     }
 
@@ -49,7 +49,7 @@ impl<'a> DataValues<'a> {
             parameters_refusal: None,
             offsets: &tables.offsets,
             variables: &tables.variables,
-            alarms: &[],
+            alarms: None,
         }
     }
 }

@@ -14,6 +14,7 @@ use super::parameters::ParameterSheet;
 use super::{DataPage, ParameterKind, tables};
 use crate::focus;
 use crate::theme;
+use crate::widgets::alarm_text;
 
 /// Width of the list of pages, points.
 const PAGE_LIST_WIDTH: f32 = 180.0;
@@ -234,8 +235,9 @@ impl DataSheets {
         if let Some(error) = draft_error.or(self.refusal.as_ref().map(|(reason, _)| reason)) {
             ui.label(RichText::new(error.text(language)).color(theme::ERROR_TEXT));
         }
-        if !values.alarms.is_empty() {
-            ui.label(RichText::new(values.alarms.join("   ")).color(theme::ERROR_TEXT));
+        let alarms = values.alarms.map(|it| alarm_text::joined_row(it, language));
+        if let Some(alarms) = alarms.filter(|it| !it.is_empty()) {
+            ui.label(RichText::new(alarms).color(theme::ERROR_TEXT));
         }
         let buttons = ui.horizontal_wrapped(|ui| {
             let count = self.drafts.count();

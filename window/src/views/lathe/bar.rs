@@ -1,5 +1,5 @@
-//! The controls above the picture of the lathe: cameras, section cuts, path. A small view has
-//! one menu instead.
+//! The controls above the picture of the lathe: cameras, section cuts, path. A narrow view has
+//! menus instead.
 
 use egui::{Ui, Vec2, ViewportCommand};
 use gsk_messages::{Language, Message, say};
@@ -16,14 +16,14 @@ const SEPARATOR_WIDTH: f32 = 6.0;
 /// Width and height below which a view is small, points.
 const SMALL_SIZE: Vec2 = Vec2::new(420.0, 240.0);
 
-/// Whether a view is so small that its controls would take the picture's space.
+/// Whether a view is so small that labels would cover its picture.
 pub fn is_small(size: Vec2) -> bool {
     size.x < SMALL_SIZE.x || size.y < SMALL_SIZE.y
 }
 
 impl LatheSceneView {
     /// Draws the controls of the lathe view in one row. Without room for all of them the cameras
-    /// are in a menu, and without room for the others all are.
+    /// are in a menu, and without room for the others these are in a second one.
     pub(super) fn show_bar(&mut self, ui: &mut Ui, frame: ViewFrame<'_>) {
         let language = frame.language;
         let cameras = CameraPreset::ALL.map(|preset| preset_name(preset).text(language));
@@ -37,11 +37,7 @@ impl LatheSceneView {
             if cameras + others <= available {
                 self.show_presets(ui, language);
             } else {
-                let menu = ui.menu_button(self.camera_name(language), |ui| {
-                    self.show_presets(ui, language);
-                });
-                menu.response
-                    .on_hover_text(say::lathe_scene_menu_hint().text(language));
+                self.show_camera_menu(ui, language);
             }
             ui.separator();
             self.show_follow(ui, language);
@@ -54,13 +50,12 @@ impl LatheSceneView {
         });
     }
 
-    /// Shows one menu that holds all controls: a small view is for the picture.
-    pub(super) fn show_small_bar(&mut self, ui: &mut Ui, frame: ViewFrame<'_>) {
+    /// Shows a menu of the cameras, and one of all other controls.
+    fn show_small_bar(&mut self, ui: &mut Ui, frame: ViewFrame<'_>) {
         let language = frame.language;
         ui.horizontal(|ui| {
-            let menu = ui.menu_button(self.camera_name(language), |ui| {
-                self.show_presets(ui, language);
-                ui.separator();
+            self.show_camera_menu(ui, language);
+            let menu = ui.menu_button("…", |ui| {
                 self.show_follow(ui, language);
                 if frame.owns_keys {
                     show_full_screen_button(ui, language);
@@ -71,6 +66,14 @@ impl LatheSceneView {
             menu.response
                 .on_hover_text(say::lathe_scene_menu_hint().text(language));
         });
+    }
+
+    fn show_camera_menu(&mut self, ui: &mut Ui, language: Language) {
+        let menu = ui.menu_button(self.camera_name(language), |ui| {
+            self.show_presets(ui, language);
+        });
+        menu.response
+            .on_hover_text(say::lathe_scene_menu_hint().text(language));
     }
 
     /// The name of the chosen camera, or the word for a camera that was moved.

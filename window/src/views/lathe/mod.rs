@@ -41,8 +41,11 @@ const STILL_DELAY_S: f64 = 0.25;
 const LONGEST_PICTURE_S: f64 = 1.0;
 /// Distance of labels from the edges of the picture, points.
 const LABEL_MARGIN: f32 = 8.0;
-/// Number of alarms that the picture shows.
+/// Distance between the texts of two labels, one below the other, points.
+const LABEL_GAP: f32 = 6.0;
+/// Number of alarms that the picture shows, and of rows of each.
 const MAX_ALARMS: usize = 3;
+const MAX_ALARM_ROWS: usize = 2;
 
 /// The view that shows the lathe in 3D.
 pub struct LatheSceneView {
@@ -81,12 +84,8 @@ impl View for LatheSceneView {
 
     fn show(&mut self, ui: &mut Ui, frame: ViewFrame<'_>) {
         let part = frame.part.map(AsRef::as_ref);
-        let size = ui.available_size();
         let bar = Panel::top("scene bar").frame(bar_frame());
-        bar.show(ui, |ui| match bar::is_small(size) {
-            true => self.show_small_bar(ui, frame),
-            false => self.show_bar(ui, frame),
-        });
+        bar.show(ui, |ui| self.show_bar(ui, frame));
         egui::CentralPanel::default()
             .frame(plain_frame())
             .show(ui, |ui| match part {
@@ -156,57 +155,62 @@ impl LatheSceneView {
             ui.ctx().request_repaint_after(pause);
         }
         self.picture.show(ui, rect, lathe, camera, is_moving);
+        let mut free = rect.shrink2(egui::vec2(2.0 * LABEL_MARGIN, LABEL_MARGIN));
         if !bar::is_small(rect.size()) {
-            show_state(ui, rect, part, language);
+            free.max.x = show_state(ui, free, part, language) - 3.0 * LABEL_MARGIN;
         }
-        show_alarms(ui, rect, frame);
+        show_alarms(ui, free, frame);
         if response.has_focus() {
             draw_focus(ui, rect);
         }
     }
 }
 
-/// Writes tool, speed and position of the tip into the upper right corner of the picture.
-fn show_state(ui: &Ui, picture: Rect, part: &PartView, language: Language) {
+/// Writes tool, speed and position of the tip into the upper right corner of `space`. Returns the
+/// left edge of the texts.
+fn show_state(ui: &Ui, space: Rect, part: &PartView, language: Language) -> f32 {
     let tool = say::lathe_tool(part.tool, part.spindle_rpm).text(language);
     let position = say::lathe_pointer(part.tip.x * 2.0, part.tip.z).text(language);
     let font = egui::TextStyle::Monospace.resolve(ui.style());
-    let mut top = picture.top() + LABEL_MARGIN;
+    let (mut space, mut left) = (space, space.right());
     for text in [tool, position] {
         let text = fonts::layout_text(&text, font.clone(), theme::MESSAGE_TEXT);
-        top = show_label(ui, picture, top, Align::Max, text);
+        let label = show_label(ui, space, (Align::Max, 1), text);
+        left = left.min(label.left());
+        space.min.y = label.bottom() + LABEL_GAP;
     }
+    left
 }
 
-/// Writes the active alarms into the upper left corner of the picture: why the lathe stands.
-fn show_alarms(ui: &Ui, picture: Rect, frame: ViewFrame<'_>) {
+/// Writes the active alarms into the upper left corner of `space`: why the lathe stands.
+fn show_alarms(ui: &Ui, space: Rect, frame: ViewFrame<'_>) {
     let font = egui::TextStyle::Body.resolve(ui.style());
-    let mut top = picture.top() + LABEL_MARGIN;
+    let mut space = space;
     let alarms = frame.part.map_or(&[][..], |part| &part.alarms);
     for alarm in alarms.iter().take(MAX_ALARMS) {
         let text = alarm_text::one_line(alarm, frame.language);
         let text = fonts::layout_text(&text, font.clone(), theme::ALARM_TEXT);
-        top = show_label(ui, picture, top, Align::Min, text);
+        let label = show_label(ui, space, (Align::Min, MAX_ALARM_ROWS), text);
+        space.min.y = label.bottom() + LABEL_GAP;
     }
 }
 
-/// Draws a text on a dark ground at the left or right edge of the picture. Returns the place of the
-/// next one below.
-fn show_label(ui: &Ui, picture: Rect, top: f32, edge: Align, text: LayoutJob) -> f32 {
-    let width = picture.width() / 2.0 - 2.0 * LABEL_MARGIN;
+/// Draws a text on a ground at the top of `space`, at its left or right edge, in at most `max_rows`
+/// rows. Returns the rectangle of the text.
+fn show_label(ui: &Ui, space: Rect, (edge, max_rows): (Align, usize), text: LayoutJob) -> Rect {
     let text = ui.painter().layout_job(LayoutJob {
-        wrap: TextWrapping::truncate_at_width(width),
+        wrap: TextWrapping {
+            max_rows,
+            break_anywhere: max_rows == 1,
+            ..TextWrapping::truncate_at_width(space.width().max(0.0))
+        },
         ..text
     });
-    let room = Rect::from_x_y_ranges(
-        picture.x_range().shrink(2.0 * LABEL_MARGIN),
-        top..=top + text.size().y,
-    );
-    let place = Align2([edge, Align::Min]).align_size_within_rect(text.size(), room);
+    let place = Align2([edge, Align::Min]).align_size_within_rect(text.size(), space);
     let ground = place.expand2(egui::vec2(LABEL_MARGIN, LABEL_MARGIN / 4.0));
     ui.painter().rect_filled(ground, 3.0, theme::BAR_GROUND);
     ui.painter().galley(place.min, text, theme::MESSAGE_TEXT);
-    ground.bottom() + LABEL_MARGIN / 2.0
+    place
 }
 
 fn draw_focus(ui: &Ui, rect: Rect) {

@@ -220,7 +220,8 @@ impl BreakpointList {
             }
         });
         if let Some(fault) = &halt.fault {
-            ui.colored_label(theme::CODE_ALARM_TEXT, fault.line_text());
+            let fault = alarm_text::one_line(fault, language);
+            ui.colored_label(theme::CODE_ALARM_TEXT, fault);
         }
         if !halt.variables.is_empty() {
             let shown = halt.variables.iter().take(SHOWN_VARIABLES);

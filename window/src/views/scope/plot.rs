@@ -21,7 +21,9 @@ const BIT_HEIGHT: f32 = 24.0;
 
 /// Height of the name of a lane above its curves, points.
 const NAME_HEIGHT: f32 = 17.0;
-/// Height of a lane below which its name is within the curves: they would be too flat, points.
+/// Width of the column for the names of low lanes, points.
+const NAME_WIDTH: f32 = 84.0;
+/// Height of a lane below which its name is beside its scale: the curves would be too flat, points.
 const MIN_NAMED_LANE_HEIGHT: f32 = 38.0;
 
 /// Converts ticks to x coordinates in the window and back.
@@ -62,11 +64,15 @@ impl Scope {
             let name = say::scope_picture().text(language);
             WidgetInfo::labeled(Role::Canvas, true, name)
         });
+        let quantities = self.drawn_quantities();
+        let lane_height = self.lane_height(plot_rect.height() - TIME_HEIGHT, quantities.len());
+        let is_name_above = lane_height >= MIN_NAMED_LANE_HEIGHT;
+        let names_width = if is_name_above { 0.0 } else { NAME_WIDTH };
         let area = Rect::from_min_max(
-            plot_rect.min + vec2(SCALE_WIDTH, 0.0),
+            plot_rect.min + vec2(names_width + SCALE_WIDTH, 0.0),
             plot_rect.max - vec2(4.0, TIME_HEIGHT),
         );
-        let (lanes, is_name_above) = self.layout_lanes(area);
+        let lanes = self.layout_lanes(area, &quantities, lane_height);
         let Some((first, last)) = self.visible_ticks() else {
             let words = say::scope_waits_for_samples().text(language);
             let font = FontId::proportional(theme::READING_SIZE);
@@ -105,25 +111,31 @@ impl Scope {
         self.draw_cursors(ui, area, time);
     }
 
-    /// The lanes that have traces, from top to bottom, each with the rectangle of its curves, and
-    /// whether their names are above the curves.
-    fn layout_lanes(&self, area: Rect) -> (Vec<(Lane, Rect)>, bool) {
+    /// The indices of the quantities that have traces, from top to bottom.
+    fn drawn_quantities(&self) -> Vec<usize> {
         let drawn = |quantity| {
             let shown = TRACES.iter().zip(self.trace_enabled);
             shown
                 .into_iter()
                 .any(|(trace, on)| on && trace.quantity == quantity)
         };
-        let quantities: Vec<usize> = Quantity::ALL
+        Quantity::ALL
             .iter()
             .enumerate()
             .filter(|(_, quantity)| drawn(**quantity))
             .map(|(index, _)| index)
-            .collect();
+            .collect()
+    }
+
+    /// The height of each of `count` lanes of quantities in a plot of this height, points.
+    fn lane_height(&self, plot_height: f32, count: usize) -> f32 {
         let bits = self.bit_channels.len() as f32 * BIT_HEIGHT;
-        let height = (area.height() - bits) / quantities.len().max(1) as f32;
-        let height = height.max(20.0);
-        let has_names_above = height >= MIN_NAMED_LANE_HEIGHT;
+        ((plot_height - bits) / count.max(1) as f32).max(20.0)
+    }
+
+    /// The lanes from top to bottom, each with the rectangle of its curves. High lanes leave space
+    /// for the names above the curves.
+    fn layout_lanes(&self, area: Rect, quantities: &[usize], height: f32) -> Vec<(Lane, Rect)> {
         let mut top = area.top();
         let mut lanes = Vec::new();
         let mut add = |lane, height: f32| {
@@ -133,17 +145,20 @@ impl Scope {
             lanes.push((lane, place.shrink2(vec2(0.0, 3.0))));
         };
         for index in quantities {
-            add(Lane::Quantity(index), height);
+            add(Lane::Quantity(*index), height);
         }
         for channel in &self.bit_channels {
             add(Lane::Bit(*channel), BIT_HEIGHT);
         }
         for (lane, place) in &mut lanes {
             if matches!(lane, Lane::Quantity(_)) {
-                place.min.y += if has_names_above { NAME_HEIGHT } else { 0.0 };
+                place.min.y += match height >= MIN_NAMED_LANE_HEIGHT {
+                    true => NAME_HEIGHT,
+                    false => 0.0,
+                };
             }
         }
-        (lanes, has_names_above)
+        lanes
     }
 
     fn draw_time_scale(&self, ui: &Ui, area: Rect, time: TimeScale) {
@@ -230,21 +245,18 @@ impl Scope {
         let frame = Stroke::new(1.0, theme::SCOPE_FRAME);
         ui.painter()
             .rect_stroke(rect, 0.0, frame, egui::StrokeKind::Inside);
-        let name = quantity.heading(language);
-        let font = FontId::proportional(theme::LABEL_SIZE);
-        let name = ui
-            .painter()
-            .layout_no_wrap(name, font, theme::SCOPE_LANE_TEXT);
-        let corner = if is_name_above {
-            rect.min + vec2(2.0, -NAME_HEIGHT)
+        let (name, size, anchor, at) = if is_name_above {
+            let at = rect.min + vec2(2.0, -NAME_HEIGHT);
+            let name = quantity.heading(language);
+            (name, theme::LABEL_SIZE, Align2::LEFT_TOP, at)
         } else {
-            let corner = rect.min + vec2(6.0, 3.0);
-            let back = Rect::from_min_size(corner, name.size()).expand2(vec2(3.0, 1.0));
-            ui.painter()
-                .rect_filled(back, 2.0, theme::SCOPE_LANE_GROUND);
-            corner
+            let at = rect.left_center() - vec2(SCALE_WIDTH + NAME_WIDTH, 0.0);
+            let name = quantity.name(language);
+            (name, theme::ANNOTATION_SIZE, Align2::LEFT_CENTER, at)
         };
-        ui.painter().galley(corner, name, theme::SCALE_TEXT);
+        let font = FontId::proportional(size);
+        let colour = theme::SCOPE_LANE_TEXT;
+        ui.painter().text(at, anchor, name, font, colour);
     }
 
     /// The connected lines that draw a trace, with at most two values per column of pixels.
