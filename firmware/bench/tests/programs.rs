@@ -6,8 +6,7 @@
 mod machine;
 
 use machine::{
-    COUNTS, Emulated, Machine, SpindleProfile, Step, Twin, greatest_difference, other_positions,
-    ups,
+    COUNTS, Emulated, Machine, SpindleProfile, Step, Twin, greatest_difference, paths_apart, ups,
 };
 
 /// Programs that run by default.
@@ -15,7 +14,7 @@ const DEFAULT_PROGRAMS: std::ops::Range<u64> = 0..3;
 /// Greatest difference of the counts of a step of a thread: the tolerance of the segments (twice an
 /// eighth of a step), the angle of the index, and the time from the count to the step.
 const MOST_COUNTS_APART: i64 = 12;
-/// Greatest difference of the positions of one axis at a step of the other, steps.
+/// Greatest distance of the paths, steps.
 const MOST_STEPS_APART: i64 = 2;
 /// Radius below which only threads move Z, pulses of X: the diameter 31.
 const THREAD_BELOW_MM: f64 = 31.0;
@@ -172,27 +171,23 @@ struct Differences {
     thread_steps: usize,
     /// Greatest difference of the counts of a step of a thread.
     counts_apart: i64,
-    /// Greatest difference of the positions of one axis at a step of the other, steps.
+    /// Greatest distance of the paths, steps.
     steps_apart: i64,
 }
 
 /// Compares two runs of a program.
 fn compare(name: &str, emulated: &[Step], twin: &[Step]) -> Differences {
-    let mut differences = Differences {
-        steps: emulated.len(),
-        ..Differences::default()
-    };
     for axis in 0..2 {
         assert!(
             ups(emulated, axis) == ups(twin, axis),
             "{name}: axis {axis}"
         );
-        let apart = greatest_difference(
-            &other_positions(emulated, axis),
-            &other_positions(twin, axis),
-        );
-        differences.steps_apart = differences.steps_apart.max(apart);
     }
+    let mut differences = Differences {
+        steps: emulated.len(),
+        steps_apart: paths_apart(emulated, twin),
+        ..Differences::default()
+    };
     let passes = [emulated, twin].map(|steps| thread_passes(steps, 0));
     assert_eq!(passes[0].len(), passes[1].len(), "{name}");
     for (one, other) in passes[0].iter().zip(&passes[1]) {
@@ -219,6 +214,7 @@ fn random_programs_have_the_same_steps_in_the_emulator_and_on_the_twin() {
     let opened_ms = emulated.board.bench.cycle() / 125_000;
     println!("referenced after {opened_ms} ms");
     let mut total = Differences::default();
+    let mut failed = Vec::new();
     for seed in chosen_programs() {
         let program = random_program(seed);
         let steps = [
@@ -234,17 +230,40 @@ fn random_programs_have_the_same_steps_in_the_emulator_and_on_the_twin() {
         }
         let differences = compare(&program.text, &steps[0], &steps[1]);
         println!("program {seed}: {} ms, {differences:?}", emulated.ran_ms);
-        assert!(
-            differences.counts_apart <= MOST_COUNTS_APART
-                && differences.steps_apart <= MOST_STEPS_APART,
-            "{} {:?}",
-            program.text,
-            program.profile
-        );
+        if differences.counts_apart > MOST_COUNTS_APART
+            || differences.steps_apart > MOST_STEPS_APART
+        {
+            println!("{} {:?}", program.text, program.profile);
+            failed.push(seed);
+        }
         total.steps += differences.steps;
         total.thread_steps += differences.thread_steps;
         total.counts_apart = total.counts_apart.max(differences.counts_apart);
         total.steps_apart = total.steps_apart.max(differences.steps_apart);
     }
     println!("{total:?}");
+    assert!(failed.is_empty(), "programs {failed:?}");
+}
+
+/// Steps up of the axes, in this order.
+fn steps_of(axes: &[usize]) -> Vec<Step> {
+    let step = |axis: &usize| Step {
+        axis: *axis,
+        is_up: true,
+        count: 0,
+    };
+    axes.iter().map(step).collect()
+}
+
+#[test]
+fn the_distance_of_paths_is_that_of_the_nearer_axis() {
+    let straight = steps_of(&[1, 1, 1, 1, 0, 1, 1, 1, 1, 0, 0, 0]);
+    // A step of X four steps of Z later is a step of X beside the path.
+    let late = steps_of(&[1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0]);
+    assert_eq!(paths_apart(&straight, &straight), 0);
+    assert_eq!(paths_apart(&straight, &late), 1);
+    assert_eq!(paths_apart(&late, &straight), 1);
+    // Another corner.
+    let around = steps_of(&[0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1]);
+    assert_eq!(paths_apart(&late, &around), 4);
 }

@@ -245,9 +245,9 @@ pub struct Machine<B> {
 
 impl<B: PulseBoard> Machine<B> {
     /// Opens the board and returns both axes to their machine zero. A pulse is 2.5 µm of X and
-    /// 5 µm of Z.
+    /// 5 µm of Z. The lathe has a chuck, without which M12 stops a program.
     pub fn referenced() -> Self {
-        let mut setup = Setup::delivered();
+        let mut setup = Setup::delivered().with_chuck();
         for bit in [0, 1] {
             setup.memory.parameters.set_bit(7, bit, true).unwrap();
         }
@@ -362,9 +362,12 @@ impl<B: PulseBoard> Machine<B> {
         self.press(AUTO);
     }
 
+    /// The active alarms and the message of the ladder, which stops a program as well.
     pub fn alarms(&self) -> Vec<String> {
-        let alarms = self.simulation.cnc.alarms();
-        alarms.iter().map(ToString::to_string).collect()
+        let cnc = &self.simulation.cnc;
+        let alarms = cnc.alarms().iter().map(ToString::to_string);
+        let message = cnc.active_message().map(|message| message.to_string());
+        alarms.chain(message).collect()
     }
 
     /// Starts a program with a spindle; the steps are recorded from now on.
@@ -390,7 +393,7 @@ impl<B: PulseBoard> Machine<B> {
     /// Runs a program to its end; returns its steps.
     pub fn run_program(&mut self, text: &str, profile: SpindleProfile) -> Vec<Step> {
         self.start_program(text, profile);
-        let is_over = self.run_until(120_000, Self::is_over);
+        let is_over = self.run_until(1_500_000, Self::is_over);
         assert!(is_over, "{text}\n{:?}", self.alarms());
         self.run_ms(50);
         assert_eq!(self.alarms(), [""; 0], "{text}");
@@ -404,17 +407,39 @@ pub fn ups(steps: &[Step], axis: usize) -> Vec<bool> {
     of_axis.map(|step| step.is_up).collect()
 }
 
-/// The positions of the other axis at the steps of an axis, steps.
-pub fn other_positions(steps: &[Step], axis: usize) -> Vec<i64> {
-    let (mut other, mut positions) = (0, Vec::new());
+/// The number of steps that the other axis has made before each step of an axis.
+fn others_before(steps: &[Step], axis: usize) -> Vec<i64> {
+    let (mut other, mut before) = (0, Vec::new());
     for step in steps {
         if step.axis == axis {
-            positions.push(other);
+            before.push(other);
         } else {
-            other += if step.is_up { 1 } else { -1 };
+            other += 1;
         }
     }
-    positions
+    before
+}
+
+/// The greatest distance of the paths of two runs whose axes make the same steps, steps.
+///
+/// It is measured at each step, along the axis in which it is less: where an axis begins to move,
+/// a hundredth of a step in its position is many steps of the other axis.
+pub fn paths_apart(one: &[Step], other: &[Step]) -> i64 {
+    let [one, other] = [one, other].map(|steps| [0, 1].map(|axis| others_before(steps, axis)));
+    let mut apart = 0;
+    for axis in 0..2 {
+        let count = other[axis].len() as i64;
+        for (made, (at, at_other)) in (1..).zip(one[axis].iter().zip(&other[axis])) {
+            // The steps of this axis while the other one stands there in the other run.
+            let passes = &other[1 - axis];
+            let index = *at as usize;
+            let first = if index == 0 { 0 } else { passes[index - 1] };
+            let last = passes.get(index).copied().unwrap_or(count);
+            let along = (first - made).max(made - last).max(0);
+            apart = apart.max(along.min((at - at_other).abs()));
+        }
+    }
+    apart
 }
 
 /// The greatest difference of two values at the same place.
