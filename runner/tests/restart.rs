@@ -372,7 +372,8 @@ fn restart(
 /// with.
 fn interrupted(program: &TestProgram, random: &mut Random) -> (Simulation, LivePart) {
     let setup = setup(program);
-    let job = guess_program_job(&setup, &mut |_| true).unwrap_or_else(practice_job);
+    let job =
+        guess_program_job(&setup, &mut |_| true).unwrap_or_else(|| practice_job(&setup.lathe));
     let part = LivePart::new(Machining::new(job));
     let simulation = Simulation::new(setup);
     let mut whole = RecordedRun::new(simulation.clone(), part.clone());

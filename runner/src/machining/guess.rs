@@ -16,6 +16,7 @@ mod tools;
 use std::collections::BTreeMap;
 
 use gsk_core::command::ExecutedMove;
+use gsk_core::machine::LatheConfig;
 use gsk_core::memory::Offsets;
 use gsk_core::preview::{PreviewProgress, preview_with_progress};
 use gsk_core::setup::Setup;
@@ -63,10 +64,10 @@ const ACCEPTED_INTRUSION_MM2: f64 = 1.0;
 /// other one is chosen.
 const POSE_CHANGE_FACTOR: f64 = 0.5;
 
-/// Creates a bar and tools for practice without a program. At power-on the tip of the first
-/// tool is in front of the bar. No offset is right, so the operator sets the tools by trial
-/// cuts.
-pub fn practice_job() -> Job {
+/// Creates a bar and tools for practice without a program. With the slides where a lathe has them
+/// at power-on, the tip of the first tool is in front of the bar. No offset is right, so the
+/// operator sets the tools by trial cuts.
+pub fn practice_job(lathe: &LatheConfig) -> Job {
     let length = |x: f64, z: f64| DiameterPoint { x: Diameter(x), z };
     let tools = [
         (1, Tool::turning(), length(0.0, 0.0)),
@@ -74,7 +75,7 @@ pub fn practice_job() -> Job {
         (3, Tool::threading(60.0), length(-3.2, 4.1)),
     ];
     let mut job = Job::new(Stock::bar(50.0, 1.0, 81.0));
-    job.zero = Some(length(-64.0, -10.0));
+    job.zero = Some(length(lathe.x.start - 64.0, lathe.z.start - 10.0));
     for (number, tool, length) in tools {
         job.tools.insert(number, tool);
         job.lengths.insert(number, length);

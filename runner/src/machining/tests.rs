@@ -3,6 +3,7 @@
 use core::f64::consts::PI;
 
 use gsk_core::command::ProgramId;
+use gsk_core::machine::LatheConfig;
 use gsk_core::memory::Offsets;
 use gsk_core::preview::preview;
 use gsk_core::program::{Program, ProgramMemory};
@@ -244,14 +245,22 @@ fn a_thread_of_g76_has_its_pitch_and_its_depth_in_the_part() {
 
 #[test]
 fn the_bar_to_practise_on_is_sound_and_the_first_tool_stands_before_it() {
-    let job = guess::practice_job();
-    job.check().unwrap();
-    let mounting = Mounting::from_job(&job);
-    let tip = mounting.tip_in_part(1, Point::default(), &Default::default());
-    assert!(
-        tip.x > job.stock.radius() && tip.z > job.stock.front(),
-        "{tip:?}"
-    );
+    let mut near_the_ends = LatheConfig::default();
+    (near_the_ends.x.start, near_the_ends.z.start) = (-40.0, -20.0);
+    for lathe in [LatheConfig::default(), near_the_ends] {
+        let job = guess::practice_job(&lathe);
+        job.check().unwrap();
+        let setup = Setup {
+            lathe,
+            ..Setup::default()
+        };
+        let slides = Simulation::new(setup).lathe.slide_position();
+        let tip = Mounting::from_job(&job).tip_in_part(1, slides, &Default::default());
+        assert!(
+            tip.x > job.stock.radius() && tip.z > job.stock.front(),
+            "{tip:?}"
+        );
+    }
 }
 
 /// Name and text of a correct part program, and points of the half section of its guessed

@@ -33,7 +33,8 @@ const fn program(text: &'static str, subprograms: &'static [&'static str]) -> Te
 /// The machine after power-on, and the state before a line of the program.
 fn find_line(program: &TestProgram, line: u32) -> (Simulation, BlockState) {
     let setup = setup(program);
-    let job = guess_program_job(&setup, &mut |_| true).unwrap_or_else(practice_job);
+    let job =
+        guess_program_job(&setup, &mut |_| true).unwrap_or_else(|| practice_job(&setup.lathe));
     let part = LivePart::new(Machining::new(job));
     let now = Simulation::new(setup);
     let text = now.cnc.programs().get(ProgramId::External).unwrap();

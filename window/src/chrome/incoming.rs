@@ -60,7 +60,12 @@ impl Window {
                 StatusMessage::Text(_) | StatusMessage::KeyRefused(_)
             )
         };
-        if starts {
+        // A hint where the next cycle start begins must not be hidden.
+        let warns_of_start = previous.is_some_and(|it| {
+            (it.resumes_at.is_none() && snapshot.resumes_at.is_some())
+                || (it.start_distance.is_none() && snapshot.start_distance.is_some())
+        });
+        if starts || warns_of_start {
             self.message.take_if(is_passing);
         }
         let previous_program = previous.and_then(|it| it.program);
@@ -75,9 +80,10 @@ impl Window {
             self.views.renew_part();
         }
         if previous.is_some_and(|before| is_other_machine(before, &snapshot)) {
-            // The crash was on the machine that was replaced.
-            self.message
-                .take_if(|message| matches!(message, StatusMessage::Collided(_)));
+            // The crash, or what was passing, was on the machine that was replaced.
+            self.message.take_if(|message| {
+                matches!(message, StatusMessage::Collided(_)) || is_passing(message)
+            });
         }
         self.views.lessons().take_snapshot(&snapshot);
         self.views.program().take_snapshot(&snapshot);
@@ -99,9 +105,11 @@ impl Window {
                     self.message = Some(StatusMessage::Text(text));
                 }
             }
+            // What was to be done before the new stock is done.
             Notice::FreshStock => {
-                self.message
-                    .take_if(|message| matches!(message, StatusMessage::Collided(_)));
+                self.message.take_if(|message| {
+                    matches!(message, StatusMessage::Collided(_) | StatusMessage::Text(_))
+                });
             }
             Notice::Refused(alarm) => self.message = Some(StatusMessage::Refused(alarm)),
             Notice::Sent(description) => self.message = Some(StatusMessage::Sent(description)),

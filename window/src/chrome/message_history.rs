@@ -52,6 +52,13 @@ struct HistoryEntry {
     count: u32,
 }
 
+impl HistoryEntry {
+    /// Whether a message has the same words, whatever its severity.
+    fn has_text_of(&self, message: &LineMessage) -> bool {
+        self.message.text.text(Language::En) == message.text.text(Language::En)
+    }
+}
+
 /// A request of the operator in the message history.
 pub enum HistoryRequest {
     /// Show the block that raised this alarm.
@@ -81,6 +88,11 @@ impl MessageHistory {
         match self.entries.front_mut() {
             Some(newest) if newest.message == *message => {
                 newest.count += 1;
+                newest.time = time;
+            }
+            // A crash is reported first, and then stands as an alarm.
+            Some(newest) if newest.has_text_of(message) => {
+                newest.message.severity = newest.message.severity.max(message.severity);
                 newest.time = time;
             }
             _ => {

@@ -32,7 +32,7 @@ impl EmptyChuck {
     /// ```
     pub(super) fn of_lathe(lathe: &LatheConfig) -> Self {
         let (x, z) = (lathe.x.slide_ends(Axis::X), lathe.z.slide_ends(Axis::Z));
-        let mut job = practice_job();
+        let mut job = practice_job(lathe);
         job.zero = Some(DiameterPoint {
             x: Diameter(x.minus),
             z: z.minus,

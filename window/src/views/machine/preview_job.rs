@@ -101,7 +101,7 @@ mod tests {
     use super::*;
 
     fn clamped() -> SelectedJob {
-        let job = gsk_runner::machining::guess::practice_job();
+        let job = gsk_runner::machining::guess::practice_job(&Default::default());
         SelectedJob { job, file: None }
     }
 

@@ -421,7 +421,7 @@ impl PreviewThread {
         self.context.request_repaint();
         if needs_job && chosen.is_none() {
             let job = match practice {
-                true => Some(guess::practice_job()),
+                true => Some(guess::practice_job(&setup.lathe)),
                 false => guess::guess_job(&first_moves, &setup.memory.offsets, rates),
             };
             chosen = job.map(|job| SelectedJob { job, file: None });
