@@ -146,7 +146,7 @@ impl Practice {
             // where this one does.
             self.step_starts.truncate(now + 1);
             self.step_starts.resize_with(now + 1, || emulator.clone());
-            self.replaced &= self.showing.is_some();
+            self.replaced = false;
             self.begin_cue(emulator);
         }
         let Some(showing) = &self.showing else {

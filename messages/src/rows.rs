@@ -4258,6 +4258,7 @@ message_rows! {
     window_way_back WindowWayBack();
     window_way_back_hint WindowWayBackHint();
     window_why WindowWhy();
+    window_why_crash WindowWhyCrash();
     window_why_entry WindowWhyEntry();
     window_why_explain WindowWhyExplain();
     window_why_hint WindowWhyHint();

@@ -144,10 +144,12 @@ impl HelpWindow {
     ) -> Option<HelpRequest> {
         ui.horizontal(|ui| {
             let back = egui::Button::new("⬅");
-            let back = ui.add_enabled(self.history.len() > 1 && self.query.is_empty(), back);
+            let is_inside = !self.history.is_empty() || self.chapter.is_some();
+            let back = ui.add_enabled(is_inside && self.query.is_empty(), back);
             let back = back.on_hover_text(say::window_help_back().text(language));
-            if back.clicked() {
-                self.history.pop();
+            // From a topic to the one before, then to its chapter, then to the contents.
+            if back.clicked() && self.history.pop().is_none() {
+                self.chapter = None;
             }
             let contents = IconButton {
                 icon: Icon::BOOK,

@@ -5,7 +5,7 @@ use egui::{Context, Key as PcKey, RichText, ScrollArea, TextEdit, Ui};
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_help::{Subject, topic};
 use gsk_host::kernel::{Command, Console};
-use gsk_messages::{Language, say};
+use gsk_messages::{Language, Message, say};
 use gsk_panel::keys::{Bit, Key};
 use gsk_panel::why::{CauseChain, CauseLink, CauseSubject, CauseTarget};
 
@@ -71,6 +71,7 @@ impl WhyPane {
         language: Language,
         console: &Console,
         placed: &[PlacedArea],
+        crash: Option<&Message>,
     ) -> Option<CauseTarget> {
         if !self.is_open {
             return None;
@@ -90,7 +91,9 @@ impl WhyPane {
             .default_pos(area.right_top() - egui::vec2(WINDOW_SIZE[0].min(area.width()), 0.0))
             .constrain_to(area)
             .open(&mut is_open)
-            .show(context, |ui| self.show_content(ui, language, console));
+            .show(context, |ui| {
+                self.show_content(ui, language, console, crash)
+            });
         if !is_open {
             self.close();
         }
@@ -102,6 +105,7 @@ impl WhyPane {
         ui: &mut Ui,
         language: Language,
         console: &Console,
+        crash: Option<&Message>,
     ) -> Option<CauseTarget> {
         ui.horizontal(|ui| {
             let hint = say::window_why_entry().text(language);
@@ -117,6 +121,12 @@ impl WhyPane {
             ui.label(RichText::new(text).color(theme::ALARM_TEXT));
         }
         ui.separator();
+        if let Some(crash) = crash {
+            // The alarm is its consequence.
+            ui.label(RichText::new(crash.text(language)).color(theme::ALARM_TEXT));
+            ui.label(say::window_why_crash().text(language));
+            ui.separator();
+        }
         let mut selected = None;
         ScrollArea::both().auto_shrink(false).show(ui, |ui| {
             for link in self.chain.links() {
@@ -193,9 +203,10 @@ impl Window {
     /// Draws the pane *Why?*, and opens the target of a clicked link.
     pub(crate) fn show_why_pane(&mut self, context: &Context) {
         let language = self.settings.language;
+        let crash = self.snapshot.as_ref().and_then(|it| it.crash.as_ref());
         match self
             .why
-            .show(context, language, &self.console, &self.placed_areas)
+            .show(context, language, &self.console, &self.placed_areas, crash)
         {
             Some(CauseTarget::Key(key)) => self.why.marked_key = Some(key),
             Some(CauseTarget::Rung(rung)) => {
