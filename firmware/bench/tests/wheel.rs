@@ -69,6 +69,6 @@ fn the_board_counts_and_reports_the_handwheel() {
             .clone()
             .all(|ticks| ticks.abs_diff(REPORT_TICKS as u32) < 300)
     );
-    assert_eq!(bench.edges, [], "the board moves nothing of its own accord");
+    assert_eq!(bench.edges, [], "the board alone starts no motion");
     assert_eq!(bench.shutdown_text(), None);
 }

@@ -157,11 +157,8 @@ fn the_frame_is_as_wide_at_each_side_when_it_is_stretched_in_one_direction() {
         ];
         let spread = widths
             .iter()
-            .fold(0.0, |most, it| f32::max(most, it - widths[0]));
-        assert!(
-            spread.abs() <= 1.0 && widths[0] >= 5.0,
-            "{stretch:?}: {widths:?}"
-        );
+            .fold(0.0, |most, it| f32::max(most, (it - widths[0]).abs()));
+        assert!(spread <= 1.0 && widths[0] >= 5.0, "{stretch:?}: {widths:?}");
     }
 }
 

@@ -182,7 +182,8 @@ fn paint_part(painter: &Painter, rect: Rect, outline: SampleOutline) {
     painter.extend(Shape::dashed_line(&ends, stroke, 6.0, 3.0));
 }
 
-/// Draws cards in rows, of equal width and in a row of equal height. Returns the responses in the order of the cards.
+/// Draws cards of equal width in rows, those of a row of equal height. Returns the responses in
+/// the order of the cards.
 pub fn show_cards(ui: &mut Ui, cards: &[Card]) -> Vec<Response> {
     let space = ui.spacing().item_spacing.x;
     let available = ui.available_width();
