@@ -6,7 +6,8 @@ use gsk_host::kernel::{Command, OpenedProgram, StorePolicy};
 use gsk_window::layout::{Layouts, WindowLayout};
 
 use crate::common::WindowBench;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
+use gsk_core::cnc::ControlRequest;
 use gsk_core::machine::LatheFault;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
@@ -94,6 +95,66 @@ fn a_crash_stops_the_lathe_with_the_machine_view_closed_and_one_button_leads_out
     let simulation = bench.kernel.emulator().simulation();
     assert_eq!(simulation.lathe.fault_count(), 0);
     assert_eq!(simulation.cnc.alarms(), []);
+}
+
+/// Number of messages in the history.
+fn message_count(bench: &WindowBench) -> u32 {
+    let mut shown = bench.harness.query_all_by_label_contains("Messages (");
+    let label = shown
+        .next()
+        .and_then(|it| it.accesskit_node().label())
+        .unwrap_or_default();
+    let figure = label.trim_start_matches("Messages (").trim_end_matches(')');
+    figure.parse().unwrap()
+}
+
+/// Volume of the part in the chuck, mm³.
+fn part_volume(bench: &mut WindowBench) -> f64 {
+    let console = bench.console.clone();
+    let answer = std::thread::spawn(move || console.machine_copy());
+    while !answer.is_finished() {
+        std::thread::sleep(Duration::from_millis(2));
+        bench.run(1);
+    }
+    let (_, part) = *answer.join().unwrap().unwrap();
+    part.unwrap().machining().scene().part().volume()
+}
+
+#[test]
+fn a_crash_is_one_message_of_the_history_and_new_stock_ends_it() {
+    let mut bench = opened(TEXT);
+    let before = message_count(&bench);
+    start(&mut bench);
+    assert!(comes(&mut bench, "CRASH"));
+    bench.run(1000);
+    assert_eq!(message_count(&bench), before + 1);
+    bench.click("Free the lathe");
+    bench.console.send(Command::FreshStock);
+    bench.run(300);
+    let message = bench.harness.query_by_label_contains("The lathe is free");
+    assert!(message.is_none());
+}
+
+#[test]
+fn a_program_that_ends_says_so_and_keeps_its_part_when_it_is_edited() {
+    let text = TEXT.replace("G00 X20 Z-20\n", "");
+    let mut bench = opened(&text);
+    let stock = part_volume(&mut bench);
+    start(&mut bench);
+    let end = "Program O0007 has run to its end; parts counted: 1";
+    assert!(comes(&mut bench, end));
+    let cut = part_volume(&mut bench);
+    assert!(cut < stock - 1000.0, "{cut} {stock}");
+    let edited = text.replace("S800", "S900");
+    let request = ControlRequest::StoreProgram(edited);
+    bench.console.send(Command::Request(Box::new(request)));
+    for _ in 0..100 {
+        std::thread::sleep(Duration::from_millis(5));
+        bench.run(10);
+    }
+    let program = bench.kernel.emulator().cnc().programs().stored(7).unwrap();
+    assert!(program.text().contains("S900"));
+    assert_eq!(part_volume(&mut bench).to_bits(), cut.to_bits());
 }
 
 #[test]

@@ -32,9 +32,12 @@ pub fn article(topic: &Topic, language: Language) -> Article {
     let name = subject_name(topic.subject, language);
     let designation = designation(topic.subject, language);
     Article {
-        heading: match name.is_empty() {
-            true => designation,
-            false => format!("{designation}  {name}"),
+        heading: match (topic.subject, chinese_notion(topic)) {
+            (Subject::Notion(_), Some(notion)) if language == Language::Zh => {
+                format!("{notion}  {designation}")
+            }
+            _ if name.is_empty() => designation,
+            _ => format!("{designation}  {name}"),
         },
         rule: name_keys(topic.rule(language), language),
         facts: facts(topic.subject, language)
@@ -50,6 +53,11 @@ pub fn article(topic: &Topic, language: Language) -> Article {
             section => say::help_source(section).text(language),
         },
     }
+}
+
+/// Returns the Chinese name of a notion: its Chinese rule begins with it and a colon.
+fn chinese_notion(topic: &Topic) -> Option<&'static str> {
+    Some(topic.rule(Language::Zh).split_once('：')?.0)
 }
 
 /// Adds the English names of the keys to an English text of the help.

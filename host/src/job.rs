@@ -103,7 +103,7 @@ impl JobError {
 }
 
 /// The job selected for a program, and the file from which it was read.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SelectedJob {
     pub job: Job,
     /// Path of the job file; `None` if the job was guessed from the moves of the program.

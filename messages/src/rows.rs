@@ -4197,12 +4197,14 @@ message_rows! {
     window_open_program WindowOpenProgram();
     window_open_view WindowOpenView(view: message);
     window_opened_only_to_run WindowOpenedOnlyToRun(name, why: message);
+    window_opened_program_ended WindowOpenedProgramEnded(parts);
     window_opened_stored WindowOpenedStored(name, program);
     window_other_language WindowOtherLanguage();
     window_other_language_hint WindowOtherLanguageHint();
     window_panel_key WindowPanelKey();
     window_part_programs WindowPartPrograms();
     window_pc_key WindowPcKey();
+    window_program_ended WindowProgramEnded(name, parts);
     window_program_switch_off WindowProgramSwitchOff();
     window_real_motion WindowRealMotion();
     window_recent WindowRecent();

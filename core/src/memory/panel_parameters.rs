@@ -1,6 +1,7 @@
 //! Parameters by name: display, keys, and locks of writing.
 
 use super::ControlParameters;
+use crate::units::Axis;
 
 impl ControlParameters {
     /// Parameter 002.5 RS232: whether the serial port is active.
@@ -94,6 +95,16 @@ impl ControlParameters {
     /// Parameter 175.1 ZVAL: whether the left arrow key is Z+.
     pub fn is_left_positive(&self) -> bool {
         self.bit(175, 1)
+    }
+
+    /// Legend of the axis key that moves the tool in a direction of its axis.
+    pub(crate) fn axis_key(&self, axis: Axis, is_positive: bool) -> &'static str {
+        match axis {
+            Axis::X if is_positive == self.is_up_positive() => "X ↑",
+            Axis::X => "↓ X",
+            Axis::Z if is_positive == self.is_left_positive() => "← Z",
+            Axis::Z => "Z →",
+        }
     }
 
     /// Parameter 180.0 SPOS: whether the position page shows the distance to go.

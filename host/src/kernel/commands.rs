@@ -181,11 +181,11 @@ impl Kernel {
             return;
         }
         self.report_tool_minutes();
-        let part = match &mut self.lesson {
+        let (part, lathe) = match &mut self.lesson {
             Some(lesson) => lesson.own_part(),
-            None => &mut self.part,
+            None => (&mut self.part, self.emulator.lathe().config()),
         };
-        part.set_job(chosen);
+        part.set_job(chosen, lathe);
     }
 
     pub(super) fn release_forced_bits(&mut self) {

@@ -268,6 +268,8 @@ pub enum Notice {
     ToolsHaveCut(Vec<ToolMinutes>),
     /// New stock was clamped, so that earlier collisions are obsolete.
     FreshStock,
+    /// A program has run to its end; the values are the program and the parts counted so far.
+    ProgramEnded(ProgramId, u32),
     /// The control has refused a request with this alarm.
     Refused(Alarm),
     /// The preview of an opened program is finished; the values are its file name and the summary.

@@ -124,7 +124,8 @@ impl Kernel {
             file: Some(format!("{}.ron", lesson.name).into()),
         };
         self.start_session(PracticeWork::Lesson(Box::new(practice)), machine);
-        self.part.set_job(Some(chosen));
+        self.part
+            .set_job(Some(chosen), self.emulator.lathe().config());
     }
 
     /// Replaces the learner's own machine, with its part, by a practice machine without a part.

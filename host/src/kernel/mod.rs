@@ -343,11 +343,7 @@ impl Kernel {
                 self.notify(Notice::Message(message));
             }
         }
-        for event in self.emulator.cnc().events() {
-            if let Event::Advised(text) = event {
-                self.notify(Notice::Message(text.clone()));
-            }
-        }
+        self.report_events();
         let verdict = self.key_refusals.check_due(self.tick, self.emulator.cnc());
         self.report_verdict(verdict);
         let now = self.emulator.ticks();
@@ -418,14 +414,16 @@ impl Kernel {
         }
     }
 
-    /// Turns the handwheel by this number of detents. In step mode nothing moves and a notice
+    /// Turns the handwheel by this number of detents. In step mode nothing moves and a refusal
     /// explains why.
     fn turn_handwheel(&mut self, detents: i32) {
         self.emulator.turn(detents);
         let cnc = self.emulator.cnc();
         // An alarm takes precedence over this notice.
         if cnc.mode().motion_mode() == OperatingMode::Step && cnc.alarms().is_empty() {
-            self.notify(Notice::Message(say::key_handwheel_in_step_mode()));
+            let why = Some(say::key_handwheel_in_step_mode());
+            let verdict = self.key_refusals.record_press(None, None, why, self.tick);
+            self.report_verdict(verdict);
         }
     }
 

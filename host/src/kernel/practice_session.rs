@@ -1,5 +1,6 @@
 //! The practice machine in use, what the learner does at it, and his own state that it replaces.
 
+use gsk_core::machine::LatheConfig;
 use gsk_lesson::{Practice, PracticeView};
 use gsk_panel::emulator::Emulator;
 
@@ -112,9 +113,9 @@ impl PracticeSession {
         &mut self.own
     }
 
-    /// Returns the learner's own part. A job that is set during the lesson goes to it, and
-    /// applies after the lesson.
-    pub(super) const fn own_part(&mut self) -> &mut KernelPart {
-        &mut self.own.part
+    /// Returns the learner's own part and lathe. A job that is set during the lesson goes to
+    /// them, and applies after the lesson.
+    pub(super) fn own_part(&mut self) -> (&mut KernelPart, &LatheConfig) {
+        (&mut self.own.part, self.own.emulator.lathe().config())
     }
 }

@@ -1,5 +1,6 @@
 //! Publishes what the window shows: snapshots of the panel, of machine and PLC, the part.
 
+use gsk_core::cnc::Event;
 use gsk_core::simulation::Simulation;
 use gsk_runner::machining::live_part::running_block;
 
@@ -8,7 +9,7 @@ use super::monitor::MachineView;
 use super::practice_session::PracticeSession;
 use super::program::start::waits_at_end;
 use super::{
-    ForcedState, Kernel, KeysReversed, MACHINE_VIEW_TICKS, MachineMotion, PanelSnapshot,
+    ForcedState, Kernel, KeysReversed, MACHINE_VIEW_TICKS, MachineMotion, Notice, PanelSnapshot,
     active_alarm,
 };
 
@@ -52,6 +53,24 @@ impl Kernel {
         self.machine.force_push(now.clone());
         monitor.last_view = Some(now);
         true
+    }
+
+    /// Reports to the window what happened in the control in the last tick: advice, and the end of
+    /// a program.
+    pub(super) fn report_events(&self) {
+        let cnc = self.emulator.cnc();
+        for event in cnc.events() {
+            match event {
+                Event::Advised(text) => self.notify(Notice::Message(text.clone())),
+                Event::ProgramEnded { m30: true, .. } => {
+                    if let Some(program) = cnc.programs().selected() {
+                        let parts = cnc.counters().parts;
+                        self.notify(Notice::ProgramEnded(program, parts));
+                    }
+                }
+                _ => {}
+            }
+        }
     }
 
     /// Returns the current state of the panel.

@@ -43,7 +43,7 @@ pub(crate) use plc::value_items;
 pub use plc_names::{short as signal_name, signal_meaning};
 pub use power_on::{POWER_ON_TICKS, draw as power_on};
 pub(crate) use program::directory_screens;
-pub(crate) use program_text::PAGE_ROWS;
+pub(crate) use program_text::turned_page;
 pub use taught::{TaughtPoint, TaughtProgram};
 pub use view::BRIGHTNESS_STEPS;
 pub use view::{

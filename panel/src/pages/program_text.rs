@@ -9,7 +9,7 @@ use crate::glyphs;
 use crate::screen::{COLUMNS, CellStyle, Screen};
 
 /// Number of screen rows in which the program page lists text.
-pub(crate) const PAGE_ROWS: usize = 12;
+const PAGE_ROWS: usize = 12;
 
 /// Which part of a program is listed, and in which rows of the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,26 +102,53 @@ fn wrap(text: &str, most: usize) -> Vec<Range<usize>> {
     rows
 }
 
-/// Returns the listing of the program page that contains a position (line from 1, column from
-/// 0). Pages are a fixed twelve lines, shifted only as far as wrapped lines require.
+/// Returns the listing of the screen that contains a position (line from 1, column from 0).
 pub(crate) fn page_of(program: &Program, line: u32, column: u32) -> Listing {
-    let top = program.first_listed();
-    let line = line.max(top);
-    let rows_of =
-        |line: u32| listed(program, line, ';').map_or(0, |text| wrap(&text, usize::MAX).len());
+    let line = line.max(program.first_listed());
     let row = listed(program, line, ';').map_or(0, |text| row_of(&text, column));
-    let mut first = (line - top) / PAGE_ROWS as u32 * PAGE_ROWS as u32 + top;
-    let mut above: usize = (first..line).map(rows_of).sum();
-    while first < line && above + row >= PAGE_ROWS {
-        above -= rows_of(first);
-        first += 1;
-    }
+    let first = screen_start(program, line);
+    let above: usize = (first..line).map(|line| rows_of(program, line)).sum();
     Listing {
         top: 1,
         rows: PAGE_ROWS,
         first,
         skip: (above + row + 1).saturating_sub(PAGE_ROWS),
     }
+}
+
+/// Returns the line to which a page key moves the cursor from `line`: the first one of the next or
+/// of the previous screen. The first screen begins after the program name.
+pub(crate) fn turned_page(program: &Program, line: u32, forward: bool) -> u32 {
+    let (top, last) = (program.first_listed(), program.last_listed());
+    let shown = screen_start(program, line.clamp(top, last));
+    if forward {
+        let mut others = (shown..=last).skip_while(|line| screen_start(program, *line) == shown);
+        return others.next().unwrap_or(last);
+    }
+    match shown.checked_sub(1).filter(|above| *above >= top) {
+        Some(above) => screen_start(program, above).max(top + 1),
+        None => (top + 1).min(last),
+    }
+}
+
+/// Returns the first line of the screen that shows a line. Screens are a fixed twelve lines; lines
+/// of more than one row divide them.
+fn screen_start(program: &Program, line: u32) -> u32 {
+    let top = program.first_listed();
+    let mut start = (line - top) / PAGE_ROWS as u32 * PAGE_ROWS as u32 + top;
+    let mut rows = 0;
+    for each in start..=line {
+        rows += rows_of(program, each);
+        if rows > PAGE_ROWS && each > start {
+            (start, rows) = (each, rows_of(program, each));
+        }
+    }
+    start
+}
+
+/// Returns the number of screen rows of a line.
+fn rows_of(program: &Program, line: u32) -> usize {
+    listed(program, line, ';').map_or(0, |text| wrap(&text, usize::MAX).len())
 }
 
 /// Returns the screen row, from 0, of a text's character at `column` (from 0).
@@ -243,6 +270,24 @@ mod tests {
         assert_eq!(page_of(&program, 12, 0).first, 1);
         assert_eq!(page_of(&program, 13, 0).first, 13);
         assert_eq!(page_of(&program, 31, 0).first, 25);
+    }
+
+    #[test]
+    fn page_keys_pass_over_no_line() {
+        let long = "G1 X1 (".to_owned() + &"A".repeat(60) + ")\n";
+        for text in [long.repeat(30), ("G1 X1\n".repeat(5) + &long).repeat(9)] {
+            let program = Program::new(&*text);
+            let mut line = 1;
+            while line < program.last_listed() {
+                let first = page_of(&program, line, 0).first;
+                let next = turned_page(&program, line, true);
+                let rows: usize = (first..next).map(|line| rows_of(&program, line)).sum();
+                assert!(next > line && rows <= PAGE_ROWS, "{line} {next}");
+                let back = turned_page(&program, next, false);
+                assert!(next == program.last_listed() || back == first.max(2));
+                line = next;
+            }
+        }
     }
 
     #[test]

@@ -8,7 +8,7 @@ use gsk_core::program::{Completion, Program, ProgramEditor};
 
 use super::Panel;
 use crate::keys::Key;
-use crate::pages::{PAGE_ROWS, PageId};
+use crate::pages::{PageId, turned_page};
 
 /// Typed after `O-`, these digits mean all programs.
 const ALL_PROGRAMS: [&str; 2] = ["999", "9999"];
@@ -254,7 +254,8 @@ impl Panel {
         requests: &mut Vec<ControlRequest>,
     ) {
         if let Some(editing) = self.editing(cnc) {
-            editing.turn_page(forward, PAGE_ROWS as u32);
+            let line = turned_page(editing.program(), editing.cursor().0, forward);
+            editing.move_to_line(line);
             self.cursor_moved(requests);
         }
     }

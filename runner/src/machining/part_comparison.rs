@@ -30,7 +30,8 @@ pub struct PathPiece {
 /// The part that one program makes of the same stock in three ways, with the tool paths.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PartComparison {
-    /// Half section of the part that the programmer intends, cut by sharp tools.
+    /// Half section of the part that the programmer intends, cut by sharp tools that are set
+    /// correctly.
     pub intended: Region,
     /// Half section of the part as machined, with nose radius compensation as programmed.
     pub finished: Region,
@@ -70,7 +71,7 @@ pub fn compare_parts(
     let mut sharp = Setup::clone(setup);
     sharp.memory.offsets.clear_noses();
     let mut without = Machining::new(job.clone());
-    let mut wanted = Machining::new(with_sharp_tools(job));
+    let mut wanted = Machining::new(as_programmed(job));
     carry_out(&sharp, &mut |executed| {
         without.execute_move(executed, rates);
         wanted.execute_move(executed, rates);
@@ -121,9 +122,12 @@ fn add_cut(
     }
 }
 
-/// Returns the job with inserts without nose radius, as the programmer assumes them.
-fn with_sharp_tools(job: &Job) -> Job {
+/// Returns the job as the programmer assumes it: inserts without nose radius, and each tip where
+/// the program has it, so that a wrong offset or work zero shows as a deviation.
+fn as_programmed(job: &Job) -> Job {
     let mut job = job.clone();
+    job.zero = None;
+    job.lengths.clear();
     for tool in job.tools.values_mut() {
         tool.insert = without_nose(tool.insert);
     }
@@ -168,6 +172,7 @@ mod tests {
     use gsk_core::memory::ToolOffset;
     use gsk_core::program::Program;
     use gsk_workpiece::compare::deviations;
+    use gsk_workpiece::job::DiameterPoint;
     use gsk_workpiece::stock::Stock;
 
     const NOSE: f64 = 0.8;
@@ -175,6 +180,12 @@ mod tests {
     /// Compares the parts of a program that turns a cone of 45° between two cylinders, with the G
     /// code `compensation` (G40, G41 or G42).
     fn cone(compensation: &str) -> PartComparison {
+        let mut job = Job::new(Stock::bar(42.0, 0.0, 60.0));
+        job.tools.insert(1, Tool::turning());
+        compare_cone(compensation, &job)
+    }
+
+    fn compare_cone(compensation: &str, job: &Job) -> PartComparison {
         let mut setup = Setup::default();
         let text = format!(
             "T0101 M03 S500\nG00 X30 Z3\n{compensation} G01 X20 Z2 F100\nZ-10\nX40 Z-20\n\
@@ -190,10 +201,8 @@ mod tests {
         };
         setup.memory.offsets.set(1, offset).unwrap();
         setup.memory.parameters.set_bit(2, 1, true).unwrap();
-        let mut job = Job::new(Stock::bar(42.0, 0.0, 60.0));
-        job.tools.insert(1, Tool::turning());
         let rates = RapidRates::from_memory(&setup.memory);
-        compare_parts(&setup, &job, rates, &mut |_| true).unwrap()
+        compare_parts(&setup, job, rates, &mut |_| true).unwrap()
     }
 
     /// Returns the least and the greatest deviation, mm, of a part from the wanted one at Z above
@@ -230,6 +239,21 @@ mod tests {
         assert!((high - corner).abs() < 1e-3, "{high} {corner}");
         assert_eq!(compared.uncompensated, cone("").uncompensated);
         assert!(!compared.nose_center_path.is_empty() && compared.programmed_path.len() >= 4);
+    }
+
+    #[test]
+    fn an_offset_that_is_wrong_shows_as_a_deviation() {
+        let mut job = Job::new(Stock::bar(42.0, 0.0, 60.0));
+        job.tools.insert(1, Tool::turning());
+        // The control has offset 0; the tip is 0.4 mm further out than that.
+        let length = DiameterPoint::from(Point::new(-0.2, 0.0));
+        job.lengths.insert(1, length);
+        let compared = compare_cone("G42", &job);
+        assert_eq!(compared.intended, cone("G42").intended);
+        let found = deviations(&compared.finished, &compared.intended, -9.0);
+        let cylinder = found.iter().flatten().map(|it| it.distance);
+        let greatest = cylinder.fold(0.0, f64::max);
+        assert!((greatest - 0.2).abs() < 1e-3, "{greatest}");
     }
 
     #[test]

@@ -166,7 +166,7 @@ fn the_alarm_of_a_limit_switch_names_axis_side_and_direction_off() {
     assert!(is_finished(&mut simulation));
     assert_eq!(
         alarm_detail(&simulation, 207),
-        "limit switch Z+: hold [Overtravel release 超程解除] (with the mouse: right-click it first) and jog Z- until it is free; Z was returning to its machine \
+        "limit switch Z+: hold [Overtravel release 超程解除] (with the mouse: right-click it first) and jog Z- [← Z] until it is free; Z was returning to its machine \
          zero and had not met the deceleration switch"
     );
     // The button alone has no side.

@@ -8,6 +8,7 @@ use gsk_core::operation::RunState;
 use gsk_host::files::tool_library;
 use gsk_host::kernel::{Notice, PanelSnapshot};
 use gsk_host::platform;
+use gsk_messages::say;
 
 use crate::Window;
 use crate::widgets::status_message::StatusMessage;
@@ -111,6 +112,7 @@ impl Window {
                     matches!(message, StatusMessage::Collided(_) | StatusMessage::Text(_))
                 });
             }
+            Notice::ProgramEnded(program, parts) => self.show_program_end(program, parts),
             Notice::Refused(alarm) => self.message = Some(StatusMessage::Refused(alarm)),
             Notice::Sent(description) => self.message = Some(StatusMessage::Sent(description)),
             Notice::NumberTaken(opened, number) => {
@@ -161,6 +163,25 @@ impl Window {
                 self.message
                     .take_if(|message| matches!(message, StatusMessage::KeyRefused(_)));
             }
+        }
+    }
+
+    /// Shows that a program has run to its end, unless the message line has something graver.
+    fn show_program_end(&mut self, program: ProgramId, parts: u32) {
+        let is_free = self.message.as_ref().is_none_or(|message| {
+            !matches!(
+                message,
+                StatusMessage::Collided(_) | StatusMessage::Refused(_) | StatusMessage::KernelEnded
+            )
+        });
+        if is_free {
+            let text = match program {
+                ProgramId::Stored(number) => {
+                    say::window_program_ended(self.console.naming().name(number), parts)
+                }
+                _ => say::window_opened_program_ended(parts),
+            };
+            self.message = Some(StatusMessage::Done(text));
         }
     }
 

@@ -144,9 +144,10 @@ impl Cnc {
                     continue;
                 }
             };
+            let key = self.parameters().axis_key(axis, back == '+');
             messages.push(say::limit_switch_tripped(
                 format_args!("{axis}{at}"),
-                format_args!("{axis}{back}"),
+                format_args!("{axis}{back} [{key}]"),
             ));
             messages.extend(self.missed_switch_message(axis));
         }

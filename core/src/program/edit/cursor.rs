@@ -1,4 +1,4 @@
-//! Moves the cursor by lines, characters and screens, and searches for text.
+//! Moves the cursor by lines and characters, and searches for text.
 
 use super::ProgramEditor;
 use crate::program::block_head::BlockHead;
@@ -63,20 +63,6 @@ impl ProgramEditor {
         if self.line < self.program.last_listed() {
             (self.line, self.column) = (self.line + 1, 0);
         }
-    }
-
-    /// Moves the cursor forward or back by a screen of `rows` lines. The first screen begins
-    /// after the program name, the last screen ends at the last line.
-    pub fn turn_page(&mut self, forward: bool, rows: u32) {
-        self.end_open_block();
-        let (first, last) = (self.program.first_listed(), self.program.last_listed());
-        let shown = (self.line.max(first) - first) / rows.max(1);
-        let line = match (forward, shown) {
-            (true, _) => first + (shown + 1) * rows,
-            (false, 0 | 1) => first + 1,
-            (false, _) => first + (shown - 1) * rows,
-        };
-        (self.line, self.column) = (line.min(last), 0);
     }
 
     /// Moves the cursor to the next occurrence of a text after or before it. A sequence number

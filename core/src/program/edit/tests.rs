@@ -217,9 +217,9 @@ fn the_cursor_walks_over_ends_of_lines() {
     assert_eq!(editing.cursor(), (2, 10));
     editing.move_up();
     assert_eq!(editing.cursor(), (1, 5));
-    editing.turn_page(true, 12);
+    editing.move_to_line(13);
     assert_eq!(editing.cursor(), (5, 0));
-    editing.turn_page(false, 12);
+    editing.move_to_line(2);
     assert_eq!(editing.cursor(), (2, 0));
     editing.move_left();
     editing.move_to_head();

@@ -98,8 +98,12 @@ mod tests {
             after.tip
         );
         let job = Job::new(Stock::bar(40.0, 0.0, 60.0));
-        part.set_job(Some(SelectedJob { job, file: None }));
+        part.set_job(Some(SelectedJob { job, file: None }), &lathe);
         assert!(part.publish(&emulator));
         assert_eq!(views.pop().unwrap().empty_chuck, None);
+        // A program that cuts nothing has no part either.
+        part.set_job(None, &lathe);
+        assert!(part.publish(&emulator));
+        assert_eq!(views.pop().unwrap().empty_chuck, Some(far));
     }
 }

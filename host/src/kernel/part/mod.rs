@@ -253,8 +253,12 @@ impl KernelPart {
         self.last = None;
     }
 
-    /// Sets another job, on fresh stock; `None` removes the part, and programs cut nothing.
-    pub(super) fn set_job(&mut self, chosen: Option<SelectedJob>) {
+    /// Sets another job, on fresh stock; `None` empties the chuck of the lathe, and programs cut
+    /// nothing.
+    pub(super) fn set_job(&mut self, chosen: Option<SelectedJob>, lathe: &LatheConfig) {
+        if chosen.is_none() {
+            self.empty_chuck = Some(EmptyChuck::of_lathe(lathe));
+        }
         self.shown_version = None;
         self.last = None;
         self.counted_s.clear();
@@ -443,7 +447,10 @@ mod tests {
         });
         job.lengths
             .insert(1, gsk_workpiece::job::DiameterPoint::default());
-        part.set_job(Some(SelectedJob { job, file: None }));
+        part.set_job(
+            Some(SelectedJob { job, file: None }),
+            &LatheConfig::default(),
+        );
         part.set_visible(true);
         let mut tip = |emulator: &mut Emulator, ticks: u32| {
             for _ in 0..ticks {
@@ -484,7 +491,10 @@ mod tests {
         let mut job = Job::new(gsk_workpiece::stock::Stock::bar(40.0, 0.0, 60.0));
         job.tools.insert(1, Tool::turning());
         job.library.insert(1, "rough".to_owned());
-        part.set_job(Some(SelectedJob { job, file: None }));
+        part.set_job(
+            Some(SelectedJob { job, file: None }),
+            &LatheConfig::default(),
+        );
         let mut follow = |emulator: &mut Emulator, ticks: u32| {
             for _ in 0..ticks {
                 emulator.tick();

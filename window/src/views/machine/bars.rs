@@ -125,7 +125,7 @@ impl LatheView {
         });
         match clicked.inner {
             Some((0, 0)) => {
-                self.picture.camera = None;
+                self.fit_picture();
                 self.picture.follows_tool = false;
             }
             Some((0, _)) => self.picture.follows_tool = !self.picture.follows_tool,
@@ -213,8 +213,11 @@ impl LatheView {
     /// The sentence about the job of the part, and its colour.
     fn job_message(&self) -> (Message, Color32) {
         match &self.part {
-            Some(part) if part.empty_chuck.is_some() => {
+            Some(part) if part.empty_chuck.is_some() && self.preview.is_practice_machine => {
                 (say::lathe_chuck_empty(), theme::STATE_TEXT)
+            }
+            Some(part) if part.empty_chuck.is_some() => {
+                (say::lathe_nothing_cut(), theme::STATE_TEXT)
             }
             Some(part) => match &part.job_name {
                 Some(name) => (say::lathe_job(name), theme::STATE_TEXT),
@@ -226,7 +229,6 @@ impl LatheView {
                 None => (say::lathe_guessed(), theme::WARNING),
             },
             None if self.preview.is_practice_job => (say::lathe_no_path(), theme::STATE_TEXT),
-            None if self.preview.program_count > 0 => (say::lathe_nothing_cut(), theme::WARNING),
             None => (say::window_one_moment(), theme::STATE_TEXT),
         }
     }

@@ -20,6 +20,9 @@ const TURN_DEGREES_PER_POINT: f32 = 0.4;
 pub struct PictureState {
     /// The camera that the user has moved; `None` if the picture shows everything.
     pub camera: Option<Camera>,
+    /// Position of the tip when the user fitted the picture, which then shows the tool there, too;
+    /// part coordinates, mm. `None`: only the tool at the end of the stock.
+    pub fitted_tip: Option<Pos2>,
     /// The job of the part, and the box around its tools with their tips at the origin.
     pub tool_bounds: Option<(Arc<Job>, Rect)>,
     /// Whether the picture follows the tool tip.

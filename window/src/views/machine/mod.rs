@@ -249,8 +249,12 @@ impl LatheView {
         };
         self.program_text.file = path.map(|path| (program, path.to_owned()));
         self.set_trial(None);
-        if let (Some(worker), Some((program, file))) = (&self.worker, &self.program_text.file) {
-            worker.report_opened_file(*program, file.clone());
+        match (&self.worker, &self.program_text.file) {
+            (Some(worker), Some((program, file))) => {
+                worker.report_opened_file(*program, file.clone());
+            }
+            (Some(worker), None) => worker.report_reopened(program),
+            (None, _) => {}
         }
     }
 
@@ -344,7 +348,7 @@ impl LatheView {
         });
         if let Some(preview) = worker.take_result() {
             if preview.program_count != self.preview.program_count {
-                self.picture.camera = None;
+                (self.picture.camera, self.picture.fitted_tip) = (None, None);
                 self.selected = None;
                 self.instruments.microscope.clear();
                 self.instruments.load.clear();

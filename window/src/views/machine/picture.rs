@@ -108,6 +108,12 @@ impl LatheView {
         }
     }
 
+    /// Lets the picture show everything, with the whole tool where it is now.
+    pub(super) fn fit_picture(&mut self) {
+        self.picture.camera = None;
+        self.picture.fitted_tip = self.part.as_ref().map(|part| to_pos2(part.tip));
+    }
+
     /// The camera that the user has moved; if there is none, a camera that shows everything.
     fn current_camera(&self, rect: Rect) -> Camera {
         if let Some(camera) = self.picture.camera {
@@ -134,7 +140,12 @@ impl LatheView {
                 Some(far) => to_pos2(far),
                 None => pos2(front, radius),
             };
-            clamped.union(tools.translate(tip.to_vec2()))
+            let shown = clamped.union(tools.translate(tip.to_vec2()));
+            let fitted = self
+                .picture
+                .fitted_tip
+                .map(|tip| tools.translate(tip.to_vec2()));
+            fitted.map_or(shown, |tool| shown.union(tool))
         });
         let is_chuck_empty = (self.part.as_ref()).is_some_and(|part| part.empty_chuck.is_some());
         let bounds = match (part, self.preview.path.bounds) {
@@ -180,7 +191,7 @@ impl LatheView {
             self.picture.camera = Some(*camera);
         }
         if response.double_clicked() {
-            self.picture.camera = None;
+            self.fit_picture();
             *camera = self.current_camera(camera.rect);
         } else if response.clicked()
             && let Some(at) = response.interact_pointer_pos()

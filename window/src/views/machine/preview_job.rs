@@ -34,6 +34,14 @@ impl ChangedJobs {
         all.push((owner, chosen));
     }
 
+    /// Drops the changed job of a program; returns false if there is none.
+    pub fn forget(&self, owner: &JobOwner) -> bool {
+        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let before = all.len();
+        all.retain(|(of, _)| of != owner);
+        all.len() < before
+    }
+
     /// Keeps the stock that the user has clamped without a program, when he then creates
     /// `program`.
     pub fn keep_clamped_stock(&self, program: &Program, owner: &JobOwner) {
@@ -126,5 +134,8 @@ mod tests {
         jobs.keep((None, None), clamped());
         jobs.keep_clamped_stock(&Program::new("O0007;\n"), &owner);
         assert_eq!(jobs.find(&owner), Some(own.job));
+        // Opened anew, it has its own job again.
+        assert!(jobs.forget(&owner) && !jobs.forget(&owner));
+        assert_eq!(jobs.find(&owner), None);
     }
 }

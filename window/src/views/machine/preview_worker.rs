@@ -59,6 +59,8 @@ pub struct PreviewResult {
     pub is_practice_job: bool,
     /// Whether stock and tools are those of the forms in the program.
     pub is_form_job: bool,
+    /// Whether the program is that of a lesson or an exercise.
+    pub is_practice_machine: bool,
     /// The reason why the program's job file cannot be used; `None` if it can or does not exist.
     pub job_file_error: Option<Message>,
     /// The file of the program; `None` without one.
@@ -90,6 +92,8 @@ enum PreviewRequest {
     ComputeLoad(Arc<Job>),
     /// Clamp the stock and mount the tools of a job that the user has changed.
     Clamp(Box<Job>),
+    /// The program with this id was opened anew, and its own job applies again.
+    Reopened(ProgramId),
     /// Execute this text of a program instead of the control's; `None`: the control's text
     /// again.
     SetTrial(Option<(ProgramId, Program)>),
@@ -128,8 +132,10 @@ impl PreviewWorker {
             file: None,
             tried: None,
             changed_jobs: changed.clone(),
+            checked_slides: [0; 2],
             last_inputs: None,
             job_owner: None,
+            sent_job: None,
             shown_owner: None,
             program_count: 0,
         };
@@ -148,6 +154,12 @@ impl PreviewWorker {
     pub fn report_opened_file(&self, program: ProgramId, file: PathBuf) {
         self.flags.cancel_count.fetch_add(1, Ordering::Relaxed);
         let _ = self.requests.send(PreviewRequest::Opened(program, file));
+    }
+
+    /// Reports to the worker that a program without a file, such as a sample, was opened anew: its
+    /// own stock and tools replace those to which the user has changed them.
+    pub fn report_reopened(&self, program: ProgramId) {
+        let _ = self.requests.send(PreviewRequest::Reopened(program));
     }
 
     /// Requests a comparison of the intended part with the part that the program makes.
@@ -207,6 +219,9 @@ struct PreviewInputs {
     parameters: ControlParameters,
     /// Machine coordinates of the work zero before the program runs, µm.
     zero: [i64; 2],
+    /// Machine coordinates of the slides before the program runs, µm; `None` if the job does not
+    /// give the place of the part, so that the path does not depend on them.
+    slides: Option<[i64; 2]>,
 }
 
 impl PreviewInputs {
@@ -233,10 +248,14 @@ struct PreviewThread {
     tried: Option<(ProgramId, Program)>,
     /// Jobs that the user has changed, by their programs.
     changed_jobs: ChangedJobs,
+    /// Machine coordinates of the slides at the last check, µm.
+    checked_slides: [i64; 2],
     /// The inputs of the path that was sent to the window last; `None` before the first one.
     last_inputs: Option<PreviewInputs>,
     /// The program and the file whose job the kernel has; `None` before the first job.
     job_owner: Option<ProgramAndFile>,
+    /// The job that was sent to the kernel last; `None` if the next one is sent in any case.
+    sent_job: Option<SelectedJob>,
     /// The program and the file whose path the window has; `None` before the first path.
     shown_owner: Option<ProgramAndFile>,
     program_count: u64,
@@ -268,11 +287,21 @@ impl PreviewThread {
 
     fn handle_request(&mut self, request: PreviewRequest) {
         match request {
-            PreviewRequest::Opened(program, file) => self.file = Some((program, file)),
+            PreviewRequest::Opened(program, file) => {
+                self.file = Some((program, file));
+                // A text that was opened begins on fresh stock.
+                self.sent_job = None;
+            }
             PreviewRequest::Compare(job) => self.compare(&job),
             PreviewRequest::ComputeLoad(job) => self.compute_load(&job),
             PreviewRequest::SetTrial(tried) => self.tried = tried,
             PreviewRequest::Clamp(job) => self.clamp(*job),
+            PreviewRequest::Reopened(program) => {
+                self.file.take_if(|(id, _)| *id == program);
+                if self.changed_jobs.forget(&(Some(program), None)) {
+                    self.job_owner = None;
+                }
+            }
         }
     }
 
@@ -310,6 +339,7 @@ impl PreviewThread {
                 Some(last) if is_running => last.zero,
                 _ => work_zero(&setup),
             },
+            slides: self.slides_at_rest(&setup, is_running),
         };
         if self.last_inputs.as_ref() == Some(&basis) {
             return;
@@ -328,9 +358,9 @@ impl PreviewThread {
         }
         self.apply_trial(&mut setup);
         if !visible && let (Some(chosen), _) = basis.job() {
-            self.send_job(Some(chosen));
+            self.send_job_of(&shown, Some(chosen));
             self.job_owner = Some(shown);
-        } else if self.run_preview(&setup, &basis, needs_job) {
+        } else if self.run_preview(&setup, &basis, needs_job, is_practice) {
             if needs_job {
                 self.job_owner = Some(shown.clone());
             }
@@ -339,15 +369,38 @@ impl PreviewThread {
         }
     }
 
+    /// The slides' position for the path of a program whose job gives the place of the part: the
+    /// last one at rest before it runs.
+    fn slides_at_rest(&mut self, setup: &Setup, is_running: bool) -> Option<[i64; 2]> {
+        let sent_job = self.sent_job.as_ref()?;
+        sent_job.job.zero?;
+        let now = micrometres(setup.start.unwrap_or_default());
+        let is_at_rest = core::mem::replace(&mut self.checked_slides, now) == now;
+        let last = self.last_inputs.as_ref().and_then(|last| last.slides);
+        if is_running || !is_at_rest {
+            last
+        } else {
+            Some(now)
+        }
+    }
+
     /// Executes a program and sends its path to the window; returns `false` if a newer request
     /// has cancelled it.
-    fn run_preview(&self, setup: &Setup, inputs: &PreviewInputs, needs_job: bool) -> bool {
-        let start_count = self.flags.cancel_count.load(Ordering::Relaxed);
-        let is_newest = || self.flags.cancel_count.load(Ordering::Relaxed) == start_count;
+    fn run_preview(
+        &mut self,
+        setup: &Setup,
+        inputs: &PreviewInputs,
+        needs_job: bool,
+        is_practice_machine: bool,
+    ) -> bool {
+        let flags = Arc::clone(&self.flags);
+        let start_count = flags.cancel_count.load(Ordering::Relaxed);
+        let is_newest = || flags.cancel_count.load(Ordering::Relaxed) == start_count;
         let (mut chosen, trouble) = inputs.job();
         let machining = chosen.as_ref().map(SelectedJob::create_machining);
+        let shown = (inputs.program.clone(), inputs.file.clone());
         if needs_job && let Some(chosen) = &chosen {
-            self.send_job(Some(chosen.clone()));
+            self.send_job_of(&shown, Some(chosen.clone()));
         }
         let rates = RapidRates::from_memory(&setup.memory);
         let limit = WorkLimit::new(WORK_BUDGET);
@@ -360,6 +413,7 @@ impl PreviewThread {
             is_trial: tried,
             job_file_error: trouble,
             program_file: inputs.file.clone(),
+            is_practice_machine,
             // Jobs of files and of samples have a name.
             is_form_job: inputs.changed_job.is_none()
                 && chosen.as_ref().is_some_and(|it| it.file.is_none()),
@@ -425,7 +479,7 @@ impl PreviewThread {
                 false => guess::guess_job(&first_moves, &setup.memory.offsets, rates),
             };
             chosen = job.map(|job| SelectedJob { job, file: None });
-            self.send_job(chosen);
+            self.send_job_of(&shown, chosen);
         }
         true
     }
@@ -482,7 +536,19 @@ impl PreviewThread {
         }
     }
 
-    fn send_job(&self, chosen: Option<SelectedJob>) {
+    /// Sends the job of a program to the kernel. A program that was only edited keeps its part if
+    /// its stock and tools are the same.
+    fn send_job_of(&mut self, owner: &ProgramAndFile, chosen: Option<SelectedJob>) {
+        let name =
+            |(program, file): &ProgramAndFile| (program.as_ref().map(|(id, _)| *id), file.clone());
+        let is_same_program = self.job_owner.as_ref().map(name) == Some(name(owner));
+        if !is_same_program || chosen.is_none() || self.sent_job != chosen {
+            self.send_job(chosen);
+        }
+    }
+
+    fn send_job(&mut self, chosen: Option<SelectedJob>) {
+        self.sent_job.clone_from(&chosen);
         self.console.send(Command::Job(chosen.map(Box::new)));
     }
 }
@@ -532,8 +598,11 @@ fn replace_program_text(programs: &mut ProgramMemory, id: ProgramId, text: &Prog
 
 /// Machine coordinates of the work zero, µm: X as a radius, and Z.
 fn work_zero(setup: &Setup) -> [i64; 2] {
-    let zero = setup.start.unwrap_or_default() - setup.absolute.unwrap_or_default();
-    [zero.x, zero.z].map(|mm| (mm * 1000.0).round() as i64)
+    micrometres(setup.start.unwrap_or_default() - setup.absolute.unwrap_or_default())
+}
+
+fn micrometres(point: Point) -> [i64; 2] {
+    [point.x, point.z].map(|mm| (mm * 1000.0).round() as i64)
 }
 
 /// The shift from program to part coordinates of a move, mm. It is zero without a job that
