@@ -10,19 +10,19 @@
 //! ```
 
 mod job_fit;
+mod practice;
 mod tool_uses;
 mod tools;
 
 use std::collections::BTreeMap;
 
 use gsk_core::command::ExecutedMove;
-use gsk_core::machine::LatheConfig;
 use gsk_core::memory::Offsets;
 use gsk_core::preview::{PreviewProgress, preview_with_progress};
 use gsk_core::setup::Setup;
 use gsk_core::units::Diameter;
 use gsk_workpiece::grid::{GridPoint, grid};
-use gsk_workpiece::job::{DiameterPoint, Job};
+use gsk_workpiece::job::Job;
 use gsk_workpiece::motion::MotionKind;
 use gsk_workpiece::region::{GridBounds, Region};
 use gsk_workpiece::scene::{LatheScene, SceneTool};
@@ -30,6 +30,7 @@ use gsk_workpiece::stock::{Stock, StockForm};
 use gsk_workpiece::tool::{Tool, ToolShape};
 
 use crate::curves::RapidRates;
+pub use practice::{empty_chuck_job, practice_job};
 use tool_uses::{ToolStep, ToolUse, ToolWork, tool_steps, tool_uses};
 use tools::{ToolKnowledge, ToolPose};
 
@@ -63,25 +64,6 @@ const ACCEPTED_INTRUSION_MM2: f64 = 1.0;
 /// Greatest ratio of the intrusion area of another pose to that of the current pose at which the
 /// other one is chosen.
 const POSE_CHANGE_FACTOR: f64 = 0.5;
-
-/// Creates a bar and tools for practice without a program. With the slides where a lathe has them
-/// at power-on, the tip of the first tool is in front of the bar. No offset is right, so the
-/// operator sets the tools by trial cuts.
-pub fn practice_job(lathe: &LatheConfig) -> Job {
-    let length = |x: f64, z: f64| DiameterPoint { x: Diameter(x), z };
-    let tools = [
-        (1, Tool::turning(), length(0.0, 0.0)),
-        (2, Tool::grooving(3.0), length(6.4, -2.7)),
-        (3, Tool::threading(60.0), length(-3.2, 4.1)),
-    ];
-    let mut job = Job::new(Stock::bar(50.0, 1.0, 81.0));
-    job.zero = Some(length(lathe.x.start - 64.0, lathe.z.start - 10.0));
-    for (number, tool, length) in tools {
-        job.tools.insert(number, tool);
-        job.lengths.insert(number, length);
-    }
-    job
-}
 
 /// Guesses stock and tools for the selected program of a set-up. `can_continue` receives the
 /// progress and returns false to cancel the preview. `None` if the program cuts nothing.

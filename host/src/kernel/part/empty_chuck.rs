@@ -4,11 +4,11 @@
 use std::sync::Arc;
 
 use gsk_core::machine::LatheConfig;
-use gsk_core::units::{Axis, Diameter, Point};
+use gsk_core::units::{Axis, Point};
 use gsk_panel::emulator::Emulator;
 use gsk_runner::machining::Mounting;
-use gsk_runner::machining::guess::practice_job;
-use gsk_workpiece::job::{DiameterPoint, Job};
+use gsk_runner::machining::guess::empty_chuck_job;
+use gsk_workpiece::job::Job;
 
 use super::{PartView, active_tool};
 
@@ -22,22 +22,10 @@ pub(super) struct EmptyChuck {
 }
 
 impl EmptyChuck {
-    /// Places the chuck so that no position of the slides is in it: at their negative ends the
-    /// tip is on the spindle axis, in front of the jaws.
-    ///
-    /// ```text
-    ///   chuck ]jaws|
-    ///   -----------+- - - - - - - spindle axis
-    ///              ^ tip at the negative ends of X and Z
-    /// ```
+    /// The lathe with its chuck where no position of the slides is in it.
     pub(super) fn of_lathe(lathe: &LatheConfig) -> Self {
         let (x, z) = (lathe.x.slide_ends(Axis::X), lathe.z.slide_ends(Axis::Z));
-        let mut job = practice_job(lathe);
-        job.zero = Some(DiameterPoint {
-            x: Diameter(x.minus),
-            z: z.minus,
-        });
-        job.lengths.clear();
+        let job = empty_chuck_job(lathe);
         Self {
             mounting: Mounting::from_job(&job),
             job: Arc::new(job),

@@ -131,7 +131,7 @@ impl LatheView {
             Some((0, _)) => self.picture.follows_tool = !self.picture.follows_tool,
             Some((1, index)) if solid != (index == 1) => {
                 self.picture.is_solid = !solid;
-                self.picture.camera = None;
+                self.picture.show_whole_part();
             }
             Some((2, 0)) => self.console.send(Command::FreshStock),
             Some((2, _)) => {

@@ -33,6 +33,13 @@ pub struct PictureState {
     pub requests_space: bool,
 }
 
+impl PictureState {
+    /// Returns to the camera that shows the part with the tool at the end of the stock.
+    pub const fn show_whole_part(&mut self) {
+        (self.camera, self.fitted_tip) = (None, None);
+    }
+}
+
 /// Position, scale and direction of the view on the part. Part coordinates: x is Z, y is X as
 /// a radius, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -17,6 +17,7 @@ mod path_lines;
 mod path_renderer;
 mod picture;
 mod preview_job;
+mod preview_path;
 mod preview_worker;
 mod repeat_limit;
 mod section_drawing;
@@ -348,7 +349,7 @@ impl LatheView {
         });
         if let Some(preview) = worker.take_result() {
             if preview.program_count != self.preview.program_count {
-                (self.picture.camera, self.picture.fitted_tip) = (None, None);
+                self.picture.show_whole_part();
                 self.selected = None;
                 self.instruments.microscope.clear();
                 self.instruments.load.clear();

@@ -108,9 +108,9 @@ impl LatheView {
         }
     }
 
-    /// Lets the picture show everything, with the whole tool where it is now.
+    /// Lets the picture show the part, and the whole tool where it is now.
     pub(super) fn fit_picture(&mut self) {
-        self.picture.camera = None;
+        self.picture.show_whole_part();
         self.picture.fitted_tip = self.part.as_ref().map(|part| to_pos2(part.tip));
     }
 
@@ -191,7 +191,7 @@ impl LatheView {
             self.picture.camera = Some(*camera);
         }
         if response.double_clicked() {
-            self.fit_picture();
+            self.picture.show_whole_part();
             *camera = self.current_camera(camera.rect);
         } else if response.clicked()
             && let Some(at) = response.interact_pointer_pos()

@@ -9,12 +9,11 @@ use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, unbounded};
 use crossbeam::queue::ArrayQueue;
 use egui::Context;
 use gsk_core::alarm::Alarm;
-use gsk_core::command::ProgramId;
+use gsk_core::command::{MoveKind, ProgramId};
 use gsk_core::memory::{ControlParameters, Offsets};
-use gsk_core::preview::{PreviewEnd, WorkBudget, preview_explained, preview_with_progress};
-use gsk_core::program::{Program, ProgramMemory};
+use gsk_core::preview::{PreviewEnd, preview_explained};
+use gsk_core::program::Program;
 use gsk_core::setup::Setup;
-use gsk_core::units::Point;
 use gsk_host::job::SelectedJob;
 use gsk_host::kernel::{Command, Console, PreviewSetup};
 use gsk_host::platform;
@@ -30,6 +29,10 @@ use web_time::{Duration, Instant};
 use super::load_curve::LoadCurve;
 use super::path::{BlockRef, DrawnPath, PathBuilder};
 use super::preview_job::{ChangedJobs, JobOwner, choose_job, to_selected_job};
+use super::preview_path::{
+    WORK_BUDGET, build_path, build_profile_path, micrometres, part_shift, replace_program_text,
+    work_zero,
+};
 use super::xray;
 
 /// Interval at which the worker checks the control for changes.
@@ -38,8 +41,6 @@ const CHECK_INTERVAL: Duration = Duration::from_millis(100);
 /// of the further times.
 const FIRST_UPDATE_DELAY: Duration = Duration::from_millis(30);
 const UPDATE_INTERVAL: Duration = Duration::from_millis(200);
-/// Limit of the work of one execution of a program.
-const WORK_BUDGET: WorkBudget = WorkBudget::interactive(5_000_000);
 
 /// The result of executing a program for the machine view.
 #[derive(Clone, Debug, Default)]
@@ -136,6 +137,7 @@ impl PreviewWorker {
             last_inputs: None,
             job_owner: None,
             sent_job: None,
+            is_place_known: false,
             shown_owner: None,
             program_count: 0,
         };
@@ -220,7 +222,7 @@ struct PreviewInputs {
     /// Machine coordinates of the work zero before the program runs, µm.
     zero: [i64; 2],
     /// Machine coordinates of the slides before the program runs, µm; `None` if the job does not
-    /// give the place of the part, so that the path does not depend on them.
+    /// give the place of part or chuck, so that the path does not depend on them.
     slides: Option<[i64; 2]>,
 }
 
@@ -256,6 +258,8 @@ struct PreviewThread {
     job_owner: Option<ProgramAndFile>,
     /// The job that was sent to the kernel last; `None` if the next one is sent in any case.
     sent_job: Option<SelectedJob>,
+    /// Whether the kernel's job gives the place of the part, or its chuck is empty.
+    is_place_known: bool,
     /// The program and the file whose path the window has; `None` before the first path.
     shown_owner: Option<ProgramAndFile>,
     program_count: u64,
@@ -369,11 +373,12 @@ impl PreviewThread {
         }
     }
 
-    /// The slides' position for the path of a program whose job gives the place of the part: the
-    /// last one at rest before it runs.
+    /// The slides' position for the path of a program whose job gives the place of part or chuck:
+    /// the last one at rest before it runs.
     fn slides_at_rest(&mut self, setup: &Setup, is_running: bool) -> Option<[i64; 2]> {
-        let sent_job = self.sent_job.as_ref()?;
-        sent_job.job.zero?;
+        if !self.is_place_known {
+            return None;
+        }
         let now = micrometres(setup.start.unwrap_or_default());
         let is_at_rest = core::mem::replace(&mut self.checked_slides, now) == now;
         let last = self.last_inputs.as_ref().and_then(|last| last.slides);
@@ -471,6 +476,15 @@ impl PreviewThread {
             ));
             result.fault_block = Some(fault);
         }
+        let cuts_nothing = chosen.is_none()
+            && !practice
+            && result.alarm.is_none()
+            && first_moves.iter().all(|it| it.kind == MoveKind::Rapid);
+        if cuts_nothing {
+            // The tool moves in front of the empty chuck.
+            let lathe = Machining::new(guess::empty_chuck_job(&setup.lathe));
+            result.path = Arc::new(build_path(setup, Some(&lathe), rates));
+        }
         self.results.force_push(result);
         self.context.request_repaint();
         if needs_job && chosen.is_none() {
@@ -548,72 +562,8 @@ impl PreviewThread {
     }
 
     fn send_job(&mut self, chosen: Option<SelectedJob>) {
+        self.is_place_known = chosen.as_ref().is_none_or(|it| it.job.zero.is_some());
         self.sent_job.clone_from(&chosen);
         self.console.send(Command::Job(chosen.map(Box::new)));
     }
-}
-
-/// Builds the path of a program with the profile cycles removed, for a profile that breaks a
-/// rule.
-fn build_profile_path(
-    setup: &Setup,
-    program: ProgramId,
-    machining: Option<&Machining>,
-    rates: RapidRates,
-) -> DrawnPath {
-    let mut setup = setup.clone();
-    let programs = &mut setup.memory.programs;
-    if let Some(text) = programs.get(program).map(xray::remove_profile_cycles) {
-        replace_program_text(programs, program, &text);
-    }
-    let limit = WorkLimit::new(WORK_BUDGET);
-    let mut builder = PathBuilder::default();
-    preview_with_progress(
-        &setup,
-        &setup.memory.programs,
-        &mut |executed| builder.add_move(executed, part_shift(machining, executed), rates),
-        &mut |progress| limit.allows(progress),
-    );
-    builder.build(&setup.memory.programs, false)
-}
-
-/// Replaces the text of the program `id` in the memory if that program is selected.
-fn replace_program_text(programs: &mut ProgramMemory, id: ProgramId, text: &Program) {
-    if programs.selected() != Some(id) {
-        return;
-    }
-    match id {
-        ProgramId::Stored(number) => {
-            let before = programs.clone();
-            // A text with another number would be stored as another program.
-            if programs.store(text.text()).ok() != Some(number) {
-                *programs = before;
-            }
-        }
-        ProgramId::External => programs.open_external(text.clone()),
-        ProgramId::Mdi | ProgramId::Dnc => {}
-    }
-    programs.select(id);
-}
-
-/// Machine coordinates of the work zero, µm: X as a radius, and Z.
-fn work_zero(setup: &Setup) -> [i64; 2] {
-    micrometres(setup.start.unwrap_or_default() - setup.absolute.unwrap_or_default())
-}
-
-fn micrometres(point: Point) -> [i64; 2] {
-    [point.x, point.z].map(|mm| (mm * 1000.0).round() as i64)
-}
-
-/// The shift from program to part coordinates of a move, mm. It is zero without a job that
-/// defines the position of the part.
-fn part_shift(machining: Option<&Machining>, executed: &gsk_core::command::ExecutedMove) -> Point {
-    let Some(machining) = machining else {
-        return Point::default();
-    };
-    let conditions = &executed.conditions;
-    let zero = machining
-        .mounting()
-        .slide_at_part_zero(conditions.tool, &conditions.frame);
-    conditions.frame.to_machine(Point::default()) - zero
 }

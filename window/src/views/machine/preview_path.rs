@@ -1,0 +1,87 @@
+//! The drawn path of a program: where it lies beside the part, and the position it begins at.
+
+use gsk_core::command::{ExecutedMove, ProgramId};
+use gsk_core::preview::{WorkBudget, preview_with_progress};
+use gsk_core::program::{Program, ProgramMemory};
+use gsk_core::setup::Setup;
+use gsk_core::units::Point;
+use gsk_host::preview::work_limit::WorkLimit;
+use gsk_runner::curves::RapidRates;
+use gsk_runner::machining::Machining;
+
+use super::path::{DrawnPath, PathBuilder};
+use super::xray;
+
+/// Limit of the work of one execution of a program.
+pub const WORK_BUDGET: WorkBudget = WorkBudget::interactive(5_000_000);
+
+/// Builds the path of a program with the profile cycles removed, for a profile that breaks a
+/// rule.
+pub fn build_profile_path(
+    setup: &Setup,
+    program: ProgramId,
+    machining: Option<&Machining>,
+    rates: RapidRates,
+) -> DrawnPath {
+    let mut setup = setup.clone();
+    let programs = &mut setup.memory.programs;
+    if let Some(text) = programs.get(program).map(xray::remove_profile_cycles) {
+        replace_program_text(programs, program, &text);
+    }
+    build_path(&setup, machining, rates)
+}
+
+/// Builds the path of a program once more, drawn where `machining` has the part.
+pub fn build_path(setup: &Setup, machining: Option<&Machining>, rates: RapidRates) -> DrawnPath {
+    let limit = WorkLimit::new(WORK_BUDGET);
+    let mut builder = PathBuilder::default();
+    preview_with_progress(
+        setup,
+        &setup.memory.programs,
+        &mut |executed| builder.add_move(executed, part_shift(machining, executed), rates),
+        &mut |progress| limit.allows(progress),
+    );
+    builder.build(&setup.memory.programs, false)
+}
+
+/// Replaces the text of the program `id` in the memory if that program is selected.
+pub fn replace_program_text(programs: &mut ProgramMemory, id: ProgramId, text: &Program) {
+    if programs.selected() != Some(id) {
+        return;
+    }
+    match id {
+        ProgramId::Stored(number) => {
+            let before = programs.clone();
+            // A text with another number would be stored as another program.
+            if programs.store(text.text()).ok() != Some(number) {
+                *programs = before;
+            }
+        }
+        ProgramId::External => programs.open_external(text.clone()),
+        ProgramId::Mdi | ProgramId::Dnc => {}
+    }
+    programs.select(id);
+}
+
+/// Machine coordinates of the work zero, µm: X as a radius, and Z.
+pub fn work_zero(setup: &Setup) -> [i64; 2] {
+    micrometres(setup.start.unwrap_or_default() - setup.absolute.unwrap_or_default())
+}
+
+/// Rounds a position to micrometres: X as a radius, and Z.
+pub fn micrometres(point: Point) -> [i64; 2] {
+    [point.x, point.z].map(|mm| (mm * 1000.0).round() as i64)
+}
+
+/// The shift from program to part coordinates of a move, mm. It is zero without a job that
+/// defines the position of the part.
+pub fn part_shift(machining: Option<&Machining>, executed: &ExecutedMove) -> Point {
+    let Some(machining) = machining else {
+        return Point::default();
+    };
+    let conditions = &executed.conditions;
+    let zero = machining
+        .mounting()
+        .slide_at_part_zero(conditions.tool, &conditions.frame);
+    conditions.frame.to_machine(Point::default()) - zero
+}
