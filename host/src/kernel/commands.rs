@@ -9,6 +9,7 @@ use gsk_panel::emulator::EmulatorInput;
 use gsk_panel::keys::Key;
 use gsk_panel::why::{self, BitLog, CauseSubject};
 use gsk_project::ProjectState;
+use gsk_runner::machining::slide_shift;
 
 use super::edges::{self, KeyEdge};
 use super::part;
@@ -111,6 +112,7 @@ impl Kernel {
                     setup: make_preview_setup(self.emulator.simulation()),
                     is_practice: self.lesson.is_some(),
                     is_running: self.emulator.cnc().run_state() != RunState::Reset,
+                    slide_shift: slide_shift::measure(self.emulator.simulation()),
                 };
                 // The receiver may be gone.
                 let _ = to.try_send(Box::new(setup));

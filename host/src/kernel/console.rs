@@ -62,6 +62,9 @@ pub struct PreviewSetup {
     pub is_practice: bool,
     /// Whether a program runs, or is held: its own G50 changes the work zero.
     pub is_running: bool,
+    /// Distance from the machine coordinates of the control to the position of the slides, mm; not
+    /// zero before the machine zero return.
+    pub slide_shift: Point,
 }
 
 /// A command that the window sends to the kernel thread.

@@ -13,7 +13,7 @@ mod motion_track;
 mod mounting;
 mod move_load;
 pub mod part_comparison;
-mod slide_shift;
+pub mod slide_shift;
 mod thread_log;
 
 use std::collections::BTreeMap;

@@ -33,9 +33,9 @@ impl SlideShift {
     }
 }
 
-/// The present distance of the slides from the machine coordinates of the control. The simulated
+/// Returns the present distance, mm, of the slides from the machine coordinates of the control. The simulated
 /// slides say nothing about real ones.
-fn measure(simulation: &Simulation) -> Point {
+pub fn measure(simulation: &Simulation) -> Point {
     let lathe = &simulation.lathe;
     if simulation.cnc.has_board() {
         return Point::default();

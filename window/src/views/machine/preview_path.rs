@@ -1,6 +1,6 @@
 //! The drawn path of a program: where it lies beside the part, and the position it begins at.
 
-use gsk_core::command::{ExecutedMove, ProgramId};
+use gsk_core::command::{ExecutedMove, Frame, ProgramId};
 use gsk_core::preview::{WorkBudget, preview_with_progress};
 use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
@@ -20,7 +20,7 @@ pub const WORK_BUDGET: WorkBudget = WorkBudget::interactive(5_000_000);
 pub fn build_profile_path(
     setup: &Setup,
     program: ProgramId,
-    machining: Option<&Machining>,
+    place: PathPlace<'_>,
     rates: RapidRates,
 ) -> DrawnPath {
     let mut setup = setup.clone();
@@ -28,17 +28,17 @@ pub fn build_profile_path(
     if let Some(text) = programs.get(program).map(xray::remove_profile_cycles) {
         replace_program_text(programs, program, &text);
     }
-    build_path(&setup, machining, rates)
+    build_path(&setup, place, rates)
 }
 
-/// Builds the path of a program once more, drawn where `machining` has the part.
-pub fn build_path(setup: &Setup, machining: Option<&Machining>, rates: RapidRates) -> DrawnPath {
+/// Builds the path of a program once more, drawn at `place`.
+pub fn build_path(setup: &Setup, place: PathPlace<'_>, rates: RapidRates) -> DrawnPath {
     let limit = WorkLimit::new(WORK_BUDGET);
     let mut builder = PathBuilder::default();
     preview_with_progress(
         setup,
         &setup.memory.programs,
-        &mut |executed| builder.add_move(executed, part_shift(machining, executed), rates),
+        &mut |executed| builder.add_move(executed, place.shift_of(executed), rates),
         &mut |progress| limit.allows(progress),
     );
     builder.build(&setup.memory.programs, false)
@@ -73,15 +73,64 @@ pub fn micrometres(point: Point) -> [i64; 2] {
     [point.x, point.z].map(|mm| (mm * 1000.0).round() as i64)
 }
 
-/// The shift from program to part coordinates of a move, mm. It is zero without a job that
-/// defines the position of the part.
-pub fn part_shift(machining: Option<&Machining>, executed: &ExecutedMove) -> Point {
-    let Some(machining) = machining else {
-        return Point::default();
-    };
-    let conditions = &executed.conditions;
-    let zero = machining
-        .mounting()
-        .slide_at_part_zero(conditions.tool, &conditions.frame);
-    conditions.frame.to_machine(Point::default()) - zero
+/// What places the path of a program beside its part.
+#[derive(Clone, Copy, Debug)]
+pub struct PathPlace<'a> {
+    /// The part with its mounting; `None`: program and part have the same zero.
+    pub machining: Option<&'a Machining>,
+    /// Distance from the machine coordinates of the control to the position of the slides, mm.
+    pub slide_shift: Point,
+}
+
+impl PathPlace<'_> {
+    /// The shift from program to part coordinates of a move, mm. It is zero without a job that
+    /// defines the position of the part.
+    pub fn shift_of(self, executed: &ExecutedMove) -> Point {
+        let Some(machining) = self.machining else {
+            return Point::default();
+        };
+        let conditions = &executed.conditions;
+        let frame = Frame {
+            zero: conditions.frame.zero + self.slide_shift,
+            ..conditions.frame
+        };
+        let zero = machining
+            .mounting()
+            .slide_at_part_zero(conditions.tool, &frame);
+        frame.to_machine(Point::default()) - zero
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use egui::vec2;
+    use gsk_runner::machining::guess::empty_chuck_job;
+
+    use super::*;
+
+    #[test]
+    fn a_path_with_a_placed_part_lies_where_the_slides_are() {
+        let mut setup = Setup::default();
+        let programs = &mut setup.memory.programs;
+        programs.open_external(Program::new("G50 X100 Z100\nG00 X80 Z50\nM30\n"));
+        programs.select(ProgramId::External);
+        let rates = RapidRates::from_memory(&setup.memory);
+        let bounds = |machining, slide_shift| {
+            let place = PathPlace {
+                machining,
+                slide_shift,
+            };
+            build_path(&setup, place, rates).bounds.unwrap()
+        };
+        let lathe = Machining::new(empty_chuck_job(&setup.lathe));
+        let none = Point::default();
+        let by = Point::new(3.0, 7.0);
+        let placed = bounds(Some(&lathe), none);
+        assert_eq!(
+            bounds(Some(&lathe), by).min - placed.min,
+            vec2(by.z as f32, by.x as f32)
+        );
+        // Without a place the part goes with the work zero.
+        assert_eq!(bounds(None, by), bounds(None, none));
+    }
 }

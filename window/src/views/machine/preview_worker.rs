@@ -30,7 +30,7 @@ use super::load_curve::LoadCurve;
 use super::path::{BlockRef, DrawnPath, PathBuilder};
 use super::preview_job::{ChangedJobs, JobOwner, choose_job, to_selected_job};
 use super::preview_path::{
-    WORK_BUDGET, build_path, build_profile_path, micrometres, part_shift, replace_program_text,
+    PathPlace, WORK_BUDGET, build_path, build_profile_path, micrometres, replace_program_text,
     work_zero,
 };
 use super::xray;
@@ -309,12 +309,8 @@ impl PreviewThread {
         }
     }
 
-    fn preview_if_changed(&mut self, current: PreviewSetup) {
-        let PreviewSetup {
-            mut setup,
-            is_practice,
-            is_running,
-        } = current;
+    fn preview_if_changed(&mut self, mut current: PreviewSetup) {
+        let setup = &current.setup;
         let programs = &setup.memory.programs;
         let program = programs
             .selected()
@@ -340,10 +336,10 @@ impl PreviewThread {
             offsets: setup.memory.offsets.clone(),
             parameters: setup.memory.parameters.clone(),
             zero: match &self.last_inputs {
-                Some(last) if is_running => last.zero,
-                _ => work_zero(&setup),
+                Some(last) if current.is_running => last.zero,
+                _ => work_zero(setup),
             },
-            slides: self.slides_at_rest(&setup, is_running),
+            slides: self.slides_at_rest(&current),
         };
         if self.last_inputs.as_ref() == Some(&basis) {
             return;
@@ -352,7 +348,7 @@ impl PreviewThread {
         let another = self.shown_owner.as_ref() != Some(&shown);
         // The part of a practice machine belongs to its lesson. The learner's own part keeps its
         // job, its cuts and its collisions.
-        let needs_job = !is_practice && self.job_owner.as_ref() != Some(&shown);
+        let needs_job = !current.is_practice && self.job_owner.as_ref() != Some(&shown);
         let visible = self.flags.visible.load(Ordering::Relaxed);
         if !needs_job && !visible {
             return;
@@ -360,11 +356,11 @@ impl PreviewThread {
         if another {
             self.program_count += 1;
         }
-        self.apply_trial(&mut setup);
+        self.apply_trial(&mut current.setup);
         if !visible && let (Some(chosen), _) = basis.job() {
             self.send_job_of(&shown, Some(chosen));
             self.job_owner = Some(shown);
-        } else if self.run_preview(&setup, &basis, needs_job, is_practice) {
+        } else if self.run_preview(&current, &basis, needs_job) {
             if needs_job {
                 self.job_owner = Some(shown.clone());
             }
@@ -375,14 +371,15 @@ impl PreviewThread {
 
     /// The slides' position for the path of a program whose job gives the place of part or chuck:
     /// the last one at rest before it runs.
-    fn slides_at_rest(&mut self, setup: &Setup, is_running: bool) -> Option<[i64; 2]> {
+    fn slides_at_rest(&mut self, current: &PreviewSetup) -> Option<[i64; 2]> {
         if !self.is_place_known {
             return None;
         }
-        let now = micrometres(setup.start.unwrap_or_default());
+        let coordinates = current.setup.start.unwrap_or_default();
+        let now = micrometres(coordinates + current.slide_shift);
         let is_at_rest = core::mem::replace(&mut self.checked_slides, now) == now;
         let last = self.last_inputs.as_ref().and_then(|last| last.slides);
-        if is_running || !is_at_rest {
+        if current.is_running || !is_at_rest {
             last
         } else {
             Some(now)
@@ -393,11 +390,11 @@ impl PreviewThread {
     /// has cancelled it.
     fn run_preview(
         &mut self,
-        setup: &Setup,
+        current: &PreviewSetup,
         inputs: &PreviewInputs,
         needs_job: bool,
-        is_practice_machine: bool,
     ) -> bool {
+        let setup = &current.setup;
         let flags = Arc::clone(&self.flags);
         let start_count = flags.cancel_count.load(Ordering::Relaxed);
         let is_newest = || flags.cancel_count.load(Ordering::Relaxed) == start_count;
@@ -407,6 +404,10 @@ impl PreviewThread {
         if needs_job && let Some(chosen) = &chosen {
             self.send_job_of(&shown, Some(chosen.clone()));
         }
+        let place = PathPlace {
+            machining: machining.as_ref(),
+            slide_shift: current.slide_shift,
+        };
         let rates = RapidRates::from_memory(&setup.memory);
         let limit = WorkLimit::new(WORK_BUDGET);
         let (mut last_update, mut update_interval) = (Instant::now(), FIRST_UPDATE_DELAY);
@@ -418,7 +419,7 @@ impl PreviewThread {
             is_trial: tried,
             job_file_error: trouble,
             program_file: inputs.file.clone(),
-            is_practice_machine,
+            is_practice_machine: current.is_practice,
             // Jobs of files and of samples have a name.
             is_form_job: inputs.changed_job.is_none()
                 && chosen.as_ref().is_some_and(|it| it.file.is_none()),
@@ -434,7 +435,7 @@ impl PreviewThread {
             programs,
             &mut |executed, why| {
                 builder.begin_pass(executed, why);
-                builder.add_move(executed, part_shift(machining.as_ref(), executed), rates);
+                builder.add_move(executed, place.shift_of(executed), rates);
                 times.add_move(executed);
                 if chosen.is_none() && first_moves.len() < guess::MAX_GUESS_MOVES {
                     first_moves.push(*executed);
@@ -468,12 +469,7 @@ impl PreviewThread {
             Some(BlockRef { program, line })
         });
         if let Some(fault) = fault {
-            result.path = Arc::new(build_profile_path(
-                setup,
-                fault.program,
-                machining.as_ref(),
-                rates,
-            ));
+            result.path = Arc::new(build_profile_path(setup, fault.program, place, rates));
             result.fault_block = Some(fault);
         }
         let cuts_nothing = chosen.is_none()
@@ -483,7 +479,11 @@ impl PreviewThread {
         if cuts_nothing {
             // The tool moves in front of the empty chuck.
             let lathe = Machining::new(guess::empty_chuck_job(&setup.lathe));
-            result.path = Arc::new(build_path(setup, Some(&lathe), rates));
+            let in_front = PathPlace {
+                machining: Some(&lathe),
+                ..place
+            };
+            result.path = Arc::new(build_path(setup, in_front, rates));
         }
         self.results.force_push(result);
         self.context.request_repaint();
