@@ -92,7 +92,12 @@ impl Panel {
             self.view.cursors.get_mut(self.page).item = item;
             return;
         }
-        let next = face_of(cnc.model().id()).neighbour(self.page, forward);
+        let face = face_of(cnc.model().id());
+        let mut next = face.neighbour(self.page, forward);
+        // The page of the password is entered while nothing is machined (manual III-2.5.1.4).
+        if next == PageId::Password && cnc.rights().check_password().is_err() {
+            next = face.neighbour(next, forward);
+        }
         self.go_to(next, cnc);
         self.enter(forward, cnc);
     }

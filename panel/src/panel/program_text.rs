@@ -134,7 +134,7 @@ impl Panel {
     /// the program.
     fn program_command(&mut self, key: Key, digits: &str, requests: &mut Vec<ControlRequest>) {
         let all = is_all_programs(digits);
-        let number = number(digits);
+        let number = typed_program_number(digits);
         let request = match (key, number) {
             (Key::Delete, _) if all => ControlRequest::DeleteAllPrograms,
             (Key::Delete, Some(number)) => ControlRequest::DeleteProgram(number),
@@ -192,7 +192,7 @@ impl Panel {
                 }
                 Key::Down => {
                     self.store_edited(requests);
-                    requests.extend(number(rest).map(ControlRequest::SelectProgram));
+                    requests.extend(typed_program_number(rest).map(ControlRequest::SelectProgram));
                     self.clear_input();
                 }
                 Key::Up => {
@@ -436,6 +436,13 @@ pub(super) fn is_all_programs(digits: &str) -> bool {
     digits.is_some_and(|digits| ALL_PROGRAMS.contains(&digits))
 }
 
+/// Returns the typed number of a program, also one above 9999: the control refuses it with 074, or
+/// does not find it. `None` if the text is not a number.
+fn typed_program_number(digits: &str) -> Option<u16> {
+    let number: u32 = digits.trim().parse().ok()?;
+    Some(u16::try_from(number).unwrap_or(u16::MAX))
+}
+
 /// Parses a program or sequence number; `None` above 9999 or if it is not a number.
 pub(super) fn number(digits: &str) -> Option<u16> {
     let number: u16 = digits.trim().parse().ok()?;
@@ -444,7 +451,7 @@ pub(super) fn number(digits: &str) -> Option<u16> {
 
 #[cfg(test)]
 mod tests {
-    use super::number;
+    use super::{number, typed_program_number};
 
     #[test]
     fn numbers_of_programs_and_blocks() {
@@ -452,5 +459,7 @@ mod tests {
         assert_eq!(number("12345"), None);
         assert_eq!(number(""), None);
         assert_eq!(number("-5"), None);
+        assert_eq!(typed_program_number("10000"), Some(10_000));
+        assert_eq!(typed_program_number("-5"), None);
     }
 }

@@ -41,6 +41,10 @@ impl Panel {
             {
                 self.refuses_text(key == Key::Input, cnc)
             }
+            (_, Key::Input) if self.page() == PageId::Password => {
+                let refused = cnc.rights().check_password().is_err();
+                refused.then(say::request_while_running)
+            }
             (_, Key::Input) => self.refuses_value(cnc),
             (_, Key::Output) => self.refuses_output(cnc),
             _ => None,

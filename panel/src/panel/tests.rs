@@ -265,6 +265,31 @@ fn brightness_changes_while_a_letter_flashes() {
 }
 
 #[test]
+fn the_password_page_is_not_entered_while_a_program_runs() {
+    let mut emulator = awake();
+    let walk = |emulator: &mut Emulator| {
+        emulator.show_page(PageId::SetCode);
+        let mut seen = Vec::new();
+        for _ in 0..4 {
+            tap(emulator, Key::PageDown);
+            seen.push(page(emulator));
+        }
+        seen.contains(&PageId::Password)
+    };
+    assert!(walk(&mut emulator));
+    emulator
+        .load_program("O1", "G04 X60;\nM30;\n")
+        .unwrap();
+    emulator.press(Key::Auto);
+    emulator.press(Key::CycleStart);
+    assert!(!walk(&mut emulator));
+    // The page that is already shown takes no password.
+    emulator.show_page(PageId::Password);
+    let refused = emulator.panel().refuses(Key::Input, emulator.cnc());
+    assert!(refused.is_some());
+}
+
+#[test]
 fn counters_are_cleared_by_chords() {
     let mut emulator = awake();
     emulator.load_program("O1", "G0 X90;\nM30;\n").unwrap();
