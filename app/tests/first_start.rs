@@ -189,7 +189,7 @@ fn pc_keys_answer_and_do_not_reach_the_panel() {
 fn the_menu_shows_the_questions_again_and_an_opened_view_ends_them() {
     let mut bench = WindowBench::new();
     click(&mut bench, "Layout");
-    click(&mut bench, "First start …");
+    click(&mut bench, "First start…");
     assert!(
         bench
             .harness

@@ -56,7 +56,7 @@ pub fn article(topic: &Topic, language: Language) -> Article {
 }
 
 /// Returns the Chinese name of a notion: its Chinese rule begins with it and a colon.
-fn chinese_notion(topic: &Topic) -> Option<&'static str> {
+pub(crate) fn chinese_notion(topic: &Topic) -> Option<&'static str> {
     Some(topic.rule(Language::Zh).split_once('：')?.0)
 }
 

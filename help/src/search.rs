@@ -10,8 +10,8 @@ use crate::subject::Subject;
 use crate::table::{Topic, topics};
 
 /// Returns the topics that match a query, the best first. An exact designation returns that
-/// topic alone. A number returns the topics with that number. Other words return the topics
-/// with all words in the name, then those with all words in the text. Case is ignored, `G1`
+/// topic alone. A number returns the topics with that number. Other words return the notions
+/// and then the topics with all words in the name, then those with all words in the text. Case is ignored, `G1`
 /// equals `G01`, and `31` equals `031`.
 pub fn search(query: &str) -> Vec<&'static Topic> {
     search_among(query, |_| true)
@@ -74,9 +74,16 @@ fn match_rank(
     if number.is_some() {
         return (topic.subject.number() == number).then_some(1);
     }
+    let all = |text: &str| words.iter().all(|word| text.contains(word.as_str()));
+    // A notion explains what a learner asks for first.
+    if matches!(topic.subject, Subject::Notion(_)) {
+        let notion = article::chinese_notion(topic).unwrap_or_default();
+        if all(&designation) || all(&notion.to_lowercase()) {
+            return Some(1);
+        }
+    }
     let names = [Language::Zh, Language::En]
         .map(|language| subject_name(topic.subject, language).to_lowercase());
-    let all = |text: &str| words.iter().all(|word| text.contains(word.as_str()));
     if all(&designation) || names.iter().any(|name| all(name)) {
         return Some(2);
     }

@@ -1490,6 +1490,7 @@ message_rows! {
     job_tool_missing JobToolMissing(number: "{:02}");
     job_tool_of_library JobToolOfLibrary(id);
     job_tool_remove JobToolRemove(number: "{:02}");
+    job_unknown_hidden JobUnknownHidden();
     job_unsaved JobUnsaved();
     job_view JobView();
     job_view_hint JobViewHint();

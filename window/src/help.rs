@@ -142,6 +142,7 @@ impl HelpWindow {
         language: Language,
         snapshot: Option<&PanelSnapshot>,
     ) -> Option<HelpRequest> {
+        let mut opens_first = false;
         ui.horizontal(|ui| {
             let back = egui::Button::new("⬅");
             let is_inside = !self.history.is_empty() || self.chapter.is_some();
@@ -168,6 +169,8 @@ impl HelpWindow {
             let hint = say::window_help_hint().text(language);
             let field = TextEdit::singleline(&mut self.query).hint_text(hint);
             let field = ui.add(field.desired_width(f32::INFINITY));
+            let entered = ui.input(|input| input.key_pressed(Key::Enter));
+            opens_first = field.lost_focus() && entered;
             if field.has_focus() && ui.input(|input| input.key_pressed(Key::Escape)) {
                 self.query.clear();
             }
@@ -179,7 +182,7 @@ impl HelpWindow {
         ScrollArea::vertical()
             .auto_shrink([false, false])
             .show(ui, |ui| {
-                let topic_request = self.show_topics(ui, language, snapshot);
+                let topic_request = self.show_topics(ui, language, snapshot, opens_first);
                 request = request.take().or(topic_request);
                 focus::scroll_to_focus(ui);
             });
@@ -191,6 +194,7 @@ impl HelpWindow {
         ui: &mut Ui,
         language: Language,
         snapshot: Option<&PanelSnapshot>,
+        opens_first: bool,
     ) -> Option<HelpRequest> {
         if !self.query.trim().is_empty() {
             let model = snapshot.map(|picture| picture.model).unwrap_or_default();
@@ -204,7 +208,9 @@ impl HelpWindow {
                 }
                 [only] => return show_topic(ui, only, language, snapshot),
                 several => {
-                    if let Some(chosen) = show_topic_list(ui, several, MAX_LISTED, language) {
+                    let first = several.first().copied().filter(|_| opens_first);
+                    let chosen = show_topic_list(ui, several, MAX_LISTED, language);
+                    if let Some(chosen) = chosen.or(first) {
                         self.query.clear();
                         self.push_topic(chosen);
                     }

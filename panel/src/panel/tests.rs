@@ -277,9 +277,7 @@ fn the_password_page_is_not_entered_while_a_program_runs() {
         seen.contains(&PageId::Password)
     };
     assert!(walk(&mut emulator));
-    emulator
-        .load_program("O1", "G04 X60;\nM30;\n")
-        .unwrap();
+    emulator.load_program("O1", "G04 X60;\nM30;\n").unwrap();
     emulator.press(Key::Auto);
     emulator.press(Key::CycleStart);
     assert!(!walk(&mut emulator));

@@ -238,7 +238,10 @@ impl FirstStart {
         let mut end = None;
         ui.horizontal_wrapped(|ui| {
             let begin = RichText::new(text(say::first_begin())).size(theme::LARGE_SIZE);
-            let begin = Button::new(begin).min_size(answer_size(ui));
+            let mut begin = Button::new(begin).min_size(answer_size(ui));
+            if self.purpose.is_some() {
+                begin = begin.fill(theme::ACCENT_GROUND);
+            }
             let begin = ui.add_enabled(self.purpose.is_some(), begin);
             if let (true, Some(purpose)) = (begin.clicked(), self.purpose) {
                 end = Some(FirstStartEnd::Answered(FirstStartAnswers {

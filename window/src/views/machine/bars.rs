@@ -140,7 +140,11 @@ impl LatheView {
             }
             Some((3, index)) => {
                 if let Some((instrument, ..)) = INSTRUMENTS.get(index) {
-                    self.instruments.selected = *instrument;
+                    // The key of the instrument in use puts it away.
+                    self.instruments.selected = match self.instruments.selected == *instrument {
+                        true => Instrument::Path,
+                        false => *instrument,
+                    };
                 }
             }
             _ => {}
@@ -221,7 +225,9 @@ impl LatheView {
             }
             Some(part) => match &part.job_name {
                 Some(name) => (say::lathe_job(name), theme::STATE_TEXT),
-                None if self.instruments.job.is_own_change(&part.job) => {
+                None if self.preview.is_changed_job
+                    || self.instruments.job.is_own_change(&part.job) =>
+                {
                     (say::lathe_changed(), theme::STATE_TEXT)
                 }
                 None if self.preview.is_practice_job => (say::lathe_practice(), theme::STATE_TEXT),

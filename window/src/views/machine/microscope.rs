@@ -187,20 +187,20 @@ impl Microscope {
             ] {
                 let Some(worst) = worst else { continue };
                 let (x, z) = (worst.at.diameter().0, worst.at.z);
-                let words = words(worst.distance.abs() * 1000.0, x, z).text(language);
+                let words = words(worst.distance.abs(), x, z).text(language);
                 if ui.link(egui::RichText::new(words).color(color)).clicked() {
                     clicked = Some(to_pos2(worst.at));
                 }
             }
             if deep.is_none() && left.is_none() {
-                let words = say::microscope_all_right(self.tolerance_mm * 1000.0).text(language);
+                let words = say::microscope_all_right(self.tolerance_mm).text(language);
                 ui.colored_label(theme::WITHIN_TOLERANCE, words);
             }
         });
         // Always a row: the picture under the pointer must not move.
         let here = self.deviation_at_pointer().map_or_else(String::new, |it| {
             let (x, z) = (it.at.diameter().0, it.at.z);
-            say::microscope_here(it.distance * 1000.0, x, z).text(language)
+            say::microscope_here(it.distance, x, z).text(language)
         });
         ui.label(egui::RichText::new(here).monospace());
         clicked

@@ -16,9 +16,7 @@ mod path_dots;
 mod path_lines;
 mod path_renderer;
 mod picture;
-mod preview_job;
-mod preview_path;
-mod preview_worker;
+mod preview;
 mod repeat_limit;
 mod section_drawing;
 mod solid_drawing;
@@ -50,7 +48,9 @@ use load_display::LoadDisplay;
 use microscope::Microscope;
 use path::BlockRef;
 use path_renderer::PathRenderer;
-use preview_worker::{PreviewResult, PreviewWorker};
+use preview::changed_jobs::ChangedJobs;
+use preview::exchange::PreviewResult;
+use preview::worker::PreviewWorker;
 use section_drawing::SectionDrawing;
 use solid_drawing::SolidDrawing;
 use time_bar::TimeBar;
@@ -128,7 +128,7 @@ pub struct LatheView {
     pointer: Option<Pos2>,
     instruments: Instruments,
     /// Jobs that the user has changed, by their programs.
-    changed_jobs: preview_job::ChangedJobs,
+    changed_jobs: ChangedJobs,
 }
 
 /// The state of the program text on which the machine view depends.
@@ -200,7 +200,7 @@ impl LatheView {
             selected: None,
             pointer: None,
             instruments: Instruments::default(),
-            changed_jobs: preview_job::ChangedJobs::default(),
+            changed_jobs: ChangedJobs::default(),
         }
     }
 
@@ -303,6 +303,7 @@ impl LatheView {
             console: &self.console,
             job: &part.job,
             is_guessed: part.job_name.is_none(),
+            is_changed: self.preview.is_changed_job,
             program_file: file.map(|(_, path)| path.as_path()),
             used_tools: tools
                 .iter()

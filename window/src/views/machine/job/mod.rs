@@ -54,6 +54,8 @@ pub struct JobContext<'a> {
     pub job: &'a Arc<Job>,
     /// Whether the job was guessed from the program and not read.
     pub is_guessed: bool,
+    /// Whether the user has changed the job of the program.
+    pub is_changed: bool,
     /// The selected program; `None` without one.
     pub program: Option<(ProgramId, &'a Program)>,
     /// The file of the program; `None` if the program has none.
@@ -190,7 +192,9 @@ impl JobPanel {
         let (words, color) = match file {
             Some(file) if is_saved => (say::job_from_file(file), theme::JOB_VALID),
             Some(file) => (say::job_differs(file), theme::WARNING),
-            None if self.original_job.as_ref() != Some(job) => (say::job_unsaved(), theme::WARNING),
+            None if lathe.is_changed || self.original_job.as_ref() != Some(job) => {
+                (say::job_unsaved(), theme::WARNING)
+            }
             None if lathe.is_guessed => (say::job_guessed(), theme::WARNING),
             None => (say::job_of_sample(), theme::JOB_VALID),
         };
@@ -207,11 +211,15 @@ impl JobPanel {
             if button.clicked() {
                 self.save(ui, lathe, job, language);
             }
+            let is_unknown = unknown_setting::is_unknown(job);
             let unknown = egui::Button::new(say::job_set_unknown().text(language));
-            let unknown = ui.add_enabled(!lathe.is_running, unknown);
+            let unknown = ui.add_enabled(!lathe.is_running, unknown.selected(is_unknown));
             let hint = say::job_set_unknown_hint().text(language);
             if unknown.on_hover_text(hint).clicked() {
-                unknown_setting::make_unknown(job);
+                match is_unknown {
+                    true => unknown_setting::make_known(job),
+                    false => unknown_setting::make_unknown(job),
+                }
             }
         });
         if lathe.program.is_none() {
@@ -323,9 +331,13 @@ impl JobPanel {
             JobItem::Stock => {
                 fields::show_stock(ui, &mut job.stock, language);
                 ui.separator();
-                fields::show_zero(ui, &mut job.zero, language);
+                match unknown_setting::is_unknown(job) {
+                    true => show_hidden(ui, language),
+                    false => fields::show_zero(ui, &mut job.zero, language),
+                }
             }
             JobItem::Tool(number) => {
+                let is_unknown = unknown_setting::is_unknown(job);
                 let Some(tool) = job.tools.get_mut(&number) else {
                     return;
                 };
@@ -340,7 +352,10 @@ impl JobPanel {
                     job.library.remove(&number);
                 }
                 ui.separator();
-                fields::show_length(ui, &mut job.lengths, number, language);
+                match is_unknown {
+                    true => show_hidden(ui, language),
+                    false => fields::show_length(ui, &mut job.lengths, number, language),
+                }
                 if !job.library.contains_key(&number) {
                     self.library.show_keeping(ui, job, number, language);
                 }
@@ -353,6 +368,11 @@ impl JobPanel {
             }
         }
     }
+}
+
+/// Says in place of zero and lengths that they are to be found by trial cuts.
+fn show_hidden(ui: &mut Ui, language: Language) {
+    ui.weak(say::job_unknown_hidden().text(language));
 }
 
 /// The first tool number of the program that the job does not describe, else the first free

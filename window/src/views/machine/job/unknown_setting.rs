@@ -1,6 +1,8 @@
 //! Gives a job a zero and tool lengths that the control does not know, so that the tools must be
 //! set by trial cuts.
 
+use std::collections::BTreeMap;
+
 use gsk_core::units::Diameter;
 use gsk_workpiece::job::{DiameterPoint, Job};
 
@@ -33,13 +35,28 @@ pub fn make_unknown(job: &mut Job) {
         x: Diameter(START.x.0 - outside - START_DISTANCE.x.0),
         z: START.z - job.stock.front() - START_DISTANCE.z,
     });
-    job.lengths = (job.tools.keys().copied())
+    job.lengths = unknown_lengths(job);
+}
+
+/// Sets zero and tool lengths to those of the control.
+pub fn make_known(job: &mut Job) {
+    job.zero = None;
+    job.lengths.clear();
+}
+
+/// Whether zero and tool lengths are those of [`make_unknown`].
+pub fn is_unknown(job: &Job) -> bool {
+    job.zero.is_some() && !job.lengths.is_empty() && job.lengths == unknown_lengths(job)
+}
+
+fn unknown_lengths(job: &Job) -> BTreeMap<u8, DiameterPoint> {
+    (job.tools.keys().copied())
         .zip(LENGTHS.into_iter().cycle())
         .map(|(tool, (x, z))| {
             let x = Diameter(x);
             (tool, DiameterPoint { x, z })
         })
-        .collect();
+        .collect()
 }
 
 #[cfg(test)]
@@ -47,6 +64,12 @@ mod tests {
     use super::*;
     use gsk_workpiece::stock::Stock;
     use gsk_workpiece::tool::Tool;
+
+    fn unknown_setting_is_undone(job: &mut Job) -> bool {
+        let before = is_unknown(job);
+        make_known(job);
+        before && !is_unknown(job)
+    }
 
     #[test]
     fn every_tool_has_a_length_of_its_own_and_begins_outside_of_the_bar() {
@@ -64,5 +87,6 @@ mod tests {
             assert!(tip.z > job.stock.front() + 10.0, "{tip:?}");
         }
         assert_eq!(seen.len(), 4);
+        assert!(unknown_setting_is_undone(&mut job));
     }
 }

@@ -1,14 +1,12 @@
-//! Executes the selected program in a background thread: its path, its times, and the job of
-//! its part. Runs again when the program, an offset or a parameter has changed.
+//! Executes the selected program in a background thread. Runs again when the program, an offset, a
+//! parameter or the place of the slides has changed.
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
 
-use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, unbounded};
-use crossbeam::queue::ArrayQueue;
+use crossbeam::channel::{Receiver, RecvTimeoutError};
 use egui::Context;
-use gsk_core::alarm::Alarm;
 use gsk_core::command::{MoveKind, ProgramId};
 use gsk_core::memory::{ControlParameters, Offsets};
 use gsk_core::preview::{PreviewEnd, preview_explained};
@@ -20,20 +18,20 @@ use gsk_host::platform;
 use gsk_host::preview::work_limit::WorkLimit;
 use gsk_messages::Message;
 use gsk_runner::curves::RapidRates;
-use gsk_runner::machining::part_comparison::{self, PartComparison};
-use gsk_runner::machining::{Machining, guess};
+use gsk_runner::machining::{Machining, guess, part_comparison};
 use gsk_runner::times::ProgramTimes;
 use gsk_workpiece::job::Job;
 use web_time::{Duration, Instant};
 
-use super::load_curve::LoadCurve;
-use super::path::{BlockRef, DrawnPath, PathBuilder};
-use super::preview_job::{ChangedJobs, JobOwner, choose_job, to_selected_job};
-use super::preview_path::{
+use super::super::load_curve::LoadCurve;
+use super::super::path::{BlockRef, PathBuilder};
+use super::super::xray;
+use super::changed_jobs::{ChangedJobs, JobOwner, choose_job, to_selected_job};
+use super::exchange::{PreviewOutputs, PreviewRequest, PreviewResult, WorkerFlags};
+use super::placed_path::{
     PathPlace, WORK_BUDGET, build_path, build_profile_path, micrometres, replace_program_text,
     work_zero,
 };
-use super::xray;
 
 /// Interval at which the worker checks the control for changes.
 const CHECK_INTERVAL: Duration = Duration::from_millis(100);
@@ -41,173 +39,6 @@ const CHECK_INTERVAL: Duration = Duration::from_millis(100);
 /// of the further times.
 const FIRST_UPDATE_DELAY: Duration = Duration::from_millis(30);
 const UPDATE_INTERVAL: Duration = Duration::from_millis(200);
-
-/// The result of executing a program for the machine view.
-#[derive(Clone, Debug, Default)]
-pub struct PreviewResult {
-    /// The path of the program, partial while the execution runs.
-    pub path: Arc<DrawnPath>,
-    /// The machine time of the program by its uses and tools.
-    pub times: ProgramTimes,
-    /// The alarm that ends the program; `None` if it ends without one.
-    pub alarm: Option<Alarm>,
-    /// The block of a profile that breaks a rule of its cycle; `None` if there is none. With
-    /// such a block the path is the profile without the cycle.
-    pub fault_block: Option<BlockRef>,
-    /// Whether the executed text is a trial that differs from the control's.
-    pub is_trial: bool,
-    /// Whether the job is a practice job, because no program determines the part.
-    pub is_practice_job: bool,
-    /// Whether stock and tools are those of the forms in the program.
-    pub is_form_job: bool,
-    /// Whether the program is that of a lesson or an exercise.
-    pub is_practice_machine: bool,
-    /// The reason why the program's job file cannot be used; `None` if it can or does not exist.
-    pub job_file_error: Option<Message>,
-    /// The file of the program; `None` without one.
-    pub program_file: Option<PathBuf>,
-    /// Whether the tool post is on the far side of the spindle.
-    pub rear_tool_post: bool,
-    /// Number of programs so far. The picture is fitted again when it changes.
-    pub program_count: u64,
-}
-
-/// Flags by which the window controls the preview thread.
-#[derive(Debug)]
-pub struct WorkerFlags {
-    /// Whether the view is open, so that it needs the path of the program as well as its job.
-    pub visible: AtomicBool,
-    /// Whether a program runs. Offsets and parameters that it writes then start no execution.
-    pub program_runs: AtomicBool,
-    /// Incremented by the window when the execution in progress is out of date.
-    pub cancel_count: AtomicU64,
-}
-
-/// A request of the window to the preview thread.
-enum PreviewRequest {
-    /// The program with this id was opened from this file.
-    Opened(ProgramId, PathBuf),
-    /// Compare the part that the program makes with the intended part.
-    Compare(Arc<Job>),
-    /// Compute the load of the program in the stock of a job.
-    ComputeLoad(Arc<Job>),
-    /// Clamp the stock and mount the tools of a job that the user has changed.
-    Clamp(Box<Job>),
-    /// The program with this id was opened anew, and its own job applies again.
-    Reopened(ProgramId),
-    /// Execute this text of a program instead of the control's; `None`: the control's text
-    /// again.
-    SetTrial(Option<(ProgramId, Program)>),
-}
-
-/// The window's handle of the preview worker, which ends when the handle is dropped.
-pub struct PreviewWorker {
-    requests: Sender<PreviewRequest>,
-    results: Arc<ArrayQueue<PreviewResult>>,
-    compared: Arc<ArrayQueue<Arc<PartComparison>>>,
-    loads: Arc<ArrayQueue<Arc<LoadCurve>>>,
-    /// Flags by which the window controls the preview thread.
-    pub flags: Arc<WorkerFlags>,
-}
-
-impl PreviewWorker {
-    /// Starts the worker thread. `changed` holds the jobs that the user has changed.
-    pub fn start(console: &Console, context: &Context, changed: &ChangedJobs) -> Self {
-        let (requests, from_view) = unbounded();
-        let results = Arc::new(ArrayQueue::new(1));
-        let compared = Arc::new(ArrayQueue::new(1));
-        let loads = Arc::new(ArrayQueue::new(1));
-        let flags = Arc::new(WorkerFlags {
-            visible: AtomicBool::new(false),
-            program_runs: AtomicBool::new(false),
-            cancel_count: AtomicU64::new(0),
-        });
-        let mut work = PreviewThread {
-            console: console.clone(),
-            context: context.clone(),
-            requests: from_view,
-            results: Arc::clone(&results),
-            compared: Arc::clone(&compared),
-            loads: Arc::clone(&loads),
-            flags: Arc::clone(&flags),
-            file: None,
-            tried: None,
-            changed_jobs: changed.clone(),
-            checked_slides: [0; 2],
-            last_inputs: None,
-            job_owner: None,
-            sent_job: None,
-            is_place_known: false,
-            shown_owner: None,
-            program_count: 0,
-        };
-        // Without a thread there is no path in the picture. Nothing else depends on it.
-        let _ = platform::start_task("lathe view", move || work.run_once());
-        Self {
-            requests,
-            results,
-            compared,
-            loads,
-            flags,
-        }
-    }
-
-    /// Reports to the worker that a program was opened from a file.
-    pub fn report_opened_file(&self, program: ProgramId, file: PathBuf) {
-        self.flags.cancel_count.fetch_add(1, Ordering::Relaxed);
-        let _ = self.requests.send(PreviewRequest::Opened(program, file));
-    }
-
-    /// Reports to the worker that a program without a file, such as a sample, was opened anew: its
-    /// own stock and tools replace those to which the user has changed them.
-    pub fn report_reopened(&self, program: ProgramId) {
-        let _ = self.requests.send(PreviewRequest::Reopened(program));
-    }
-
-    /// Requests a comparison of the intended part with the part that the program makes.
-    pub fn compare(&self, job: Arc<Job>) {
-        let _ = self.requests.send(PreviewRequest::Compare(job));
-    }
-
-    /// Requests the load of the program in the stock of `job`.
-    pub fn request_load(&self, job: Arc<Job>) {
-        let _ = self.requests.send(PreviewRequest::ComputeLoad(job));
-    }
-
-    /// Requests that the stock and the tools of `job` are used. The job belongs to the
-    /// selected program until that program gets another one.
-    pub fn clamp(&self, job: Job) {
-        let _ = self.requests.send(PreviewRequest::Clamp(Box::new(job)));
-    }
-
-    /// Requests the execution of another text of a program than the control's; `None`: the
-    /// control's text again.
-    pub fn set_trial(&self, text: Option<(ProgramId, Program)>) {
-        self.flags.cancel_count.fetch_add(1, Ordering::Relaxed);
-        let _ = self.requests.send(PreviewRequest::SetTrial(text));
-    }
-
-    /// Removes and returns the newest comparison; `None` without a new one.
-    pub fn take_comparison(&self) -> Option<Arc<PartComparison>> {
-        self.compared.pop()
-    }
-
-    /// Removes and returns the newest load; `None` without a new one.
-    pub fn take_load(&self) -> Option<Arc<LoadCurve>> {
-        self.loads.pop()
-    }
-
-    /// Removes and returns the newest result; `None` without a new one.
-    pub fn take_result(&self) -> Option<PreviewResult> {
-        self.results.pop()
-    }
-}
-
-impl Drop for PreviewWorker {
-    fn drop(&mut self) {
-        self.flags.cancel_count.fetch_add(1, Ordering::Relaxed);
-    }
-}
 
 /// The inputs of an execution. The worker executes the program again when one of them changes.
 #[derive(Clone, Debug, PartialEq)]
@@ -234,13 +65,12 @@ impl PreviewInputs {
     }
 }
 
-struct PreviewThread {
+/// The work of the preview thread.
+pub(super) struct PreviewThread {
     console: Console,
     context: Context,
     requests: Receiver<PreviewRequest>,
-    results: Arc<ArrayQueue<PreviewResult>>,
-    compared: Arc<ArrayQueue<Arc<PartComparison>>>,
-    loads: Arc<ArrayQueue<Arc<LoadCurve>>>,
+    outputs: PreviewOutputs,
     flags: Arc<WorkerFlags>,
     /// The program that was opened last from a file, and the path of this file; `None` before the
     /// first one.
@@ -269,9 +99,37 @@ struct PreviewThread {
 type ProgramAndFile = (Option<(ProgramId, Program)>, Option<PathBuf>);
 
 impl PreviewThread {
+    /// Creates the work for a console and the context of its window. `changed_jobs` holds the jobs
+    /// that the user has changed.
+    pub fn new(
+        (console, context): (Console, Context),
+        requests: Receiver<PreviewRequest>,
+        outputs: PreviewOutputs,
+        flags: Arc<WorkerFlags>,
+        changed_jobs: ChangedJobs,
+    ) -> Self {
+        Self {
+            console,
+            context,
+            requests,
+            outputs,
+            flags,
+            file: None,
+            tried: None,
+            changed_jobs,
+            checked_slides: [0; 2],
+            last_inputs: None,
+            job_owner: None,
+            sent_job: None,
+            is_place_known: false,
+            shown_owner: None,
+            program_count: 0,
+        }
+    }
+
     /// Executes the program if its inputs have changed, and waits for the next request.
     /// Returns `false` when the window's handle is dropped.
-    fn run_once(&mut self) -> bool {
+    pub fn run_once(&mut self) -> bool {
         if !self.flags.program_runs.load(Ordering::Relaxed)
             && let Some(setup) = self.console.preview_setup()
         {
@@ -420,6 +278,7 @@ impl PreviewThread {
             job_file_error: trouble,
             program_file: inputs.file.clone(),
             is_practice_machine: current.is_practice,
+            is_changed_job: inputs.changed_job.is_some() && !current.is_practice,
             // Jobs of files and of samples have a name.
             is_form_job: inputs.changed_job.is_none()
                 && chosen.as_ref().is_some_and(|it| it.file.is_none()),
@@ -444,7 +303,7 @@ impl PreviewThread {
                     (last_update, update_interval) = (Instant::now(), UPDATE_INTERVAL);
                     result.path = Arc::new(builder.build(programs, true));
                     result.times = times.clone();
-                    self.results.force_push(result.clone());
+                    self.outputs.results.force_push(result.clone());
                     self.context.request_repaint();
                 }
             },
@@ -485,7 +344,7 @@ impl PreviewThread {
             };
             result.path = Arc::new(build_path(setup, in_front, rates));
         }
-        self.results.force_push(result);
+        self.outputs.results.force_push(result);
         self.context.request_repaint();
         if needs_job && chosen.is_none() {
             let job = match practice {
@@ -529,7 +388,7 @@ impl PreviewThread {
             limit.allows(progress) && self.flags.cancel_count.load(Ordering::Relaxed) == start_count
         });
         if let Some(compared) = compared {
-            self.compared.force_push(Arc::new(compared));
+            self.outputs.compared.force_push(Arc::new(compared));
             self.context.request_repaint();
         }
     }
@@ -545,7 +404,7 @@ impl PreviewThread {
             limit.allows(progress) && self.flags.cancel_count.load(Ordering::Relaxed) == start_count
         });
         if let Some(curve) = curve {
-            self.loads.force_push(Arc::new(curve));
+            self.outputs.loads.force_push(Arc::new(curve));
             self.context.request_repaint();
         }
     }

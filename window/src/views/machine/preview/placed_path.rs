@@ -9,8 +9,8 @@ use gsk_host::preview::work_limit::WorkLimit;
 use gsk_runner::curves::RapidRates;
 use gsk_runner::machining::Machining;
 
-use super::path::{DrawnPath, PathBuilder};
-use super::xray;
+use super::super::path::{DrawnPath, PathBuilder};
+use super::super::xray;
 
 /// Limit of the work of one execution of a program.
 pub const WORK_BUDGET: WorkBudget = WorkBudget::interactive(5_000_000);
