@@ -27,7 +27,8 @@ macro_rules! stored_value {
 }
 
 /// Makes the ids, the rows and the functions from lines
-/// `name Variant(placeholder, placeholder: kind);`.
+/// `name Variant(placeholder, placeholder: kind);`. The names are one text: thousands of
+/// references to names would be relocated at each start of the program.
 macro_rules! message_rows {
     ($($name:ident $variant:ident($($value:ident $(: $kind:tt)?),*);)*) => {
         /// Identifies a message: a row of the message table.
@@ -42,10 +43,11 @@ macro_rules! message_rows {
         /// The ids of all rows, in the order of the table.
         pub(crate) const IDS: &[Id] = &[$(Id::$variant),*];
 
-        /// Name and placeholders of each row, in the order of the table.
-        pub(crate) static ROWS: &[Row] = &[
-            $(Row { name: stringify!($name), values: &[$(stringify!($value)),*] },)*
-        ];
+        /// Name and placeholders of each row, separated by spaces, after an empty heading.
+        pub(crate) static ROWS: MessageTable = MessageTable::new(concat!(
+            "\n",
+            $(stringify!($name), $(" ", stringify!($value),)* "\n",)*
+        ));
 
         /// A function for each row of the message table, which makes the message from its values.
         pub mod say {

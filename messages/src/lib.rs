@@ -53,14 +53,6 @@ impl Language {
     }
 }
 
-/// A row of the message table without its texts, which [`install_texts`] brings.
-#[derive(Debug)]
-struct Row {
-    name: &'static str,
-    /// Names of the placeholders, in the order in which a message stores their values.
-    values: &'static [&'static str],
-}
-
 /// A message to the user: its row in the message table and the values of its placeholders.
 /// [`say`] has a constructor for each row. The message stores no text until [`Message::text`]
 /// chooses a language.
@@ -94,12 +86,15 @@ impl Message {
     /// Returns the value of the placeholder `name` as text. Returns `None` if the message has
     /// no such placeholder, or if its value is another message.
     pub fn plain_value(&self, name: &str) -> Option<&str> {
-        let values = self.id.row().values;
-        let index = values.iter().position(|known| *known == name)?;
-        match self.values.get(index)? {
+        match self.value(name)? {
             Value::Text(text) => Some(text),
             Value::Message(_) | Value::List(_) => None,
         }
+    }
+
+    fn value(&self, name: &str) -> Option<&Value> {
+        let index = self.id.values().position(|known| known == name)?;
+        self.values.get(index)
     }
 
     /// Returns the value of the placeholder `name` as text, searching nested messages too: the
@@ -123,7 +118,6 @@ impl Message {
     /// Returns the text of the message in a language. `written` translates the text of a
     /// [`say::as_written`].
     pub(crate) fn text_with(&self, language: Language, written: &dyn Fn(&str) -> String) -> String {
-        let row = self.id.row();
         let template = self.id.template(language);
         // A test checks the texts, so this one has no error.
         let pieces = split_template(&template).unwrap_or_default();
@@ -134,20 +128,18 @@ impl Message {
                     add_key_names(text).into_owned()
                 }
                 TemplatePiece::Text(text) => text.to_owned(),
-                TemplatePiece::Value { name, .. } => self.value_text(row, name, language, written),
+                TemplatePiece::Value { name, .. } => self.value_text(name, language, written),
             })
             .collect()
     }
 
     fn value_text(
         &self,
-        row: &Row,
         name: &str,
         language: Language,
         written: &dyn Fn(&str) -> String,
     ) -> String {
-        let index = row.values.iter().position(|known| *known == name);
-        match index.and_then(|index| self.values.get(index)) {
+        match self.value(name) {
             Some(Value::Text(text)) if self.id == Id::AsWritten => written(text),
             Some(Value::Text(text)) => text.clone(),
             Some(Value::Message(message)) => message.text_with(language, written),
@@ -170,9 +162,9 @@ impl fmt::Display for Message {
 }
 
 impl Id {
-    fn row(self) -> &'static Row {
-        // Rows and ids are made from the same list, in the same order.
-        &ROWS[self as usize]
+    /// Names of the placeholders, in the order in which a message stores their values.
+    fn values(self) -> impl Iterator<Item = &'static str> {
+        ROWS.line(self).split(' ').skip(1)
     }
 
     /// Returns the text of the row in a language, with its placeholders unfilled.
@@ -182,7 +174,8 @@ impl Id {
 
     /// Returns the name of the message's row in the table; serialized messages contain it.
     pub fn name(self) -> &'static str {
-        self.row().name
+        let row = ROWS.line(self);
+        row.split_once(' ').map_or(row, |(name, _)| name)
     }
 
     /// Returns the ids of all messages, in the order of the table.
@@ -208,16 +201,16 @@ impl Serialize for Id {
 impl<'de> Deserialize<'de> for Id {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let name = String::deserialize(deserializer)?;
-        let id = Self::all().iter().find(|id| id.name() == name);
-        id.copied()
-            .ok_or_else(|| de::Error::custom(format!("no message `{name}`")))
+        // The rows are in alphabetical order.
+        Self::all()
+            .binary_search_by_key(&&*name, |id| id.name())
+            .map(|index| Self::all()[index])
+            .map_err(|_| de::Error::custom(format!("no message `{name}`")))
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeSet;
-
     use super::*;
 
     #[test]
@@ -225,16 +218,17 @@ mod tests {
         for (index, id) in Id::all().iter().enumerate() {
             assert_eq!(*id as usize, index);
         }
-        let names: BTreeSet<_> = Id::all().iter().map(|id| id.name()).collect();
-        assert_eq!(names.len(), ROWS.len());
+        let names: Vec<&str> = Id::all().iter().map(|id| id.name()).collect();
+        assert!(names.is_sorted_by(|a, b| a < b));
+        assert!(!names.iter().any(|name| name.is_empty()));
     }
 
     #[test]
     fn every_row_has_both_texts_with_the_same_values() {
-        for (id, row) in Id::all().iter().zip(ROWS) {
+        for id in Id::all() {
             let [en, zh] = [Language::En, Language::Zh].map(|language| id.template(language));
-            let own = row.name == "window_other_language";
-            assert!(own || is_english(&en), "{row:?} {en}");
+            let own = id.name() == "window_other_language";
+            assert!(own || is_english(&en), "{id:?} {en}");
             for text in [&en, &zh] {
                 let mut names: Vec<&str> = split_template(text)
                     .unwrap()
@@ -246,9 +240,9 @@ mod tests {
                     .collect();
                 names.sort_unstable();
                 names.dedup();
-                let mut values = row.values.to_vec();
+                let mut values: Vec<&str> = id.values().collect();
                 values.sort_unstable();
-                assert_eq!(names, values, "{row:?}");
+                assert_eq!(names, values, "{id:?}");
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Name and placeholders of each row of the message table: written by `cargo xtask tables`.
 
-use crate::{Message, Row, Value};
+use crate::{Message, MessageTable, Value};
 
 message_rows! {
     address_twice AddressTwice(address);

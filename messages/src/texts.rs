@@ -5,8 +5,9 @@ use std::sync::OnceLock;
 use crate::rows::IDS;
 use crate::{Id, Language};
 
-/// The message table, `assets/tables/messages.tsv` as a whole, with the positions of its lines.
-/// A program computes it when it is compiled: it has thousands of lines, and a command shows few.
+/// The text of the message table, `assets/tables/messages.tsv` as a whole, with the positions of
+/// its lines: a heading and a line for each [`Id`]. A program computes them when it is compiled:
+/// there are thousands, and a command shows few.
 #[derive(Debug)]
 pub struct MessageTable {
     text: &'static str,
@@ -34,7 +35,7 @@ impl MessageTable {
     }
 
     /// The line of a row, without its line end; empty if the table does not have it.
-    fn line(&self, id: Id) -> &'static str {
+    pub(crate) fn line(&self, id: Id) -> &'static str {
         let start = self.line_starts.get(id as usize).copied();
         let rest = start.and_then(|start| self.text.get(start as usize..));
         rest.and_then(|rest| rest.lines().next()).unwrap_or("")

@@ -2,16 +2,17 @@
 //! for the commands that scripts call for each program, without the other commands.
 
 use std::ffi::OsString;
+use std::path::PathBuf;
 
 use clap::{Args, Parser};
 use tracing::level_filters::LevelFilter;
 
 use super::deferred::DeferredArgs;
 use super::language::language_parser;
-use super::{CliCommand, CommandLine, Language, WindowArgs};
+use super::{CheckArgs, CliCommand, CommandLine, Language, WindowArgs};
 
 /// Options of every command and of the window.
-#[derive(Args, Debug)]
+#[derive(Args, Debug, Default)]
 pub struct GlobalArgs {
     /// Level of the log: off, error, warn, info, debug or trace. The window logs into `log` of the
     /// data folder, a command to standard error [default: info in the window, off for commands]
@@ -56,6 +57,24 @@ fn parse_single<T: Args>(
     })
 }
 
+/// Parses a `check` of files without options. Its options have their defaults: building them for
+/// the parser would take a quarter of the start of the program. `None` for other words.
+fn parse_check_of_files(words: &[OsString]) -> Option<CommandCall> {
+    let (_, files) = words.split_first()?;
+    let is_file = |word: &OsString| !matches!(word.as_encoded_bytes(), [] | [b'-', ..]);
+    if files.is_empty() || !files.iter().all(is_file) {
+        return None;
+    }
+    let args = CheckArgs {
+        files: files.iter().map(PathBuf::from).collect(),
+        ..CheckArgs::default()
+    };
+    Some(CommandCall {
+        command: CliCommand::Check(DeferredArgs::new(args)),
+        global: GlobalArgs::default(),
+    })
+}
+
 impl CommandLine {
     /// Parses a command line whose first word is a command. `None` for any other one, and for one
     /// with an error, which the whole parser explains.
@@ -65,7 +84,8 @@ impl CommandLine {
             return None;
         }
         let call = match first {
-            "check" => parse_single(&words[1..], CliCommand::Check),
+            "check" => parse_check_of_files(&words[1..])
+                .or_else(|| parse_single(&words[1..], CliCommand::Check)),
             "plot" => parse_single(&words[1..], CliCommand::Plot),
             "run" => parse_single(&words[1..], CliCommand::Run),
             _ => CommandCall::try_parse_from(words).ok(),
@@ -90,6 +110,8 @@ mod tests {
     #[test]
     fn a_called_command_is_parsed_as_by_the_whole_parser() {
         for line in [
+            "gsk980td check a.nc",
+            "gsk980td check a.nc programs/b.nc c",
             "gsk980td check a.nc --lang en --start 5,6 --deny all",
             "gsk980td run a.nc --log debug --link COM3",
             "gsk980td plot a.nc -o a.png",
@@ -110,6 +132,8 @@ mod tests {
             "gsk980td",
             "gsk980td --lang en check a.nc",
             "gsk980td check",
+            "gsk980td check ",
+            "gsk980td check a.nc -x",
             "gsk980td check --help",
             "gsk980td check a.nc --version",
             "gsk980td check a.nc --first-start",

@@ -41,8 +41,18 @@ impl LimitArgs {
     }
 }
 
+impl Default for LimitArgs {
+    fn default() -> Self {
+        Self {
+            most_moves: WorkBudget::FULL.moves,
+            most_blocks: WorkBudget::FULL.work,
+            give_up: None,
+        }
+    }
+}
+
 /// Options of the preview of `check` and `plot`.
-#[derive(Args, Clone, Copy, Debug)]
+#[derive(Args, Clone, Copy, Debug, Default)]
 pub struct LookArgs {
     /// Work zero in machine coordinates: X (diameter), Z in mm; --start is then relative to it
     /// [default: at the machine zero]
@@ -56,8 +66,8 @@ pub struct LookArgs {
     pub limits: LimitArgs,
 }
 
-/// Arguments of the command `check`.
-#[derive(Args, Debug)]
+/// Arguments of the command `check`. The default has no file and no option.
+#[derive(Args, Debug, Default)]
 pub struct CheckArgs {
     /// The programs; of a folder those in it and below it
     #[arg(required_unless_present = "lints", value_name = "FILE")]

@@ -1,11 +1,12 @@
 //! Control models: the GSK980TD, and related systems or other controls of the same shop. The
-//! record of a model (`assets/models/`) lists which number means which code. The parameters that
-//! only this model has are in a file of their own. The effect of a code is implemented once for
-//! all models that have it.
+//! record of a model (`gsk980td.rs`, `assets/models/`) lists which number means which code. The
+//! parameters that only this model has are in a file of their own. The effect of a code is
+//! implemented once for all models that have it.
 
 mod code_meanings;
 mod contacts;
 mod conventions;
+mod gsk980td;
 mod parameters;
 mod program_calls;
 mod program_capacity;
@@ -79,7 +80,7 @@ impl ModelId {
         Self::ALL.into_iter().find(|it| it.command_word() == word)
     }
 
-    /// The record of the model, read from `assets/models/`.
+    /// The record of the model, read at the first call.
     pub fn record(self) -> &'static ModelRecord {
         ModelRecord::for_model(self)
     }

@@ -1,4 +1,4 @@
-//! Records of the control models, read from `assets/models/`.
+//! Records of the control models: that of the GSK980TD, the others from `assets/models/`.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -17,114 +17,88 @@ use super::{GCode, MCode, ModelId};
 /// Number of possible G codes: they have two digits.
 const G_CODES: usize = 100;
 
-/// The record of a control model: its codes, conventions, ranges and parameters.
+/// The record of a control model: its codes, conventions, ranges and parameters. A field that a
+/// file omits has the value of the GSK980TD.
 #[derive(Clone, Debug, Deserialize)]
+#[serde(default)]
 pub struct ModelRecord {
     /// The id of the model that the record describes.
     #[serde(skip)]
-    id: ModelId,
+    pub(super) id: ModelId,
     /// An example of a program name, such as `O0001`.
-    #[serde(default = "four_digits")]
     pub program_name: String,
     /// What the program memory of the model holds.
-    #[serde(default)]
     pub(crate) capacity: ProgramCapacity,
     /// The letter before the numbers of the model's alarms; `None` without a letter.
-    #[serde(default)]
     pub alarm_letter: Option<char>,
     /// The lowest step of the rapid override, %; `None` if it is F0.
-    #[serde(default)]
     pub(crate) least_rapid_override: Option<u8>,
     /// Number of digits of a T word; tool and offset number have half of them each.
-    #[serde(default = "four")]
     pub(crate) tool_digits: u8,
     /// Whether a tool offset shifts the coordinates in every block, without moving the slides.
-    #[serde(default)]
     pub(crate) offsets_by_shift: bool,
     /// Whether an N word after a G code is a block, a subprogram or a count instead of a
     /// sequence number.
-    #[serde(default)]
     pub(crate) n_after_g: bool,
     /// Whether the model has separate variables #1 to #99, with formulas and assignments but
     /// no other statements.
-    #[serde(default)]
     pub own_variables: bool,
     /// Contact of the model's input 0, counted in bits of the X area from X0.0 (16 is X2.0).
-    #[serde(default)]
     pub(crate) first_input: u8,
     /// The assignment of signals to inputs and outputs; `None` if they cannot be assigned.
-    #[serde(default)]
     pub(super) contacts: Option<ContactAssignment>,
     /// The action that a press of each model-specific key triggers in manual modes, by the bit of
     /// the key's contact in X27.
-    #[serde(default)]
     pub(crate) key_edges: BTreeMap<u8, EdgeAction>,
     /// Outputs of the ladder whose changes, from any cause, switch outputs of the model as M
     /// codes do.
-    #[serde(default)]
     pub(crate) followers: Vec<OutputFollower>,
     /// Outputs of the ladder that an output of the model follows, with the number of the latter.
-    #[serde(default)]
     pub(crate) followed: Vec<(LadderOutput, u8)>,
     /// Whether the operator can teach points on the graphic page.
-    #[serde(default)]
     pub teaches: bool,
     /// The greatest sequence number (N) of a block.
-    #[serde(default = "last_of_four_digits")]
     pub(crate) last_sequence: u32,
     /// The greatest program number in `%P99`, G20 and G22 of the model.
-    #[serde(default = "last_of_four_digits_short")]
     pub(crate) last_program: u16,
     /// Least and greatest number of words, by letter, whose range differs from the GSK980TD.
-    #[serde(default)]
     pub(crate) word_limits: BTreeMap<char, (i64, i64)>,
     /// Least and greatest time of G04, ms; `None` if they are those of the GSK980TD.
-    #[serde(default)]
     pub(crate) dwell_limits: Option<(i64, i64)>,
     /// Delivered values of control parameters, by number, that differ from the GSK980TD.
-    #[serde(default)]
     pub(crate) delivered: BTreeMap<u16, i32>,
     /// Least and greatest values of control parameters, by number, that differ from the
     /// GSK980TD.
-    #[serde(default)]
-    ranges: BTreeMap<u16, (i32, i32)>,
+    pub(super) ranges: BTreeMap<u16, (i32, i32)>,
     /// The greatest absolute coordinate in a program, in 0.001 mm.
-    #[serde(default = "ten_metres")]
     pub(crate) greatest_coordinate: i64,
     /// Letters that are addresses of the model but not of the GSK980TD.
-    #[serde(default)]
-    addresses: String,
+    pub(super) addresses: String,
     /// Letters that are accepted only as arguments of macro calls.
-    #[serde(default)]
-    argument_addresses: String,
+    pub(super) argument_addresses: String,
     /// The conventions by which the model reads words and codes, besides the effect of each code.
     pub conventions: Conventions,
     /// The meanings of the model's G codes, by number.
     pub g: BTreeMap<u8, GCode>,
     /// The G codes whose effect was decided for this program, because the manual of the model does
     /// not give it.
-    #[serde(default)]
     pub g_decided: Vec<u8>,
     /// First and last M code of a range whose codes, if the model does not define them, are
     /// passed to the ladder; `None` without such a range.
-    #[serde(default)]
     pub ladder_m: Option<(u8, u8)>,
     /// A range of M codes that call subprograms, set by parameters; `None` without one.
-    #[serde(default)]
     pub(crate) m_calls: Option<CallRange>,
     /// First and last M code that calls the program with the same number as a macro; `None`
     /// without such codes.
-    #[serde(default)]
     pub(crate) m_macros: Option<(i64, i64)>,
     /// The functions of the model's M codes, by number.
     pub m: BTreeMap<u8, MFunction>,
     /// The M codes whose effect was decided for this program, because the manual of the model does
     /// not give it.
-    #[serde(default)]
     pub m_decided: Vec<u8>,
     /// The meanings of `g` in an array, for fast access by number.
     #[serde(skip)]
-    g_table: Vec<Option<GCode>>,
+    pub(super) g_table: Vec<Option<GCode>>,
 }
 
 /// An output of the ladder whose changes switch outputs of the model as M codes do.
@@ -167,24 +141,15 @@ pub struct MFunction {
     pub off: Vec<u8>,
 }
 
-const fn four() -> u8 {
-    4
-}
-
-const fn last_of_four_digits() -> u32 {
-    9999
-}
-
-const fn last_of_four_digits_short() -> u16 {
-    9999
-}
-
-const fn ten_metres() -> i64 {
-    9_999_999
-}
-
-fn four_digits() -> String {
-    "O0001".to_owned()
+impl MFunction {
+    /// A function that switches no outputs.
+    pub(super) const fn without_outputs(meaning: MCode) -> Self {
+        Self {
+            meaning,
+            on: Vec::new(),
+            off: Vec::new(),
+        }
+    }
 }
 
 impl ModelRecord {
@@ -297,17 +262,19 @@ impl ModelRecord {
 }
 
 fn read_record(id: ModelId) -> ModelRecord {
-    let text = match id {
-        ModelId::Gsk980td => include_str!("../../../assets/models/gsk980td.ron"),
-        ModelId::Gsk980mdi => include_str!("../../../assets/models/gsk980mdi.ron"),
-        ModelId::Hx31 => include_str!("../../../assets/models/hx31.ron"),
-        ModelId::Ncb08 => include_str!("../../../assets/models/ncb08.ron"),
+    let mut record: ModelRecord = match id {
+        ModelId::Gsk980td => ModelRecord::default(),
+        ModelId::Gsk980mdi => read_ron(include_str!("../../../assets/models/gsk980mdi.ron")),
+        ModelId::Hx31 => read_ron(include_str!("../../../assets/models/hx31.ron")),
+        ModelId::Ncb08 => read_ron(include_str!("../../../assets/models/ncb08.ron")),
     };
-    let mut record: ModelRecord = read_ron(text);
     record.id = id;
-    record.g_table = (0..G_CODES)
-        .map(|code| record.g.get(&(code as u8)).copied())
-        .collect();
+    record.g_table = vec![None; G_CODES];
+    for (number, meaning) in &record.g {
+        if let Some(entry) = record.g_table.get_mut(usize::from(*number)) {
+            *entry = Some(*meaning);
+        }
+    }
     record
 }
 

@@ -39,7 +39,7 @@ fn generate_list(table: &str) -> Result<String, TableError> {
     }
     let mut list = String::from(
         "//! Name and placeholders of each row of the message table: written by `cargo xtask tables`.\n\n\
-         use crate::{Message, Row, Value};\n\n\
+         use crate::{Message, MessageTable, Value};\n\n\
          message_rows! {\n",
     );
     for row in &rows {
