@@ -163,4 +163,13 @@ fn add_alarm(cnc: &Cnc, alarm: &Alarm, depth: usize, tracer: &mut LadderTracer<'
     if number == EMERGENCY_STOP {
         tracer.trace_bit_once(EMERGENCY_SIGNAL, depth + 1);
     }
+    if let Some(advice) = alarm.advice() {
+        tracer.chain.push(depth + 1, None, |language| {
+            let remedy = match language {
+                Language::Zh => advice.remedy_zh,
+                Language::En => advice.remedy_en,
+            };
+            say::why_remedy(say::as_written(remedy))
+        });
+    }
 }

@@ -5,7 +5,7 @@ mod menus;
 use std::path::PathBuf;
 
 use egui::scroll_area::ScrollBarVisibility;
-use egui::{Align2, Area, Frame, Label, Order, Rect, RichText, ScrollArea, Tooltip, Ui};
+use egui::{Align2, Area, Frame, Label, Order, Popup, Rect, RichText, ScrollArea, Tooltip, Ui};
 
 use gsk_core::alarm::Alarm;
 use gsk_core::model::ModelId;
@@ -251,6 +251,11 @@ fn show_speeds(ui: &mut Ui, language: Language, snapshot: &PanelSnapshot) -> Opt
         }
         None => say::window_speed(name(chosen)).text(language),
     };
+    // An open menu must not move under the pointer as the figure grows.
+    let id = ui.id().with("speed label");
+    let shown = Popup::is_any_open(ui.ctx()).then(|| ui.data(|data| data.get_temp(id)));
+    let label: String = shown.flatten().unwrap_or(label);
+    ui.data_mut(|data| data.insert_temp(id, label.clone()));
     let hint = match has_board {
         true => say::window_speed_of_board(),
         false => say::window_speed_hint(),

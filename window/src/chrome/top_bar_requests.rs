@@ -41,6 +41,17 @@ impl Window {
         if self.is_in_exam() && !is_allowed_in_exam(&request) {
             return self.show_message(say::exam_no_help());
         }
+        let opens_program = matches!(
+            request,
+            top_bar::TopBarRequest::ChooseProgram
+                | top_bar::TopBarRequest::Open(_)
+                | top_bar::TopBarRequest::Sample(_)
+        );
+        // The kernel refuses it, too; the summary of the program must not hide why.
+        let is_in_exercise = (self.snapshot.as_ref()).is_some_and(|it| it.exercise.is_some());
+        if opens_program && is_in_exercise {
+            return self.show_message(say::exercise_keys_only());
+        }
         match request {
             top_bar::TopBarRequest::ChooseProgram => {
                 self.opener.choose(self.settings.language, ui.ctx());

@@ -45,6 +45,8 @@ pub struct PartView {
     pub tool: u8,
     /// Position of the tool tip, part coordinates, mm.
     pub tip: Point,
+    /// Absolute coordinates of the control, mm; X as a radius.
+    pub absolute: Point,
     /// Speed of the spindle, r/min; negative in reverse.
     pub spindle_rpm: f64,
     pub coolant: bool,
@@ -84,6 +86,7 @@ impl PartView {
             threads: Arc::default(),
             tool: active_tool(emulator),
             tip,
+            absolute: simulation.cnc.position_absolute(),
             spindle_rpm: lathe.spindle_rpm(),
             coolant: lathe.is_coolant_on(),
             clamped: lathe.is_chuck_clamped(),

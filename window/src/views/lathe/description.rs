@@ -286,6 +286,7 @@ mod tests {
             threads: Arc::default(),
             tool: 9,
             tip: Point::new(12.0, -20.0),
+            absolute: Point::new(12.0, -20.0),
             spindle_rpm: -900.0,
             coolant: true,
             clamped: true,

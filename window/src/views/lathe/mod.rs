@@ -166,11 +166,11 @@ impl LatheSceneView {
     }
 }
 
-/// Writes tool, speed and position of the tip into the upper right corner of `space`. Returns the
+/// Writes tool, speed and position, as the LCD has it, into the upper right corner of `space`. Returns the
 /// left edge of the texts.
 fn show_state(ui: &Ui, space: Rect, part: &PartView, language: Language) -> f32 {
     let tool = say::lathe_tool(part.tool, part.spindle_rpm).text(language);
-    let position = say::lathe_pointer(part.tip.x * 2.0, part.tip.z).text(language);
+    let position = say::lathe_pointer(part.absolute.x * 2.0, part.absolute.z).text(language);
     let font = egui::TextStyle::Monospace.resolve(ui.style());
     let (mut space, mut left) = (space, space.right());
     for text in [tool, position] {

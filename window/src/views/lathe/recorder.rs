@@ -137,6 +137,7 @@ impl SceneRecorder {
             threads: Arc::default(),
             tool,
             tip,
+            absolute: tip,
             spindle_rpm,
             coolant: false,
             clamped: true,
