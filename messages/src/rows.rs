@@ -4089,6 +4089,7 @@ message_rows! {
     why_key_acts WhyKeyActs(key);
     why_limit_switch WhyLimitSwitch();
     why_parameter WhyParameter(name, value);
+    why_remedy WhyRemedy(remedy: message);
     why_rung_dead WhyRungDead(rung, line);
     why_rung_latched WhyRungLatched(rung, line);
     why_rung_live WhyRungLive(rung, line);

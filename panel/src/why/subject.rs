@@ -6,7 +6,7 @@ use gsk_core::cnc::Cnc;
 use gsk_core::operation::RunState;
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::units::Axis;
-use gsk_messages::say;
+use gsk_messages::{Language, say};
 
 use super::bit_log::BitLog;
 use super::chain::CauseChain;

@@ -252,7 +252,7 @@ fn show_speeds(ui: &mut Ui, language: Language, snapshot: &PanelSnapshot) -> Opt
         None => say::window_speed(name(chosen)).text(language),
     };
     // An open menu must not move under the pointer as the figure grows.
-    let id = ui.id().with("speed label");
+    let id = ui.scope_id().with("speed label");
     let shown = Popup::is_any_open(ui.ctx()).then(|| ui.data(|data| data.get_temp(id)));
     let label: String = shown.flatten().unwrap_or(label);
     ui.data_mut(|data| data.insert_temp(id, label.clone()));
