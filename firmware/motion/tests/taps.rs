@@ -12,8 +12,8 @@ use support::{ENABLE_PIN, GROUP, GUARD_PIN, INDEX_PIN, LIMIT, LIMIT_PIN, TestBoa
 const COUNTS: i64 = 4096;
 /// Clock rate, ticks per second.
 const CLOCK_HZ: f64 = 15_625_000.0;
-/// Ticks between two looks at the spindle: 2 ms.
-const LOOK_TICKS: u64 = 31_250;
+/// Ticks between two checks of a condition: 2 ms.
+const CHECK_TICKS: u64 = 31_250;
 const DENOMINATOR: i64 = 1 << 24;
 
 /// A spindle that follows its target with a time constant.
@@ -147,7 +147,7 @@ impl TapBench {
             if is_met(self) {
                 return;
             }
-            self.run(LOOK_TICKS);
+            self.run(CHECK_TICKS);
         }
         panic!("{:?}", self.board.shutdown_text());
     }
@@ -255,7 +255,7 @@ fn a_tap_follows_the_spindle_and_ends_at_its_start() {
             let depth = (tap.depth as f64 * share) as i64 + 111 * index as i64;
             bench.run_until(|bench| bench.along() >= depth.min(bench.tap.depth));
             bench.spindle.is_stalled = true;
-            bench.run(LOOK_TICKS * 20);
+            bench.run(CHECK_TICKS * 20);
             bench.spindle.is_stalled = false;
         }
         bench.follow_to_end();
