@@ -13,7 +13,8 @@ use crate::step_queue::StepLink;
 use crate::{
     AwaitedInput, BoardInfo, BoardOutputs, EncoderReading, HostTime, Input, LinkConfig, LinkEvent,
     LinkState, MotionRefused, Output, PassError, Pins, Protocol, PulseRates, RunTime, Sample,
-    SpindleView, Stop, ThreadCapability, ThreadPass, ThreadPlan, Traffic, Uncertainty,
+    SpindleView, Stop, TapCapability, TapOrder, ThreadCapability, ThreadPass, ThreadPlan, Traffic,
+    Uncertainty,
 };
 use gsk_units::{Axis, PerAxis, Pulses};
 
@@ -86,6 +87,27 @@ pub trait Backend: Positioned + Debug {
     fn cut(&mut self, pass: &ThreadPass) -> Result<(), PassError> {
         let _ = pass;
         Err(PassError::NotReady)
+    }
+
+    /// Returns whether the board can tap, or what is missing.
+    fn taps(&self) -> TapCapability {
+        TapCapability::NoEncoder
+    }
+
+    /// Starts a tap that the board makes on the angle of the spindle. [`LinkEvent::Drained`]
+    /// reports that it is back at its start and that the counts agree.
+    ///
+    /// # Errors
+    /// The unmet condition; nothing was sent.
+    fn tap(&mut self, order: &TapOrder) -> Result<(), PassError> {
+        let _ = order;
+        Err(PassError::NotReady)
+    }
+
+    /// Returns the distance of the tap in the board from its start, pulses, at the angle that the
+    /// board last reported; `None` without a tap.
+    fn tap_distance(&self) -> Option<f64> {
+        None
     }
 
     /// Returns the number of pulses per mm of slide travel, for X and Z.

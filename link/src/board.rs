@@ -59,6 +59,18 @@ impl Default for ThreadCapability {
     }
 }
 
+/// Whether a board can tap (G33).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TapCapability {
+    /// The board has no spindle encoder, which shows how the spindle stops and reverses.
+    #[default]
+    NoEncoder,
+    /// The firmware of the board is older: it has no entry that ends back at its start.
+    OldFirmware,
+    /// The board follows the spindle in and back.
+    Followed,
+}
+
 /// The conditions for threads that a board does not meet; a missing condition is `true`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MissingForThreads {

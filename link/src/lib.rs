@@ -33,7 +33,7 @@ use gsk_units::{Axis, PerAxis, Pulses, alarm};
 pub use backend::{Backend, Link};
 pub use board::{
     BoardInfo, BoardOutputs, EncoderReading, MissingForThreads, Pins, PulseRates, SpindleDirection,
-    SpindleView, ThreadCapability, Traffic,
+    SpindleView, TapCapability, ThreadCapability, Traffic,
 };
 pub use config::{FaultyLinkConfig, HomeConfig, LineConfig, LinkConfig, LinkConfigError, Protocol};
 pub use drives::{AxisRates, Drives};
@@ -279,6 +279,26 @@ pub struct ThreadPass {
     pub lead: f64,
 }
 
+/// A tap that the board makes on the angle of the spindle: Z in to the depth, through the stop and
+/// reversal of the spindle, and back to the start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TapOrder {
+    /// The start point, in the kernel's pulses: the current position.
+    pub start: PerAxis<Pulses>,
+    /// Distance of Z from the start to the programmed depth, pulses, with the sign of the motion.
+    pub depth: f64,
+    /// Distance of Z from the start at which the board shuts down, pulses.
+    pub bound: f64,
+    /// Lead: pulses of Z per turn of the spindle.
+    pub lead: f64,
+    /// Spindle angle after the index at which the tap begins, degrees.
+    pub start_degrees: f64,
+    /// Turns of the spindle in which Z reaches the lead.
+    pub lead_in_turns: f64,
+    /// Share of the lead with which Z begins, 0 to 1.
+    pub first_share: f64,
+}
+
 /// How the motion of the kernel's next tick depends on the angle of the spindle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThreadPlan {
@@ -324,6 +344,10 @@ pub enum PassError {
         /// Length of the acceleration and deceleration together, mm.
         ramps: f64,
     },
+    /// A tap is refused because the encoder counts against M03 or M04.
+    EncoderReversed,
+    /// A tap is refused because Z needs more pulses for its lead than the board can make.
+    TapLead,
 }
 
 impl PassError {
@@ -343,6 +367,8 @@ impl PassError {
             Self::Short { length, ramps } => {
                 (alarm::BOARD_CANNOT, say::pass_too_short(length, ramps), 0)
             }
+            Self::EncoderReversed => (alarm::SPINDLE_ENCODER, say::encoder_counts_backwards(), 1),
+            Self::TapLead => (alarm::BOARD_CANNOT, say::tap_pulses_too_many(), 0),
         };
         (number, text, Duration::from_secs(seconds))
     }

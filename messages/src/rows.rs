@@ -179,6 +179,7 @@ message_rows! {
     cannot_surface_at_rest CannotSurfaceAtRest();
     cannot_surface_unwired CannotSurfaceUnwired();
     cannot_tap CannotTap();
+    cannot_tap_by_firmware CannotTapByFirmware();
     cannot_tap_by_index CannotTapByIndex();
     cannot_thread CannotThread(lacks: message);
     caution_after_end CautionAfterEnd();
@@ -2632,6 +2633,7 @@ message_rows! {
     narration_takes NarrationTakes(seconds: "{:.2}");
     narration_thread NarrationThread(x, z);
     narration_wait NarrationWait(seconds);
+    needs_newer_firmware NeedsNewerFirmware(what: message);
     needs_spindle NeedsSpindle(what: message);
     needs_spindle_braking NeedsSpindleBraking(what: message);
     needs_spindle_index_unwired NeedsSpindleIndexUnwired(what: message);
@@ -3610,6 +3612,7 @@ message_rows! {
     shutdown_guard ShutdownGuard();
     shutdown_spindle_encoder ShutdownSpindleEncoder();
     shutdown_steps_late ShutdownStepsLate();
+    shutdown_tap_too_deep ShutdownTapTooDeep();
     shutdown_wire_failed ShutdownWireFailed();
     signals_unheard SignalsUnheard(error);
     signature_first_block SignatureFirstBlock();
@@ -3622,6 +3625,7 @@ message_rows! {
     spindle_index_never SpindleIndexNever();
     spindle_not_steady SpindleNotSteady(rpm: "{:.0}");
     spindle_stands_at_feed SpindleStandsAtFeed();
+    spindle_stands_in_tap SpindleStandsInTap();
     spindle_stands_in_thread SpindleStandsInThread();
     spindle_step_unknown SpindleStepUnknown(speed);
     spindle_varies SpindleVaries(percent: "{:.2}", rpm: "{:.0}", allowed);
@@ -3701,6 +3705,8 @@ message_rows! {
     table_axes_all TableAxesAll();
     table_axes_linear TableAxesLinear();
     tap_moves_x TapMovesX();
+    tap_pulses_too_many TapPulsesTooMany();
+    tap_turned_back TapTurnedBack();
     tapping Tapping();
     thread_allowance_above_height ThreadAllowanceAboveHeight(allowance: "{:.3}", height: "{:.3}");
     thread_axis_too_fast ThreadAxisTooFast(axis, speed: "{:.0}", rpm: "{:.0}", limit: "{:.0}", parameter: "{:03}");

@@ -5,7 +5,7 @@ mod port;
 mod spindle;
 
 use gsk_motion::messages::REASONS;
-use gsk_motion::{Engine, EngineState, Session};
+use gsk_motion::{DICTIONARY, Engine, EngineState, Session};
 
 use crate::klipper::TravelSwitch;
 use crate::wire::TwinWire;
@@ -64,6 +64,7 @@ pub struct PicoTwin {
     /// Serial line from the board to the host.
     pub to_host: TwinWire,
     session: Session,
+    dictionary: &'static [u8],
     engine: Engine,
     port: PicoPort,
     boots_at: Option<u64>,
@@ -89,6 +90,7 @@ impl PicoTwin {
             to_board: TwinWire::new(BAUD),
             to_host: TwinWire::new(BAUD),
             session: Session::default(),
+            dictionary: DICTIONARY,
             engine: Engine::new(),
             port: PicoPort::default(),
             boots_at: Some(BOOT_NS),
@@ -100,7 +102,7 @@ impl PicoTwin {
     /// its configuration.
     pub fn press_reset(&mut self) {
         self.boots_at = Some(self.now_ns + BOOT_NS);
-        self.session = Session::default();
+        self.session = Session::with_dictionary(self.dictionary);
         self.engine = Engine::new();
         self.port.reset(self.now_ns / TICK_NS);
     }
@@ -229,6 +231,27 @@ impl PicoTwin {
     /// Stalls the spindle, or ends that.
     pub fn set_stalled(&mut self, is_stalled: bool) {
         self.change_spindle(|spindle| spindle.is_stalled = is_stalled);
+    }
+
+    /// Lets the spindle keep its speed and direction whatever the outputs are, or ends that.
+    pub fn set_spindle_drive_stuck(&mut self, is_stuck: bool) {
+        self.change_spindle(|spindle| spindle.is_drive_stuck = is_stuck);
+    }
+
+    /// Takes the effect from the output that reverses the spindle, or restores it.
+    pub fn set_reverse_missing(&mut self, is_missing: bool) {
+        self.change_spindle(|spindle| spindle.is_reverse_missing = is_missing);
+    }
+
+    /// Makes the firmware an older one: its dictionary does not have a command.
+    pub fn use_older_firmware(&mut self, missing_command: &str) {
+        let unpacked = miniz_oxide::inflate::decompress_to_vec_zlib(DICTIONARY).unwrap_or_default();
+        let text = String::from_utf8_lossy(&unpacked);
+        let text = text.replace(&format!("\"{missing_command} "), "\"unknown_command ");
+        let packed = miniz_oxide::deflate::compress_to_vec_zlib(text.as_bytes(), 9);
+        // The firmware's dictionary is static, too.
+        self.dictionary = packed.leak();
+        self.session = Session::with_dictionary(self.dictionary);
     }
 
     /// Exchanges A and B of the spindle encoder, or ends that.

@@ -11,7 +11,7 @@ mod zero;
 
 use crate::units::PerAxis;
 pub(crate) use checked::{CheckedParameters, board_rates};
-use gsk_link::{AwaitedInput, PulseRates, ThreadCapability};
+use gsk_link::{AwaitedInput, PulseRates, TapCapability, ThreadCapability};
 use gsk_plc::address::BitAddress;
 pub(crate) use orders::{BoardOrders, ReturnOrders, RunOrders, SpindleOrders};
 pub(crate) use rates::ExceededAxes;
@@ -30,6 +30,8 @@ pub(crate) struct BoardInputs {
     pub dropped: Vec<BitAddress>,
     /// Fraction of the thread pass that the board has made, 0–1; `None` without a pass.
     pub pass_fraction: Option<f64>,
+    /// Depth of the tap at the angle that the board last reported, mm; `None` without a tap.
+    pub tap_depth_mm: Option<f64>,
     /// What the board knows about the position of the slides, while they are at standstill; `None`
     /// otherwise.
     pub standstill: Option<Standstill>,
@@ -67,6 +69,8 @@ pub(crate) struct BoardDrives {
     pub pulses_per_mm: [f64; 2],
     /// Which threads the board can cut, or what is missing for threads.
     pub threads: ThreadCapability,
+    /// Whether the board can tap, or what is missing.
+    pub taps: TapCapability,
     /// The spindle whose index the board measures; `None`: the simulated spindle applies.
     pub spindle: Option<BoardSpindle>,
     /// Highest speed of a thread pass that the board cuts, mm/min: the pass begins without

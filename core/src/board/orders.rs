@@ -3,7 +3,7 @@
 use crate::command::ProgramId;
 use crate::run_state::RunState;
 use crate::units::PerAxis;
-use gsk_link::{AwaitedInput, BoardOutputs, ThreadPass};
+use gsk_link::{AwaitedInput, BoardOutputs, TapOrder, ThreadPass};
 
 /// The orders of the control to the board in a tick, besides the pulses.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -21,6 +21,11 @@ pub(crate) struct BoardOrders {
     pub spindle: SpindleOrders,
     /// The thread pass that the board is to cut; `None` if none waits.
     pub pass: Option<ThreadPass>,
+    /// The tap that the board is to make; `None` if none waits.
+    pub tap: Option<TapOrder>,
+    /// Whether the control follows a tap that the board has started. If it no longer does, the
+    /// board must stop.
+    pub follows_tap: bool,
     /// State of the reference returns of the axes.
     pub returns: ReturnOrders,
     /// Whether the emergency stop is in force.

@@ -55,12 +55,16 @@ pub(crate) enum BoardReport {
     PositionlessFault(Alarm),
     /// All reference returns in progress are abandoned; another report gives the alarm.
     ReturnsAbandoned,
-    /// The board cannot cut the pass that waits for it, for the reason in this alarm.
+    /// The board cannot cut the pass or make the tap that waits for it, for the reason in this alarm.
     PassRefused(Alarm),
     /// The board has started the pass that waited for it.
     PassStarted,
     /// The board has stopped at the end of its pass, at this pulse count.
     PassEnded(PerAxis<Pulses>),
+    /// The board has started the tap that waited for it.
+    TapStarted,
+    /// The board is back at the start of its tap, at this pulse count.
+    TapEnded(PerAxis<Pulses>),
 }
 
 /// What the board knows about the position of the slides at a standstill.

@@ -3,7 +3,7 @@
 use super::BoardDrives;
 use crate::alarm::{Alarm, number};
 use crate::spindle::SpindleTurn;
-use gsk_link::{MissingForThreads, ThreadCapability};
+use gsk_link::{MissingForThreads, TapCapability, ThreadCapability};
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
@@ -55,6 +55,9 @@ pub(crate) fn spindle_required_message(board: &BoardDrives, tapping: bool) -> Me
     } else {
         say::cannot_feed_per_revolution()
     };
+    if tapping && board.taps == TapCapability::OldFirmware {
+        return say::needs_newer_firmware(needed);
+    }
     match board.threads {
         ThreadCapability::None(MissingForThreads { index: true, .. }) => {
             say::needs_spindle_index_unwired(needed)

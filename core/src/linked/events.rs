@@ -26,6 +26,7 @@ impl LinkedControl {
             reports,
             dropped: self.dropped_outputs(),
             pass_fraction: self.pass_fraction(),
+            tap_depth_mm: self.tap_depth_mm(),
             standstill: settled,
         }
     }
@@ -64,6 +65,7 @@ impl LinkedControl {
             rates: self.link.rates(),
             pulses_per_mm: self.link.pulses_per_mm(),
             threads: self.link.threads(),
+            taps: self.link.taps(),
             spindle,
             pass_speed_mm_per_min: f64::from(self.config.flush_keep_speed),
             homes_axes_separately: self.link.homes_alone(),
@@ -159,11 +161,13 @@ impl LinkedControl {
             self.report(BoardReport::MotionEnded);
             self.stopping.end_flush();
             self.thread.pass = None;
+            self.thread.tap = None;
             self.link.stop(Stop::Kill);
         } else if self.keys.resetting && !resetting {
             self.report(BoardReport::MotionEnded);
             // A pass ends with a dead stop: there is no position to continue from.
             let passing = self.thread.pass.take().is_some();
+            self.thread.tap = None;
             if self.link.state() == LinkState::Moving && !passing {
                 self.stopping.flush();
             }
@@ -299,6 +303,7 @@ impl LinkedControl {
         }
         if position_unknown {
             self.thread.pass = None;
+            self.thread.tap = None;
         }
         let was_opening = self.is_opening();
         self.connection.state = state;

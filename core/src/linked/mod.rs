@@ -30,15 +30,14 @@ mod stopping;
 
 use core::time::Duration;
 
-use crate::alarm::Alarm;
-use crate::board::{BoardOrders, BoardReport, CheckedParameters};
+use crate::board::{BoardOrders, CheckedParameters};
 use crate::machine::{BoardContacts, LimitSwitches};
 use crate::simulation::Simulation;
 use crate::units::{PerAxis, Point, Pulses};
 pub use drives::drives_from_parameters;
 use gsk_link::{
-    BoardInfo, BoardOutputs, EncoderReading, FINE, HostTime, Input, Link, LinkConfig, LinkState,
-    MotionRefused, Output, Pins, Protocol, Sample, SpindleDirection, SpindleView, Stop, Traffic,
+    BoardInfo, BoardOutputs, EncoderReading, HostTime, Input, Link, LinkConfig, LinkState, Output,
+    Pins, Protocol, SpindleDirection, SpindleView, Traffic,
 };
 use gsk_messages::Message;
 use log::LinkLog;
@@ -215,7 +214,7 @@ impl LinkedControl {
             |outputs: BoardOutputs| outputs.spindle != SpindleDirection::Stop || outputs.coolant;
         self.config.protocol == Protocol::Line
             && (self.has_pending_motion()
-                || self.thread.pass.is_some()
+                || self.thread.is_active()
                 || self.link.switched().is_none_or(is_on))
     }
 
@@ -259,6 +258,7 @@ impl LinkedControl {
                 self.control = ControlSnapshot::from_simulation(simulation);
                 self.push_motion();
                 self.apply_orders();
+                self.stop_abandoned_tap();
                 self.offer_pass();
             }
         }
@@ -326,62 +326,13 @@ impl LinkedControl {
     fn handle_power_change(&mut self, simulation: &mut Simulation) {
         self.stopping = StopInProgress::None;
         self.thread.pass = None;
+        self.thread.tap = None;
         self.link.forget_position();
         self.link.set_outputs(BoardOutputs::default());
         simulation.attach_board();
         self.reports = PendingReports::default();
         self.control = ControlSnapshot::from_simulation(simulation);
         self.motion.set_count(self.control.pulses);
-    }
-
-    /// Passes the motion of the last tick to the board.
-    fn push_motion(&mut self) {
-        let ControlSnapshot { pulses, orders } = self.control;
-        if self.thread.pass.is_some() {
-            // The board moves first; the control follows its count.
-            self.motion.set_count(pulses);
-            return;
-        }
-        self.motion.moved = pulses != self.motion.pulses;
-        if !self.motion.moved && !self.link.is_prepared() {
-            return;
-        }
-        let waits = orders.spindle.waits_for_angle;
-        self.link
-            .keep_time(waits || orders.spindle.lead_mm.is_some());
-        let to_fine = |position: f64| (position * FINE as f64).round() as i64;
-        let sample = Sample {
-            end: self.clock.run,
-            pulses,
-            fine: PerAxis::new(to_fine(orders.fraction.x), to_fine(orders.fraction.z)),
-        };
-        match self.link.push(sample) {
-            Ok(()) => self.motion.pulses = pulses,
-            Err(refused) => return self.reject_motion(refused),
-        }
-        if self.motion.moved {
-            self.motion.last_motion_end = self.clock.run;
-        } else if !waits
-            && !orders.is_moving
-            && let Err(refused) = self.link.finish()
-        {
-            self.reject_motion(refused);
-        }
-    }
-
-    /// Handles motion that the board rejects: raises the alarm, and returns the control to
-    /// the position of the slides.
-    fn reject_motion(&mut self, refused: MotionRefused) {
-        let (number, text) = refused.to_alarm();
-        self.raise(Alarm::new(number).with_detail(text));
-        self.report(BoardReport::MotionEnded);
-        self.motion.moved = false;
-        self.report(BoardReport::MotionRejected(self.motion.pulses));
-        if self.link.state() == LinkState::Moving {
-            // The board reports that position when it has stopped.
-            self.link.stop(Stop::Flush);
-            self.stopping.flush();
-        }
     }
 
     /// Whether the slides may still move or the board holds motion.

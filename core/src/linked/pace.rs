@@ -118,7 +118,7 @@ impl LinkedControl {
     /// Whether the kernel may make a tick now. While slides move the board sets the pace,
     /// otherwise the host's clock does.
     pub fn can_tick(&mut self) -> bool {
-        if self.thread.pass.is_some() || !self.reports.are_delivered() {
+        if self.thread.is_active() || !self.reports.are_delivered() {
             // The board cuts the pass and the control follows, or reports wait for the
             // control. The free lookahead does not matter in either case.
             self.clock.pace.blocked_since = None;
@@ -167,7 +167,7 @@ impl LinkedControl {
     /// after a sleep no program does.
     pub fn handle_host_gap(&mut self, gap: Duration) {
         // A board of timed steps detects the absence on its own.
-        if self.config.protocol != Protocol::Line || self.thread.pass.is_some() {
+        if self.config.protocol != Protocol::Line || self.thread.is_active() {
             return;
         }
         let orders = &self.control.orders;

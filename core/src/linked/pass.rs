@@ -1,21 +1,30 @@
-//! A thread pass that the board cuts: passed to it at a standstill, followed by its
+//! A thread pass or tap that the board makes: passed to it at a standstill, followed by its
 //! reports, and resumed by the control where the board stopped.
 
 use super::LinkedControl;
 use crate::alarm::Alarm;
 use crate::board::BoardReport;
-use crate::units::{PerAxis, Pulses};
-use gsk_link::{HostTime, PassError, ThreadPass};
+use crate::units::{Axis, PerAxis, Pulses};
+use gsk_link::{HostTime, LinkState, PassError, Stop, TapOrder, ThreadPass};
 
-/// State of the threads that the board cuts.
+/// State of the threads and taps that the board makes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct BoardThread {
     /// The thread pass that the board is cutting; `None` without one.
     pub(super) pass: Option<ThreadPass>,
+    /// The tap that the board is making; `None` without one.
+    pub(super) tap: Option<TapOrder>,
     waiting: Option<PassDelay>,
 }
 
-/// The reason for which the board does not accept a pass yet, and since when.
+impl BoardThread {
+    /// Whether the board moves on its own, and the control follows.
+    pub(super) const fn is_active(&self) -> bool {
+        self.pass.is_some() || self.tap.is_some()
+    }
+}
+
+/// The reason for which the board does not accept a pass or tap yet, and since when.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct PassDelay {
     reason: PassError,
@@ -23,23 +32,26 @@ struct PassDelay {
 }
 
 impl LinkedControl {
-    /// Passes a requested thread pass to the board as soon as the board accepts it; raises
+    /// Passes a requested thread pass or tap to the board as soon as the board accepts it; raises
     /// an alarm after the time budget.
     pub(super) fn offer_pass(&mut self) {
-        let requested = self.control.orders.pass;
-        let offered = requested.filter(|_| self.thread.pass.is_none());
-        let Some(pass) = offered else {
-            self.thread.waiting = None;
-            return;
-        };
-        let reason = match self.link.cut(&pass) {
-            Ok(()) => {
+        let is_free = !self.thread.is_active();
+        let reason = if let Some(pass) = self.control.orders.pass.filter(|_| is_free) {
+            self.link.cut(&pass).map(|()| {
                 self.report(BoardReport::PassStarted);
                 self.thread.pass = Some(pass);
-                self.thread.waiting = None;
-                return;
-            }
-            Err(why) => why,
+            })
+        } else if let Some(order) = self.control.orders.tap.filter(|_| is_free) {
+            self.link.tap(&order).map(|()| {
+                self.report(BoardReport::TapStarted);
+                self.thread.tap = Some(order);
+            })
+        } else {
+            Ok(())
+        };
+        let Err(reason) = reason else {
+            self.thread.waiting = None;
+            return;
         };
         let same = |before: &PassDelay| {
             core::mem::discriminant(&before.reason) == core::mem::discriminant(&reason)
@@ -64,8 +76,41 @@ impl LinkedControl {
         Some(fraction_at(&self.thread.pass?, self.link.counted()?))
     }
 
-    /// Ends the pass after the board's count has confirmed its end.
+    /// Depth of the tap at the angle that the board last reported, mm; `None` without a tap.
+    pub(super) fn tap_depth_mm(&self) -> Option<f64> {
+        self.thread.tap?;
+        Some(self.link.tap_distance()? / self.link.pulses_per_mm()[Axis::Z as usize])
+    }
+
+    /// Stops the board in a tap that the control no longer follows.
+    pub(super) fn stop_abandoned_tap(&mut self) {
+        if self.thread.tap.is_none() || self.control.orders.follows_tap {
+            return;
+        }
+        if self.reports.are_delivered() {
+            self.drop_tap();
+        }
+    }
+
+    /// Ends a tap before its end: the board stops, and reports where.
+    pub(super) fn drop_tap(&mut self) {
+        if self.thread.tap.take().is_none() {
+            return;
+        }
+        self.report(BoardReport::MotionEnded);
+        if self.link.state() == LinkState::Moving {
+            self.link.stop(Stop::Flush);
+            self.stopping.flush();
+        }
+    }
+
+    /// Ends the pass or tap after the board's count has confirmed its end.
     pub(super) fn end_pass(&mut self) {
+        if let Some(order) = self.thread.tap.take() {
+            self.report(BoardReport::TapEnded(order.start));
+            self.motion.set_count(order.start);
+            self.motion.last_motion_end = self.clock.run;
+        }
         let Some(pass) = self.thread.pass.take() else {
             return;
         };

@@ -54,7 +54,7 @@ impl LinkedControl {
 
     /// Whether the slides move or are being stopped.
     fn is_under_way(&self) -> bool {
-        self.has_pending_motion() || !self.stopping.is_none() || self.thread.pass.is_some()
+        self.has_pending_motion() || !self.stopping.is_none() || self.thread.is_active()
     }
 
     /// Sets the control's position to the board's last count after a fault or a loss, so that the

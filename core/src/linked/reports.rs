@@ -62,7 +62,9 @@ impl LinkedControl {
     /// Queues an alarm for the control's next tick. The control later adds the position of
     /// the slides to its detail.
     pub(super) fn raise(&mut self, alarm: Alarm) {
-        let in_pass = self.thread.pass.take().is_some();
+        let in_pass = self.thread.is_active();
+        self.thread.pass = None;
+        self.drop_tap();
         self.report(BoardReport::Alarm { alarm, in_pass });
     }
 }

@@ -171,7 +171,7 @@ impl MotionLimits {
 
     /// The law by which the electronic gear of threads changes its rate in lead-in and lead-out
     /// (028, 029, 175.4).
-    pub(super) const fn gear_law(&self) -> &GearLaw {
+    pub(crate) const fn gear_law(&self) -> &GearLaw {
         &self.gear_law
     }
 

@@ -54,6 +54,7 @@
 
 mod duration;
 mod external_cut;
+mod external_tap;
 mod gear;
 mod inputs;
 mod interpolator;

@@ -1,11 +1,14 @@
-//! A thread of the step-queue link on the built firmware in the emulator and on the twin: each step
-//! comes at the same count of the spindle.
+//! A thread and a tap of the step-queue link on the built firmware in the emulator and on the twin:
+//! each step comes at the same count of the spindle.
 
+use std::cell::Cell;
+use std::rc::Rc;
 use std::time::Duration;
 
 use gsk_link::step_queue::StepLink;
 use gsk_link::{
-    AxisRates, Backend, Drives, FINE, LinkConfig, LinkEvent, LinkState, RunTime, Sample, ThreadPlan,
+    AxisRates, Backend, Drives, FINE, LinkConfig, LinkEvent, LinkState, RunTime, Sample, TapOrder,
+    ThreadPlan,
 };
 use gsk_twins::pico::{PicoTwin, SpindleEncoderWiring};
 use gsk_units::{PerAxis, Pulses};
@@ -36,11 +39,17 @@ const WIRED: &str = r#"(
 /// tolerance of the segments, and the times from the count to the step.
 const MOST_APART: i64 = 5;
 
+/// Turns of the tap from its start to its depth, and its start, counts after the index.
+const TAP_TURNS: f64 = 2.0;
+const TAP_START: f64 = 1024.0;
+
 /// A step of Z: its direction, and the count of the spindle.
 type ThreadStep = (bool, i64);
 
 /// A board with a spindle of 600 r/min that varies.
 trait ThreadBoard {
+    /// Sets the speed of the spindle without its ripple, r/min.
+    fn set_speed(&mut self, rpm: f64);
     fn now(&self) -> Duration;
     fn run_one_ms(&mut self);
     fn read(&mut self) -> Vec<u8>;
@@ -48,30 +57,45 @@ trait ThreadBoard {
     fn take_steps(&mut self) -> Vec<ThreadStep>;
 }
 
-impl ThreadBoard for Bench {
+/// The emulated board and the speed of its spindle, r/min.
+struct EmulatedBoard {
+    bench: Bench,
+    rpm: Rc<Cell<f64>>,
+}
+
+impl ThreadBoard for EmulatedBoard {
+    fn set_speed(&mut self, rpm: f64) {
+        self.rpm.set(rpm);
+    }
+
     fn now(&self) -> Duration {
-        Duration::from_secs_f64(self.cycle() as f64 / CYCLES_PER_S)
+        Duration::from_secs_f64(self.bench.cycle() as f64 / CYCLES_PER_S)
     }
 
     fn run_one_ms(&mut self) {
-        self.run(125_000);
+        self.bench.run(125_000);
     }
 
     fn read(&mut self) -> Vec<u8> {
-        self.from_board.replace(Vec::new()).unwrap_or_default()
+        let from_board = self.bench.from_board.replace(Vec::new());
+        from_board.unwrap_or_default()
     }
 
     fn write(&mut self, bytes: &[u8]) {
-        Bench::write(self, bytes);
+        self.bench.write(bytes);
     }
 
     fn take_steps(&mut self) -> Vec<ThreadStep> {
-        let edges = self.edges.drain(..).filter(|edge| edge.axis == 1);
+        let edges = self.bench.edges.drain(..).filter(|edge| edge.axis == 1);
         edges.map(|edge| (edge.is_up, edge.count)).collect()
     }
 }
 
 impl ThreadBoard for PicoTwin {
+    fn set_speed(&mut self, rpm: f64) {
+        self.run_spindle(rpm);
+    }
+
     fn now(&self) -> Duration {
         Duration::from_nanos(PicoTwin::now(self))
     }
@@ -105,7 +129,9 @@ impl ThreadBoard for PicoTwin {
     }
 }
 
-fn emulator() -> Bench {
+fn emulator() -> EmulatedBoard {
+    let rpm = Rc::new(Cell::new(600.0));
+    let speed = Rc::clone(&rpm);
     let mut bench = Bench::start();
     bench.from_board = Some(Vec::new());
     bench.index_counts = 4;
@@ -114,10 +140,10 @@ fn emulator() -> Bench {
         let seconds = (cycle - last) as f64 / CYCLES_PER_S;
         last = cycle;
         let phase: f64 = turns * RIPPLES * std::f64::consts::TAU;
-        turns += 10.0 * (1.0 + RIPPLE * phase.sin()) * seconds;
-        (turns * COUNTS) as i64
+        turns += speed.get() / 60.0 * (1.0 + RIPPLE * phase.sin()) * seconds;
+        (turns * COUNTS).floor() as i64
     });
-    bench
+    EmulatedBoard { bench, rpm }
 }
 
 fn twin() -> PicoTwin {
@@ -222,6 +248,45 @@ impl<B: ThreadBoard> ThreadHost<B> {
         self.link.push(sample).unwrap();
     }
 
+    /// Taps: in to the depth, run-on and reversal of the spindle, and back. Returns the steps.
+    fn tap(&mut self) -> Vec<ThreadStep> {
+        let order = TapOrder {
+            start: PerAxis::new(Pulses(0), Pulses(0)),
+            depth: -TAP_TURNS * LEAD_STEPS,
+            bound: 4.0 * TAP_TURNS * LEAD_STEPS,
+            lead: LEAD_STEPS,
+            start_degrees: 360.0 * TAP_START / COUNTS,
+            lead_in_turns: RAMP_TURNS,
+            first_share: 0.0,
+        };
+        self.reach(LinkState::Ready);
+        self.link.tap(&order).unwrap();
+        let depth = TAP_TURNS * LEAD_STEPS;
+        for _ in 0..5000 {
+            if self.link.tap_distance().is_some_and(|at| at >= depth) {
+                break;
+            }
+            self.run_ms(1);
+        }
+        // 200 ms each: it slows down, stands, and turns back faster and faster.
+        for ms in 0..600 {
+            let rpm = match ms {
+                0..200 => f64::from(200 - ms) * 3.0,
+                200..400 => 0.0,
+                _ => f64::from(400 - ms) * 3.0,
+            };
+            self.board.set_speed(rpm);
+            self.run_ms(1);
+        }
+        self.reach(LinkState::Ready);
+        self.run_ms(100);
+        let is_alarm = |event: &LinkEvent| matches!(event, LinkEvent::Alarm { .. });
+        assert!(!self.events.iter().any(is_alarm), "{:?}", self.events);
+        assert!(self.events.contains(&LinkEvent::Drained));
+        assert_eq!(self.link.counted(), Some(order.start));
+        self.board.take_steps()
+    }
+
     /// Cuts a pass and returns to its start. Returns the steps of the cut, their counts from an
     /// index on.
     fn cut(&mut self) -> Vec<ThreadStep> {
@@ -312,4 +377,56 @@ fn a_thread_has_its_steps_at_the_same_counts_in_the_emulator_and_on_the_twin() {
     let apart = counts_apart(&on_twin, &in_emulator);
     println!("twin and emulator: {apart} counts apart");
     assert!(apart <= MOST_APART, "{apart}");
+}
+
+/// Taps; returns the counts of the steps on the way in from the start on, and prints the greatest
+/// phase error.
+fn counts_of_a_tap<B: ThreadBoard>(name: &str, board: B) -> Vec<i64> {
+    let mut host = ThreadHost::open(board);
+    let steps = host.tap();
+    let ups = steps.iter().filter(|(is_up, _)| *is_up).count();
+    assert_eq!(2 * ups, steps.len(), "{name}: net zero steps");
+    assert!(
+        ups as f64 > LEAD_STEPS * way(TAP_TURNS + RAMP_TURNS / 2.0),
+        "{name}: the run-on"
+    );
+    // The first step is within the first turn after the start.
+    let begun = ((steps[0].1 as f64 - TAP_START) / COUNTS).floor() * COUNTS + TAP_START;
+    let tap_way = |turns: f64| {
+        let turns = turns.max(0.0);
+        if turns < RAMP_TURNS {
+            turns * turns / (2.0 * RAMP_TURNS)
+        } else {
+            turns - RAMP_TURNS / 2.0
+        }
+    };
+    let (mut position, mut worst) = (0.0_f64, 0.0_f64);
+    for (is_up, count) in &steps {
+        let due = LEAD_STEPS * tap_way((*count as f64 - begun) / COUNTS);
+        worst = worst.max((position - due).abs());
+        position += if *is_up { -1.0 } else { 1.0 };
+        worst = worst.max((position - due).abs());
+    }
+    println!(
+        "{name}: {} edges of a tap, phase error at most {worst:.2} steps",
+        steps.len()
+    );
+    let count_steps = LEAD_STEPS / COUNTS;
+    assert!(
+        worst <= 1.0 + (1.0 + LATENCY_COUNTS) * count_steps,
+        "{name}: {worst}"
+    );
+    let inwards = steps.iter().take_while(|(is_up, _)| !is_up);
+    inwards.map(|(_, count)| count - begun as i64).collect()
+}
+
+#[test]
+fn a_tap_has_its_steps_at_the_same_counts_in_the_emulator_and_on_the_twin() {
+    let on_twin = counts_of_a_tap("twin", twin());
+    let in_emulator = counts_of_a_tap("emulator", emulator());
+    let pairs = on_twin.iter().zip(&in_emulator);
+    let apart = pairs.map(|(one, other)| (one - other).abs()).max();
+    println!("twin and emulator: {apart:?} counts apart in a tap");
+    // A step that the spindle's ripple delays by a count, and the latency.
+    assert!(apart.is_some_and(|apart| apart <= MOST_APART), "{apart:?}");
 }

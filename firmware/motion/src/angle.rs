@@ -29,6 +29,16 @@ enum Phase {
     Ended,
 }
 
+/// The part of a tap that the spindle has made.
+#[derive(Clone, Copy, Debug)]
+struct TapProgress {
+    /// Counts along the tap from which on its return to the start ends it.
+    depth: i32,
+    /// Counts along the tap, negative before its start.
+    at: i32,
+    has_been_deep: bool,
+}
+
 /// What a follower does with the next segment of the queue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum QueuedAngle {
@@ -47,6 +57,8 @@ pub struct AngleFollower {
     phase: Phase,
     /// Whether the thread is followed while the spindle counts down.
     is_reverse: bool,
+    /// `None` in a thread, which ends after its last segment. A tap ends back at its start.
+    tap: Option<TapProgress>,
     segment: Segment,
     /// Count within the segment; negative before the start of the thread.
     count: i32,
@@ -73,6 +85,7 @@ impl AngleFollower {
             denominator: i64::from(denominator.max(1)),
             phase: Phase::Waiting,
             is_reverse,
+            tap: None,
             segment: Segment::default(),
             count: 0,
             rate: 0,
@@ -83,6 +96,16 @@ impl AngleFollower {
             has_dropped: false,
             late: -1,
         }
+    }
+
+    /// Makes the thread a tap: it ends when the spindle turns back to its start after at least
+    /// `depth` counts.
+    pub fn end_at_start(&mut self, depth: i32) {
+        self.tap = Some(TapProgress {
+            depth,
+            at: 0,
+            has_been_deep: false,
+        });
     }
 
     /// Returns the greatest phase error since the last call, thousandths of a step, and begins
@@ -105,7 +128,7 @@ impl AngleFollower {
         self.phase == Phase::Waiting
     }
 
-    /// Whether the last segment is complete. Steps may be due.
+    /// Whether the last segment is complete, or a tap back at its start. Steps may be due.
     #[inline(always)]
     pub fn is_ended(&self) -> bool {
         self.phase == Phase::Ended
@@ -130,6 +153,7 @@ impl AngleFollower {
                 None => match next() {
                     QueuedAngle::Segment(segment) => segment,
                     QueuedAngle::Empty => return Err(Reason::AngleUnderrun),
+                    QueuedAngle::End if self.tap.is_some() => return Err(Reason::TapTooDeep),
                     QueuedAngle::End => {
                         self.phase = Phase::Ended;
                         return Ok(());
@@ -185,6 +209,13 @@ impl AngleFollower {
         }
         for _ in 0..-along {
             self.turn_back()?;
+            if self.phase == Phase::Ended {
+                break;
+            }
+        }
+        if let Some(tap) = &mut self.tap {
+            tap.at += along;
+            tap.has_been_deep |= tap.at >= tap.depth;
         }
         let most = self.denominator << MAX_LAG_SHIFT;
         if self.due > most || self.due < -most {
@@ -213,6 +244,12 @@ impl AngleFollower {
         if self.count >= 0 {
             self.rate -= i64::from(self.segment.add);
             self.due -= self.rate;
+        }
+        let is_at_start = self.count == 0 && self.done.is_empty() && !self.has_dropped;
+        if is_at_start && self.tap.is_some_and(|tap| tap.has_been_deep) {
+            self.phase = Phase::Ended;
+            // A step back that is held is made: the axis is exactly at its start.
+            self.rate = 0;
         }
         Ok(())
     }

@@ -54,6 +54,7 @@ messages! {
     EndAngle "end_angle oid=%c"
     ConfigWheel "config_wheel oid=%c pin_a=%c"
     QueryWheel "query_wheel oid=%c clock=%u rest_ticks=%u"
+    BeginTap "begin_tap oid=%c clock=%u start=%u denominator=%u phase=%u reverse=%c depth=%u"
 }
 
 messages! {
@@ -125,6 +126,7 @@ reasons! {
     SpindleOverrun "Spindle encoder overrun"
     IndexMoved "Spindle index at another count"
     FollowingError "Following error too large"
+    TapTooDeep "Tap beyond its last segment"
 }
 
 /// Id (`static_string_id`) of the first shutdown reason.

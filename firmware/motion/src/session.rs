@@ -10,12 +10,28 @@ use crate::messages::{
 pub const DICTIONARY: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/dictionary.bin"));
 
 /// The protocol's state: what is received incompletely, and the sequence number.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Session {
     reader: BlockReader,
+    dictionary: &'static [u8],
+}
+
+impl Default for Session {
+    fn default() -> Self {
+        Self::with_dictionary(DICTIONARY)
+    }
 }
 
 impl Session {
+    /// Creates a session that announces a dictionary, compressed with zlib: for tests of a host
+    /// with older firmware.
+    pub fn with_dictionary(dictionary: &'static [u8]) -> Self {
+        Self {
+            reader: BlockReader::default(),
+            dictionary,
+        }
+    }
+
     /// Takes a byte. Calls `execute` with each request for the engine, and `reply` with each
     /// block that answers the byte.
     pub fn push(
@@ -76,13 +92,14 @@ impl Session {
     fn identify(&self, offset: u32, count: u32) -> BlockBytes {
         /// Greatest length of the part: the content without ids and numbers.
         const MOST: usize = MAX_CONTENT - 8;
-        let from = (offset as usize).min(DICTIONARY.len());
-        let to = (from + (count as usize).min(MOST)).min(DICTIONARY.len());
+        let dictionary = self.dictionary;
+        let from = (offset as usize).min(dictionary.len());
+        let to = (from + (count as usize).min(MOST)).min(dictionary.len());
         let mut content = Content::new();
         block::encode_vlq(&mut content, response_id(Response::Identify).into());
         block::encode_vlq(&mut content, offset.into());
         content.extend([(to - from) as u8]);
-        content.extend(DICTIONARY[from..to].iter().copied());
+        content.extend(dictionary[from..to].iter().copied());
         block::encode_block(self.reader.expected, &content)
     }
 }

@@ -21,8 +21,8 @@ const WAITING_STEPS: u32 = 3;
 pub enum Entry {
     /// A run of steps on the clock.
     Clock(ClockRun),
-    /// The start of a thread: from the clock on, wait for the spindle to pass an angle, counts
-    /// from its index.
+    /// The start of a thread or tap: from the clock on, wait for the spindle to pass an angle,
+    /// counts from its index.
     Begin {
         clock: u32,
         start: u32,
@@ -30,6 +30,9 @@ pub enum Entry {
         phase: u32,
         is_reverse: bool,
     },
+    /// After the start of a tap: counts from which on the return to the start ends it. Not in the
+    /// start itself, so that no entry becomes larger: the board has memory for 2048.
+    Depth(u32),
     /// A part of the thread.
     Angle(Segment),
     /// The end of the thread.
@@ -172,10 +175,10 @@ impl Stepper {
                 // The steps of a thread have no time that the host knows.
                 self.is_clock_known = false;
             }
-            Entry::Angle(_) | Entry::End if !self.queues_thread => {
+            Entry::Angle(_) | Entry::Depth(_) | Entry::End if !self.queues_thread => {
                 return Err(Reason::AngleMissing);
             }
-            Entry::Angle(_) => {}
+            Entry::Angle(_) | Entry::Depth(_) => {}
             Entry::End => self.queues_thread = false,
         }
         self.queue
@@ -196,13 +199,19 @@ impl Stepper {
                 phase,
                 is_reverse,
             }) => {
+                let mut follower = AngleFollower::new(denominator, phase, is_reverse);
+                if let Some(Entry::Depth(depth)) = self.queue.front() {
+                    follower.end_at_start(*depth as i32);
+                    self.queue.pop_front();
+                }
                 self.activity = Activity::Angle {
-                    follower: AngleFollower::new(denominator, phase, is_reverse),
+                    follower,
                     clock,
                     start,
                 };
             }
-            Some(Entry::Angle(_) | Entry::End) | None => {}
+            // After a tap the segments that it did not reach are left.
+            Some(Entry::Angle(_) | Entry::Depth(_) | Entry::End) | None => {}
         }
     }
 

@@ -73,6 +73,7 @@ commands! {
     EndAngle Angle "end_angle oid=%c"
     ConfigWheel Wheel "config_wheel oid=%c pin_a=%c"
     QueryWheel Wheel "query_wheel oid=%c clock=%u rest_ticks=%u"
+    BeginTap Optional "begin_tap oid=%c clock=%u start=%u denominator=%u phase=%u reverse=%c depth=%u"
 }
 
 /// All replies with their requirement and their exact text in the dictionary.

@@ -31,6 +31,7 @@ mod spindle_angle;
 mod spindle_estimator;
 mod step_compress;
 mod steps;
+mod tap_path;
 mod wiring;
 
 pub use session::StepLink;

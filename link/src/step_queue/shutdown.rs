@@ -18,6 +18,8 @@ enum ShutdownCause {
     FollowingError,
     /// The spindle encoder is disturbed, or the axes cannot follow it.
     SpindleEncoder,
+    /// The spindle did not stop or reverse in a tap.
+    TapTooDeep,
     /// A fault of the board.
     BoardFault,
 }
@@ -32,13 +34,14 @@ impl ShutdownCause {
             Self::Guard => (alarm::EMERGENCY_STOP, say::shutdown_guard()),
             Self::FollowingError => (alarm::FOLLOWING_ERROR, say::shutdown_following_error()),
             Self::SpindleEncoder => (alarm::SPINDLE_ENCODER, say::shutdown_spindle_encoder()),
+            Self::TapTooDeep => (alarm::SPINDLE_ENCODER, say::shutdown_tap_too_deep()),
             Self::BoardFault => (alarm::BOARD_FAULT, say::shutdown_board_failed()),
         }
     }
 }
 
 /// Beginnings of the board's shutdown texts, each with its cause.
-const TEXTS: [(&str, ShutdownCause); 20] = [
+const TEXTS: [(&str, ShutdownCause); 21] = [
     ("Timer too close", ShutdownCause::StepsLate),
     ("Stepper too far in past", ShutdownCause::StepsLate),
     ("Rescheduled timer in the past", ShutdownCause::StepsLate),
@@ -67,6 +70,7 @@ const TEXTS: [(&str, ShutdownCause); 20] = [
         "Axis cannot follow the spindle",
         ShutdownCause::SpindleEncoder,
     ),
+    ("Tap beyond its last segment", ShutdownCause::TapTooDeep),
     ("Step clock not set", ShutdownCause::DamagedCommand),
     (
         "Angle entry without begin_angle",

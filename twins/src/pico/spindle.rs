@@ -54,6 +54,11 @@ pub(super) struct EncoderSpindle {
     loaded_until: Option<f64>,
     was_inside: bool,
     pub(super) is_stalled: bool,
+    /// Whether the spindle keeps its speed and direction whatever the outputs are, as with a
+    /// contactor that sticks.
+    pub(super) is_drive_stuck: bool,
+    /// Whether the output for the reverse direction has no effect.
+    pub(super) is_reverse_missing: bool,
     /// Counts that the encoder shows too many.
     pub(super) jumped: i64,
     /// Whether A and B of the encoder are exchanged.
@@ -76,6 +81,8 @@ impl EncoderSpindle {
             loaded_until: None,
             was_inside: false,
             is_stalled: false,
+            is_drive_stuck: false,
+            is_reverse_missing: false,
             jumped: 0,
             is_encoder_reversed: false,
             is_index_lost: false,
@@ -88,7 +95,11 @@ impl EncoderSpindle {
         let Some([forward, reverse]) = self.wiring.direction_pins else {
             return;
         };
-        let direction = match (output(forward) > 0.0, output(reverse) > 0.0) {
+        if self.is_drive_stuck {
+            return;
+        }
+        let turns_back = output(reverse) > 0.0 && !self.is_reverse_missing;
+        let direction = match (output(forward) > 0.0, turns_back) {
             (true, false) => 1.0,
             (false, true) => -1.0,
             _ => 0.0,

@@ -130,6 +130,9 @@ impl Cnc {
             return Ok(());
         }
         self.check_encoder()?;
+        if self.is_tapping_by_board() {
+            self.check_pass_end(to)?;
+        }
         if self.run.automatic.tap_reverse != 0 {
             self.run.automatic.tap = Some(TapStage::Restart);
             return Ok(());
@@ -142,7 +145,7 @@ impl Cnc {
     }
 
     fn is_dry_tap(&self) -> bool {
-        self.dry_run().is_some() || self.plc.signals.auxiliary_lock
+        self.dry_run().is_some() || self.plc.signals.auxiliary_lock || self.is_tap_locked()
     }
 
     /// Returns alarm 092 as error if the encoder cannot be used.
@@ -180,7 +183,11 @@ impl Cnc {
                 TapStage::Ready
             }
             TapStage::Ready if !busy && self.is_spindle_steady() => {
-                self.drives.interpolator.start_tap(to, lead, degrees);
+                if self.is_tapping_by_board() {
+                    self.request_tap(to, lead, degrees);
+                } else {
+                    self.drives.interpolator.start_tap(to, lead, degrees);
+                }
                 TapStage::In
             }
             // In dry run the tap is a cut, which ends at the bottom.

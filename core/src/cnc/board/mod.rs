@@ -10,6 +10,7 @@ mod rate_preflight;
 mod rates;
 mod reports;
 mod spindle;
+mod tap;
 mod zero;
 
 use crate::alarm::{Alarm, AlarmClass, number};
@@ -19,7 +20,7 @@ use crate::command::{Action, SpindleCommand};
 use crate::motion::ThreadMove;
 use crate::operation::{RunState, ZeroReturnStage};
 use crate::units::{Axis, Feed, PerAxis, Point, Pulses};
-use gsk_link::ThreadCapability;
+use gsk_link::{TapCapability, ThreadCapability};
 use gsk_messages::{Message, say};
 use gsk_plc::address::BitAddress;
 
@@ -157,6 +158,9 @@ impl Cnc {
             }
         }
         let tapping = match action {
+            Action::Tap { .. } if board.taps == TapCapability::Followed => {
+                return self.check_board_spindle(action);
+            }
             Action::Tap { .. } => true,
             Action::Spindle(SpindleCommand::Surface(_)) if !board.speed_follows_motion => {
                 return Err(Alarm::new(number::BOARD_CANNOT)

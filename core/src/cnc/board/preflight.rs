@@ -9,7 +9,7 @@ use crate::cnc::Cnc;
 use crate::command::{ProgramId, SequenceNumber, SourcePosition, ThreadPassFeature};
 use crate::model::{GCode, ModelRecord};
 use crate::program::Program;
-use gsk_link::{MissingForThreads, ThreadCapability};
+use gsk_link::{MissingForThreads, TapCapability, ThreadCapability};
 use gsk_messages::{Message, say};
 use passes::ThreadScan;
 
@@ -44,6 +44,10 @@ impl Cnc {
             .drives
             .board
             .map_or_else(Default::default, |board| board.threads);
+        let taps = self
+            .drives
+            .board
+            .map_or_else(Default::default, |board| board.taps);
         let mut threads = ThreadScan::new(self.memory.parameters.run_out_tenths());
         let record = self.memory.model.record();
         // The search for more than one pass reads the thread codes of the GSK980TD.
@@ -66,7 +70,7 @@ impl Cnc {
                 let needs = block_needs(
                     program.block(index),
                     record,
-                    thread_capability,
+                    (thread_capability, taps),
                     self.plc.signals.dry_run,
                 );
                 let pass_refusal = || {
@@ -107,12 +111,12 @@ fn refusal_alarm(id: ProgramId, program: &Program, index: u32, refused: RefusedF
 }
 
 /// Determines which functions a block requires from the board. `record` gives the meanings of its
-/// codes, `threads` the threads that the
-/// board can cut; in `dry_run` a thread is an ordinary cut.
+/// codes, `capabilities` the threads
+/// and taps that the board can cut; in `dry_run` a thread is an ordinary cut.
 fn block_needs(
     block: &str,
     record: &ModelRecord,
-    threads: ThreadCapability,
+    capabilities: (ThreadCapability, TapCapability),
     dry_run: bool,
 ) -> BlockNeeds {
     let mut needs = BlockNeeds::default();
@@ -129,7 +133,7 @@ fn block_needs(
                     // In dry run all motion is feed.
                     ('G', Some(number)) if !dry_run => match record.g_code(number.into()) {
                         Some(GCode::SurfaceSpeed) => needs.surface_speed = true,
-                        Some(code) => needs.refused_function = g_code_refusal(code, threads),
+                        Some(code) => needs.refused_function = g_code_refusal(code, capabilities),
                         None => {}
                     },
                     ('M', Some(98)) => call = true,
@@ -151,7 +155,10 @@ fn block_needs(
 
 /// Returns the function of the G code `code` that the board cannot execute; `None` if the board can
 /// execute the code.
-fn g_code_refusal(code: GCode, threads: ThreadCapability) -> Option<RefusedFunction> {
+fn g_code_refusal(
+    code: GCode,
+    (threads, taps): (ThreadCapability, TapCapability),
+) -> Option<RefusedFunction> {
     let reason = match (code, threads) {
         (
             GCode::Thread
@@ -164,12 +171,15 @@ fn g_code_refusal(code: GCode, threads: ThreadCapability) -> Option<RefusedFunct
             | GCode::InchThreadCycle,
             ThreadCapability::None(lacks),
         ) => return Some(RefusedFunction::ThreadLacks(lacks)),
-        (
-            GCode::Tapping | GCode::MetricRigidTapping | GCode::InchRigidTapping,
-            ThreadCapability::Followed,
-        ) => say::cannot_tap_by_index(),
         (GCode::Tapping | GCode::MetricRigidTapping | GCode::InchRigidTapping, _) => {
-            say::cannot_tap()
+            match (taps, threads) {
+                (TapCapability::Followed, _) => return None,
+                (TapCapability::OldFirmware, _) => say::cannot_tap_by_firmware(),
+                (TapCapability::NoEncoder, ThreadCapability::Followed) => {
+                    say::cannot_tap_by_index()
+                }
+                (TapCapability::NoEncoder, _) => say::cannot_tap(),
+            }
         }
         (GCode::FeedPerRevolution, ThreadCapability::Followed) => return None,
         (
@@ -206,14 +216,15 @@ mod tests {
     });
 
     fn needs_of(block: &str, threads: ThreadCapability, dry_run: bool) -> BlockNeeds {
-        block_needs(block, ModelId::Gsk980td.record(), threads, dry_run)
+        let capabilities = (threads, TapCapability::NoEncoder);
+        block_needs(block, ModelId::Gsk980td.record(), capabilities, dry_run)
     }
 
     #[test]
     fn codes_have_the_meaning_of_the_model() {
         let record = ModelId::Hx31.record();
         let refuses = |block: &str| {
-            let needs = block_needs(block, record, NONE, false);
+            let needs = block_needs(block, record, (NONE, TapCapability::NoEncoder), false);
             needs.refused_function.is_some()
         };
         for block in ["G92 X100 Z100", "G76", "G74 X0", "G91 G01 X2"] {
@@ -259,6 +270,15 @@ mod tests {
         );
         let tap = needs_of("X1 G33 Z-5 F1", ThreadCapability::Followed, false);
         assert!(tap.refused_function.is_some());
+        for (taps, is_refused) in [
+            (TapCapability::OldFirmware, true),
+            (TapCapability::Followed, false),
+        ] {
+            let record = ModelId::Gsk980td.record();
+            let capabilities = (ThreadCapability::Followed, taps);
+            let needs = block_needs("G33 Z-5 F1", record, capabilities, false);
+            assert_eq!(needs.refused_function.is_some(), is_refused, "{taps:?}");
+        }
         for block in ["(G92) G01 X1", "G98", "G9", "G920", "G0 X32", "N92 G01"] {
             assert_eq!(
                 needs_of(block, NONE, false),

@@ -79,15 +79,17 @@ impl Cnc {
                 (thread.top_speed(from, rpm?, limits), false)
             }
             Action::ThreadCycle { per_revolution, .. } => (*per_revolution * rpm?.abs(), false),
+            Action::Tap { lead, .. } => (Point::new(0.0, (lead * rpm?).abs()), false),
             _ => return None,
         };
         let (axes, needed, made) = board.exceeded_rate(speed, on_arc)?;
         let axes = axes.to_message();
         Some(
             Alarm::new(number::BOARD_CANNOT).with_detail(match (action, rpm) {
-                (Action::Thread { .. } | Action::ThreadCycle { .. }, Some(rpm)) => {
-                    say::thread_pulses_too_many(rpm.abs(), axes, needed, made)
-                }
+                (
+                    Action::Thread { .. } | Action::ThreadCycle { .. } | Action::Tap { .. },
+                    Some(rpm),
+                ) => say::thread_pulses_too_many(rpm.abs(), axes, needed, made),
                 _ => say::feed_pulses_too_many(axes, needed, made),
             }),
         )

@@ -34,6 +34,9 @@ impl Cnc {
         if let Some(fraction) = board.pass_fraction {
             self.report_pass_progress(fraction);
         }
+        if let Some(depth_mm) = board.tap_depth_mm {
+            self.report_tap_depth(depth_mm);
+        }
         if let Some(alarm) = &self.drives.board_alarms.persistent
             && !self.is_resetting()
         {
@@ -112,6 +115,8 @@ impl Cnc {
             BoardReport::PassRefused(alarm) => self.raise_at_last_block(alarm.clone()),
             BoardReport::PassStarted => self.start_pass(),
             BoardReport::PassEnded(end) => self.finish_pass(*end),
+            BoardReport::TapStarted => self.drives.interpolator.begin_external_tap(),
+            BoardReport::TapEnded(end) => self.finish_tap(*end),
         }
     }
 
@@ -246,6 +251,8 @@ impl Cnc {
                 planned_rpm: self.thread_rpm(),
             },
             pass: self.pending_pass(),
+            tap: self.pending_tap(),
+            follows_tap: self.follows_board_tap(),
             returns: ReturnOrders {
                 by_board: self.board_homing_axes(),
                 awaited: PerAxis::new(x.0, z.0),

@@ -74,6 +74,7 @@ impl Cnc {
                 ..
             }
             | Action::ThreadCycle { .. } => self.is_steady(&spindle),
+            Action::Tap { .. } if self.is_tapping_by_board() => self.is_steady(&spindle),
             Action::Line {
                 feed: Feed::PerRevolution(_),
                 ..

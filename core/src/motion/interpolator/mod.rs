@@ -5,6 +5,7 @@ mod tick;
 use serde::{Deserialize, Serialize};
 
 use crate::motion::external_cut::ExternalCut;
+use crate::motion::external_tap::ExternalTap;
 use crate::motion::lag::Lag;
 use crate::motion::limits::MotionLimits;
 use crate::motion::manual_axis::{JogRate, ManualAxis};
@@ -42,6 +43,8 @@ enum ProgrammedMotion {
     /// A cut that a board makes; the control only follows its progress.
     #[serde(rename = "Driven")]
     ExternalCut(ExternalCut),
+    /// A tap that a board makes; the control only follows its depth.
+    ExternalTap(ExternalTap),
 }
 
 /// The interpolator: produces a position per tick. Machine coordinates in mm, X as a
@@ -124,6 +127,7 @@ impl Interpolator {
             ProgrammedMotion::Thread(thread) => thread.is_moving(),
             ProgrammedMotion::Tap(tap) => tap.is_moving(),
             ProgrammedMotion::ExternalCut(cut) => cut.is_moving(),
+            ProgrammedMotion::ExternalTap(tap) => tap.is_moving(),
         };
         programmed || self.is_guided || self.manual.x.is_moving() || self.manual.z.is_moving()
     }
@@ -145,6 +149,7 @@ impl Interpolator {
             ProgrammedMotion::Thread(thread) => thread.to() - self.position,
             ProgrammedMotion::Tap(tap) => tap.to() - self.position,
             ProgrammedMotion::ExternalCut(cut) => cut.to() - self.position,
+            ProgrammedMotion::ExternalTap(tap) => tap.to() - self.position,
         }
     }
 
@@ -177,7 +182,9 @@ impl Interpolator {
             ProgrammedMotion::Cut { path, ramp, .. } => {
                 path.point_at(ramp.remaining - limits.cutting_law().braking_distance(ramp.speed))
             }
-            ProgrammedMotion::Thread(_) | ProgrammedMotion::Tap(_) => {
+            ProgrammedMotion::Thread(_)
+            | ProgrammedMotion::Tap(_)
+            | ProgrammedMotion::ExternalTap(_) => {
                 let velocity = self.velocity();
                 let speed = velocity.length();
                 if speed <= 0.0 {
@@ -286,16 +293,68 @@ impl Interpolator {
         self.begin_motion(ProgrammedMotion::Tap(tap));
     }
 
+    /// Starts a tap that the board makes; see [`start_tap`](Self::start_tap). It waits for
+    /// [`begin_external_tap`](Self::begin_external_tap).
+    pub(crate) fn start_external_tap(&mut self, to: Point, lead: f64, degrees: f64) {
+        let tap = ExternalTap::new(self.position, to, lead, degrees);
+        self.begin_motion(ProgrammedMotion::ExternalTap(tap));
+    }
+
+    /// A tap that the board has not started yet; `None` without one.
+    pub(crate) const fn pending_external_tap(&self) -> Option<&ExternalTap> {
+        match &self.motion {
+            ProgrammedMotion::ExternalTap(tap) if !tap.is_begun() => Some(tap),
+            _ => None,
+        }
+    }
+
+    /// Records that the board has started the tap: from now on only the board can end it.
+    pub(crate) const fn begin_external_tap(&mut self) {
+        if let ProgrammedMotion::ExternalTap(tap) = &mut self.motion {
+            tap.begin();
+        }
+    }
+
+    /// Whether a tap that the board has started is followed, and not to be stopped.
+    pub(crate) const fn follows_external_tap(&self) -> bool {
+        matches!(&self.motion, ProgrammedMotion::ExternalTap(tap) if tap.is_begun())
+            && !self.stopping
+    }
+
+    /// Sets the depth of the tap that the board has reported, mm.
+    pub(crate) fn report_tap_depth(&mut self, depth_mm: f64) {
+        if let ProgrammedMotion::ExternalTap(tap) = &mut self.motion {
+            tap.report_depth(depth_mm);
+        }
+    }
+
+    /// Ends the tap that the board makes, at its start, and returns it; `None` without one.
+    pub(crate) fn end_external_tap(&mut self) -> Option<ExternalTap> {
+        let ProgrammedMotion::ExternalTap(tap) = self.motion else {
+            return None;
+        };
+        self.motion = ProgrammedMotion::None;
+        self.position = tap.from();
+        self.tick_start = tap.from();
+        Some(tap)
+    }
+
     /// Whether a tap has reached its depth. Even then it follows the spindle.
     pub(crate) fn is_tap_at_bottom(&self) -> bool {
-        matches!(&self.motion, ProgrammedMotion::Tap(tap) if tap.is_at_bottom())
+        match &self.motion {
+            ProgrammedMotion::Tap(tap) => tap.is_at_bottom(),
+            ProgrammedMotion::ExternalTap(tap) => tap.is_at_bottom(),
+            _ => false,
+        }
     }
 
     /// Reverses the tap: the tool follows the reversed spindle out to its start and stops
     /// there.
     pub(crate) fn reverse_tap(&mut self) {
-        if let ProgrammedMotion::Tap(tap) = &mut self.motion {
-            tap.reverse();
+        match &mut self.motion {
+            ProgrammedMotion::Tap(tap) => tap.reverse(),
+            ProgrammedMotion::ExternalTap(tap) => tap.reverse(),
+            _ => {}
         }
     }
 
@@ -417,6 +476,7 @@ impl Interpolator {
             ProgrammedMotion::Thread(thread) => ProgrammedMotion::Thread(thread.shifted(by)),
             ProgrammedMotion::Tap(tap) => ProgrammedMotion::Tap(tap.shifted(by)),
             ProgrammedMotion::ExternalCut(cut) => ProgrammedMotion::ExternalCut(cut.shifted(by)),
+            ProgrammedMotion::ExternalTap(tap) => ProgrammedMotion::ExternalTap(tap.shifted(by)),
         };
     }
 }

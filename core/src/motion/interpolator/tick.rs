@@ -190,13 +190,21 @@ impl Interpolator {
                 self.position = cut.position();
                 None
             }
+            ProgrammedMotion::ExternalTap(tap) => {
+                tap.advance();
+                self.position = tap.position();
+                None
+            }
         };
         if let Some(used) = used {
             self.motion = ProgrammedMotion::None;
             self.leftover_s = (time - used).clamp(0.0, TICK_S);
         }
-        let is_external =
-            matches!(&self.motion, ProgrammedMotion::ExternalCut(cut) if cut.is_begun());
+        let is_external = match &self.motion {
+            ProgrammedMotion::ExternalCut(cut) => cut.is_begun(),
+            ProgrammedMotion::ExternalTap(tap) => tap.is_begun(),
+            _ => false,
+        };
         if self.stopping && !self.is_moving() && !is_external {
             self.motion = ProgrammedMotion::None;
             self.leftover_s = 0.0;

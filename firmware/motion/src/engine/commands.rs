@@ -89,9 +89,11 @@ impl Engine {
             }
             Command::ResetStepClock => self.stepper(values[0])?.reset_step_clock(values[1])?,
             Command::SetNextStepDir => self.stepper(values[0])?.next_is_up = values[1] != 0,
-            Command::QueueStep | Command::BeginAngle | Command::QueueAngle | Command::EndAngle => {
-                return self.queue_entry(request, port);
-            }
+            Command::QueueStep
+            | Command::BeginAngle
+            | Command::BeginTap
+            | Command::QueueAngle
+            | Command::EndAngle => return self.queue_entry(request, port),
             Command::StepperStopOnTrigger => {
                 self.group(values[1])?;
                 let stepper = self.stepper(values[0])?;
@@ -212,8 +214,13 @@ impl Engine {
                 add: values[3] as i16,
                 is_up: stepper.next_is_up,
             }),
-            Command::BeginAngle if values[2] >= turn => return Err(Reason::NoSpindle),
-            Command::BeginAngle => Entry::Begin {
+            Command::BeginAngle | Command::BeginTap if values[2] >= turn => {
+                return Err(Reason::NoSpindle);
+            }
+            Command::BeginTap if values[6] == 0 || values[6] > i32::MAX as u32 => {
+                return Err(Reason::InvalidCount);
+            }
+            Command::BeginAngle | Command::BeginTap => Entry::Begin {
                 clock: values[1],
                 start: values[2],
                 denominator: values[3],
@@ -228,7 +235,12 @@ impl Engine {
             }),
             _ => Entry::End,
         };
-        stepper.queue(entry, port.clock() as u32)
+        let now = port.clock() as u32;
+        stepper.queue(entry, now)?;
+        if request.command == Command::BeginTap {
+            stepper.queue(Entry::Depth(values[6]), now)?;
+        }
+        Ok(())
     }
 
     fn execute_group(&mut self, request: &Request, port: &mut impl StepPort) -> Result<(), Reason> {

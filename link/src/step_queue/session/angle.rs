@@ -12,6 +12,7 @@
 
 mod planned_spindle;
 mod stretch;
+mod tap;
 
 use std::collections::VecDeque;
 
@@ -24,14 +25,12 @@ use crate::step_queue::clock_sync::near;
 use crate::step_queue::commands::Command;
 use crate::step_queue::spindle_angle::{EncoderTrack, SpindleCounts};
 use crate::step_queue::step_compress::Ticks;
-use crate::{
-    EncoderReading, FINE, LinkState, MotionRefused, Sample, SpindleDirection, SpindleView,
-    ThreadPlan,
-};
+use crate::{EncoderReading, FINE, LinkState, MotionRefused, Sample, SpindleView, ThreadPlan};
 use gsk_messages::say;
 use gsk_units::alarm;
 use planned_spindle::{PlannedSpindle, TICKS_PER_S};
 use stretch::{AngleStretch, fine_positions};
+use tap::{BoardTap, StoppedTap, is_against, last_count};
 
 /// Time without progress after which a thread is given up.
 const STALLED: Duration = Duration::from_secs(1);
@@ -51,6 +50,10 @@ pub(super) struct AngleDrive {
     /// The spindle that the kernel sees.
     spindle: PlannedSpindle,
     stretch: Option<AngleStretch>,
+    /// The tap in the board; `None` without one.
+    pub(super) tap: Option<BoardTap>,
+    /// The tap that the stop in progress has ended.
+    pub(super) stopped_tap: Option<StoppedTap>,
     /// Samples after a thread that has not ended in the board.
     waiting: VecDeque<Sample>,
     /// Whether a stop has ended a thread, at an angle that the board has not reported.
@@ -74,6 +77,12 @@ impl AngleDrive {
         self.phase_error = self.phase_error.max(Some(error));
     }
 
+    /// Begins a tap.
+    pub(super) const fn begin_tap(&mut self, tap: BoardTap) {
+        self.tap = Some(tap);
+        self.phase_error = None;
+    }
+
     /// Whether the motion of the kernel depends on the angle.
     pub(super) const fn is_planned(&self) -> bool {
         self.spindle.ticks_per_turn().is_some()
@@ -84,9 +93,11 @@ impl AngleDrive {
         self.stretch.is_some()
     }
 
-    /// Whether the next motion must wait for the end of a thread in the board.
+    /// Whether the next motion must wait for the end of a thread or tap in the board.
     pub(super) fn blocks_motion(&self) -> bool {
-        !self.waiting.is_empty() || self.stretch.as_ref().is_some_and(|thread| thread.is_closed)
+        self.tap.is_some()
+            || !self.waiting.is_empty()
+            || self.stretch.as_ref().is_some_and(|thread| thread.is_closed)
     }
 
     /// Drops the thread in the board, after a stop.
@@ -127,7 +138,9 @@ impl StepLink {
         }
     }
 
-    fn measured_speed(&self) -> f64 {
+    /// Returns the measured speed of the spindle, turns per second, negative if the encoder counts
+    /// down.
+    pub(super) fn measured_speed(&self) -> f64 {
         let now = self.clock.at(self.session.now) as Ticks;
         let track = self.angle.track.as_ref();
         track.map_or(0.0, |track| track.speed(now))
@@ -227,7 +240,7 @@ impl StepLink {
     }
 
     /// The direction of the board's steps for positive pulses of each axis, 1 or -1.
-    fn direction_signs(&self) -> [i64; 2] {
+    pub(super) fn direction_signs(&self) -> [i64; 2] {
         [&self.config.x, &self.config.z].map(
             |axis| {
                 if axis.is_direction_inverted() { -1 } else { 1 }
@@ -238,12 +251,7 @@ impl StepLink {
     /// Begins a thread at the position of `at`, at the start of the kernel's tick.
     fn begin_stretch(&mut self, at: &Sample) -> Result<(), MotionRefused> {
         let speed = self.measured_speed();
-        let is_against = match self.periodic.outputs.sent.spindle {
-            SpindleDirection::Forward => speed < 0.0,
-            SpindleDirection::Reverse => speed > 0.0,
-            SpindleDirection::Stop => false,
-        };
-        if is_against {
+        if is_against(self.periodic.outputs.sent.spindle, speed) {
             return Err(MotionRefused::EncoderReversed);
         }
         self.compress();
@@ -387,6 +395,9 @@ impl StepLink {
             return;
         };
         track.report(clock, count, index);
+        if let (Some(tap), Some(count)) = (&mut angle.tap, track.count()) {
+            tap.count_report(count, now);
+        }
         if let (Some(thread), Some(count)) = (&mut angle.stretch, track.count())
             && let Some(started) = thread.started
         {
@@ -411,7 +422,10 @@ impl StepLink {
         };
         let axis = usize::from(i64::from(oid) == axes.z);
         let now = self.session.now;
-        let known = self.angle.track.as_ref().and_then(EncoderTrack::count);
+        let known = last_count(self.angle.track.as_ref());
+        if let Some(tap) = &mut self.angle.tap {
+            tap.state_report(state, count, known, now);
+        }
         let Some(thread) = &mut self.angle.stretch else {
             return;
         };
@@ -419,7 +433,6 @@ impl StepLink {
             thread.has_ended[axis] = true;
             return;
         }
-        let known = known.unwrap_or_default().0;
         let count = known + i64::from(count.wrapping_sub(known as u32) as i32);
         thread.started.get_or_insert(SpindleCounts(count));
         thread.progressed = now;

@@ -13,8 +13,8 @@ use crate::step_queue::step_compress::Ticks;
 use crate::step_queue::{block, describe};
 use crate::{
     AwaitedInput, Backend, BoardInfo, BoardOutputs, EncoderReading, HostTime, Input, LinkState,
-    MissingForThreads, MotionRefused, Output, Pins, PulseRates, RunTime, Sample, SpindleView, Stop,
-    ThreadCapability, ThreadPlan, Traffic, Uncertainty,
+    MissingForThreads, MotionRefused, Output, PassError, Pins, PulseRates, RunTime, Sample,
+    SpindleView, Stop, TapCapability, TapOrder, ThreadCapability, ThreadPlan, Traffic, Uncertainty,
 };
 use gsk_messages::Message;
 use gsk_units::{Axis, PerAxis, Pulses};
@@ -330,6 +330,18 @@ impl Backend for StepLink {
 
     fn plan_thread(&mut self, plan: Option<ThreadPlan>) {
         self.plan_thread_angle(plan);
+    }
+
+    fn taps(&self) -> TapCapability {
+        self.tap_capability()
+    }
+
+    fn tap(&mut self, order: &TapOrder) -> Result<(), PassError> {
+        self.begin_tap(order)
+    }
+
+    fn tap_distance(&self) -> Option<f64> {
+        self.tap_distance()
     }
 
     fn waits_for_spindle(&self) -> bool {

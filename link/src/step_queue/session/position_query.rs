@@ -12,6 +12,9 @@ impl StepLink {
     /// at the host time `at`.
     pub(super) fn estimate_position(&mut self, at: HostTime) {
         self.stopping = None;
+        if let Some(kernel) = self.tap_position() {
+            return self.motion.stand_at(kernel);
+        }
         let clock = self.path_clock_at(at);
         self.motion.stand_at_clocks([clock; 2]);
     }
@@ -21,6 +24,9 @@ impl StepLink {
     /// shut down in the last confirmed block.
     pub(super) fn estimate_position_sent(&mut self, at: HostTime, in_last: bool) {
         self.stopping = None;
+        if let Some(kernel) = self.tap_position() {
+            return self.motion.stand_at(kernel);
+        }
         let clock = self.path_clock_at(at);
         let (missing, kept) = (
             self.wire.send_queue.first_missing(in_last),

@@ -53,6 +53,13 @@ impl StepLink {
             return Err(MotionRefused::NotReady);
         }
         let before = self.motion.path.newest;
+        if self.angle.tap.is_some() {
+            if sample.pulses != before.pulses {
+                return Err(MotionRefused::NotReady);
+            }
+            self.pass_time_in_tap(sample);
+            return Ok(());
+        }
         if !self.angle.is_planned() && self.angle.is_engaged() {
             self.take_sample_after_thread(sample);
             return Ok(());
@@ -235,6 +242,7 @@ impl StepLink {
     /// late.
     pub(super) fn advance_motion(&mut self) {
         self.watch_angle();
+        self.watch_tap();
         let now = self.path_now();
         if self.stopping.is_none() {
             self.motion.path.pass(now);

@@ -184,6 +184,7 @@ impl StepLink {
     /// Drops all motion and the pending position query.
     pub(super) fn give_up_motion(&mut self) {
         self.angle.drop_motion();
+        self.drop_tap();
         self.motion.drop_queued();
         self.wire.send_queue.drop_motion();
         self.query.pending = None;
@@ -213,7 +214,11 @@ impl StepLink {
         } else {
             self.clock.at(self.session.now)
         };
-        let stop = self.motion.stopped_at(board, now, self.pulses_per_mm);
+        let mut stop = self.motion.stopped_at(board, now, self.pulses_per_mm);
+        if let Some(tap) = self.angle.stopped_tap.take() {
+            stop.on_path = tap.contains(stop.kernel);
+            (stop.speed, stop.direction) = (tap.speed, [0, tap.direction]);
+        }
         let reached = matches!(stopping.reason, StopReason::Trip(reason) if is_reached(reason));
         let powerless = matches!(stopping.reason, StopReason::Trip(EMERGENCY | DRIVES));
         // A fast stepper motor may lose steps in a dead stop.

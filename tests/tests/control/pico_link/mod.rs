@@ -6,5 +6,6 @@ mod machine;
 mod random_faults;
 mod restart;
 mod stops;
+mod taps;
 mod threads;
 mod wheel;

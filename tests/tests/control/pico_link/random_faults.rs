@@ -2,14 +2,16 @@
 //! alarm is shown; a position that the control calls known is that of the slides.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use gsk_twins::wire::Damage;
 
 use super::machine::PicoMachine;
 use super::threads::disturb;
 
-/// Faults in each of the four programs.
+/// Faults in each of the programs, and in each part of the tap.
 const ROUNDS: u64 = 125;
+const TAP_ROUNDS: u64 = 50;
 
 /// A fault on the line, of the board, at a pin or of the spindle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -113,7 +115,12 @@ fn pulses_apart(from: [i64; 2], to: [i64; 2]) -> u64 {
 }
 
 /// Runs the machine from its running program on with a fault; `end` is where the program ends.
-fn run_round(mut machine: PicoMachine, number: u64, end: [i64; 2], tally: &mut Tally) {
+fn run_round(
+    mut machine: PicoMachine,
+    number: u64,
+    (end, limit_ms): ([i64; 2], u32),
+    tally: &mut Tally,
+) {
     let fault = FAULTS[number as usize % FAULTS.len()];
     let mut dice = Dice((number + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15));
     machine.run_ms(dice.below(250) as u32);
@@ -122,7 +129,7 @@ fn run_round(mut machine: PicoMachine, number: u64, end: [i64; 2], tally: &mut T
     let at = machine.twin.pulses();
     let jumped = apply(&mut machine, fault, &mut dice);
     let name = format!("{number}: {fault:?} {jumped} at {at:?}");
-    machine.run_until(3000, |machine| {
+    machine.run_until(limit_ms, |machine| {
         machine.is_over() || !machine.alarms().is_empty()
     });
     // The planned stop after a lease takes 90 + 67 ms.
@@ -154,8 +161,14 @@ fn run_round(mut machine: PicoMachine, number: u64, end: [i64; 2], tally: &mut T
     }
 }
 
-/// Makes the faults in a program; `is_begun` holds where the first may happen.
-fn run_faults(first: u64, text: &str, is_begun: impl Fn(&PicoMachine) -> bool) {
+/// Makes faults with these numbers in a program, which ends within a time after each; `is_begun`
+/// holds where the first may happen.
+fn run_faults(
+    numbers: Range<u64>,
+    text: &str,
+    limit_ms: u32,
+    is_begun: impl Fn(&PicoMachine) -> bool,
+) {
     let mut machine = PicoMachine::referenced(&[]);
     disturb(&mut machine, 0);
     machine.start_program(text);
@@ -166,22 +179,23 @@ fn run_faults(first: u64, text: &str, is_begun: impl Fn(&PicoMachine) -> bool) {
     assert_eq!(whole.alarms(), [""; 0], "{text}");
     let end = whole.twin.pulses();
     let mut tallies: BTreeMap<Fault, Tally> = BTreeMap::new();
-    for number in first..first + ROUNDS {
+    let rounds = (numbers.end - numbers.start) as u32;
+    for number in numbers {
         let fault = FAULTS[number as usize % FAULTS.len()];
         let tally = tallies.entry(fault).or_default();
-        run_round(machine.clone(), number, end, tally);
+        run_round(machine.clone(), number, (end, limit_ms), tally);
     }
     for (fault, tally) in &tallies {
         println!("{fault:?}: {tally:?}");
     }
     let alarms: u32 = tallies.values().map(|tally| tally.alarms).sum();
-    assert!(alarms >= 50, "{alarms}");
+    assert!(alarms >= rounds * 2 / 5, "{alarms}");
 }
 
 #[test]
 fn faults_in_a_thread() {
     let text = "O1\nG50 X40 Z5\nG98 G97 M03 S1200\nG00 X30 Z5\nG92 X29 Z-20 F1.5\nG00 X40\nM30\n";
-    run_faults(0, text, |machine| {
+    run_faults(0..ROUNDS, text, 3000, |machine| {
         machine.simulation.cnc.position_absolute().z < 0.0
     });
 }
@@ -189,15 +203,31 @@ fn faults_in_a_thread() {
 #[test]
 fn faults_in_a_taper_thread_in_reverse() {
     let text = "O1\nG50 X40 Z5\nG98 G97 M04 S900\nG00 X30 Z5\nG32 X31 Z-15 F2\nG00 X40\nZ5\nM30\n";
-    run_faults(1000, text, |machine| {
+    run_faults(1000..1000 + ROUNDS, text, 3000, |machine| {
         machine.simulation.cnc.position_absolute().z < 1.0
+    });
+}
+
+/// In the hole, at the bottom, at the reversal and on the way back.
+#[test]
+fn faults_in_a_tap() {
+    let text = "O1\nG50 X40 Z5\nG97 M03 S600\nG00 X0 Z2\nG33 Z-4 F1\nG00 Z5\nM30\n";
+    let z = |machine: &PicoMachine| machine.simulation.cnc.position_absolute().z;
+    run_faults(4000..4000 + TAP_ROUNDS, text, 12_000, |machine| {
+        z(machine) < 0.0
+    });
+    run_faults(5000..5000 + TAP_ROUNDS, text, 12_000, |machine| {
+        z(machine) < -4.2
+    });
+    run_faults(6000..6000 + TAP_ROUNDS, text, 12_000, |machine| {
+        machine.twin.spindle_rpm() < -300.0
     });
 }
 
 #[test]
 fn faults_in_cuts_with_feed_per_revolution() {
     let text = "O1\nG50 X40 Z5\nG99 G97 M03 S1200\nG00 X30 Z5\nG01 Z-2 F0.4\nG02 X40 Z-7 R5\nG00 Z5\nM30\n";
-    run_faults(2000, text, |machine| {
+    run_faults(2000..2000 + ROUNDS, text, 3000, |machine| {
         machine.simulation.cnc.position_absolute().z < 4.0
     });
 }
@@ -206,7 +236,7 @@ fn faults_in_cuts_with_feed_per_revolution() {
 fn faults_in_rapids_and_cuts() {
     let text =
         "O1\nG50 X40 Z5\nG98 G97 M03 S600\nG00 X30 Z-20\nG01 X34 Z-24 F900\nG00 X40 Z5\nM30\n";
-    run_faults(3000, text, |machine| {
+    run_faults(3000..3000 + ROUNDS, text, 3000, |machine| {
         machine.simulation.cnc.position_absolute().z < 4.0
     });
 }

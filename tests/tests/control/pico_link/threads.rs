@@ -299,18 +299,6 @@ fn feed_per_revolution_follows_the_spindle() {
     assert!((way / turns - 0.2).abs() < 0.004, "{}", way / turns);
 }
 
-/// The spindle of this board has no brake that the control knows: tapping is refused before
-/// anything moves.
-#[test]
-fn tapping_is_refused_before_anything_moves() {
-    let mut machine = PicoMachine::referenced(&[]);
-    machine.start_program("O1\nG50 X40 Z5\nG97 M03 S300\nG00 X0 Z2\nG33 Z-10 F1\nM30\n");
-    machine.finish(60_000);
-    let alarms = machine.alarms();
-    assert!(alarms[0].contains("604"), "{alarms:?}");
-    machine.assert_agrees();
-}
-
 /// The figures of the link page come from the encoder: 10 turns/s, three swings of 20 % a turn, of
 /// which the mean over a report of 10 ms shows most.
 #[test]
