@@ -135,9 +135,9 @@ pub(crate) fn turned_page(program: &Program, line: u32, forward: bool) -> u32 {
 /// of more than one row divide them.
 fn screen_start(program: &Program, line: u32) -> u32 {
     let top = program.first_listed();
-    let mut start = (line - top) / PAGE_ROWS as u32 * PAGE_ROWS as u32 + top;
-    let mut rows = 0;
-    for each in start..=line {
+    let page = (line - top) / PAGE_ROWS as u32 * PAGE_ROWS as u32 + top;
+    let (mut start, mut rows) = (page, 0);
+    for each in page..=line {
         rows += rows_of(program, each);
         if rows > PAGE_ROWS && each > start {
             (start, rows) = (each, rows_of(program, each));

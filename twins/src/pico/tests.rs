@@ -16,7 +16,7 @@ fn the_board_starts_and_answers_with_its_dictionary() {
     twin.advance(10 * MS);
     let answer = twin.read();
     assert_eq!(answer[2..4], [0, 0], "{answer:02X?}");
-    assert_eq!(answer[5..7], gsk_motion::DICTIONARY[..2]);
+    assert_eq!(answer[5..7], DICTIONARY[..2]);
     twin.press_reset();
     twin.advance(21 * MS);
     assert_eq!(twin.starts(), 2);

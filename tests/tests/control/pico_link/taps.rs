@@ -265,9 +265,12 @@ fn a_stalled_spindle_and_a_dead_encoder_stop_z_with_them() {
     }
 }
 
+/// The name of a fault, and what brings it about.
+type TapFault = (&'static str, fn(&mut PicoMachine));
+
 #[test]
 fn switches_index_and_line_faults_in_a_tap_are_reported() {
-    let faults: [(&str, fn(&mut PicoMachine)); 6] = [
+    let faults: [TapFault; 6] = [
         ("622", |machine| machine.twin.set_pin("gpio22", true)),
         ("207", |machine| machine.twin.set_pin("gpio11", true)),
         ("614", |machine| machine.twin.jump_encoder(300)),
