@@ -111,8 +111,8 @@ fn refusal_alarm(id: ProgramId, program: &Program, index: u32, refused: RefusedF
 }
 
 /// Determines which functions a block requires from the board. `record` gives the meanings of its
-/// codes, `capabilities` the threads
-/// and taps that the board can cut; in `dry_run` a thread is an ordinary cut.
+/// codes, `capabilities` the threads and taps that the board can cut; in `dry_run` a thread is an
+/// ordinary cut.
 fn block_needs(
     block: &str,
     record: &ModelRecord,

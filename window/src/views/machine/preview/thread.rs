@@ -334,7 +334,9 @@ impl PreviewThread {
         let cuts_nothing = chosen.is_none()
             && !practice
             && result.alarm.is_none()
-            && first_moves.iter().all(|it| it.kind == MoveKind::Rapid);
+            && first_moves
+                .iter()
+                .all(|it| matches!(it.kind, MoveKind::Rapid | MoveKind::Dwell));
         if cuts_nothing {
             // The tool moves in front of the empty chuck.
             let lathe = Machining::new(guess::empty_chuck_job(&setup.lathe));
