@@ -13,7 +13,7 @@ use crate::table::Topic;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Article {
     /// Designation of the topic as a user writes it, and its name: `No. 022  Rapid speed, X
-    /// axis`.
+    /// axis`. For a part of the panel the name comes first.
     pub heading: String,
     /// What the topic's subject is for and what it does; empty if the tables contain
     /// everything.
@@ -37,6 +37,10 @@ pub fn article(topic: &Topic, language: Language) -> Article {
                 format!("{notion}  {designation}")
             }
             _ if name.is_empty() => designation,
+            // Their designation is the name in scripts, which no panel shows.
+            (Subject::Key(_) | Subject::Lamp(_) | Subject::Page(_), _) => {
+                format!("{name}  {designation}")
+            }
             _ => format!("{designation}  {name}"),
         },
         rule: name_keys(topic.rule(language), language),

@@ -1,5 +1,6 @@
 //! Defines the subjects of topics and how they are written.
 
+use core::cmp::Ordering;
 use core::fmt;
 
 use gsk_core::alarm::{self, AlarmClass, groups};
@@ -10,7 +11,7 @@ const EVERY_STATE_PARAMETER: &str = "every state parameter";
 const EVERY_DATA_PARAMETER: &str = "every data parameter";
 
 /// The item that a help topic explains.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject<'a> {
     /// An alarm, by its number. A range of alarms has its first number.
     Alarm(u16),
@@ -91,6 +92,23 @@ impl<'a> Subject<'a> {
         }
     }
 
+    /// Returns what the order of subjects compares, in this sequence: kind, number, bit, texts.
+    const fn order(&self) -> (u8, u16, u8, [&'a str; 2]) {
+        match *self {
+            Self::Alarm(number) => (0, number, 0, ["", ""]),
+            Self::Parameter(number) => (1, number, 0, ["", ""]),
+            Self::Bit(number, bit) => (2, number, bit, ["", ""]),
+            Self::Code(name) => (3, 0, 0, [name, ""]),
+            Self::Key(id) => (4, 0, 0, [id, ""]),
+            Self::Lamp(id) => (5, 0, 0, [id, ""]),
+            Self::Page(id) => (6, 0, 0, [id, ""]),
+            Self::Field(page, label) => (7, 0, 0, [page, label]),
+            Self::Signal(address) => (8, 0, 0, [address, ""]),
+            Self::Diagnosis(number) => (9, number, 0, ["", ""]),
+            Self::Notion(name) => (10, 0, 0, [name, ""]),
+        }
+    }
+
     /// Returns the number of an alarm, a whole parameter or a diagnosis item; `None` for other
     /// subjects.
     pub const fn number(&self) -> Option<u16> {
@@ -99,6 +117,44 @@ impl<'a> Subject<'a> {
             _ => None,
         }
     }
+}
+
+/// By kind and then by number, also of a number within a text: `DT2` before `DT10`.
+impl Ord for Subject<'_> {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let (kind, number, bit, [first, second]) = self.order();
+        let (other_kind, other_number, other_bit, other_texts) = other.order();
+        (kind, number, bit)
+            .cmp(&(other_kind, other_number, other_bit))
+            .then_with(|| compare_by_value(first, other_texts[0]))
+            .then_with(|| compare_by_value(second, other_texts[1]))
+    }
+}
+
+impl PartialOrd for Subject<'_> {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// Compares texts, the numbers in them by their value. Only equal texts are equal.
+fn compare_by_value(left: &str, right: &str) -> Ordering {
+    (split_numbers(left).cmp(split_numbers(right))).then_with(|| left.cmp(right))
+}
+
+/// Splits a text into pieces that end with a number: `X0.5` into `X`, 0 and `.`, 5. A piece
+/// without a number has 0.
+fn split_numbers(text: &str) -> impl Iterator<Item = (&str, u64)> {
+    let mut rest = text;
+    core::iter::from_fn(move || {
+        let begin = rest.find(|it: char| it.is_ascii_digit());
+        let (letters, numbered) = rest.split_at(begin.unwrap_or(rest.len()));
+        let end = numbered.find(|it: char| !it.is_ascii_digit());
+        let (digits, after) = numbered.split_at(end.unwrap_or(numbered.len()));
+        let is_end = rest.is_empty();
+        rest = after;
+        (!is_end).then(|| (letters, digits.parse().unwrap_or_default()))
+    })
 }
 
 /// Writes the subject as a search query: `alarm 031`, `No. 004.3`, `G71`, `key RESET`, `page
@@ -117,5 +173,18 @@ impl fmt::Display for Subject<'_> {
             Self::Diagnosis(number) => write!(f, "DGN {number:03}"),
             Self::Code(name) | Self::Signal(name) | Self::Notion(name) => f.write_str(name),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn subjects_are_in_the_order_of_their_numbers() {
+        let mut names = ["DT10", "X1.0", "DT2", "X0.5", "DT", "X0.10", "DT02"].map(Subject::Signal);
+        names.sort();
+        let expected = ["DT", "DT02", "DT2", "DT10", "X0.5", "X0.10", "X1.0"];
+        assert_eq!(names, expected.map(Subject::Signal));
     }
 }

@@ -63,7 +63,8 @@ fn row_text(screen: &Screen, row: usize) -> String {
 }
 
 /// The lines of the tip of a cell of the LCD: the row in the other language, and the heading
-/// of the help topic about the cell. Empty if the row has no text.
+/// of the help topic about the cell; the one in `language` comes first. Empty if the row has
+/// no text.
 pub fn lcd_tip(
     snapshot: &PanelSnapshot,
     row: usize,
@@ -83,8 +84,9 @@ pub fn lcd_tip(
     let (model, page) = (snapshot.model, snapshot.page);
     if let Some(topic) = topic_at(model, page, &snapshot.screen, row, column) {
         let heading = article(topic, language).heading;
-        if lines.is_empty() || !lines.contains(&heading) {
-            lines.push(heading);
+        if !lines.contains(&heading) {
+            let is_foreign = snapshot.screen.language() == language;
+            lines.insert(if is_foreign { 0 } else { lines.len() }, heading);
         }
     }
     lines
