@@ -364,6 +364,15 @@ fn a_learning_platform_shows_its_exercises_alone_and_counts_attempts() {
         0
     );
     click(&mut bench, "Start the spindle by MDI");
+    assert_eq!(
+        bench.kernel.snapshot().exercise,
+        None,
+        "its time does not run"
+    );
+    bench
+        .harness
+        .get_by_label_contains("The time begins to run");
+    click(&mut bench, "Begin");
     // Title and time are visible although the panel may cover the task.
     let line = bench.harness.query_all_by_label_contains("Time left 5:00");
     assert!(line.count() >= 2, "in the bar and on the message line");
@@ -401,6 +410,7 @@ fn a_fault_hunt_leads_to_the_bench_and_begins_again_without_old_refusals() {
     window.set_course(&course_page("f10-drive-z"), data);
     bench.run(50);
     click(&mut bench, "Alarm of a drive");
+    click(&mut bench, "Begin");
     let bench_hint = "Fault hunt: the faults are hidden.";
     let is_explained = |bench: &WindowBench| {
         let mut shown = bench.harness.query_all_by_label_contains(bench_hint);

@@ -715,6 +715,7 @@ message_rows! {
     exercise_bad_size ExerciseBadSize(size, upper, lower);
     exercise_bad_time ExerciseBadTime(seconds, most);
     exercise_bad_z ExerciseBadZ(z);
+    exercise_begin ExerciseBegin();
     exercise_best ExerciseBest(points, most);
     exercise_card ExerciseCard(points, minutes);
     exercise_check_ok ExerciseCheckOk(task, count);
@@ -793,6 +794,7 @@ message_rows! {
     exercise_not_result ExerciseNotResult();
     exercise_nothing_done ExerciseNothingDone();
     exercise_order_of_one ExerciseOrderOfOne();
+    exercise_other ExerciseOther();
     exercise_outline_arc ExerciseOutlineArc(radius, least: "{:.3}");
     exercise_outline_forward ExerciseOutlineForward(x, z);
     exercise_outline_front ExerciseOutlineFront();
@@ -851,6 +853,7 @@ message_rows! {
     exercise_solved ExerciseSolved(file, points, most);
     exercise_state_valid ExerciseStateValid();
     exercise_stop_keys_stay ExerciseStopKeysStay(keys);
+    exercise_time_begins ExerciseTimeBegins();
     exercise_time_left ExerciseTimeLeft(time);
     exercise_time_left_hint ExerciseTimeLeftHint();
     exercise_unknown ExerciseUnknown(name, names);

@@ -37,10 +37,10 @@ POINTS = {
     **{"S": (227, 566), "T": (273, 566), "M": (318, 566)},
     **{"0": (417, 680), "3": (462, 622), "5": (417, 566), "6": (462, 566)},
 }
-# The buttons of a task, then those of a report, in each language.
+# The buttons of an offered task, of a task, then those of a report, in each language.
 POINTS_OF = {
-    "en": {"save result": (1040, 724), "hand in": (792, 904), "again": (876, 904), "leave report": (992, 904)},
-    "zh": {"save result": (1022, 724), "hand in": (782, 904), "again": (845, 904), "leave report": (927, 904)},
+    "en": {"begin": (785, 904), "save result": (1040, 724), "hand in": (792, 904), "again": (876, 904), "leave report": (992, 904)},
+    "zh": {"begin": (780, 904), "save result": (1022, 724), "hand in": (782, 904), "again": (845, 904), "leave report": (927, 904)},
 }
 # The platform: the runtime, the stored values of the learner, and the package in a frame.
 PLATFORM = """<!DOCTYPE html><meta charset="utf-8">
@@ -214,7 +214,7 @@ def learn(learner):
     learner.launch()
     learner.picture("launch")
     learner.expect("launched", core__lesson_status="incomplete", suspend_data="")
-    learner.click("first card")
+    learner.click("first card", "begin")
     learner.click("MDI", "PRG", "PGDN", "S", "6", "0", "0", "IN", "M", "3", "IN", "START")
     time.sleep(4)
     learner.click("M", "5", "IN", "START")
@@ -226,14 +226,14 @@ def learn(learner):
     learner.expect("first exercise", core__score__raw="50", core__lesson_status="incomplete")
     learner.click("save result")
     # An exercise that is not handed in, then the end of the session.
-    learner.click("leave report", "second card")
+    learner.click("leave report", "second card", "begin")
     log = learner.leave()
     if not any(line.startswith("LMSFinish") for line in log):
         raise SystemExit(f"the session was not finished: {log}")
     learner.launch()
     learner.picture("resumed")
     learner.expect("resumed", core__score__raw="50", core__lesson_status="incomplete")
-    learner.click("second card")
+    learner.click("second card", "begin")
     learner.hand_in()
     learner.expect("nothing done", core__score__raw="50", core__lesson_status="failed")
     learner.click("again", "MDI", "PRG", "PGDN", "T", "0", "3", "0", "3", "IN", "START")

@@ -2,6 +2,7 @@
 
 mod course_pane;
 mod exam_pane;
+mod offer;
 mod part_exercise;
 mod solution_report;
 mod task_drawing;
@@ -46,6 +47,8 @@ pub struct ExercisePane {
     /// Errors in the exercise files of a teacher.
     load_errors: Vec<Message>,
     state: Option<ExerciseState>,
+    /// The exercise that was chosen and whose time does not run yet.
+    offered: Option<Arc<ExerciseTask>>,
     /// The section that was measured last, and the sizes on it.
     measured: Option<(Arc<Region>, Vec<MeasuredSize>)>,
     drawing: DrawingPane,
@@ -83,6 +86,7 @@ impl ExercisePane {
             tasks: Vec::new(),
             load_errors: Vec::new(),
             state: None,
+            offered: None,
             measured: None,
             drawing: DrawingPane::default(),
             read_hints: BTreeSet::new(),
@@ -163,9 +167,9 @@ impl ExercisePane {
         self.wants_timeline.take()
     }
 
-    /// Whether an exercise or an exam is in progress.
+    /// Whether an exercise is offered, or an exercise or an exam is in progress.
     pub fn is_open(&self) -> bool {
-        self.state.is_some() || self.is_in_exam()
+        self.state.is_some() || self.offered.is_some() || self.is_in_exam()
     }
 
     /// Whether an exam has begun and is not over: the window gives no help.
@@ -182,6 +186,7 @@ impl ExercisePane {
             (_, None) => false,
         };
         if is_begin {
+            self.offered = None;
             self.measured = None;
             self.read_hints.clear();
             self.report.clear();
@@ -315,7 +320,7 @@ impl ExercisePane {
             }
         }
         if let Some(task) = chosen {
-            self.begin(task);
+            self.offer(task);
         }
         if platform::has_folders() && self.course.is_none() {
             self.exam.show_form(ui, language, &self.tasks);
@@ -350,6 +355,9 @@ impl ExercisePane {
 
     /// Draws the current task with its criteria, or its report.
     pub fn show_task(&mut self, ui: &mut Ui, language: Language, part: Option<&Arc<PartView>>) {
+        if let Some(task) = self.offered_now() {
+            return self.show_offer(ui, language, &task);
+        }
         let is_exam = self.is_exam_shown();
         if is_exam {
             self.exam.show_head(ui, language, self.state.as_ref());
@@ -429,6 +437,10 @@ impl ExercisePane {
     /// Draws the buttons below the task of an exercise. Returns whether the learner asks for the
     /// fault bench, where the faults of his task are repaired.
     pub fn show_buttons(&mut self, ui: &mut Ui, language: Language) -> bool {
+        if let Some(task) = self.offered_now() {
+            self.show_offer_buttons(ui, language, task);
+            return false;
+        }
         if self.is_exam_shown() {
             let state = self.state.as_ref();
             self.exam.show_buttons(ui, language, state, &self.tasks);
