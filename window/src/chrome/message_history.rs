@@ -122,7 +122,8 @@ impl MessageHistory {
         if self.entries.is_empty() {
             ui.label(say::window_history_empty().text(language));
         }
-        ScrollArea::vertical().max_height(320.0).show(ui, |ui| {
+        let list = ScrollArea::vertical().max_height(320.0);
+        list.min_scrolled_height(320.0).show(ui, |ui| {
             for entry in &self.entries {
                 ui.horizontal(|ui| {
                     request = show_entry(ui, entry, records, language).or(request.take());

@@ -14,11 +14,19 @@ use crate::widgets::icons;
 /// Width of a line between two groups of controls, points.
 const SEPARATOR_WIDTH: f32 = 6.0;
 /// Width and height below which a view is small, points.
-const SMALL_SIZE: Vec2 = Vec2::new(420.0, 240.0);
+const SMALL_SIZE: Vec2 = Vec2::new(420.0, 120.0);
+/// Height below which a view has one row of labels, points.
+const LOW_HEIGHT: f32 = 240.0;
 
-/// Whether a view is so small that labels would cover its picture.
-pub fn is_small(size: Vec2) -> bool {
-    size.x < SMALL_SIZE.x || size.y < SMALL_SIZE.y
+/// The number of labels one below the other that leave the picture of a view visible.
+pub fn label_rows(size: Vec2) -> usize {
+    if size.x < SMALL_SIZE.x || size.y < SMALL_SIZE.y {
+        0
+    } else if size.y < LOW_HEIGHT {
+        1
+    } else {
+        2
+    }
 }
 
 impl LatheSceneView {
@@ -190,8 +198,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_view_beside_the_panel_is_small_and_a_window_is_not() {
-        assert!(is_small(Vec2::new(240.0, 180.0)) && is_small(Vec2::new(300.0, 600.0)));
-        assert!(!is_small(Vec2::new(900.0, 640.0)));
+    fn a_view_beside_the_panel_has_no_labels_a_low_one_a_row_and_a_window_two() {
+        let rows = |width, height| label_rows(Vec2::new(width, height));
+        assert_eq!((rows(240.0, 180.0), rows(300.0, 600.0)), (0, 0));
+        assert_eq!((rows(900.0, 100.0), rows(900.0, 180.0)), (0, 1));
+        assert_eq!(rows(900.0, 640.0), 2);
     }
 }

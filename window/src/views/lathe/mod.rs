@@ -156,8 +156,9 @@ impl LatheSceneView {
         }
         self.picture.show(ui, rect, lathe, camera, is_moving);
         let mut free = rect.shrink2(egui::vec2(2.0 * LABEL_MARGIN, LABEL_MARGIN));
-        if !bar::is_small(rect.size()) {
-            free.max.x = show_state(ui, free, part, language) - 3.0 * LABEL_MARGIN;
+        let rows = bar::label_rows(rect.size());
+        if rows > 0 {
+            free.max.x = show_state(ui, free, part, language, rows) - 3.0 * LABEL_MARGIN;
         }
         show_alarms(ui, free, frame);
         if response.has_focus() {
@@ -166,14 +167,18 @@ impl LatheSceneView {
     }
 }
 
-/// Writes tool, speed and position, as the LCD has it, into the upper right corner of `space`. Returns the
-/// left edge of the texts.
-fn show_state(ui: &Ui, space: Rect, part: &PartView, language: Language) -> f32 {
+/// Writes tool, speed and position, as the LCD has it, into the upper right corner of `space`, in
+/// one or two rows. Returns the left edge of the texts.
+fn show_state(ui: &Ui, space: Rect, part: &PartView, language: Language, rows: usize) -> f32 {
     let tool = say::lathe_tool(part.tool, part.spindle_rpm).text(language);
     let position = say::lathe_pointer(part.absolute.x * 2.0, part.absolute.z).text(language);
     let font = egui::TextStyle::Monospace.resolve(ui.style());
     let (mut space, mut left) = (space, space.right());
-    for text in [tool, position] {
+    let texts = match rows {
+        1 => vec![format!("{tool}  {position}")],
+        _ => vec![tool, position],
+    };
+    for text in texts {
         let text = fonts::layout_text(&text, font.clone(), theme::MESSAGE_TEXT);
         let label = show_label(ui, space, (Align::Max, 1), text);
         left = left.min(label.left());

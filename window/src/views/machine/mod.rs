@@ -311,6 +311,7 @@ impl LatheView {
                 .filter(|it| *it > 0)
                 .collect(),
             is_running: part.block.is_some(),
+            rear_tool_post: self.preview.rear_tool_post,
             file_error: self.preview.job_file_error.as_ref(),
         };
         focus::skip_resize_edge(ui, "job");

@@ -14,7 +14,7 @@ use gsk_runner::text_format::short_description;
 use gsk_tooling::{LibraryTool, ToolLibrary, ToolLife};
 use gsk_workpiece::job::Job;
 
-use super::{MAX_TOOL_NUMBER, tool_drawing};
+use super::{JobContext, MAX_TOOL_NUMBER, tool_drawing};
 use crate::focus::{FocusList, selectable_row};
 use crate::theme;
 use crate::widgets::files::{FileChoice, choose_file};
@@ -71,12 +71,12 @@ impl ToolLibraryList {
         ui: &mut Ui,
         job: &mut Job,
         free_number: Option<u8>,
-        console: &Console,
+        lathe: &JobContext<'_>,
         language: Language,
     ) -> Option<u8> {
         self.update(ui);
         self.show_new_tool(ui, language);
-        self.show_tables(ui, console, language);
+        self.show_tables(ui, lathe.console, language);
         if let Some((message, color)) = &self.message {
             ui.colored_label(*color, message.text(language));
         }
@@ -95,7 +95,7 @@ impl ToolLibraryList {
         let id = self.selected.clone()?;
         let tool = library.tools.get(&id)?;
         ui.separator();
-        tool_drawing::show(ui, &tool.tool, language);
+        tool_drawing::show(ui, &tool.tool, lathe.rear_tool_post, language);
         ui.label(tool.description());
         self.show_life(ui, &id, tool, language);
         self.show_use(ui, job, (&id, tool), free_number, language)

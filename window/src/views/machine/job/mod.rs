@@ -63,6 +63,8 @@ pub struct JobContext<'a> {
     /// The tool numbers that the program uses.
     pub used_tools: Vec<u8>,
     pub is_running: bool,
+    /// Whether the tool post is on the far side of the spindle.
+    pub rear_tool_post: bool,
     /// The reason why the job file on the disk cannot be used; `None` if it can.
     pub file_error: Option<&'a Message>,
     pub console: &'a Console,
@@ -344,7 +346,7 @@ impl JobPanel {
                 if let Some(id) = job.library.get(&number) {
                     ui.label(say::job_tool_of_library(id).text(language));
                 }
-                tool_drawing::show(ui, tool, language);
+                tool_drawing::show(ui, tool, lathe.rear_tool_post, language);
                 let before = tool.clone();
                 fields::show_tool(ui, tool, language);
                 if *tool != before {
@@ -362,7 +364,7 @@ impl JobPanel {
             }
             JobItem::Library => {
                 let free = free_number(job, lathe);
-                if let Some(number) = self.library.show(ui, job, free, lathe.console, language) {
+                if let Some(number) = self.library.show(ui, job, free, lathe, language) {
                     self.selected = JobItem::Tool(number);
                 }
             }

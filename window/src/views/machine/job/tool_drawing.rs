@@ -15,8 +15,9 @@ const HEIGHT: f32 = 170.0;
 /// Margin around the insert that shows the holder, as a share of the insert's size.
 const MARGIN_SHARE: f32 = 0.35;
 
-/// Draws the picture of a tool; for an invalid tool the area stays empty.
-pub fn show(ui: &mut Ui, tool: &Tool, language: Language) {
+/// Draws the picture of a tool as the machine view shows it; for an invalid tool the area stays
+/// empty. `rear`: the tool post is on the far side of the spindle.
+pub fn show(ui: &mut Ui, tool: &Tool, rear: bool, language: Language) {
     let size = vec2(ui.available_width(), HEIGHT);
     let (rect, response) = ui.allocate_exact_size(size, Sense::HOVER);
     response.widget_info(|| {
@@ -32,7 +33,7 @@ pub fn show(ui: &mut Ui, tool: &Tool, language: Language) {
     let bounds_mm = bounding_box(&shape.cutting);
     let camera = Camera::fit(
         bounds_mm.expand(bounds_mm.size().max_elem() * MARGIN_SHARE),
-        true,
+        rear,
         rect,
     );
     grid::draw_lines(&painter, &camera);
