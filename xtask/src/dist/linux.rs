@@ -7,7 +7,10 @@ use std::process::Command;
 
 use super::archive::{self, Item};
 use super::needs::{self, Requirements};
-use super::{BUNDLED, VERSION, deb, dist_folder, notes, remap_flags, stdout_of, target, with_path};
+use super::{
+    BUNDLED, FLAG_SEPARATOR, VERSION, deb, dist_folder, notes, remap_flags, stdout_of, target,
+    with_path,
+};
 use crate::error::TaskError;
 use crate::run;
 
@@ -102,7 +105,10 @@ fn build(root: &Path) -> Result<PathBuf, TaskError> {
         "--target-dir",
         &target_folder,
     ];
-    let flags = remap_flags(root);
+    // Flags of the environment replace those of the configuration.
+    let remap = remap_flags(root);
+    let flags = [&remap, "-Crelro-level=partial", "-Clink-arg=-Wl,-z,now"];
+    let flags = flags.join(FLAG_SEPARATOR);
     let environment = [
         ("CARGO_ENCODED_RUSTFLAGS", flags.as_str()),
         // Computers with an older C library than this one start it, too.
