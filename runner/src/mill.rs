@@ -6,13 +6,12 @@ use std::io::{self, Write};
 use gsk_core::json_line::JsonLine;
 use gsk_core::model::ProgramNaming;
 use gsk_core::program::ProgramMemory;
-use gsk_core::units::Feed;
 use gsk_messages::Language;
 use gsk_milling::{
     MillAxis, MillMove, MillMoveKind, MillPosition, MillPreview, PreviewProgress, preview_while,
 };
 
-use crate::move_output::round_to_millionth;
+use crate::move_output::{push_feed, round_to_millionth};
 use crate::report::{
     AlarmReport, FinalPositions, MillReportPosition, PathReport, ProgramReport, ReportBounds,
     ReportPosition, TimeReport, ToolTimeReport, WarningReport,
@@ -210,25 +209,25 @@ impl MillTimes {
 /// Writing to `out` fails.
 pub fn write_move(out: &mut dyn Write, line: &mut JsonLine, made: &MillMove) -> io::Result<()> {
     line.clear();
-    line.push_integer("{\"line\":", made.source.line.into());
+    line.push_integer(b"{\"line\":", made.source.line.into());
     match made.source.sequence {
-        Some(sequence) => line.push_integer(",\"n\":", u32::from(sequence).into()),
-        None => line.push_text(",\"n\":null"),
+        Some(sequence) => line.push_integer(b",\"n\":", u32::from(sequence).into()),
+        None => line.push_bytes(b",\"n\":null"),
     }
-    line.push_text(",\"kind\":\"");
+    line.push_bytes(b",\"kind\":\"");
     line.push_text(made.kind.name());
     let (from, to) = (made.from.mm(), made.to.mm());
-    line.push_number("\",\"x0\":", Some(from[0]));
-    line.push_number(",\"y0\":", Some(from[1]));
-    line.push_number(",\"z0\":", Some(from[2]));
-    line.push_number(",\"x\":", Some(to[0]));
-    line.push_number(",\"y\":", Some(to[1]));
-    line.push_number(",\"z\":", Some(to[2]));
+    line.push_number(b"\",\"x0\":", Some(from[0]));
+    line.push_number(b",\"y0\":", Some(from[1]));
+    line.push_number(b",\"z0\":", Some(from[2]));
+    line.push_number(b",\"x\":", Some(to[0]));
+    line.push_number(b",\"y\":", Some(to[1]));
+    line.push_number(b",\"z\":", Some(to[2]));
     for (further, from, to) in made.further() {
         let (begin, end) = match further.letter {
-            'A' => (",\"a0\":", ",\"a\":"),
-            'B' => (",\"b0\":", ",\"b\":"),
-            _ => (",\"c0\":", ",\"c\":"),
+            'A' => (b",\"a0\":", b",\"a\":"),
+            'B' => (b",\"b0\":", b",\"b\":"),
+            _ => (b",\"c0\":", b",\"c\":"),
         };
         line.push_number(begin, Some(from));
         line.push_number(end, Some(to));
@@ -239,20 +238,13 @@ pub fn write_move(out: &mut dyn Write, line: &mut JsonLine, made: &MillMove) -> 
         center[first as usize] = Some(arc.center.first);
         center[second as usize] = Some(arc.center.second);
     }
-    line.push_number(",\"cx\":", center[0]);
-    line.push_number(",\"cy\":", center[1]);
-    line.push_number(",\"cz\":", center[2]);
-    let (feed, per) = match made.feed {
-        Some(Feed::PerMinute(feed)) => (Some(feed), "\"min\""),
-        Some(Feed::PerRevolution(feed)) => (Some(feed), "\"rev\""),
-        None => (None, "null"),
-    };
-    line.push_number(",\"feed\":", feed);
-    line.push_text(",\"per\":");
-    line.push_text(per);
-    line.push_integer(",\"tool\":", made.tool.into());
-    line.push_number(",\"t\":", Some(made.start_s));
-    line.push_number(",\"dt\":", Some(made.duration_s));
-    line.push_text("}\n");
+    line.push_number(b",\"cx\":", center[0]);
+    line.push_number(b",\"cy\":", center[1]);
+    line.push_number(b",\"cz\":", center[2]);
+    push_feed(line, made.feed);
+    line.push_integer(b",\"tool\":", made.tool.into());
+    line.push_number(b",\"t\":", Some(made.start_s));
+    line.push_number(b",\"dt\":", Some(made.duration_s));
+    line.push_bytes(b"}\n");
     out.write_all(line.as_bytes())
 }

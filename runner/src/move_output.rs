@@ -38,41 +38,50 @@ pub fn write_move(
     executed: &ExecutedMove,
 ) -> io::Result<()> {
     line.clear();
-    line.push_integer("{\"line\":", executed.source.line.into());
+    line.push_integer(b"{\"line\":", executed.source.line.into());
     match executed.source.sequence {
-        Some(sequence) => line.push_integer(",\"n\":", u32::from(sequence).into()),
-        None => line.push_text(",\"n\":null"),
+        Some(sequence) => line.push_integer(b",\"n\":", u32::from(sequence).into()),
+        None => line.push_bytes(b",\"n\":null"),
     }
-    line.push_text(",\"kind\":\"");
+    line.push_bytes(b",\"kind\":\"");
     line.push_text(executed.kind.name());
-    line.push_number("\",\"x0\":", Some(executed.from.diameter().0));
-    line.push_number(",\"z0\":", Some(executed.from.z));
-    line.push_number(",\"x\":", Some(executed.to.diameter().0));
-    line.push_number(",\"z\":", Some(executed.to.z));
+    line.push_number(b"\",\"x0\":", Some(executed.from.diameter().0));
+    line.push_number(b",\"z0\":", Some(executed.from.z));
+    line.push_number(b",\"x\":", Some(executed.to.diameter().0));
+    line.push_number(b",\"z\":", Some(executed.to.z));
     line.push_number(
-        ",\"cx\":",
+        b",\"cx\":",
         executed.center.map(|center| center.diameter().0),
     );
-    line.push_number(",\"cz\":", executed.center.map(|center| center.z));
-    let (feed, per) = match executed.feed {
-        Some(Feed::PerMinute(feed)) => (Some(feed), "\"min\""),
-        Some(Feed::PerRevolution(feed)) => (Some(feed), "\"rev\""),
-        None => (None, "null"),
-    };
+    line.push_number(b",\"cz\":", executed.center.map(|center| center.z));
     // A thread has a lead instead of a feed.
-    let (feed, per, lead) = if executed.kind.is_thread() {
-        (None, "null", feed)
-    } else {
-        (feed, per, None)
+    let (feed, lead) = match executed.kind.is_thread() {
+        true => (None, executed.feed),
+        false => (executed.feed, None),
     };
-    line.push_number(",\"feed\":", feed);
-    line.push_text(",\"per\":");
-    line.push_text(per);
-    line.push_number(",\"lead\":", lead);
-    line.push_number(",\"t\":", Some(executed.start_s));
-    line.push_number(",\"dt\":", Some(executed.duration_s));
-    line.push_text("}\n");
+    push_feed(line, feed);
+    line.push_number(b",\"lead\":", lead.map(number_of));
+    line.push_number(b",\"t\":", Some(executed.start_s));
+    line.push_number(b",\"dt\":", Some(executed.duration_s));
+    line.push_bytes(b"}\n");
     out.write_all(line.as_bytes())
+}
+
+/// Appends a feed and its unit to a line of a move; both are null without feed.
+pub(crate) fn push_feed(line: &mut JsonLine, feed: Option<Feed>) {
+    line.push_number(b",\"feed\":", feed.map(number_of));
+    match feed {
+        Some(Feed::PerMinute(_)) => line.push_bytes(b",\"per\":\"min\""),
+        Some(Feed::PerRevolution(_)) => line.push_bytes(b",\"per\":\"rev\""),
+        None => line.push_bytes(b",\"per\":null"),
+    }
+}
+
+/// The number of a feed, in mm/min or mm/r.
+const fn number_of(feed: Feed) -> f64 {
+    match feed {
+        Feed::PerMinute(number) | Feed::PerRevolution(number) => number,
+    }
 }
 
 /// Header line of the CSV file of loads.
@@ -173,7 +182,7 @@ mod tests {
 
     fn json_line_text(value: f64) -> String {
         let mut line = JsonLine::default();
-        line.push_number("", Some(value));
+        line.push_number(b"", Some(value));
         String::from_utf8(line.as_bytes().to_vec()).expect("text")
     }
 
@@ -210,8 +219,8 @@ mod tests {
             assert_eq!(json_line_text(value), serde_json_text(value), "{value}");
         }
         let mut line = JsonLine::default();
-        line.push_integer("n", u64::MAX);
-        line.push_number(":", None);
+        line.push_integer(b"n", u64::MAX);
+        line.push_number(b":", None);
         assert_eq!(line.as_bytes(), b"n18446744073709551615:null");
     }
 
@@ -230,9 +239,25 @@ mod tests {
         }
 
         #[test]
+        fn a_number_that_returns_in_a_line_is_written_again(
+            sizes in prop::collection::vec((-40_i32..40, prop::sample::select(&SCALES[..])), 1..200)
+        ) {
+            let values = sizes.iter().map(|(size, scale)| f64::from(*size) * scale);
+            let values: Vec<f64> = values.filter(|value| value.abs() < 1e9).collect();
+            let mut line = JsonLine::default();
+            let mut expected = String::new();
+            for value in values {
+                line.push_number(b" ", Some(value));
+                expected.push(' ');
+                expected.push_str(&serde_json_text(value));
+            }
+            prop_assert_eq!(String::from_utf8_lossy(line.as_bytes()), expected);
+        }
+
+        #[test]
         fn whole_numbers_have_all_their_digits((number, bits) in (any::<u64>(), 0..64_u32)) {
             let mut line = JsonLine::default();
-            line.push_integer("", number >> bits);
+            line.push_integer(b"", number >> bits);
             let text = (number >> bits).to_string();
             prop_assert_eq!(line.as_bytes(), text.as_bytes());
         }
