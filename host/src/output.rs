@@ -71,7 +71,9 @@ pub fn escape_for_terminal(text: &str) -> Cow<'_, str> {
         let changes_direction = matches!(letter, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
         changes_direction || (letter.is_control() && !matches!(letter, '\n' | '\t'))
     };
-    if !text.contains(must_escape) {
+    // Most texts are ASCII, whose bytes are checked faster.
+    let is_plain = |byte: u8| matches!(byte, b' '..=b'~' | b'\n' | b'\t');
+    if text.bytes().all(is_plain) || !text.contains(must_escape) {
         return Cow::Borrowed(text);
     }
     let mut out = String::with_capacity(text.len());
