@@ -125,22 +125,22 @@ impl LatheScene {
             collision: self.find_insert_collision(tool, motion, &path),
             removed: RemovedMaterial::default(),
         };
-        if let MotionKind::Thread(imprints) = &motion.kind {
-            for position in imprints {
-                let removed = self
-                    .part
-                    .cut_along(&tool.shape.cutting, &[to_grid(*position)]);
-                effect.removed.add(removed);
-            }
-            self.thread_end = Some(motion.to);
-        } else {
-            effect.removed = self.part.cut_along(&tool.shape.cutting, &path);
-            self.thread_end = None;
-        }
+        effect.removed = cut(&mut self.part, tool, motion, &path);
+        self.thread_end = match motion.kind {
+            MotionKind::Thread(_) => Some(motion.to),
+            _ => None,
+        };
         effect.collision = effect
             .collision
             .or_else(|| self.find_body_collision(tool, motion));
         effect
+    }
+
+    /// Returns the part that a motion of a tool would leave.
+    pub fn part_after(&self, tool: &SceneTool, motion: &ToolMotion) -> TurnedPart {
+        let mut part = self.part.clone();
+        cut(&mut part, tool, motion, &motion.path());
+        part
     }
 
     /// Finds the first collision of a tool whose insert is broken: of its body. It cuts nothing.
@@ -323,6 +323,24 @@ fn locate_first_contact(
         &contact,
         &whole,
     )
+}
+
+/// Cuts a part with a motion of a tool along `path`. A thread is cut at the positions at which the
+/// spindle passes the drawn plane.
+fn cut(
+    part: &mut TurnedPart,
+    tool: &SceneTool,
+    motion: &ToolMotion,
+    path: &[GridPoint],
+) -> RemovedMaterial {
+    let MotionKind::Thread(imprints) = &motion.kind else {
+        return part.cut_along(&tool.shape.cutting, path);
+    };
+    let mut removed = RemovedMaterial::default();
+    for position in imprints {
+        removed.add(part.cut_along(&tool.shape.cutting, &[to_grid(*position)]));
+    }
+    removed
 }
 
 #[cfg(test)]

@@ -9,22 +9,18 @@ use gsk_core::operation::RunState;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::{Point, TICK_S};
 use gsk_workpiece::cutting::CuttingMaterial;
-use gsk_workpiece::motion::{MotionKind, ToolMotion};
+use gsk_workpiece::motion::ToolMotion;
+use gsk_workpiece::part::TurnedPart;
 use gsk_workpiece::tool::Tool;
 
 use super::load_meter::LoadMeter;
 use super::move_load::CutLoad;
+use super::pending_cut::{MotionConditions, PendingCut};
 use super::slide_shift::SlideShift;
 use super::thread_log::ThreadLog;
 pub use super::thread_log::ThreadZone;
 use super::{CollisionFinding, CutFault, Machining};
 
-/// Greatest distance of the tip position after a tick from the straight motion that the tick
-/// extends, mm: one grid unit.
-const STRAIGHTNESS_MM: f64 = 0.000_1;
-/// Number of ticks after which a pending motion is cut even if it continues, so that each picture
-/// shows it.
-const MAX_PIECE_TICKS: u32 = 25;
 /// Speed below which the spindle counts as stopped, r/min.
 const STANDSTILL_RPM: f64 = 1.0;
 /// Turns of the spindle in a motion below which it has no feed per revolution.
@@ -77,32 +73,6 @@ struct TickState {
     /// Position of the tool tip in part coordinates, mm.
     tip: Point,
     spindle_turns: f64,
-}
-
-/// Successive ticks of motion on a straight line under the same conditions, which are cut
-/// together.
-#[derive(Clone, Debug)]
-struct PendingCut {
-    from: Point,
-    to: Point,
-    ticks: u32,
-    conditions: MotionConditions,
-    /// Tip positions, in part coordinates, mm, at which the spindle passed the drawn plane in a
-    /// thread.
-    imprints: Vec<Point>,
-    /// Turns of the spindle during the motion.
-    turns: f64,
-}
-
-/// Conditions that do not change within one motion, such as tool and spindle state; a change begins
-/// a new motion.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct MotionConditions {
-    tool: u8,
-    rapid: bool,
-    thread: bool,
-    turning: bool,
-    source: Option<SourcePosition>,
 }
 
 impl LivePart {
@@ -310,17 +280,10 @@ impl LivePart {
         if !continues {
             self.cut_pending();
         }
-        let piece = self.pending.get_or_insert_with(|| PendingCut {
-            from: before.tip,
-            to: before.tip,
-            ticks: 0,
-            conditions,
-            imprints: Vec::new(),
-            turns: 0.0,
-        });
-        piece.to = now.tip;
-        piece.ticks += 1;
-        piece.turns += (now.spindle_turns - before.spindle_turns).abs();
+        let begin = || PendingCut::new(before.tip, conditions);
+        let piece = self.pending.get_or_insert_with(begin);
+        let turns = (now.spindle_turns - before.spindle_turns).abs();
+        piece.add_tick(now.tip, turns);
         if !conditions.thread {
             self.threads.end_pass();
         } else if let Some((tip, turns)) = plane_crossing(before, now) {
@@ -329,8 +292,20 @@ impl LivePart {
             let is_internal = tool.is_some_and(Tool::is_internal);
             self.threads.add_imprint(tip, turns, is_internal);
         }
-        if piece.ticks >= MAX_PIECE_TICKS {
+        if piece.is_full() {
             self.cut_pending();
+        }
+    }
+
+    /// Returns the part at this moment: with the motion that was collected but not cut yet.
+    pub fn part_now(&self) -> TurnedPart {
+        let pending = self.pending.as_ref().filter(|piece| {
+            // A broken insert cuts nothing.
+            self.overload.broken_tool != Some(piece.conditions.tool)
+        });
+        match pending {
+            Some(piece) => (self.machining).part_after(piece.conditions.tool, &piece.motion()),
+            None => self.machining.scene().part().clone(),
         }
     }
 
@@ -340,18 +315,7 @@ impl LivePart {
             return;
         };
         self.last_motion = piece.to - piece.from;
-        let kind = match (piece.conditions.thread, piece.conditions.rapid) {
-            (true, _) => MotionKind::Thread(piece.imprints),
-            (false, true) => MotionKind::Rapid,
-            (false, false) => MotionKind::Line,
-        };
-        let motion = ToolMotion {
-            from: piece.from,
-            to: piece.to,
-            kind,
-            turning: piece.conditions.turning,
-            by_hand: piece.conditions.source.is_none(),
-        };
+        let motion = piece.motion();
         let MotionConditions { source, tool, .. } = piece.conditions;
         if self.overload.broken_tool == Some(tool) {
             self.load_meter.set_idle();
@@ -422,21 +386,6 @@ impl OverloadWatch {
             true => self.broken_tool.or(Some(tool)),
             false => None,
         };
-    }
-}
-
-impl PendingCut {
-    /// Whether a tick in which the tip moves from `from` to `to`, mm, continues the pending motion
-    /// in its direction.
-    fn is_continued_by(&self, from: Point, to: Point) -> bool {
-        let along = self.to - self.from;
-        let Some(direction) = along.unit() else {
-            return from == self.to;
-        };
-        let beyond = to - self.from;
-        from == self.to
-            && direction.cross(beyond).abs() <= STRAIGHTNESS_MM
-            && direction.dot(to - from) > 0.0
     }
 }
 

@@ -13,6 +13,7 @@ mod motion_track;
 mod mounting;
 mod move_load;
 pub mod part_comparison;
+mod pending_cut;
 pub mod slide_shift;
 mod thread_log;
 
@@ -24,6 +25,7 @@ use gsk_workpiece::collision::Collision;
 use gsk_workpiece::cutting::{ChipSample, CuttingMaterial};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::motion::{MotionKind, ToolMotion};
+use gsk_workpiece::part::TurnedPart;
 use gsk_workpiece::region::Region;
 use gsk_workpiece::scene::{LatheScene, MotionEffect, SceneTool};
 use gsk_workpiece::tool::{Insert, ToolShape};
@@ -204,6 +206,14 @@ impl Machining {
         if parts_off {
             let loose = self.scene.drop_loose_pieces();
             self.parted_volume_mm3 += loose.iter().map(Region::volume).sum::<f64>();
+        }
+    }
+
+    /// Returns the part that a motion of a tool would leave.
+    fn part_after(&self, tool: u8, motion: &ToolMotion) -> TurnedPart {
+        match self.cutters.get(&tool) {
+            Some(cutter) => self.scene.part_after(cutter, motion),
+            None => self.scene.part().clone(),
         }
     }
 

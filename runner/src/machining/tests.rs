@@ -216,6 +216,32 @@ fn the_running_control_leaves_the_part_of_the_preview() {
 }
 
 #[test]
+fn the_part_at_a_moment_has_the_motion_that_is_still_collected() {
+    let setup = setup(&["O0001\nM03 S800 T0101\nG98\nG00 X36 Z2\nG01 Z-40 F300\nM30\n"]);
+    let job = guess_setup_job(&setup);
+    let mut simulation = Simulation::new(setup);
+    let mut live = LivePart::new(Machining::new(job));
+    simulation.start_automatic();
+    let (mut collected, mut volume) = (0, live.part_now().volume());
+    for _ in 0..60_000 {
+        simulation.tick();
+        live.follow_tick(&simulation);
+        if simulation.cnc.run_state() == gsk_core::operation::RunState::Reset {
+            break;
+        }
+        let now = live.part_now().volume();
+        assert!(
+            now <= volume + 1e-6,
+            "the part grows from {volume} to {now}"
+        );
+        collected += u32::from(now < live.machining().scene().part().volume() - 1e-6);
+        volume = now;
+    }
+    assert!(collected > 1000, "{collected} ticks");
+    assert_eq!(live.part_now(), *live.machining().scene().part());
+}
+
+#[test]
 fn a_thread_of_g76_has_its_pitch_and_its_depth_in_the_part() {
     let text = "G50 X100 Z50\nG97 M03 S300\nT0101\nG00 X34 Z6\nG76 P010060 Q100 R0.1\n\
                 G76 X28.05 Z-25 P975 Q400 F1.5\nG00 X100 Z50\nM30\n";

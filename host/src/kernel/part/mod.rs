@@ -20,6 +20,7 @@ use gsk_runner::machining::live_part::{ThreadZone, running_block};
 use gsk_runner::machining::{CollisionFinding, CutFault};
 use gsk_workpiece::collision::Collision;
 use gsk_workpiece::job::Job;
+use gsk_workpiece::part::TurnedPart;
 use gsk_workpiece::region::Region;
 use gsk_workpiece::tool::Tool;
 
@@ -145,8 +146,8 @@ pub(super) struct KernelPart {
     crash: Option<CollisionFinding>,
     /// The last cut above the limits that has broken something; `None` without one.
     cut_fault: Option<CutFault>,
-    /// Version of the part from which `section` was made; `None` before the first one.
-    shown_version: Option<u64>,
+    /// The part from which `section` was made; `None` before the first one.
+    shown_part: Option<TurnedPart>,
     last: Option<Arc<PartView>>,
     /// Seconds in the material by tool that were taken for the lives of the tools.
     counted_s: BTreeMap<u8, f64>,
@@ -165,7 +166,7 @@ impl KernelPart {
             threads: Arc::default(),
             crash: None,
             cut_fault: None,
-            shown_version: None,
+            shown_part: None,
             last: None,
             counted_s: BTreeMap::new(),
             views,
@@ -216,7 +217,7 @@ impl KernelPart {
         self.cut_fault = None;
         self.state = state;
         self.counted_s = self.cutting_s();
-        self.shown_version = None;
+        self.shown_part = None;
         self.force_publish();
     }
 
@@ -262,7 +263,7 @@ impl KernelPart {
         if chosen.is_none() {
             self.empty_chuck = Some(EmptyChuck::of_lathe(lathe));
         }
-        self.shown_version = None;
+        self.shown_part = None;
         self.last = None;
         self.counted_s.clear();
         self.apply(PartInput::Job(chosen.map(|chosen| {
@@ -276,7 +277,7 @@ impl KernelPart {
 
     pub(super) fn fresh_stock(&mut self) {
         self.apply(PartInput::NewStock);
-        self.shown_version = None;
+        self.shown_part = None;
     }
 
     /// Sets whether the lathe stops at a collision.
@@ -397,10 +398,10 @@ impl KernelPart {
     fn part_view(&mut self, emulator: &Emulator) -> Option<PartView> {
         let live = self.state.live()?;
         let machining = live.machining();
-        let part = machining.scene().part();
-        if self.shown_version != Some(part.version()) {
-            self.shown_version = Some(part.version());
+        let part = live.part_now();
+        if self.shown_part.as_ref() != Some(&part) {
             self.section = Arc::new(part.section());
+            self.shown_part = Some(part);
         }
         if *self.threads != live.threads() {
             self.threads = Arc::new(live.threads().to_vec());
