@@ -84,6 +84,10 @@ pub fn make(root: &Path) -> Result<(), TaskError> {
     Ok(())
 }
 
+/// Flags of direct calls between packages (COMMAND-18). Those of `.cargo/config.toml` do not hold
+/// for a build that gets flags from the environment.
+const DIRECT_CALLS: [&str; 2] = ["-Crelro-level=partial", "-Clink-arg=-Wl,-z,now"];
+
 /// Builds the program for release and returns its path.
 fn build(root: &Path) -> Result<PathBuf, TaskError> {
     let compiler = stdout_of(Command::new("rustc").arg("-vV"))?;
@@ -105,9 +109,8 @@ fn build(root: &Path) -> Result<PathBuf, TaskError> {
         "--target-dir",
         &target_folder,
     ];
-    // Flags of the environment replace those of the configuration.
     let remap = remap_flags(root);
-    let flags = [&remap, "-Crelro-level=partial", "-Clink-arg=-Wl,-z,now"];
+    let flags = [&[remap.as_str()], &DIRECT_CALLS[..]].concat();
     let flags = flags.join(FLAG_SEPARATOR);
     let environment = [
         ("CARGO_ENCODED_RUSTFLAGS", flags.as_str()),
@@ -171,4 +174,17 @@ fn portable(root: &Path, folder: &Path, parts: &PackageContents) -> Result<PathB
     let bytes = archive::tar_gz(&format!("{name}/"), &items, parts.time);
     with_path(&path, bytes.and_then(|bytes| fs::write(&path, bytes)))?;
     Ok(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packages_get_the_flags_of_every_other_build() {
+        let configuration = include_str!("../../../.cargo/config.toml");
+        for flag in DIRECT_CALLS {
+            assert!(configuration.contains(&format!("\"{flag}\"")), "{flag}");
+        }
+    }
 }

@@ -370,10 +370,7 @@ impl ExercisePane {
             ui.label(practice.color(theme::LESSON_HINT_TEXT))
                 .on_hover_text(say::lesson_practice_hint().text(language));
         }
-        ui.heading(task.title.in_language(language));
-        let text = RichText::new(task.text.in_language(language));
-        ui.label(text.size(theme::READING_SIZE).color(theme::BRIGHT_TEXT));
-        ui.add_space(6.0);
+        show_text(ui, language, &task);
         if state.is_handed_in && is_exam {
             return;
         }
@@ -483,6 +480,14 @@ impl ExercisePane {
         });
         wants_bench
     }
+}
+
+/// Draws the title and the text of a task.
+fn show_text(ui: &mut Ui, language: Language, task: &ExerciseTask) {
+    ui.heading(task.title.in_language(language));
+    let text = RichText::new(task.text.in_language(language));
+    ui.label(text.size(theme::READING_SIZE).color(theme::BRIGHT_TEXT));
+    ui.add_space(6.0);
 }
 
 /// Draws a criterion: its text, its points and, for a dimension, its size on the part.

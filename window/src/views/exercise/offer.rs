@@ -6,7 +6,7 @@ use egui::{RichText, Ui};
 use gsk_exercise::task::ExerciseTask;
 use gsk_messages::{Language, say};
 
-use super::{ExercisePane, describe_length, show_demand};
+use super::{ExercisePane, describe_length, show_demand, show_text};
 use crate::theme;
 
 impl ExercisePane {
@@ -24,10 +24,7 @@ impl ExercisePane {
 
     /// Draws the task that is offered, with its criteria and its time.
     pub(super) fn show_offer(&mut self, ui: &mut Ui, language: Language, task: &ExerciseTask) {
-        ui.heading(task.title.in_language(language));
-        let text = RichText::new(task.text.in_language(language));
-        ui.label(text.size(theme::READING_SIZE).color(theme::BRIGHT_TEXT));
-        ui.add_space(6.0);
+        show_text(ui, language, task);
         let best = self.best.get(&task.id).copied();
         let length = describe_length(task, best).text(language);
         ui.label(RichText::new(length).color(theme::LESSON_STEP));
