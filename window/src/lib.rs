@@ -100,6 +100,8 @@ pub struct Window {
     /// The areas of the panel with the positions of the last frame.
     placed_areas: Vec<panel_placement::PlacedArea>,
     pointer_position: Option<Pos2>,
+    /// The docked view under the pointer; `None` if there is none or a window covers it.
+    pointed_view: Option<ViewId>,
     /// The part under the pointer that has been pressed or turned; its tip stays hidden.
     used_part: Option<PartKind>,
     questions: Questions,
@@ -161,6 +163,7 @@ impl Window {
             help: HelpWindow::default(),
             placed_areas: Vec::new(),
             pointer_position: None,
+            pointed_view: None,
             used_part: None,
             questions: Questions::default(),
             browser: FileBrowser::default(),
@@ -406,6 +409,9 @@ impl Window {
             self.explain_axis_key_in_list();
         }
         self.handle_keys(&view_input.events);
+        if let Some(view) = view_input.help_view {
+            self.toggle_help(view.topic());
+        }
         if let Some(request) = self.views.take_sample() {
             self.opener.open_sample(request, ui.ctx());
             self.show_view(ViewId::Machine);

@@ -4,6 +4,7 @@
 use egui::{Event, Key};
 use serde::{Deserialize, Serialize};
 
+use gsk_help::{Subject, Topic, topic};
 use gsk_host::platform;
 use gsk_messages::{Message, say};
 
@@ -25,6 +26,8 @@ macro_rules! views {
 pub struct ViewRow {
     pub view: ViewId,
     pub name: fn() -> Message,
+    /// The notion of the help that explains the view.
+    pub notion: &'static str,
     /// The key that opens and closes the view together with Shift; `None`: only the menu does.
     pub key: Option<Key>,
     /// True if the view is docked when it opens for the first time, false if it opens in a
@@ -48,6 +51,7 @@ views! {
     Machine => ViewRow {
         view: ViewId::Machine,
         name: say::window_view_machine,
+        notion: "machine view",
         key: Some(Key::F1),
         opens_docked: false,
         size: [900.0, 640.0],
@@ -60,6 +64,7 @@ views! {
     Lathe => ViewRow {
         view: ViewId::Lathe,
         name: say::window_view_lathe,
+        notion: "3D lathe view",
         key: None,
         opens_docked: true,
         size: [900.0, 640.0],
@@ -72,6 +77,7 @@ views! {
     Scope => ViewRow {
         view: ViewId::Scope,
         name: say::window_view_scope,
+        notion: "scope",
         key: Some(Key::F2),
         opens_docked: false,
         size: [1120.0, 720.0],
@@ -84,6 +90,7 @@ views! {
     Bench => ViewRow {
         view: ViewId::Bench,
         name: say::window_view_bench,
+        notion: "fault bench",
         key: Some(Key::F3),
         opens_docked: false,
         size: [1000.0, 640.0],
@@ -96,6 +103,7 @@ views! {
     Ladder => ViewRow {
         view: ViewId::Ladder,
         name: say::window_view_ladder,
+        notion: "ladder view",
         key: Some(Key::F4),
         opens_docked: false,
         size: [1240.0, 780.0],
@@ -108,6 +116,7 @@ views! {
     Link => ViewRow {
         view: ViewId::Link,
         name: say::window_view_link,
+        notion: "pulse board",
         key: Some(Key::F5),
         opens_docked: false,
         size: [1040.0, 740.0],
@@ -120,6 +129,7 @@ views! {
     Program => ViewRow {
         view: ViewId::Program,
         name: say::window_view_program,
+        notion: "program view",
         key: Some(Key::F11),
         opens_docked: false,
         size: [900.0, 760.0],
@@ -132,6 +142,7 @@ views! {
     Lesson => ViewRow {
         view: ViewId::Lesson,
         name: say::window_view_lesson,
+        notion: "lessons",
         key: Some(Key::Home),
         opens_docked: true,
         size: [420.0, 520.0],
@@ -144,6 +155,7 @@ views! {
     Transfer => ViewRow {
         view: ViewId::Transfer,
         name: say::window_view_transfer,
+        notion: "file transfer",
         key: None,
         opens_docked: false,
         size: [860.0, 560.0],
@@ -156,6 +168,7 @@ views! {
     Commission => ViewRow {
         view: ViewId::Commission,
         name: say::window_view_commission,
+        notion: "commissioning",
         key: Some(Key::End),
         opens_docked: false,
         size: [860.0, 700.0],
@@ -168,6 +181,7 @@ views! {
     Data => ViewRow {
         view: ViewId::Data,
         name: say::window_view_data,
+        notion: "parameters and offsets",
         key: None,
         opens_docked: false,
         size: [1000.0, 700.0],
@@ -180,6 +194,7 @@ views! {
     Project => ViewRow {
         view: ViewId::Project,
         name: say::window_view_project,
+        notion: "project",
         key: None,
         opens_docked: false,
         size: [1000.0, 700.0],
@@ -195,6 +210,11 @@ impl ViewId {
     /// Whether the view exists on this platform.
     pub fn is_available(self) -> bool {
         (self.row().is_available)()
+    }
+
+    /// Returns the help topic about the view.
+    pub fn topic(self) -> Option<&'static Topic> {
+        topic(Subject::Notion(self.row().notion))
     }
 
     /// Returns the row of the view in [`VIEWS`].
@@ -234,6 +254,22 @@ pub fn key_name(key: Key) -> String {
 mod tests {
     use super::*;
     use crate::layout::LAYOUTS;
+    use gsk_messages::Language;
+
+    #[test]
+    fn the_help_explains_every_view_and_names_its_key() {
+        for row in &VIEWS {
+            let topic = row.view.topic().expect(row.notion);
+            for language in [Language::Zh, Language::En] {
+                let rule = topic.rule(language);
+                let name = (row.name)().text(language);
+                assert!(rule.contains(&name), "{name} in: {rule}");
+                if let Some(key) = row.key {
+                    assert!(rule.contains(&key_name(key)), "{} in: {rule}", key_name(key));
+                }
+            }
+        }
+    }
 
     #[test]
     fn every_view_key_is_unique() {

@@ -2,6 +2,7 @@
 //! keys.
 
 use egui::{Event, Popup, Ui};
+use gsk_help::Topic;
 use gsk_host::input_watch::QUERY_INTERVAL;
 use gsk_host::kernel::Command;
 use gsk_panel::keys::Key;
@@ -10,6 +11,7 @@ use crate::chrome::zoom;
 use crate::input::held_keys::PanelKeyChange;
 use crate::input::keyboard::{self, PcAction};
 use crate::widgets::status_message::StatusMessage;
+use crate::view::ViewId;
 use crate::{Window, layout, view, views};
 
 /// What has the keyboard at the begin of a frame.
@@ -103,7 +105,10 @@ impl Window {
                     let about = self
                         .pointer_position
                         .and_then(|at| self.topic_at_position(at));
-                    self.help.toggle(about.or_else(|| self.alarm_topic()));
+                    match about {
+                        Some(about) => self.help.toggle(Some(about)),
+                        None => self.toggle_help(self.pointed_view.and_then(ViewId::topic)),
+                    }
                 }
                 Some(PcAction::Turn(graduations)) => self.console.send(Command::Turn(graduations)),
                 Some(PcAction::Type(character)) => {
@@ -125,6 +130,12 @@ impl Window {
                 None => {}
             }
         }
+    }
+
+    /// Opens the help away from the panel: about the current alarm, else about the view there,
+    /// else at the last topic. Closes the help if it shows that topic.
+    pub(crate) fn toggle_help(&mut self, view: Option<&'static Topic>) {
+        self.help.toggle(self.alarm_topic().or(view));
     }
 
     pub(crate) fn send(&self, changes: &[PanelKeyChange<Key>]) {

@@ -9,6 +9,7 @@ use super::timeline;
 use crate::focus;
 use crate::layout::{self, PaneTabs, Scales, WindowPane};
 use crate::placement::panel_placement;
+use crate::view::ViewId;
 use crate::views::header;
 use crate::{Window, theme};
 
@@ -55,6 +56,7 @@ impl Window {
                 self.show_stop_keys(&mut bar);
             }
         }
+        self.pointed_view = pointed_view(ui, &arrangement.panes);
         for (pane, bounds) in arrangement.panes {
             let mut ui = child_ui(ui, &format!("{pane:?}"), bounds);
             let WindowPane::View(view) = pane else {
@@ -118,6 +120,17 @@ impl Window {
                 focus::scroll_to_focus(ui);
             });
         });
+    }
+}
+
+/// Returns the docked view under the pointer; `None` if there is none or a window covers it.
+fn pointed_view(ui: &Ui, panes: &[(WindowPane, egui::Rect)]) -> Option<ViewId> {
+    let at = ui.input(|input| input.pointer.latest_pos())?;
+    let is_covered = ui.ctx().layer_id_at(at) != Some(ui.layer_id());
+    let (pane, _) = panes.iter().find(|(_, bounds)| bounds.contains(at))?;
+    match pane {
+        WindowPane::View(view) if !is_covered => Some(*view),
+        _ => None,
     }
 }
 

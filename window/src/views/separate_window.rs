@@ -11,7 +11,7 @@ use gsk_messages::Language;
 
 use super::header;
 use crate::fonts;
-use crate::input::keyboard;
+use crate::input::keyboard::{self, PcAction};
 use crate::layout::{self, Layouts, WindowGeometry, WindowLayout, floating};
 use crate::theme;
 use crate::view::{ViewId, ViewRow, view_of_pressed_key};
@@ -87,6 +87,8 @@ pub struct PanelInput {
     pub events: Vec<Event>,
     /// Whether a jog key was suppressed because a list uses the cursor keys.
     pub jogs_in_list: bool,
+    /// The view in whose window help was requested, if any.
+    pub help_view: Option<ViewId>,
     /// The view whose key was pressed in the window of another view, if any.
     pub(super) toggled_view: Option<ViewId>,
     /// The layout whose key was pressed in the window of a view, if any.
@@ -158,7 +160,11 @@ impl ViewWindow<'_> {
                     .or(layout::layout_of_pressed_key(&input.events));
                 report.geometry = floating::normal_geometry(input.viewport());
             });
-            events.retain(|event| is_for_panel(event, row.view, typing));
+            let is_help = |event: &Event| keyboard::action_of(event) == Some(PcAction::Help);
+            if events.iter().any(is_help) {
+                panel_input.help_view = Some(row.view);
+            }
+            events.retain(|event| !is_help(event) && is_for_panel(event, row.view, typing));
             panel_input.events.extend(events);
         });
         report
