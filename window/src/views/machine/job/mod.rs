@@ -28,6 +28,10 @@ use program_saver::ProgramSaver;
 /// The highest tool number of a job.
 const MAX_TOOL_NUMBER: u8 = 99;
 
+/// Height below which the whole panel scrolls and not only the fields of the selected item,
+/// points.
+const LOW_PANEL_HEIGHT: f32 = 400.0;
+
 /// The item of the job (stock or a tool) whose fields are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum JobItem {
@@ -108,21 +112,19 @@ impl JobPanel {
             self.job_file = path;
         }
         let mut job = self.draft.take()?;
-        self.show_origin(ui, context, &mut job, language);
-        if context.is_running {
-            let words = say::job_while_running().text(language);
-            ui.colored_label(theme::WARNING, words);
-        }
-        ui.add_enabled_ui(!context.is_running, |ui| {
-            self.show_list(ui, &mut job, context, language);
-            ui.separator();
-            ScrollArea::vertical()
-                .auto_shrink([false, false])
-                .show(ui, |ui| {
+        if ui.available_height() < LOW_PANEL_HEIGHT {
+            scroll(ui, |ui| {
+                self.show_head(ui, &mut job, context, language);
+                ui.add_enabled_ui(!context.is_running, |ui| {
                     self.show_item(ui, &mut job, context, language);
-                    focus::scroll_to_focus(ui);
                 });
-        });
+            });
+        } else {
+            self.show_head(ui, &mut job, context, language);
+            ui.add_enabled_ui(!context.is_running, |ui| {
+                scroll(ui, |ui| self.show_item(ui, &mut job, context, language));
+            });
+        }
         let rule = job.check();
         // Nothing is clamped while the pointer drags a value.
         let is_released = !ui.input(|input| input.pointer.any_down());
@@ -178,6 +180,26 @@ impl JobPanel {
         {
             self.selected = JobItem::Stock;
         }
+    }
+
+    /// Draws what is above the fields of the selected item: the origin of the job, and the list
+    /// of stock and tools.
+    fn show_head(
+        &mut self,
+        ui: &mut Ui,
+        job: &mut Job,
+        lathe: &JobContext<'_>,
+        language: Language,
+    ) {
+        self.show_origin(ui, lathe, job, language);
+        if lathe.is_running {
+            let words = say::job_while_running().text(language);
+            ui.colored_label(theme::WARNING, words);
+        }
+        ui.add_enabled_ui(!lathe.is_running, |ui| {
+            self.show_list(ui, job, lathe, language);
+        });
+        ui.separator();
     }
 
     /// Draws the origin of the job (file or guess), the button that saves it, and the one that
@@ -383,6 +405,15 @@ fn free_number(job: &Job, lathe: &JobContext<'_>) -> Option<u8> {
     let is_free = |number: &u8| !job.tools.contains_key(number);
     let missing = lathe.used_tools.iter().copied().find(is_free);
     missing.or_else(|| (1..=MAX_TOOL_NUMBER).find(is_free))
+}
+
+/// Draws content in a scroll area that follows the keyboard focus.
+fn scroll(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
+    let area = ScrollArea::vertical().auto_shrink([false, false]);
+    area.show(ui, |ui| {
+        add(ui);
+        focus::scroll_to_focus(ui);
+    });
 }
 
 fn file_name(path: &Path) -> String {
