@@ -265,7 +265,11 @@ mod tests {
                 let name = (row.name)().text(language);
                 assert!(rule.contains(&name), "{name} in: {rule}");
                 if let Some(key) = row.key {
-                    assert!(rule.contains(&key_name(key)), "{} in: {rule}", key_name(key));
+                    assert!(
+                        rule.contains(&key_name(key)),
+                        "{} in: {rule}",
+                        key_name(key)
+                    );
                 }
             }
         }

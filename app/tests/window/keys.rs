@@ -1,9 +1,13 @@
 //! Keys of the panel by mouse and PC keyboard: contacts, lamps, bursts, a lost focus.
 
+use egui::vec2;
 use egui_kittest::kittest::Queryable;
 use gsk_core::command::ProgramId;
 use gsk_core::operation::RunState;
+use gsk_core::setup::Setup;
 use gsk_panel::keys::{KEYS, Key, KeyRole};
+
+use gsk_window::layout::{Layouts, WindowLayout};
 
 use super::{click, is_shown};
 use crate::common::WindowBench;
@@ -172,6 +176,35 @@ fn f1_explains_the_key_under_the_mouse() {
     bench.harness.key_press(egui::Key::F1);
     bench.run(10);
     assert!(!is_in_help(&bench, "Cycle start  key CS"));
+}
+
+#[test]
+fn f1_explains_the_view_under_the_mouse_and_an_alarm_before_it() {
+    let layouts = Layouts::with_layout(WindowLayout::Machine);
+    let mut bench = WindowBench::with_layouts(Setup::default(), layouts, vec2(1366.0, 768.0));
+    let press_f1_over = |bench: &mut WindowBench, part: &str| {
+        let center = bench.harness.get_by_label(part).rect().center();
+        bench.harness.hover_at(center);
+        bench.run(10);
+        bench.harness.key_press(egui::Key::F1);
+        bench.run(10);
+    };
+    let is_in_help =
+        |bench: &WindowBench, text: &str| bench.harness.query_by_label_contains(text).is_some();
+    let about_view = "The view Machine (Shift+F1)";
+    press_f1_over(&mut bench, "Machine picture");
+    assert!(is_in_help(&bench, about_view));
+    press_f1_over(&mut bench, "Machine picture");
+    assert!(!is_in_help(&bench, about_view), "a second F1 closes it");
+    press_f1_over(&mut bench, "Cycle start");
+    assert!(is_in_help(&bench, "Cycle start  key CS"));
+    bench.harness.key_press(egui::Key::F1);
+    bench.run(10);
+    bench.click("Emergency stop");
+    bench.run(300);
+    press_f1_over(&mut bench, "Machine picture");
+    assert!(!is_in_help(&bench, about_view));
+    assert!(is_in_help(&bench, "alarm 207  Overtravel"));
 }
 
 #[test]

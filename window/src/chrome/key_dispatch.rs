@@ -10,8 +10,8 @@ use gsk_panel::keys::Key;
 use crate::chrome::zoom;
 use crate::input::held_keys::PanelKeyChange;
 use crate::input::keyboard::{self, PcAction};
-use crate::widgets::status_message::StatusMessage;
 use crate::view::ViewId;
+use crate::widgets::status_message::StatusMessage;
 use crate::{Window, layout, view, views};
 
 /// What has the keyboard at the begin of a frame.
