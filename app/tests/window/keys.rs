@@ -6,7 +6,6 @@ use gsk_core::command::ProgramId;
 use gsk_core::operation::RunState;
 use gsk_core::setup::Setup;
 use gsk_panel::keys::{KEYS, Key, KeyRole};
-
 use gsk_window::layout::{Layouts, WindowLayout};
 
 use super::{click, is_shown};

@@ -126,7 +126,8 @@ impl Window {
 /// Returns the docked view under the pointer; `None` if there is none or a window covers it.
 fn pointed_view(ui: &Ui, panes: &[(WindowPane, egui::Rect)]) -> Option<ViewId> {
     let at = ui.input(|input| input.pointer.latest_pos())?;
-    let is_covered = ui.ctx().layer_id_at(at) != Some(ui.layer_id());
+    let layer = ui.ctx().layer_id_at(at);
+    let is_covered = layer.is_some_and(|layer| layer != ui.layer_id());
     let (pane, _) = panes.iter().find(|(_, bounds)| bounds.contains(at))?;
     match pane {
         WindowPane::View(view) if !is_covered => Some(*view),

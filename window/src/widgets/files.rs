@@ -42,7 +42,7 @@ struct PendingChoices(Arc<Mutex<Vec<ChoiceRequest>>>);
 
 impl PendingChoices {
     fn of_context(context: &Context) -> Self {
-        let id = Id::unique("asked for files");
+        let id = Id::unique("file requests");
         context.data_mut(|data| data.get_temp_mut_or_default::<Self>(id).clone())
     }
 
