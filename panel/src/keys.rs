@@ -149,7 +149,7 @@ pub enum Key {
     Increment100,
     /// 手轮 X 轴: the handwheel moves the X axis.
     WheelX,
-    /// 手轮 Y 轴(未装): selects the Y axis for the handwheel (not fitted).
+    /// 手轮 Y 轴（未装）: selects the Y axis for the handwheel (not fitted).
     WheelY,
     /// 手轮 Z 轴: the handwheel moves the Z axis.
     WheelZ,
@@ -161,9 +161,9 @@ pub enum Key {
     ZLeft,
     /// Z 轴向右: jogs the Z axis in the direction of the arrow that points right.
     ZRight,
-    /// Y 轴负向(未装): jogs the Y axis in minus direction (not fitted).
+    /// Y 轴负向（未装）: jogs the Y axis in minus direction (not fitted).
     YMinus,
-    /// Y 轴正向(未装): jogs the Y axis in plus direction (not fitted).
+    /// Y 轴正向（未装）: jogs the Y axis in plus direction (not fitted).
     YPlus,
     /// 手动快速: jogs at rapid rate.
     Rapid,
@@ -191,9 +191,9 @@ pub enum Key {
     FeedOverrideUp,
     /// 进给倍率减: lowers the feed override.
     FeedOverrideDown,
-    /// 暂停(进给保持): holds the feed of the running program.
+    /// 暂停（进给保持）: holds the feed of the running program.
     FeedHold,
-    /// 运行(循环启动): starts the selected program or the MDI block.
+    /// 运行（循环启动）: starts the selected program or the MDI block.
     CycleStart,
     /// 急停: the mushroom button. Pressing it latches it; pressing it again releases it.
     EmergencyStop,

@@ -37,8 +37,8 @@ WORDS = {
         "single": "Single block", "lamp": "Single block lamp", "on": "on", "off": "off",
     },
     "zh": {
-        "purpose": "我有一台车床", "begin": "开始", "samples": "示例", "lcd": "显示屏", "auto": "自动方式", "start": "运行(循环启动)",
-        "hold": "暂停(进给保持)", "stop": "急停", "reset": "复位",
+        "purpose": "我有一台车床", "begin": "开始", "samples": "示例", "lcd": "显示屏", "auto": "自动方式", "start": "运行（循环启动）",
+        "hold": "暂停（进给保持）", "stop": "急停", "reset": "复位",
         "single": "单段", "lamp": "单段灯", "on": "亮", "off": "灭",
     },
 }
