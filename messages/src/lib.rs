@@ -69,7 +69,7 @@ enum Value {
     Text(String),
     /// Another message, shown in the same language.
     Message(Message),
-    /// Several messages, shown in the same language and joined with "; ".
+    /// Several messages, shown in the same language and joined with a semicolon.
     List(Vec<Message>),
 }
 
@@ -147,7 +147,11 @@ impl Message {
                 let texts = messages
                     .iter()
                     .map(|message| message.text_with(language, written));
-                texts.collect::<Vec<_>>().join("; ")
+                let separator = match language {
+                    Language::Zh => "；",
+                    Language::En => "; ",
+                };
+                texts.collect::<Vec<_>>().join(separator)
             }
             None => String::new(),
         }
@@ -273,6 +277,6 @@ mod tests {
         assert_eq!(inner.plain_value("program"), Some("0007"));
         assert_eq!(both.plain_value("messages"), None);
         assert_eq!(both.text(Language::En), "program 0007 exists; x.nc");
-        assert_eq!(both.text(Language::Zh), "程序 0007 已存在; x.nc");
+        assert_eq!(both.text(Language::Zh), "程序 0007 已存在；x.nc");
     }
 }

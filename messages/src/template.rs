@@ -4,7 +4,7 @@
 //! {name}            a value in its own format
 //! {name:04}         the same in a format of Rust; the Chinese text repeats the name alone
 //! {name:message}    another message, in the same language
-//! {name:messages}   several messages, joined with "; "
+//! {name:messages}   several messages, joined with a semicolon
 //! ```
 
 /// The reason why the text of a message cannot be split at its placeholders.

@@ -120,13 +120,13 @@ impl ProgramSummary {
     /// alarm`, or the block that raises the alarm.
     pub fn summary_line(&self, language: Language) -> String {
         if let Some([chinese, english]) = &self.alarm {
-            let alarm = match language {
-                Language::Zh => chinese,
-                Language::En => english,
+            let (alarm, separator) = match language {
+                Language::Zh => (chinese, "；"),
+                Language::En => (english, "; "),
             };
             let sentence = alarm.sentence(Some(language));
             let sentence = sentence.lines().map(str::trim).collect::<Vec<_>>();
-            return say::first_look_alarm(&self.name, sentence.join("; ")).text(language);
+            return say::first_look_alarm(&self.name, sentence.join(separator)).text(language);
         }
         let tools = match self.cutting_tools {
             0 => say::first_look_no_tool(),

@@ -49,7 +49,7 @@ fn check_reports_in_chinese_and_english() {
     assert!(!english.contains(is_foreign), "{english}");
     for line in [
         "P/S 010 \u{6307}\u{4ee4}",
-        "，第 3 行: G54\n  本系统没有 G54",
+        "，第 3 行：G54\n  本系统没有 G54",
         "另有 P/S 019",
         "警告 W02：第 2 行：切削时主轴没有旋转\n",
         "警告 W04：第 4 行：G28 回机械零点，未给出 --work-zero 时",

@@ -262,9 +262,13 @@ pub fn describe_evidence(evidence: &MarkEvidence, language: Language) -> String 
     parts.extend(evidence.block.clone());
     parts.extend(evidence.measured.map(|value| format!("{value:.3}")));
     parts.extend(evidence.found.as_ref().map(|found| found.text(language)));
+    let comma = match language {
+        Language::Zh => "，",
+        Language::En => ", ",
+    };
     match parts.is_empty() {
         true => String::new(),
-        false => format!("[{}]", parts.join(", ")),
+        false => format!("[{}]", parts.join(comma)),
     }
 }
 

@@ -84,7 +84,7 @@ impl PanelLimits {
     pub(crate) fn key_refusal(&self, key: Key) -> Option<Message> {
         self.keys
             .contains(&key)
-            .then(|| say::limit_key_refused(key.row().legend.join(" ")))
+            .then(|| say::limit_key_refused(join_legend(key.row().legend)))
     }
 
     /// Returns why a typed character is refused: no permitted key enters it. `None` if it is
@@ -145,6 +145,12 @@ fn refused_items<T: Copy + Ord>(
             Ok(all.filter(|item| !permitted.contains(item)).collect())
         }
     }
+}
+
+/// Joins the lines of a legend: Chinese lines form one name, without a blank between them.
+fn join_legend(legend: &[&str]) -> String {
+    let is_chinese = legend.iter().all(|line| !line.is_ascii());
+    legend.join(if is_chinese { "" } else { " " })
 }
 
 fn find_key(name: &str) -> Result<Key, Message> {

@@ -12,16 +12,25 @@ impl AlarmReport {
     /// `None`.
     pub fn sentence(&self, language: Option<Language>) -> String {
         let words = language.unwrap_or(Language::En);
-        let mut out = format!("{} {}", self.shown, self.text);
+        let (comma, colon) = match words {
+            Language::Zh => ("，", "："),
+            Language::En => (", ", ": "),
+        };
+        // The clause about the line continues the text, which the control may end with a mark.
+        let text = match words {
+            Language::Zh if self.line.is_some() => self.text.trim_end_matches(['!', '.', '。']),
+            _ => self.text.as_str(),
+        };
+        let mut out = format!("{} {text}", self.shown);
         // A block of a subprogram is in a separate program.
         if let Some(ProgramId::Stored(number)) = self.program {
-            out.push_str(&format!(", {}", self.naming.name(number)));
+            out.push_str(&format!("{comma}{}", self.naming.name(number)));
         }
         if let Some(line) = self.line {
             out.push_str(&say::report_line(line).text(words));
         }
         if let Some(block) = &self.block {
-            out.push_str(&format!(": {}", shorten_line(block)));
+            out.push_str(&format!("{colon}{}", shorten_line(block)));
         }
         if let Some(detail) = &self.detail {
             out.push_str(&format!("\n  {detail}"));
