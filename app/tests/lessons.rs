@@ -371,7 +371,7 @@ fn a_learning_platform_shows_its_exercises_alone_and_counts_attempts() {
     );
     bench
         .harness
-        .get_by_label_contains("The time begins to run");
+        .get_by_label_contains("The clock starts when you press Begin");
     click(&mut bench, "Begin");
     // Title and time are visible although the panel may cover the task.
     let line = bench.harness.query_all_by_label_contains("Time left 5:00");
@@ -411,7 +411,7 @@ fn a_fault_hunt_leads_to_the_bench_and_begins_again_without_old_refusals() {
     bench.run(50);
     click(&mut bench, "Alarm of a drive");
     click(&mut bench, "Begin");
-    let bench_hint = "Fault hunt: the faults are hidden.";
+    let bench_hint = "Fault hunt: no fault is marked.";
     let is_explained = |bench: &WindowBench| {
         let mut shown = bench.harness.query_all_by_label_contains(bench_hint);
         shown.next().is_some()

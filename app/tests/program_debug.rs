@@ -224,7 +224,7 @@ fn the_list_of_differences_is_edited_and_checked_again() {
     wait_for(&mut bench, "(changed; the program has 800)");
     assert!(is_shown(&bench, "Output G97 S500"));
     click(&mut bench, "Take over the values");
-    wait_for(&mut bench, "in AUTO goes to the start point");
+    wait_for(&mut bench, "goes to the start point and stops there");
 }
 
 /// A control whose board has made its reference return.

@@ -71,7 +71,7 @@ fn keys_of_the_machine_are_refused_where_the_ladder_refuses_them() {
             refused(&mut emulator, Key::ZLeft, "the axis keys act in");
         }
         if !mode.runs_programs() {
-            refused(&mut emulator, Key::CycleStart, "acts in AUTO and MDI");
+            refused(&mut emulator, Key::CycleStart, "only in the modes");
         }
         match mode {
             OperatingMode::Step => acts(&mut emulator, Key::Increment10),

@@ -84,7 +84,7 @@ fn a_pass_has_the_force_of_its_formula() {
     assert_eq!(load_lints(&report), []);
     let text = report.to_text(Some(Language::En));
     assert!(
-        text.contains("load in C45") && text.contains("names no grade"),
+        text.contains("load in C45") && text.contains("gives no grade"),
         "{text}"
     );
 }

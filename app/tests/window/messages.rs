@@ -170,7 +170,7 @@ fn a_key_without_effect_shows_the_reason_until_a_key_acts() {
         (
             "Jog mode",
             "Cycle start",
-            "cycle start acts in AUTO and MDI",
+            "only in the modes",
         ),
         (
             "Automatic mode",

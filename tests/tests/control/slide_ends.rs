@@ -217,8 +217,8 @@ fn advice_messages(latching: bool, z: f64) -> Vec<String> {
 
 #[test]
 fn a_return_key_released_too_early_advises_to_hold_it() {
-    let text =
-        "the return of Z was interrupted: hold its key until the lamp lights, or set 011.2 = 1";
+    let text = "the return of Z was interrupted: hold its key until the lamp lights \
+                (with parameter 011.2 = 1 one press is enough)";
     assert_eq!(advice_messages(false, -150.0), [text]);
     // One press is enough; the key of the mode stops it on purpose.
     assert_eq!(advice_messages(true, -150.0), [""; 0]);

@@ -122,7 +122,7 @@ mod tests {
         let zh = one_line(&alarm, Language::Zh);
         assert_eq!(
             zh,
-            "P/S 013: 圆弧数据有错误!  O0012 N0060 行 7  (没有指定 R，也没有指定 I、K)"
+            "P/S 013: 圆弧数据有错误!  O0012 N0060 第 7 行  (没有指定 R，也没有指定 I、K)"
         );
         let en = with_remedy(&alarm, Language::En);
         assert!(en.starts_with("013: "), "{en}");
