@@ -22,9 +22,19 @@ mod program;
 
 use std::path::{Path, PathBuf};
 
+use gsk_messages::MessageTable;
+
 pub use case::{ProgramPath, TestCase};
 pub use folder::{TestFolder, test_folder};
 pub use tree::case_dir;
+
+static TEXTS: MessageTable = MessageTable::new(include_str!("../../assets/tables/messages.tsv"));
+
+/// Gives the messages their texts. A release build, as for Windows, does not read the table of
+/// the sources.
+pub fn install_texts() {
+    gsk_messages::install_texts(&TEXTS);
+}
 
 /// Returns the root folder of the repository.
 pub fn repository() -> PathBuf {

@@ -11,6 +11,7 @@ use gsk_tests::tree::{self, CaseFolder};
 use libtest_mimic::{Arguments, Failed, Trial};
 
 fn main() -> ExitCode {
+    gsk_tests::install_texts();
     let arguments = Arguments::from_args();
     let update = std::env::var_os("UPDATE_CASES").is_some_and(|value| value != "0");
     let cases = match tree::list_cases() {

@@ -13,6 +13,7 @@ use gsk_tests::marks::mark_and_replay;
 use gsk_tests::repository;
 
 fn run_session(saves: &[u64]) -> SessionTrace {
+    gsk_tests::install_texts();
     gsk_tests::determinism::trace_session(saves).expect("the session")
 }
 
@@ -56,6 +57,7 @@ fn an_exercise_is_marked_and_replayed_as_on_every_platform() {
     let report = judge(&task, &recording).expect("judged");
     let key = SealKey::from_random(&[1; 32], [1; 8]);
     let result = write_result(author, report, &recording, &key).expect("a result");
+    gsk_tests::install_texts();
     let files = [
         ("anna.gskresult".to_owned(), result),
         ("anna.gskrec".to_owned(), recording),

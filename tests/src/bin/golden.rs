@@ -3,14 +3,11 @@
 //! the element `golden`; the element `files` contains the files, one a line: name and hexadecimal
 //! bytes.
 
-use gsk_messages::MessageTable;
 use gsk_tests::determinism::trace_session;
 use gsk_tests::marks::{NamedFile, mark_and_replay};
 
-static TEXTS: MessageTable = MessageTable::new(include_str!("../../../assets/tables/messages.tsv"));
-
 fn main() {
-    gsk_messages::install_texts(&TEXTS);
+    gsk_tests::install_texts();
     print_text(&describe().unwrap_or_else(|error| error));
 }
 
