@@ -12,6 +12,8 @@ use crate::models::topic_of;
 use crate::subject::Subject;
 use crate::table::{Topic, topic};
 
+pub use program::address_topic;
+
 /// Number of bits of a byte, and of digits of a state parameter.
 const BITS: usize = 8;
 

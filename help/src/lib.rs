@@ -27,7 +27,7 @@ mod table;
 pub use article::{Article, article, designation};
 pub use document::document;
 pub use facts::{facts, signal_direction, subject_name};
-pub use lcd::topic_at;
+pub use lcd::{address_topic, topic_at};
 pub use models::{topic_of, topics_of};
 pub use search::{search, search_among, search_model};
 pub use subject::Subject;

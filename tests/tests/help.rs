@@ -200,6 +200,28 @@ fn words_under_the_pointer_on_the_lcd_are_found() {
     }
 }
 
+#[test]
+fn letters_of_a_comment_on_the_lcd_are_no_words() {
+    let mut setup = gsk_core::setup::Setup::default();
+    let text = "O0001;\nG99 (ROUGHING) G96;\nM30;\n";
+    setup.memory.programs.store(text).expect("room");
+    let first = gsk_core::command::ProgramId::Stored(1);
+    setup.memory.programs.select(first);
+    let mut emulator = Emulator::new(setup);
+    emulator.run_until(&WaitCondition::SelfTestOver, 10_000);
+    emulator.show_page(PageId::Prg);
+    let screen = emulator.screen();
+    let topic_of_text = |text: &str| {
+        let rows = (1..12).filter_map(|row| Some((row, screen.row(row).find(text)?)));
+        let (row, column) = rows.into_iter().next().expect("on the page");
+        let found = topic_at(ModelId::default(), PageId::Prg, &screen, row, column);
+        found.map(|it| it.subject.to_string())
+    };
+    assert_eq!(topic_of_text("G99").as_deref(), Some("G99"));
+    assert_eq!(topic_of_text("GHING").as_deref(), Some("page prg"));
+    assert_eq!(topic_of_text("G96").as_deref(), Some("G96"));
+}
+
 /// Every word of every page, in both languages, has a topic with more than the purpose of the
 /// page. Its title and the words on the pages of a program's name are exceptions.
 #[test]

@@ -41,7 +41,7 @@ pub fn word_topic(
     let pointed = all.iter().rfind(|word| word.at <= column)?;
     let inside = column.saturating_sub(pointed.at);
     let text: Vec<char> = pointed.text.chars().collect();
-    if inside >= text.len() || !pointed.text.is_ascii() {
+    if inside >= text.len() || !pointed.text.is_ascii() || is_in_comment(screen, row, column) {
         return None;
     }
     let statement = STATEMENTS.iter().any(|it| pointed.text.starts_with(it));
@@ -54,21 +54,42 @@ pub fn word_topic(
         .take_while(|it| it.is_ascii_digit())
         .collect();
     let letter = text[at];
-    if matches!(letter, 'G' | 'M') && !digits.is_empty() {
-        return topic_of(model, Subject::Code(&format!("{letter}{digits:0>2}")));
-    }
-    if only_codes {
+    let is_code = matches!(letter, 'G' | 'M') && !digits.is_empty();
+    if only_codes && !is_code {
         return None;
     }
-    let code = matches!(letter, 'S' | 'T' | 'F').then(|| letter.to_string());
+    address_topic(model, letter, &digits)
+}
+
+/// Whether a position is within a comment of the program, which may begin in a row above.
+fn is_in_comment(screen: &Screen, row: usize, column: usize) -> bool {
+    let rows = *INSIDE.start()..=row;
+    let cells = rows.flat_map(|at| {
+        let end = if at == row { column + 1 } else { COLUMNS };
+        (0..end).map(move |column| screen.cell(at, column).character)
+    });
+    cells.fold(false, |is_inside, character| match character {
+        '(' => true,
+        ')' | ';' => false,
+        _ => is_inside,
+    })
+}
+
+/// Returns the topic about a program word by its address and the digits after it: the code, or
+/// else the key of the address.
+pub fn address_topic(model: ModelId, address: char, digits: &str) -> Option<&'static Topic> {
+    if matches!(address, 'G' | 'M') && !digits.is_empty() {
+        return topic_of(model, Subject::Code(&format!("{address}{digits:0>2}")));
+    }
+    let code = matches!(address, 'S' | 'T' | 'F').then(|| address.to_string());
     let code = code.and_then(|code| topic_of(model, Subject::Code(&code)));
     // The second letters of compound keys.
-    let key = match letter {
+    let key = match address {
         'D' => 'U',
         'Q' => 'P',
         'C' => 'J',
         'Y' => 'H',
-        letter => letter,
+        address => address,
     };
     code.or_else(|| topic(Subject::Key(&key.to_string())))
 }
