@@ -50,6 +50,8 @@ struct StepDemonstration {
     /// Tick until which the step may still complete, set when all keys are pressed; `None`
     /// while keys are still to be pressed.
     settle_ticks: Option<u64>,
+    /// Number of alarms when the demonstration began.
+    alarms_before: usize,
 }
 
 /// A lesson in progress.
@@ -93,7 +95,7 @@ impl Practice {
     pub fn demonstrate(lesson: Arc<Lesson>) -> Result<(Self, Emulator), Message> {
         let (mut practice, machine) = Self::begin(lesson)?;
         practice.continues = true;
-        practice.start_showing(false);
+        practice.start_showing(false, &machine);
         Ok((practice, machine))
     }
 
@@ -121,8 +123,14 @@ impl Practice {
             Some(showing) if showing.settle_ticks.is_none() => {
                 let before = emulator.ticks();
                 let played = showing.runner.advance(emulator, 1);
+                // The keys may not fit the state in which the learner has left the machine.
+                let is_alarmed = !showing.uses_lesson_state
+                    && emulator.cnc().alarms().len() > showing.alarms_before;
+                if is_alarmed {
+                    emulator.key(KeyEvent::ReleaseAll);
+                }
                 // A solution has no effects. A line that fails ends it.
-                if !matches!(played, ScriptProgress::Running) {
+                if is_alarmed || !matches!(played, ScriptProgress::Running) {
                     showing.settle_ticks = Some(emulator.ticks() + STEP_SETTLE_MS);
                 }
                 if emulator.ticks() == before {
@@ -158,7 +166,7 @@ impl Practice {
         if now > showing.step {
             self.showing = None;
             if self.continues {
-                self.start_showing(false);
+                self.start_showing(false, emulator);
             }
         } else if emulator.ticks() >= until {
             let again = !showing.uses_lesson_state;
@@ -178,7 +186,7 @@ impl Practice {
         };
         if are_all_met(&step.requirements, emulator) && self.progress.remark() == LessonRemark::None
         {
-            self.start_showing(false);
+            self.start_showing(false, emulator);
         } else {
             self.show_from_lesson_state(emulator);
         }
@@ -195,14 +203,14 @@ impl Practice {
             self.replaced = true;
             self.begin_cue(emulator);
         }
-        self.start_showing(true);
+        self.start_showing(true, emulator);
     }
 
     fn begin_cue(&mut self, emulator: &Emulator) {
         self.cue = KeyCue::begin(self.progress.current(), emulator.panel());
     }
 
-    fn start_showing(&mut self, uses_lesson_state: bool) {
+    fn start_showing(&mut self, uses_lesson_state: bool, emulator: &Emulator) {
         let Some(step) = self.progress.current() else {
             return;
         };
@@ -211,6 +219,7 @@ impl Practice {
             step: self.progress.step(),
             uses_lesson_state,
             settle_ticks: None,
+            alarms_before: emulator.cnc().alarms().len(),
         });
     }
 

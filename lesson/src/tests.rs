@@ -240,6 +240,40 @@ fn what_is_shown_stops_at_the_first_key_of_the_learner() {
     assert!(!machine.panel().is_held(Key::Auto));
 }
 
+#[test]
+fn an_alarm_of_what_is_shown_leads_to_the_state_of_the_lesson() {
+    let lesson = built_in_lessons().into_iter().next().expect("a lesson");
+    let (mut practice, mut machine) = Practice::begin(Arc::new(lesson)).expect("a machine");
+    for _ in 0..3 {
+        practice.show_me(&mut machine);
+        while practice.view().showing {
+            run(&mut practice, &mut machine, 100);
+        }
+    }
+    assert_eq!(practice.view().step, 3);
+    // The learner releases the key when X slows down on its deceleration switch.
+    machine.key_down(Key::XDown);
+    let (mut x, mut fastest) = (machine.cnc().position_machine().x, 0.0);
+    loop {
+        run(&mut practice, &mut machine, 10);
+        let now = machine.cnc().position_machine().x;
+        let speed = (now - core::mem::replace(&mut x, now)).abs();
+        if speed < 0.5 * fastest {
+            break;
+        }
+        fastest = speed.max(fastest);
+    }
+    machine.key_up(Key::XDown);
+    run(&mut practice, &mut machine, 3000);
+    practice.show_me(&mut machine);
+    run(&mut practice, &mut machine, 3000);
+    assert!(practice.view().replaced, "{}", machine.screen());
+    while practice.view().showing {
+        run(&mut practice, &mut machine, 100);
+    }
+    assert_eq!(practice.view().step, 4);
+}
+
 /// Generates random numbers that are the same in every run.
 struct LessonRandom(u64);
 
