@@ -28,6 +28,8 @@ pub struct CauseLink {
     pub depth: usize,
     /// The thing that the link is about; `None` for a state of the control.
     pub target: Option<CauseTarget>,
+    /// Whether the link names the way out of the state and no cause.
+    pub is_remedy: bool,
     chinese: String,
     english: String,
 }
@@ -69,12 +71,22 @@ impl CauseChain {
         let link = CauseLink {
             depth,
             target,
+            is_remedy: false,
             chinese: text(Language::Zh),
             english: text(Language::En),
         };
         let is_repeated = (self.links.last()).is_some_and(|last| *last == link);
         if !is_repeated && !self.is_full() {
             self.links.push(link);
+        }
+    }
+
+    /// Adds a link that names the way out. A full chain does not change.
+    pub(super) fn push_remedy(&mut self, depth: usize, message: impl Fn(Language) -> Message) {
+        let before = self.links.len();
+        self.push(depth, None, message);
+        if let Some(added) = self.links.get_mut(before) {
+            added.is_remedy = true;
         }
     }
 

@@ -164,7 +164,7 @@ fn add_alarm(cnc: &Cnc, alarm: &Alarm, depth: usize, tracer: &mut LadderTracer<'
         tracer.trace_bit_once(EMERGENCY_SIGNAL, depth + 1);
     }
     if let Some(advice) = alarm.advice() {
-        tracer.chain.push(depth + 1, None, |language| {
+        tracer.chain.push_remedy(depth + 1, |language| {
             let remedy = match language {
                 Language::Zh => advice.remedy_zh,
                 Language::En => advice.remedy_en,

@@ -129,7 +129,9 @@ impl WhyPane {
         }
         let mut selected = None;
         ScrollArea::both().auto_shrink(false).show(ui, |ui| {
-            for link in self.chain.links() {
+            // After a crash the way out is that of the crash.
+            let links = self.chain.links().iter();
+            for link in links.filter(|link| crash.is_none() || !link.is_remedy) {
                 ui.horizontal(|ui| {
                     ui.add_space(INDENT * link.depth as f32);
                     selected = selected.or(show_link(ui, link, language));
