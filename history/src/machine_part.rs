@@ -26,6 +26,9 @@ pub struct NamedJob {
 pub enum PartInput {
     /// Clamps the stock of another job; `None` removes the part.
     Job(Option<Box<NamedJob>>),
+    /// Puts the tools of another job with the same stock and place into the tool post; the part is
+    /// kept.
+    Tools(Box<NamedJob>),
     /// Clamps new stock of the same job.
     NewStock,
     /// Sets whether a collision stops the lathe.
@@ -72,6 +75,8 @@ pub struct MachinePart {
     job_name: Option<Arc<str>>,
     crash_stops: bool,
     overload: bool,
+    /// Whether motion by hand meets a part whose place only the control's coordinates give.
+    meets_drawn_part: bool,
     /// Whether the power chuck has held the stock at least once.
     has_gripped: bool,
 }
@@ -84,6 +89,7 @@ impl Default for MachinePart {
             job_name: None,
             crash_stops: true,
             overload: false,
+            meets_drawn_part: true,
             has_gripped: false,
         }
     }
@@ -99,8 +105,15 @@ impl MachinePart {
                     self.job_name = chosen.name.map(Arc::from);
                     let mut live = LivePart::new(Machining::new(chosen.job));
                     live.set_overload(self.overload);
+                    live.set_meets_drawn_part(self.meets_drawn_part);
                     live
                 });
+            }
+            PartInput::Tools(chosen) => {
+                let Some(live) = &mut self.live else { return };
+                self.job = Arc::new(chosen.job.clone());
+                self.job_name = chosen.name.map(Arc::from);
+                live.change_tools(chosen.job);
             }
             PartInput::NewStock => {
                 if let Some(live) = &mut self.live {
@@ -114,6 +127,15 @@ impl MachinePart {
                     live.set_overload(is_on);
                 }
             }
+        }
+    }
+
+    /// Sets whether motion by hand meets a part whose place only the control's coordinates give:
+    /// not if the slides are those of a real lathe.
+    pub fn set_meets_drawn_part(&mut self, meets: bool) {
+        self.meets_drawn_part = meets;
+        if let Some(live) = &mut self.live {
+            live.set_meets_drawn_part(meets);
         }
     }
 

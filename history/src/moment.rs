@@ -49,7 +49,9 @@ impl HistoryInput {
                 ControlRequest::LoadLadder(ladder) => ladder.source().len(),
                 _ => 0,
             },
-            Self::Part(PartInput::Job(Some(named))) => size_of::<NamedJob>() + named.name_bytes(),
+            Self::Part(PartInput::Job(Some(named)) | PartInput::Tools(named)) => {
+                size_of::<NamedJob>() + named.name_bytes()
+            }
             Self::Machine(_) | Self::Part(_) => 0,
         }
     }

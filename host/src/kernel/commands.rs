@@ -1,6 +1,7 @@
 //! Executes the commands of the window.
 
 use gsk_core::cnc::ControlRequest;
+use gsk_core::machine::LatheConfig;
 use gsk_core::memory::OperationLevel;
 use gsk_core::operation::RunState;
 use gsk_core::program::Program;
@@ -12,7 +13,7 @@ use gsk_project::ProjectState;
 use gsk_runner::machining::slide_shift;
 
 use super::edges::{self, KeyEdge};
-use super::part;
+use super::part::{self, KernelPart};
 use super::probe::{ActiveProbe, Probe};
 use super::{Command, Kernel, MachineMonitor, Notice, PreviewSetup, WHEEL_REST_TIME};
 use crate::job::SelectedJob;
@@ -70,6 +71,7 @@ impl Kernel {
             Command::Request(request) => self.execute_request(*request),
             Command::Write(requests) => self.write_all_or_none(requests),
             Command::Job(chosen) => self.set_job(chosen.map(|chosen| *chosen)),
+            Command::Tools(chosen) => self.change_tools(*chosen),
             Command::FreshStock => {
                 self.part.fresh_stock();
                 self.notify(Notice::FreshStock);
@@ -183,11 +185,22 @@ impl Kernel {
             return;
         }
         self.report_tool_minutes();
-        let (part, lathe) = match &mut self.lesson {
+        let (part, lathe) = self.own_part();
+        part.set_job(chosen, lathe);
+    }
+
+    fn change_tools(&mut self, chosen: SelectedJob) {
+        self.report_tool_minutes();
+        self.own_part().0.change_tools(chosen);
+    }
+
+    /// The part of the learner's own lathe, which may wait beside a practice machine, and that
+    /// lathe.
+    fn own_part(&mut self) -> (&mut KernelPart, &LatheConfig) {
+        match &mut self.lesson {
             Some(lesson) => lesson.own_part(),
             None => (&mut self.part, self.emulator.lathe().config()),
-        };
-        part.set_job(chosen, lathe);
+        }
     }
 
     pub(super) fn release_forced_bits(&mut self) {

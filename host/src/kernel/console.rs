@@ -155,6 +155,9 @@ pub enum Command {
     /// Set the job of the part in the simulated lathe, on fresh stock; `None` removes the
     /// part.
     Job(Option<Box<SelectedJob>>),
+    /// Put the tools of a job with the same stock and place into the tool post; the part is
+    /// kept.
+    Tools(Box<SelectedJob>),
     /// Clamp uncut stock in the chuck.
     FreshStock,
     /// Set whether the simulated lathe stops at a collision.

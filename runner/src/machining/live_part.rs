@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 
 use gsk_core::cnc::{Cnc, Event};
 use gsk_core::command::{Frame, ProgramId, SequenceNumber, SourcePosition};
-use gsk_core::machine::{LatheFault, LoadLimits, SimulatedLathe};
+use gsk_core::machine::{LatheFault, LoadLimits};
 use gsk_core::operation::RunState;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::{Point, TICK_S};
 use gsk_workpiece::cutting::CuttingMaterial;
+use gsk_workpiece::job::Job;
 use gsk_workpiece::motion::ToolMotion;
 use gsk_workpiece::part::TurnedPart;
 use gsk_workpiece::tool::Tool;
@@ -48,6 +49,9 @@ pub struct LivePart {
     /// empty after the run.
     first_cut_frames: BTreeMap<u8, Frame>,
     slide_shift: SlideShift,
+    /// Whether motion by hand meets the part where the control's coordinates draw it, if neither
+    /// the job nor a cut gives its place.
+    meets_drawn_part: bool,
 }
 
 /// Whether cuts above the limits break something, and what they have broken.
@@ -91,7 +95,14 @@ impl LivePart {
             threads: ThreadLog::default(),
             first_cut_frames: BTreeMap::new(),
             slide_shift: SlideShift::default(),
+            meets_drawn_part: true,
         }
+    }
+
+    /// Sets whether motion by hand meets a part whose place only the control's coordinates give.
+    /// On a real lathe that place is a guess, and a collision there means nothing.
+    pub const fn set_meets_drawn_part(&mut self, meets: bool) {
+        self.meets_drawn_part = meets;
     }
 
     /// Returns the threads that were cut since the stock was clamped.
@@ -135,6 +146,12 @@ impl LivePart {
     /// the material of the stock has no constants.
     pub fn load(&self) -> Option<CutLoad> {
         self.material.map(|_| self.load_meter.load())
+    }
+
+    /// Takes the tools of another job for the same stock, clamping and place. The part is kept.
+    pub fn change_tools(&mut self, job: Job) {
+        self.cut_pending();
+        self.machining.change_tools(job);
     }
 
     /// Clamps new stock and discards the findings. Wherever the slides are at the next tick, they
@@ -181,7 +198,7 @@ impl LivePart {
             source: moving_block(simulation),
         };
         self.overload.found = None;
-        self.overload.follow_tick(tool, &simulation.lathe);
+        self.overload.follow_tick(tool, simulation);
         self.change_stock(simulation);
         let slide = self.slide_position(cnc);
         // Under machine lock the commands move and the slides do not.
@@ -204,8 +221,9 @@ impl LivePart {
         self.last_tick = Some(now);
         let is_located =
             conditions.source.is_some() || self.machining.mounting().is_part_located(tool);
+        let touched_before = self.machining.contact_count(tool);
         match before {
-            Some(before) if has_moved && is_located => {
+            Some(before) if has_moved && (is_located || self.meets_drawn_part) => {
                 self.add_tick(conditions, before, now);
             }
             // At standstill the pending motion shows at once.
@@ -214,6 +232,10 @@ impl LivePart {
                 self.load_meter.set_idle();
                 self.overload.awaits_standstill = false;
             }
+        }
+        if !is_located && self.machining.contact_count(tool) != touched_before {
+            // What the hand has met stays there when an offset or the work zero changes.
+            self.machining.track.mounting_mut().fix_tool(tool, &frame);
         }
         let first = self.reported_findings.min(self.machining.findings.len());
         self.reported_findings = self.machining.findings.len();
@@ -369,12 +391,15 @@ impl LivePart {
 impl OverloadWatch {
     /// Follows the switch of the machine file and the faults of the lathe. The insert that breaks
     /// is that of the tool in the working position.
-    fn follow_tick(&mut self, tool: u8, lathe: &SimulatedLathe) {
+    fn follow_tick(&mut self, tool: u8, simulation: &Simulation) {
+        let lathe = &simulation.lathe;
         let limits = &lathe.config().load;
-        // A spindle that stalls slows down first: its feed per revolution says nothing then.
-        let is_stopped = [LatheFault::SpindleBlocked, LatheFault::StockLoose]
-            .iter()
-            .any(|fault| lathe.has_fault(*fault));
+        // A spindle that stalls, or runs down after RESET, slows down before the slides stop: its
+        // feed per revolution says nothing then.
+        let is_stopped = simulation.cnc.spindle_m_code() == 5
+            || [LatheFault::SpindleBlocked, LatheFault::StockLoose]
+                .iter()
+                .any(|fault| lathe.has_fault(*fault));
         if !(self.is_on || limits.events) || is_stopped {
             self.limits = None;
         } else if self.limits.is_none() {

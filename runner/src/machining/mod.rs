@@ -81,15 +81,10 @@ pub struct Machining {
 impl Machining {
     /// Creates the machining of a job with uncut stock.
     pub fn new(job: Job) -> Self {
-        let cutters = job
-            .tools
-            .iter()
-            .map(|(number, tool)| (*number, SceneTool::new(ToolShape::from_tool(tool))))
-            .collect();
         Self {
             scene: LatheScene::new(&job.stock),
             track: MotionTrack::from_job(&job),
-            cutters,
+            cutters: cutters(&job),
             parted_volume_mm3: 0.0,
             findings: Vec::new(),
             cutting: BTreeMap::new(),
@@ -133,6 +128,21 @@ impl Machining {
         self.scene = LatheScene::new(&self.job.stock);
         self.parted_volume_mm3 = 0.0;
         self.findings.clear();
+    }
+
+    /// Takes the tools of another job for the same stock. The part, its place and the collisions
+    /// are kept.
+    fn change_tools(&mut self, job: Job) {
+        self.cutters = cutters(&job);
+        self.track.mounting_mut().change_tools(&job);
+        self.job = job;
+    }
+
+    /// A figure that changes with each cut and each collision of a tool: seconds in the material
+    /// and number of collisions.
+    fn contact_count(&self, tool: u8) -> (f64, usize) {
+        let seconds = self.cutting.get(&tool).map_or(0.0, |it| it.seconds);
+        (seconds, self.findings.len())
     }
 
     /// Cuts the part with a move of the program. `rates` are the rapid rates, which determine the
@@ -301,6 +311,14 @@ impl Machining {
             self.findings.push(finding);
         }
     }
+}
+
+/// The shapes of the tools of a job, by their numbers.
+fn cutters(job: &Job) -> BTreeMap<u8, SceneTool> {
+    let tools = job.tools.iter();
+    tools
+        .map(|(number, tool)| (*number, SceneTool::new(ToolShape::from_tool(tool))))
+        .collect()
 }
 
 #[cfg(test)]

@@ -32,6 +32,14 @@ impl Mounting {
         }
     }
 
+    /// Takes the lengths of another job with the same zero. A tool that it lacks is removed, and
+    /// counts as not yet set when it returns.
+    pub(super) fn change_tools(&mut self, job: &Job) {
+        self.lengths = Self::from_job(job).lengths;
+        self.fixed_zeros
+            .retain(|tool, _| job.tools.contains_key(tool));
+    }
+
     /// Slide position, machine coordinates, mm, at which the tip of `tool` is at the zero of the
     /// part.
     pub fn slide_at_part_zero(&self, tool: u8, frame: &Frame) -> Point {
@@ -44,8 +52,7 @@ impl Mounting {
     }
 
     /// Whether the position of the part relative to the tool is known: the job gives the zero,
-    /// or the tool has cut. Otherwise the work zero of the control is an assumption, which
-    /// holds only while a program runs.
+    /// or the tool has cut. Otherwise the work zero of the control is an assumption.
     pub(super) fn is_part_located(&self, tool: u8) -> bool {
         self.zero.is_some() || self.fixed_zeros.contains_key(&tool)
     }

@@ -120,6 +120,15 @@ pub(super) fn end_crash_faults(emulator: &mut Emulator) {
     }
 }
 
+/// A job with the name of its file.
+fn named_job(chosen: SelectedJob) -> Box<NamedJob> {
+    let name = chosen.file.as_deref().and_then(Path::file_name);
+    Box::new(NamedJob {
+        name: name.map(|name| name.to_string_lossy().into_owned()),
+        job: chosen.job,
+    })
+}
+
 /// The sentence about a collision; `stops`: it has stopped the lathe.
 pub(super) fn collision_message(collision: &Collision, stops: bool) -> Message {
     let (x, z) = (collision.tip.diameter().0, collision.tip.z);
@@ -266,13 +275,13 @@ impl KernelPart {
         self.shown_part = None;
         self.last = None;
         self.counted_s.clear();
-        self.apply(PartInput::Job(chosen.map(|chosen| {
-            let name = chosen.file.as_deref().and_then(Path::file_name);
-            Box::new(NamedJob {
-                name: name.map(|name| name.to_string_lossy().into_owned()),
-                job: chosen.job,
-            })
-        })));
+        self.apply(PartInput::Job(chosen.map(named_job)));
+    }
+
+    /// Puts the tools of another job with the same stock into the tool post; the part is kept.
+    pub(super) fn change_tools(&mut self, chosen: SelectedJob) {
+        self.last = None;
+        self.apply(PartInput::Tools(named_job(chosen)));
     }
 
     pub(super) fn fresh_stock(&mut self) {
@@ -310,6 +319,7 @@ impl KernelPart {
         emulator: &mut Emulator,
         simulated: bool,
     ) -> Option<Message> {
+        self.state.set_meets_drawn_part(simulated);
         let finding = self.state.follow_tick(emulator.simulation());
         let effect = match simulated {
             true => (self.state).cut_effect(finding.as_ref(), emulator.simulation()),

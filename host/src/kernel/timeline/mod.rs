@@ -515,6 +515,7 @@ pub(super) const fn changes_machine(command: &Command) -> bool {
         | Command::Overload(_) => true,
         // The window finds the job of the present program some time after it was opened.
         Command::Job(_)
+        | Command::Tools(_)
         | Command::TransferFailed
         | Command::Network(..)
         | Command::Seat(_)

@@ -1,6 +1,7 @@
 //! Executes the selected program in a background thread. Runs again when the program, an offset, a
 //! parameter or the place of the slides has changed.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -313,6 +314,12 @@ impl PreviewThread {
             return false;
         }
         times.end_at(preview.time_s);
+        let offset_of = |number: u8| setup.memory.offsets.get(number);
+        let tools = preview.tools.iter().filter(|(_, number)| {
+            let row = offset_of(*number);
+            row.x == 0.0 && row.z == 0.0
+        });
+        result.unset_tools = tools.map(|(tool, _)| *tool).collect();
         let partial = preview.end == PreviewEnd::Limit;
         result.path = Arc::new(builder.build(programs, partial));
         result.times = times;
@@ -367,7 +374,14 @@ impl PreviewThread {
         let owner: JobOwner = (last.program.as_ref().map(|(id, _)| *id), last.file.clone());
         let chosen = to_selected_job(job, owner.1.as_deref());
         self.changed_jobs.keep(owner, chosen.clone());
-        self.send_job(Some(chosen));
+        let sent = self.sent_job.as_ref().map(|sent| &sent.job);
+        match sent.is_some_and(|sent| has_same_part(sent, &chosen.job)) {
+            true => {
+                self.sent_job = Some(chosen.clone());
+                self.console.send(Command::Tools(Box::new(chosen)));
+            }
+            false => self.send_job(Some(chosen)),
+        }
     }
 
     /// Replaces the text of the program in the setup with the text of the trial, if there is
@@ -426,5 +440,54 @@ impl PreviewThread {
         self.is_place_known = chosen.as_ref().is_none_or(|it| it.job.zero.is_some());
         self.sent_job.clone_from(&chosen);
         self.console.send(Command::Job(chosen.map(Box::new)));
+    }
+}
+
+/// Whether two jobs differ in their tools alone: the part stays in the chuck where it is. A tool
+/// that both have is as long in both.
+fn has_same_part(one: &Job, other: &Job) -> bool {
+    let is_common = |tool: &u8| one.tools.contains_key(tool) && other.tools.contains_key(tool);
+    let without_tools = |job: &Job| Job {
+        tools: BTreeMap::new(),
+        library: BTreeMap::new(),
+        rakes: BTreeMap::new(),
+        lengths: (job.lengths.iter())
+            .filter(|(tool, _)| is_common(tool))
+            .map(|(tool, length)| (*tool, *length))
+            .collect(),
+        ..job.clone()
+    };
+    without_tools(one) == without_tools(other)
+}
+
+#[cfg(test)]
+mod tests {
+    use gsk_workpiece::stock::Stock;
+    use gsk_workpiece::tool::Tool;
+
+    use super::*;
+
+    #[test]
+    fn jobs_that_differ_in_tools_have_the_same_part() {
+        let mut job = Job::new(Stock::bar(50.0, 0.0, 60.0));
+        job.tools.insert(1, Tool::turning());
+        job.lengths.insert(1, Default::default());
+        let mut more = job.clone();
+        more.tools.insert(3, Tool::grooving(3.0));
+        more.lengths.insert(3, Default::default());
+        assert!(has_same_part(&job, &more) && has_same_part(&more, &job));
+        let mut without = job.clone();
+        without.tools.clear();
+        without.lengths.clear();
+        assert!(has_same_part(&job, &without));
+        let mut unknown = job.clone();
+        unknown.lengths.clear();
+        assert!(!has_same_part(&job, &unknown), "another length");
+        let mut longer = job.clone();
+        longer.stock.length += 1.0;
+        assert!(!has_same_part(&job, &longer));
+        longer = job.clone();
+        longer.zero = Some(Default::default());
+        assert!(!has_same_part(&job, &longer));
     }
 }
