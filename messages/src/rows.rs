@@ -1833,6 +1833,7 @@ message_rows! {
     lathe_path_ends LathePathEnds(alarm);
     lathe_path_hint LathePathHint();
     lathe_path_partial LathePathPartial();
+    lathe_pick LathePick();
     lathe_picture LathePicture();
     lathe_pointer LathePointer(x: "{:.3}", z: "{:.3}");
     lathe_practice LathePractice();
@@ -1870,6 +1871,8 @@ message_rows! {
     lathe_time_left LatheTimeLeft(whole, left);
     lathe_time_of_tool LatheTimeOfTool(tool: "{:02}", offset: "{:02}", time, cutting);
     lathe_tool LatheTool(tool: "{:02}", rpm: "{:.0}");
+    lathe_tools_set LatheToolsSet();
+    lathe_tools_unset LatheToolsUnset(tools);
     lcd_actual_rate LcdActualRate();
     lcd_address_prompt LcdAddressPrompt();
     lcd_alarm LcdAlarm();
@@ -4270,6 +4273,8 @@ message_rows! {
     window_waits WindowWaits(place, what: message);
     window_way_back WindowWayBack();
     window_way_back_hint WindowWayBackHint();
+    window_way_back_hold WindowWayBackHold(key, lamp);
+    window_way_back_press WindowWayBackPress(key);
     window_why WindowWhy();
     window_why_crash WindowWhyCrash();
     window_why_entry WindowWhyEntry();

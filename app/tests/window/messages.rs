@@ -167,11 +167,7 @@ fn the_remedy_of_an_alarm_is_drawn_over_the_lcd_only() {
 fn a_key_without_effect_shows_the_reason_until_a_key_acts() {
     let mut bench = WindowBench::new();
     for (mode, key, english) in [
-        (
-            "Jog mode",
-            "Cycle start",
-            "only in the modes",
-        ),
+        ("Jog mode", "Cycle start", "only in the modes"),
         (
             "Automatic mode",
             "Z axis, arrow left",

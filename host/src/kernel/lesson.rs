@@ -9,7 +9,6 @@ use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
 
 use super::practice_session::{OwnState, PracticeSession, PracticeWork};
-use super::program::start::StartWatch;
 use super::{Kernel, Notice};
 use crate::job::SelectedJob;
 
@@ -147,10 +146,10 @@ impl Kernel {
             part: core::mem::replace(&mut self.part, beside),
             opened: self.last_opened.take(),
             raised: core::mem::take(&mut self.alarm_history),
+            start_watch: core::mem::take(&mut self.start_watch),
         };
         self.lesson = Some(PracticeSession::new(work, own));
         self.clear_key_refusals();
-        self.start_watch = StartWatch::default();
     }
 
     /// Ends the lesson and restores the learner's own machine unchanged; does nothing outside
@@ -167,7 +166,7 @@ impl Kernel {
                 self.timeline = timeline.with_switch_of(&self.timeline);
             }
             self.clear_key_refusals();
-            self.start_watch = StartWatch::default();
+            self.start_watch = own.start_watch;
         }
     }
 

@@ -8,6 +8,7 @@ use super::alarm_history::AlarmHistory;
 use super::exercise_run::ExerciseRun;
 use super::part::KernelPart;
 use super::program::opening::LastOpened;
+use super::program::start::StartWatch;
 use super::timeline::Timeline;
 
 /// The state of the current lesson that the window shows.
@@ -34,6 +35,7 @@ pub(super) struct OwnState {
     pub(super) part: KernelPart,
     pub(super) opened: Option<LastOpened>,
     pub(super) raised: AlarmHistory,
+    pub(super) start_watch: StartWatch,
     /// His time line, while an exercise has a separate one.
     pub(super) timeline: Option<Timeline>,
 }

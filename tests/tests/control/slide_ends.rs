@@ -185,7 +185,9 @@ fn a_return_that_begins_on_its_switch_reports_the_direction_off() {
         press(&mut simulation, X_PLUS);
         assert_eq!(
             alarm_detail(&simulation, 90),
-            format!("X is on its deceleration switch: jog {way} until it is off, then return")
+            format!(
+                "X is on its deceleration switch: jog {way} until it is off, press RESET, then return"
+            )
         );
     }
 }

@@ -144,6 +144,8 @@ impl Window {
             // The result of a preview must not hide a current alarm.
             Notice::Previewed(..)
                 if self.snapshot.as_ref().is_some_and(|it| it.alarm.is_some()) => {}
+            // A program that was not opened, because another one runs.
+            Notice::Previewed(..) if self.is_opening_refused() => {}
             Notice::Previewed(file, look) => {
                 self.message = Some(StatusMessage::for_preview(self.message.take(), file, look));
             }
@@ -164,6 +166,12 @@ impl Window {
                     .take_if(|message| matches!(message, StatusMessage::KeyRefused(_)));
             }
         }
+    }
+
+    /// Whether the message line shows why a program was not opened.
+    fn is_opening_refused(&self) -> bool {
+        let refusal = say::program_opened_after_reset("").id();
+        matches!(&self.message, Some(StatusMessage::Text(text)) if text.id() == refusal)
     }
 
     /// Shows that a program has run to its end, unless the message line has something graver.

@@ -73,6 +73,9 @@ pub struct MessageHistory {
     entries: VecDeque<HistoryEntry>,
     /// The message that the line shows; `None` while it shows only a hint.
     current: Option<LineMessage>,
+    is_open: bool,
+    /// Number of times that the list was closed: each opening begins at the newest message.
+    closings: u32,
 }
 
 impl MessageHistory {
@@ -110,6 +113,12 @@ impl MessageHistory {
         self.entries.len()
     }
 
+    /// Stores whether the list is open in this frame.
+    pub fn set_open(&mut self, is_open: bool) {
+        self.closings += u32::from(self.is_open && !is_open);
+        self.is_open = is_open;
+    }
+
     /// Draws the messages, the newest first. `records` are the alarms with the blocks that raised
     /// them. Returns the request of the operator; `None` without one.
     pub fn show(
@@ -122,7 +131,8 @@ impl MessageHistory {
         if self.entries.is_empty() {
             ui.label(say::window_history_empty().text(language));
         }
-        let list = ScrollArea::vertical().max_height(320.0);
+        let list = ScrollArea::vertical().id_salt(self.closings);
+        let list = list.max_height(320.0);
         list.min_scrolled_height(320.0).show(ui, |ui| {
             for entry in &self.entries {
                 ui.horizontal(|ui| {

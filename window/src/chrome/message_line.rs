@@ -59,9 +59,13 @@ impl Window {
             ui.set_min_width(520.0);
             history.show(ui, records, language)
         });
+        self.message_history.set_open(menu.inner.is_some());
         match menu.inner.flatten() {
             Some(HistoryRequest::ShowBlock(record)) => self.show_block(*record),
-            Some(HistoryRequest::ShowCollisions) => self.show_view(ViewId::Machine),
+            Some(HistoryRequest::ShowCollisions) => {
+                self.show_view(ViewId::Machine);
+                self.views.lathe().show_newest_collision();
+            }
             None => {}
         }
     }
@@ -138,6 +142,7 @@ impl Window {
             && snapshot.is_some_and(|it| {
                 (it.start_distance.is_some() || it.resumes_at.is_some())
                     && it.program_wait.is_none()
+                    && self.way_back.is_none()
             })
     }
 
@@ -247,6 +252,12 @@ impl Window {
             let place = block.map(|it| alarm_text::source_text(it, naming, language));
             let condition = waits.condition.clone();
             let text = say::window_waits(place.unwrap_or_default(), condition);
+            return hint(MessageSeverity::Hint, text);
+        }
+        if let Some(text) = self
+            .way_back
+            .and_then(|it| it.step_text(snapshot, language))
+        {
             return hint(MessageSeverity::Hint, text);
         }
         if let Some(block) = &snapshot.resumes_at {

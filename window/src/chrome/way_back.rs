@@ -1,9 +1,13 @@
 //! Shows the keys that lead the tool back to the start point of the program after a RESET in the
 //! cut. The operator presses them: the window moves nothing.
 
+use gsk_core::operation::RunState;
 use gsk_core::units::{Axis, Point};
 use gsk_host::kernel::PanelSnapshot;
+use gsk_messages::{Language, Message, say};
 use gsk_panel::keys::{Key, STRIP};
+
+use crate::widgets::key_label::key_label;
 
 /// Distance in mm below which an axis needs no motion.
 const TOLERANCE_MM: f64 = 0.05;
@@ -33,15 +37,31 @@ impl WayBack {
         }
     }
 
-    /// Follows the control. Returns `None` once the operator is back in automatic mode.
+    /// Follows the control. Returns `None` once the operator is back in automatic mode, or has
+    /// started the program where it is.
     pub fn follow(self, snapshot: &PanelSnapshot) -> Option<Self> {
         let is_auto = is_lit(Key::Auto, snapshot);
         let is_rewinding = is_lit(Key::Edit, snapshot) && snapshot.pressed.contains(&Key::Reset);
-        (!is_auto || !self.has_left_auto).then_some(Self {
+        let is_started = is_auto && snapshot.run_state == RunState::Run;
+        let is_back = is_auto && self.has_left_auto;
+        (!is_back && !is_started).then_some(Self {
             has_left_auto: self.has_left_auto || !is_auto,
             rewinds: self.rewinds && !is_rewinding,
             ..self
         })
+    }
+
+    /// The sentence about the key that the operator must press now; `None` if there is none.
+    pub fn step_text(self, snapshot: &PanelSnapshot, language: Language) -> Option<Message> {
+        let key = self.keys(snapshot).first().copied()?;
+        let zero = match key {
+            Key::XUp | Key::XDown => "XZERO",
+            Key::ZLeft | Key::ZRight => "ZZERO",
+            _ => return Some(say::window_way_back_press(key_label(key, language))),
+        };
+        let lamp = STRIP.iter().find(|lamp| lamp.id == zero)?;
+        let key = key_label(key, language);
+        Some(say::window_way_back_hold(key, lamp.label))
     }
 
     /// Returns the panel keys that the operator must press now.
