@@ -27,6 +27,9 @@ const FRAME_SIZE: egui::Vec2 = egui::vec2(20.0, 48.0);
 /// Maximum number of topics in a search result.
 const MAX_LISTED: usize = 60;
 
+/// The id under which a frame keeps the topic of the element under the pointer.
+const POINTED_TOPIC: &str = "pointed topic";
+
 /// A request of the user in the help window.
 #[derive(Clone, Debug)]
 pub enum HelpRequest {
@@ -292,6 +295,19 @@ fn show_topic(
         _ => None,
     };
     request.or(history_request)
+}
+
+/// Names the topic of the element under the pointer, which F1 then shows instead of that of its
+/// view.
+pub fn point_at_topic(ui: &Ui, topic: Option<&'static Topic>) {
+    ui.data_mut(|data| data.insert_temp(egui::Id::unique(POINTED_TOPIC), topic));
+}
+
+/// Takes the topic of the element under the pointer in this frame; `None` without one.
+pub fn take_pointed_topic(context: &Context) -> Option<&'static Topic> {
+    let id = egui::Id::unique(POINTED_TOPIC);
+    let topic: Option<Option<&'static Topic>> = context.data_mut(|data| data.remove_temp(id));
+    topic.flatten()
 }
 
 /// Draws the help article of a topic.

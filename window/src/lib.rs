@@ -100,8 +100,9 @@ pub struct Window {
     /// The areas of the panel with the positions of the last frame.
     placed_areas: Vec<panel_placement::PlacedArea>,
     pointer_position: Option<Pos2>,
-    /// The docked view under the pointer; `None` if there is none or a window covers it.
-    pointed_view: Option<ViewId>,
+    /// The topic of the element or the docked view under the pointer; `None` if there is none or
+    /// a window covers it.
+    pointed_topic: Option<&'static Topic>,
     /// The part under the pointer that has been pressed or turned; its tip stays hidden.
     used_part: Option<PartKind>,
     questions: Questions,
@@ -163,7 +164,7 @@ impl Window {
             help: HelpWindow::default(),
             placed_areas: Vec::new(),
             pointer_position: None,
-            pointed_view: None,
+            pointed_topic: None,
             used_part: None,
             questions: Questions::default(),
             browser: FileBrowser::default(),
@@ -402,6 +403,7 @@ impl Window {
             board,
             lcd,
             messages: self.messages_for_separate_windows(),
+            alarm_topic: self.alarm_topic(),
         };
         let layouts = &mut self.settings.layouts;
         let view_input = self.views.show_floating(ui.ctx(), &shared, layouts);
@@ -409,9 +411,6 @@ impl Window {
             self.explain_axis_key_in_list();
         }
         self.handle_keys(&view_input.events);
-        if let Some(view) = view_input.help_view {
-            self.toggle_help(view.topic());
-        }
         if let Some(request) = self.views.take_sample() {
             self.opener.open_sample(request, ui.ctx());
             self.show_view(ViewId::Machine);

@@ -10,7 +10,6 @@ use gsk_panel::keys::Key;
 use crate::chrome::zoom;
 use crate::input::held_keys::PanelKeyChange;
 use crate::input::keyboard::{self, PcAction};
-use crate::view::ViewId;
 use crate::widgets::status_message::StatusMessage;
 use crate::{Window, layout, view, views};
 
@@ -107,7 +106,7 @@ impl Window {
                         .and_then(|at| self.topic_at_position(at));
                     match about {
                         Some(about) => self.help.toggle(Some(about)),
-                        None => self.toggle_help(self.pointed_view.and_then(ViewId::topic)),
+                        None => self.toggle_help(self.pointed_topic),
                     }
                 }
                 Some(PcAction::Turn(graduations)) => self.console.send(Command::Turn(graduations)),

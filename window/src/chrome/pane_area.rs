@@ -11,7 +11,7 @@ use crate::layout::{self, PaneTabs, Scales, WindowPane};
 use crate::placement::panel_placement;
 use crate::view::ViewId;
 use crate::views::header;
-use crate::{Window, theme};
+use crate::{Window, help, theme};
 
 /// Minimum size of a tab, points.
 const MIN_TAB_SIZE: egui::Vec2 = egui::vec2(64.0, 34.0);
@@ -56,7 +56,7 @@ impl Window {
                 self.show_stop_keys(&mut bar);
             }
         }
-        self.pointed_view = pointed_view(ui, &arrangement.panes);
+        let pointed_view = pointed_view(ui, &arrangement.panes);
         for (pane, bounds) in arrangement.panes {
             let mut ui = child_ui(ui, &format!("{pane:?}"), bounds);
             let WindowPane::View(view) = pane else {
@@ -70,6 +70,8 @@ impl Window {
                 Some(header::HeaderAction::Dock) | None => {}
             }
         }
+        self.pointed_topic = pointed_view
+            .and_then(|view| help::take_pointed_topic(ui.ctx()).or_else(|| view.topic()));
         if let Some(bit) = self.views.ladder().take_bit_to_explain() {
             self.explain_subject(CauseSubject::Bit(bit));
         }

@@ -2,15 +2,17 @@
 //! panel.
 
 use egui::{
-    Context, Event, Frame, Label, Margin, Panel, Pos2, Rect, Ui, Vec2, ViewportBuilder,
-    ViewportCommand, ViewportId,
+    Context, Event, Frame, Id, Label, Margin, Panel, Pos2, Rect, ScrollArea, Ui, Vec2,
+    ViewportBuilder, ViewportCommand, ViewportId,
 };
 use gsk_core::model::ModelId;
+use gsk_help::Topic;
 use gsk_link::LinkState;
-use gsk_messages::Language;
+use gsk_messages::{Language, say};
 
 use super::header;
 use crate::fonts;
+use crate::help;
 use crate::input::keyboard::{self, PcAction};
 use crate::layout::{self, Layouts, WindowGeometry, WindowLayout, floating};
 use crate::theme;
@@ -20,6 +22,8 @@ use crate::widgets::severity::MessageSeverity;
 
 /// Height of the message line in a separate window, points.
 pub(super) const MESSAGE_HEIGHT: f32 = 26.0;
+/// Size of the help in a separate window, points.
+const HELP_SIZE: [f32; 2] = [360.0, 320.0];
 
 /// What all separate windows of views show besides their view.
 #[derive(Clone, Debug)]
@@ -32,6 +36,8 @@ pub struct SeparateWindows {
     pub lcd: Option<Rect>,
     /// The messages of the message line, the most dangerous first.
     pub messages: Vec<(MessageSeverity, String)>,
+    /// The topic of the current alarm, which F1 shows first; `None` without an alarm.
+    pub alarm_topic: Option<&'static Topic>,
 }
 
 /// Draws the message line at the bottom of a separate window: its operator does not see the one of
@@ -87,8 +93,6 @@ pub struct PanelInput {
     pub events: Vec<Event>,
     /// Whether a jog key was suppressed because a list uses the cursor keys.
     pub jogs_in_list: bool,
-    /// The view in whose window help was requested, if any.
-    pub help_view: Option<ViewId>,
     /// The view whose key was pressed in the window of another view, if any.
     pub(super) toggled_view: Option<ViewId>,
     /// The layout whose key was pressed in the window of a view, if any.
@@ -161,13 +165,52 @@ impl ViewWindow<'_> {
                 report.geometry = floating::normal_geometry(input.viewport());
             });
             let is_help = |event: &Event| keyboard::action_of(event) == Some(PcAction::Help);
+            let topic = help::take_pointed_topic(ui.ctx()).or_else(|| row.view.topic());
             if events.iter().any(is_help) {
-                panel_input.help_view = Some(row.view);
+                toggle_topic(ui, row.view, self.shared.alarm_topic.or(topic));
             }
+            show_topic(ui, row.view, language);
             events.retain(|event| !is_help(event) && is_for_panel(event, row.view, typing));
             panel_input.events.extend(events);
         });
         report
+    }
+}
+
+/// The id under which the window of a view keeps the topic that it shows.
+fn topic_id(view: ViewId) -> Id {
+    Id::unique(("topic in window", view))
+}
+
+/// Opens the help of a view's window at a topic, or closes it if it already shows that topic.
+fn toggle_topic(ui: &Ui, view: ViewId, topic: Option<&'static Topic>) {
+    ui.data_mut(|data| {
+        let shown: &mut Option<&'static Topic> = data.get_temp_mut_or_default(topic_id(view));
+        *shown = topic.filter(|topic| *shown != Some(*topic));
+    });
+}
+
+/// Shows the help in the window of a view: that of the main window may be behind it.
+fn show_topic(ui: &Ui, view: ViewId, language: Language) {
+    let shown: Option<Option<&'static Topic>> = ui.data(|data| data.get_temp(topic_id(view)));
+    let Some(topic) = shown.flatten() else {
+        return;
+    };
+    let mut is_open = true;
+    let area = ui.ctx().content_rect().shrink(8.0);
+    let size = Vec2::from(HELP_SIZE).min(area.size());
+    egui::Window::new(say::window_help_title().text(language))
+        .id(topic_id(view))
+        .collapsible(false)
+        .default_size(size)
+        .default_pos(area.right_top() - Vec2::new(size.x, 0.0))
+        .constrain_to(area)
+        .open(&mut is_open)
+        .show(ui.ctx(), |ui| {
+            ScrollArea::vertical().show(ui, |ui| help::show_article(ui, topic, language));
+        });
+    if !is_open {
+        toggle_topic(ui, view, None);
     }
 }
 

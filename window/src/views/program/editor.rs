@@ -9,6 +9,7 @@ use egui::{
     Align, Align2, Context, FontId, Frame, Galley, Id, Margin, Pos2, Rect, Response, ScrollArea,
     Shape, Stroke, TextEdit, Ui, pos2, vec2,
 };
+use gsk_core::model::ModelId;
 use gsk_language::meaning::word_meaning;
 use gsk_language::words::{spans, word_of};
 use gsk_messages::{Language, say};
@@ -18,7 +19,7 @@ use super::check::TextFinding;
 use super::document::ProgramDocument;
 use super::paint::{self, TextColorizer, find_alarm_ranges};
 use super::targets::JumpTarget;
-use crate::theme;
+use crate::{help, theme};
 
 /// Width of a digit of a line number, points. The constant after it is the margin beside the
 /// numbers.
@@ -183,6 +184,7 @@ pub fn show_editable(
             scroll_to(ui, &output.galley, output.galley_pos, cursor);
         }
         show_hover_text(
+            ui,
             document,
             marks.1,
             language,
@@ -375,8 +377,9 @@ fn find_clicked_target(
 }
 
 /// Shows the meaning of the word under the pointer, and the alarms that the word raises, as a
-/// hover text.
+/// hover text, and gives F1 its topic.
 fn show_hover_text(
+    ui: &Ui,
     document: &ProgramDocument,
     findings: &[TextFinding],
     language: Language,
@@ -396,7 +399,8 @@ fn show_hover_text(
     let word = span.as_ref().and_then(|span| word_of(text, span));
     let mut lines: Vec<String> = Vec::new();
     lines.extend(
-        word.and_then(|it| word_meaning(&it))
+        word.as_ref()
+            .and_then(word_meaning)
             .map(|meaning| meaning.text(language)),
     );
     if span.is_some_and(|span| JumpTarget::from_word(text, &span).is_some()) {
@@ -412,7 +416,15 @@ fn show_hover_text(
     // There is no word after the end of a line.
     let row = galley.pos_from_cursor(galley.cursor_from_pos(at - origin));
     let is_near = (row.center() + origin.to_vec2() - at).length() < 2.0 * theme::READING_SIZE;
-    if is_near && !lines.is_empty() {
+    if !is_near {
+        return;
+    }
+    if let Some(word) = &word {
+        // The help window shows the code as the model in use has it.
+        let topic = gsk_help::address_topic(ModelId::default(), word.address, &word.value);
+        help::point_at_topic(ui, topic);
+    }
+    if !lines.is_empty() {
         response.clone().on_hover_text_at_pointer(lines.join("\n"));
     }
 }
