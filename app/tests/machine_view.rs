@@ -261,7 +261,7 @@ fn tools_and_stock_can_be_changed_and_invalid_values_are_reported() {
     request_close(&mut bench);
     assert!(wait_for_text(&mut bench, "Tools and stock are not saved"));
     bench.click("Do not close");
-    bench.click("Path");
+    bench.click("Pick a block");
     bench.click("Measure");
     let middle = bench.harness.get_by_label("Machine picture").rect();
     let found = (0..200).any(|step| {

@@ -6,6 +6,7 @@ use gsk_host::kernel::Command;
 use gsk_messages::{Language, Message, say};
 use gsk_runner::narration::describe_pass;
 
+use super::job::unknown_setting;
 use super::path::BlockRef;
 use super::xray::{self, TrialAction};
 use super::{Instrument, LatheView, ProgramViewRequest, SelectedBlock, to_block_ref, to_pos2};
@@ -25,7 +26,7 @@ const INSTRUMENTS: [InstrumentRow; 4] = [
     (
         Instrument::Path,
         Icon::PATH,
-        say::lathe_path,
+        say::lathe_pick,
         say::lathe_path_hint,
     ),
     (
@@ -224,6 +225,10 @@ impl LatheView {
                 (say::lathe_nothing_cut(), theme::STATE_TEXT)
             }
             Some(part) => match &part.job_name {
+                _ if unknown_setting::is_unknown(&part.job) => match self.unset_tool_names() {
+                    names if names.is_empty() => (say::lathe_tools_set(), theme::STATE_TEXT),
+                    names => (say::lathe_tools_unset(names), theme::WARNING),
+                },
                 Some(name) => (say::lathe_job(name), theme::STATE_TEXT),
                 None if self.preview.is_changed_job
                     || self.instruments.job.is_own_change(&part.job) =>
@@ -237,6 +242,15 @@ impl LatheView {
             None if self.preview.is_practice_job => (say::lathe_no_path(), theme::STATE_TEXT),
             None => (say::window_one_moment(), theme::STATE_TEXT),
         }
+    }
+
+    /// The tools of the program whose offset is still 0: `T02 T03`.
+    fn unset_tool_names(&self) -> String {
+        let tools = self.preview.unset_tools.iter().filter(|tool| **tool > 0);
+        tools
+            .map(|tool| format!("T{tool:02}"))
+            .collect::<Vec<_>>()
+            .join(" ")
     }
 
     /// Draws the position of the pointer, and the block that is selected or runs. Without one a
@@ -332,6 +346,14 @@ impl LatheView {
         if let Some((block, position)) = clicked {
             self.selected = block.map(|block| SelectedBlock { block, pass: None });
             self.show_centred(position);
+        }
+    }
+
+    /// Moves the newest collision to the centre of the picture, if the part has one.
+    pub fn show_newest_collision(&mut self) {
+        let findings = self.part.as_ref().map(|part| &part.findings);
+        if let Some(finding) = findings.and_then(|findings| findings.last()) {
+            self.show_centred(to_pos2(finding.collision.contact));
         }
     }
 

@@ -70,12 +70,13 @@ pub fn draw_figures(painter: &Painter, camera: &Camera, language: Language) {
             label(at, Align2::CENTER_BOTTOM, format_figure(z, step), &font);
         }
     }
-    // X figures are diameters: they have the step of Z, on both sides of the axis.
+    // X figures are diameters: they have the step of Z, and are negative beyond the axis, where
+    // a tool has a negative X.
     for x in multiples(seen.top(), seen.bottom(), step / 2.0) {
         let y = camera.screen_position(pos2(0.0, x)).y;
         if y < room.bottom() - 22.0 && y > room.top() + X_NAME_HEIGHT + 6.0 {
             let at = pos2(room.left() + 4.0, y);
-            let figure = format_figure((x * 2.0).abs(), step);
+            let figure = format_figure(x * 2.0, step);
             label(at, Align2::LEFT_CENTER, figure, &font);
         }
     }

@@ -148,7 +148,13 @@ impl LatheView {
             fitted.map_or(shown, |tool| shown.union(tool))
         });
         let is_chuck_empty = (self.part.as_ref()).is_some_and(|part| part.empty_chuck.is_some());
-        let bounds = match (part, self.preview.path.bounds) {
+        // At the end of its path the insert is not cut off.
+        let tool_reach = (self.picture.tool_bounds.as_ref()).map_or(0.0, |(_, it)| it.right());
+        let path = self.preview.path.bounds.map(|mut path| {
+            path.max.x += tool_reach.max(0.0);
+            path
+        });
+        let bounds = match (part, path) {
             (Some(part), Some(path)) => part.union(path),
             // The path shows where the tool is. Without a path the tool needs a margin.
             (Some(part), None) if !is_chuck_empty => part.expand2(TOOL_MARGIN_MM),

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use egui::epaint::{Mesh, Vertex, WHITE_UV};
 use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2};
 use gsk_host::kernel::part::PartView;
+use gsk_workpiece::convex::convex_hull;
 use gsk_workpiece::grid::{GridContour, from_grid};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
@@ -207,13 +208,18 @@ fn make_tool_parts(tool: &Tool) -> Vec<ToolPart> {
     let shape = ToolShape::from_tool(tool);
     let body = shape.body.iter();
     let body = body
+        .filter(|(part, _)| *part != BodyPart::InsertBack)
         .map(|(_, contour)| ToolPart::new(contour, theme::TOOL_HOLDER, theme::TOOL_HOLDER_EDGE));
-    body.chain([ToolPart::new(
-        &shape.cutting,
-        theme::INSERT,
-        theme::INSERT_EDGE,
-    )])
-    .collect()
+    let insert = ToolPart::new(&insert_contour(&shape), theme::INSERT, theme::INSERT_EDGE);
+    body.chain([insert]).collect()
+}
+
+/// The whole insert, which is convex: its cutting part and its back.
+pub fn insert_contour(shape: &ToolShape) -> GridContour {
+    let body = shape.body.iter();
+    let back = body.filter(|(part, _)| *part == BodyPart::InsertBack);
+    let back = back.flat_map(|(_, contour)| contour.iter());
+    convex_hull(shape.cutting.iter().chain(back).copied())
 }
 
 /// Fills trapezoids of a section or, if `mirrored`, their mirror image below the axis.

@@ -12,6 +12,8 @@ use gsk_workpiece::tool::{Holder, Insert, InsertLetter, Tool};
 
 /// Limit of the values in all fields, mm. The rules of the job have narrower limits.
 const LIMIT_MM: f64 = 5000.0;
+/// Width of the column of values, points: the names of all groups stand in one column.
+const VALUE_WIDTH: f32 = 52.0;
 
 /// Draws a number field with a name before it.
 fn show_value(ui: &mut Ui, name: &Message, value: &mut f64, language: Language) {
@@ -28,6 +30,7 @@ fn show_value(ui: &mut Ui, name: &Message, value: &mut f64, language: Language) 
 fn show_grid(ui: &mut Ui, id: &str, add: impl FnOnce(&mut Ui)) {
     Grid::new(id)
         .num_columns(2)
+        .min_col_width(VALUE_WIDTH)
         .spacing([8.0, 3.0])
         .show(ui, add);
 }

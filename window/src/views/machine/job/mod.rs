@@ -5,7 +5,7 @@ mod fields;
 mod library_list;
 mod program_saver;
 mod tool_drawing;
-mod unknown_setting;
+pub mod unknown_setting;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -13,6 +13,7 @@ use std::sync::Arc;
 use egui::{Color32, ScrollArea, Ui};
 use gsk_core::command::ProgramId;
 use gsk_core::program::Program;
+use gsk_help::{Subject, topic};
 use gsk_host::job;
 use gsk_host::kernel::Console;
 use gsk_messages::{Language, Message, say};
@@ -21,6 +22,7 @@ use gsk_workpiece::job::Job;
 use gsk_workpiece::tool::Tool;
 
 use crate::focus;
+use crate::help;
 use crate::theme;
 use library_list::ToolLibraryList;
 use program_saver::ProgramSaver;
@@ -104,6 +106,9 @@ impl JobPanel {
         context: &JobContext<'_>,
         language: Language,
     ) -> Option<Job> {
+        if ui.rect_contains_pointer(ui.max_rect()) {
+            help::point_at_topic(ui, topic(Subject::Notion("tools and stock")));
+        }
         self.update_draft(context);
         let path = context.program_file.map(job::job_path);
         if self.job_file != path {
@@ -113,7 +118,7 @@ impl JobPanel {
         }
         let mut job = self.draft.take()?;
         if ui.available_height() < LOW_PANEL_HEIGHT {
-            scroll(ui, |ui| {
+            scroll(ui, "job", |ui| {
                 self.show_head(ui, &mut job, context, language);
                 ui.add_enabled_ui(!context.is_running, |ui| {
                     self.show_item(ui, &mut job, context, language);
@@ -122,7 +127,11 @@ impl JobPanel {
         } else {
             self.show_head(ui, &mut job, context, language);
             ui.add_enabled_ui(!context.is_running, |ui| {
-                scroll(ui, |ui| self.show_item(ui, &mut job, context, language));
+                // The fields of another item are shown from their beginning.
+                let item = format!("{:?}", self.selected);
+                scroll(ui, &item, |ui| {
+                    self.show_item(ui, &mut job, context, language);
+                });
             });
         }
         let rule = job.check();
@@ -408,9 +417,9 @@ fn free_number(job: &Job, lathe: &JobContext<'_>) -> Option<u8> {
 }
 
 /// Draws content in a scroll area that follows the keyboard focus.
-fn scroll(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
+fn scroll(ui: &mut Ui, id: &str, add: impl FnOnce(&mut Ui)) {
     let area = ScrollArea::vertical().auto_shrink([false, false]);
-    area.show(ui, |ui| {
+    area.id_salt(id).show(ui, |ui| {
         add(ui);
         focus::scroll_to_focus(ui);
     });

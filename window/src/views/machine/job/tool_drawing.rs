@@ -30,7 +30,7 @@ pub fn show(ui: &mut Ui, tool: &Tool, rear: bool, language: Language) {
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 2.0, theme::PICTURE_LABEL_GROUND);
     let shape = ToolShape::from_tool(tool);
-    let bounds_mm = bounding_box(&shape.cutting);
+    let bounds_mm = bounding_box(&section_drawing::insert_contour(&shape));
     let camera = Camera::fit(
         bounds_mm.expand(bounds_mm.size().max_elem() * MARGIN_SHARE),
         rear,
