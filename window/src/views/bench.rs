@@ -126,7 +126,8 @@ impl Bench {
                     } else {
                         theme::ROW_TEXT
                     };
-                    let hover_text = match shows_script_names {
+                    // Who searches a fault needs no script.
+                    let hover_text = match shows_script_names || machine.hides_faults {
                         true => effect.clone(),
                         false => format!("{effect}\n{name}"),
                     };

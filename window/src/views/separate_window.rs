@@ -143,6 +143,9 @@ impl ViewWindow<'_> {
         }
         let viewport = viewport_of(row.view);
         context.show_viewport_immediate(viewport, builder, |ui, _| {
+            // The gaps between the panels.
+            ui.painter()
+                .rect_filled(ui.ctx().content_rect(), 0.0, theme::BAR_GROUND);
             real_machine_bar::show(ui, &id, board, language);
             show_messages(ui, &id, &self.shared.messages, language);
             report.header_action = add(ui);

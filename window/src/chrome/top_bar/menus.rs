@@ -13,7 +13,7 @@ use crate::WindowSettings;
 use crate::chrome::zoom;
 use crate::layout::LAYOUTS;
 use crate::samples::samples_of;
-use crate::view::{VIEWS, key_name};
+use crate::view::{VIEWS, ViewId, key_name};
 use crate::views::project::COMMANDS;
 
 /// Draws the menu entries for programs (open, recent, samples, lessons) and projects. Returns the
@@ -55,7 +55,10 @@ pub fn show_programs(
             }
         }
     });
-    if ui.button(say::window_lessons().text(language)).clicked() {
+    // It switches the view, unlike the menus beside it.
+    let is_open = settings.layouts.is_open(ViewId::Lesson);
+    let lessons = egui::Button::new(say::window_lessons().text(language)).selected(is_open);
+    if ui.add(lessons).clicked() {
         request = Some(TopBarRequest::ToggleLessons);
     }
     let reload = egui::Button::new(say::window_reload().text(language));

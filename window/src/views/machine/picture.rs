@@ -93,6 +93,10 @@ impl LatheView {
             }
             overlay::draw_hits(&painter, &camera, part);
         }
+        // A measurement may lie over the states, which it is more important than.
+        if let Some(part) = &self.part {
+            overlay::draw_states(&painter, rect, part, language);
+        }
         if self.instruments.selected == Instrument::Caliper {
             self.instruments.caliper.draw(&painter, &camera, language);
             self.instruments.caliper.show_readings(ui, rect, language);
@@ -102,9 +106,6 @@ impl LatheView {
         }
         if self.instruments.selected != Instrument::Microscope {
             overlay::draw_legend(&painter, rect, language);
-        }
-        if let Some(part) = &self.part {
-            overlay::draw_states(&painter, rect, part, language);
         }
     }
 

@@ -315,6 +315,7 @@ impl Scope {
         let step = round_step(range.span(), parts);
         let decimals = step_decimals(step);
         let mut count = (range.low / step).ceil();
+        let mut figure_below = f32::INFINITY;
         while count * step <= range.high {
             let value = count * step;
             let share = ((value - range.low) / range.span()) as f32;
@@ -327,14 +328,17 @@ impl Scope {
             painter.hline(rect.x_range(), y, Stroke::new(1.0, colour));
             let text = format!("{:.decimals$}", value + 0.0);
             let y = y.clamp(rect.top() + 6.0, rect.bottom() - 6.0);
-            let at = pos2(rect.left() - 6.0, y);
-            painter.text(
-                at,
-                Align2::RIGHT_CENTER,
-                text,
-                FontId::proportional(theme::ANNOTATION_SIZE),
-                theme::SCALE_TEXT,
-            );
+            // A low lane has no room for each figure.
+            if figure_below - y >= theme::ANNOTATION_SIZE {
+                figure_below = y;
+                painter.text(
+                    pos2(rect.left() - 6.0, y),
+                    Align2::RIGHT_CENTER,
+                    text,
+                    FontId::proportional(theme::ANNOTATION_SIZE),
+                    theme::SCALE_TEXT,
+                );
+            }
             count += 1.0;
         }
     }
