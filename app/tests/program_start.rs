@@ -42,18 +42,23 @@ fn a_start_after_reset_in_the_cut_is_explained_until_the_tool_is_back() {
         bench.lcd_of_kernel()
     );
     assert!(!is_reported(&bench));
-    let position = |bench: &WindowBench| bench.kernel.emulator().cnc().position_machine();
-    let before = position(&bench);
-    bench.click("Show the way back");
-    bench.run(300);
-    assert_eq!(position(&bench), before, "the button moves nothing");
     for key in [Key::Edit, Key::Reset, Key::Auto] {
         tap(&mut bench, key);
     }
     assert!(!is_seen(&bench, "in mid-program"));
     assert!(is_reported(&bench), "{}", bench.lcd_of_kernel());
+    let position = |bench: &WindowBench| bench.kernel.emulator().cnc().position_machine();
+    let before = position(&bench);
+    bench.click("Show the way back");
+    bench.run(300);
+    assert_eq!(position(&bench), before, "the button moves nothing");
+    // The steps take the place of the report until the end of the way.
+    let is_next =
+        |bench: &WindowBench, what: &str| is_seen(bench, &format!("The way back: {what}"));
+    assert!(is_next(&bench, "press"), "{}", bench.lcd_of_kernel());
     tap(&mut bench, Key::ProgramZero);
     for key in [Key::XDown, Key::ZRight] {
+        assert!(is_next(&bench, "hold"), "{}", bench.lcd_of_kernel());
         bench.console.send(Command::Key { key, down: true });
         for _ in 0..150 {
             bench.run(200);
@@ -61,6 +66,12 @@ fn a_start_after_reset_in_the_cut_is_explained_until_the_tool_is_back() {
         bench.console.send(Command::Key { key, down: false });
         bench.run(200);
     }
+    assert!(is_next(&bench, "press"), "{}", bench.lcd_of_kernel());
     tap(&mut bench, Key::Auto);
-    assert!(!is_reported(&bench), "{}", bench.lcd_of_kernel());
+    bench.run(300);
+    assert!(
+        !is_next(&bench, "") && !is_reported(&bench),
+        "{}",
+        bench.lcd_of_kernel()
+    );
 }

@@ -105,7 +105,7 @@ impl MachinePart {
                     self.job_name = chosen.name.map(Arc::from);
                     let mut live = LivePart::new(Machining::new(chosen.job));
                     live.set_overload(self.overload);
-                    live.set_meets_drawn_part(self.meets_drawn_part);
+                    live.set_meets_drawn_part(self.meets_drawn_part && self.job_name.is_some());
                     live
                 });
             }
@@ -130,12 +130,14 @@ impl MachinePart {
         }
     }
 
-    /// Sets whether motion by hand meets a part whose place only the control's coordinates give:
-    /// not if the slides are those of a real lathe.
+    /// Sets whether motion by hand meets the part of a job file or of a sample where the control's
+    /// coordinates draw it, if nothing else gives its place. Not if the slides are those of a
+    /// real lathe; a guessed part is met where a program has cut it.
     pub fn set_meets_drawn_part(&mut self, meets: bool) {
         self.meets_drawn_part = meets;
+        let is_given = self.job_name.is_some();
         if let Some(live) = &mut self.live {
-            live.set_meets_drawn_part(meets);
+            live.set_meets_drawn_part(meets && is_given);
         }
     }
 

@@ -266,7 +266,7 @@ fn an_alarm_of_what_is_shown_leads_to_the_state_of_the_lesson() {
     machine.key_up(Key::XDown);
     run(&mut practice, &mut machine, 3000);
     practice.show_me(&mut machine);
-    run(&mut practice, &mut machine, 3000);
+    run(&mut practice, &mut machine, 4000);
     assert!(practice.view().replaced, "{}", machine.screen());
     while practice.view().showing {
         run(&mut practice, &mut machine, 100);

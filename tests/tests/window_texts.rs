@@ -12,7 +12,10 @@ const WINDOW_FOLDER: &str = "window/src";
 const SENTENCE_WORDS: usize = 3;
 
 /// Literals that are not shown as a sentence, and the reason.
-const NOT_SHOWN: [(&str, &str); 1] = [("parameters and offsets", "the name of a help topic")];
+const NOT_SHOWN: [(&str, &str); 2] = [
+    ("parameters and offsets", "the name of a help topic"),
+    ("tools and stock", "the name of a help topic"),
+];
 
 /// A string literal of a source and its line.
 #[derive(Debug, PartialEq, Eq)]

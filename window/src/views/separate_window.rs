@@ -182,7 +182,7 @@ impl ViewWindow<'_> {
 
 /// The id under which the window of a view keeps the topic that it shows.
 fn topic_id(view: ViewId) -> Id {
-    Id::unique(("topic in window", view))
+    Id::unique(("topic", view))
 }
 
 /// Opens the help of a view's window at a topic, or closes it if it already shows that topic.
@@ -193,7 +193,7 @@ fn toggle_topic(ui: &Ui, view: ViewId, topic: Option<&'static Topic>) {
     });
 }
 
-/// Shows the help in the window of a view: that of the main window may be behind it.
+/// Shows the help in the window of a view: this window may cover that of the main window.
 fn show_topic(ui: &Ui, view: ViewId, language: Language) {
     let shown: Option<Option<&'static Topic>> = ui.data(|data| data.get_temp(topic_id(view)));
     let Some(topic) = shown.flatten() else {
