@@ -14,7 +14,7 @@ use gsk_host::kernel::{self, Console, Kernel, KernelEnvironment, KernelThread};
 use gsk_host::network::ClassSettings;
 use gsk_host::platform::DisplayServer;
 use gsk_host::project::{self, ImportRequest, ImportRights};
-use gsk_host::retained::{Keeper, Restored};
+use gsk_host::retained::{self, Keeper, Restored};
 use gsk_host::termination::TerminationFlag;
 use gsk_host::transfer::udisk;
 use gsk_host::{output, platform, transfer};
@@ -240,8 +240,13 @@ impl App {
     /// is already on, turns it on again with the lathe that was chosen.
     fn change_model(&mut self, model: ModelId, context: &egui::Context) {
         if model == self.model {
-            let message = say::first_lathe_is_on();
-            return self.restart_control(context, |_| message);
+            // The slides of the other lathe stand at its start.
+            return self.restart_control(context, |directory| {
+                match retained::forget_position(directory) {
+                    Ok(()) => say::first_lathe_is_on(),
+                    Err(failed) => failed,
+                }
+            });
         }
         let Some(start_model) = self.start_model.take() else {
             return;

@@ -486,6 +486,31 @@ mod tests {
     }
 
     #[test]
+    fn the_slides_of_another_lathe_stand_at_its_start() {
+        let folder = test_folder("other-lathe");
+        drop(turn_on(&folder, None, false));
+        let data = DataDir::open(&folder).expect("a data directory");
+        let position = retained::SavedPosition {
+            machine: Point::new(-10.0, -20.0),
+            absolute: Point::default(),
+            slides: Some(Point::new(-10.0, -20.0)),
+            zero_kept: PerAxis::default(),
+        };
+        data.store("standing", &Some(position)).expect("stored");
+        drop(data);
+        let slides = |start: &WindowStart| start.kernel.emulator().lathe().slide_position();
+        let start = turn_on(&folder, None, false);
+        assert_eq!(slides(&start), Point::new(-10.0, -20.0));
+        drop(start);
+        retained::forget_position(&folder).expect("forgotten");
+        let start = turn_on(&folder, None, false);
+        let lathe = start.kernel.emulator().lathe();
+        assert_eq!(slides(&start), lathe.config().start());
+        assert!(start.restored.complaints.is_empty());
+        drop(start);
+    }
+
+    #[test]
     fn the_selected_lathe_is_used_and_a_missing_one_is_reported() {
         let folder = test_folder("chosen-lathe");
         let machines = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/machines");

@@ -9,6 +9,7 @@ mod tests;
 mod writer;
 
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::Arc;
 
 use gsk_core::alarm::{Alarm, number};
@@ -105,6 +106,15 @@ pub fn load_and_report(data: Option<&DataDir>, setup: &mut Setup) -> Option<Rest
     }
     restored.place_slides(setup);
     Some(restored)
+}
+
+/// Forgets where the slides stand, because another lathe takes the place of this one.
+///
+/// # Errors
+/// Why the directory cannot be opened or written.
+pub fn forget_position(directory: &Path) -> Result<(), Message> {
+    let data = DataDir::open(directory).map_err(|error| error.message())?;
+    data.store("standing", &None::<SavedPosition>)
 }
 
 /// Loads the memory of a data directory into a setup.
