@@ -42,9 +42,11 @@ fn a_start_after_reset_in_the_cut_is_explained_until_the_tool_is_back() {
         bench.lcd_of_kernel()
     );
     assert!(!is_reported(&bench));
-    for key in [Key::Edit, Key::Reset, Key::Auto] {
+    for key in [Key::Edit, Key::Reset, Key::Jog] {
         tap(&mut bench, key);
     }
+    assert!(is_seen(&bench, "to see the way back"));
+    tap(&mut bench, Key::Auto);
     assert!(!is_seen(&bench, "in mid-program"));
     assert!(is_reported(&bench), "{}", bench.lcd_of_kernel());
     let position = |bench: &WindowBench| bench.kernel.emulator().cnc().position_machine();

@@ -4168,6 +4168,7 @@ message_rows! {
     window_hint_program_end WindowHintProgramEnd();
     window_hint_running WindowHintRunning();
     window_hint_start WindowHintStart();
+    window_hint_start_away WindowHintStartAway();
     window_history WindowHistory(count);
     window_history_empty WindowHistoryEmpty();
     window_history_show_place WindowHistoryShowPlace();

@@ -342,6 +342,8 @@ pub struct PanelSnapshot {
     /// The distance of the slides from the last start of the selected program, if its G50 would now
     /// take another start point; `None` otherwise.
     pub start_distance: Option<StartDistance>,
+    /// Whether the slides are away from the last start in whatever mode.
+    pub is_away_from_start: bool,
     /// The block at which the selected program would continue after a RESET in the middle; `None`
     /// otherwise.
     pub resumes_at: Option<SourcePosition>,

@@ -45,6 +45,12 @@ impl KeyRefusals {
         }
     }
 
+    /// Records advice about a key that was released too early; the next key that acts makes it
+    /// obsolete as it does a refusal.
+    pub(super) const fn record_advice(&mut self) {
+        self.is_refusal_shown = true;
+    }
+
     /// Drops all presses, because another machine is operated from now on. Returns the report to the
     /// window; `None` if there is nothing to report.
     pub(super) fn clear(&mut self) -> Option<RefusalReport> {

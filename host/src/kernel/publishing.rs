@@ -1,6 +1,7 @@
 //! Publishes what the window shows: snapshots of the panel, of machine and PLC, the part.
 
 use gsk_core::cnc::Event;
+use gsk_core::operation::OperatingMode;
 use gsk_core::simulation::Simulation;
 use gsk_runner::machining::live_part::running_block;
 
@@ -57,11 +58,14 @@ impl Kernel {
 
     /// Reports to the window what happened in the control in the last tick: advice, and the end of
     /// a program.
-    pub(super) fn report_events(&self) {
+    pub(super) fn report_events(&mut self) {
         let cnc = self.emulator.cnc();
         for event in cnc.events() {
             match event {
-                Event::Advised(text) => self.notify(Notice::Message(text.clone())),
+                Event::Advised(text) => {
+                    self.key_refusals.record_advice();
+                    self.notify(Notice::KeyRefusal(Some((None, text.clone()))));
+                }
                 Event::ProgramEnded { m30: true, .. } => {
                     if let Some(program) = cnc.programs().selected() {
                         let parts = cnc.counters().parts;
@@ -78,6 +82,10 @@ impl Kernel {
         let shown = self.shown_machine();
         let (panel, cnc) = (shown.panel(), shown.cnc());
         let is_present = !self.timeline.shows_past();
+        let own = self.emulator.cnc();
+        let is_internal = self.part.is_tool_internal(&self.emulator);
+        let away = self.start_watch.distance(own, is_internal);
+        let away = away.filter(|_| is_present);
         PanelSnapshot {
             screen: shown.screen(),
             translated: self
@@ -107,13 +115,8 @@ impl Kernel {
                 .wait_watch
                 .report(self.tick, cnc.run_state())
                 .filter(|_| is_present),
-            start_distance: self
-                .start_watch
-                .report(
-                    self.emulator.cnc(),
-                    self.part.is_tool_internal(&self.emulator),
-                )
-                .filter(|_| is_present),
+            is_away_from_start: away.is_some(),
+            start_distance: away.filter(|_| own.mode() == OperatingMode::Auto),
             waits_at_end: is_present && waits_at_end(self.emulator.cnc()),
             resumes_at: self
                 .start_watch

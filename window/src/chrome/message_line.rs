@@ -81,6 +81,8 @@ impl Window {
         if self.is_stopped_by_crash() {
             if top_bar::show_crash(ui, &text.text(language), language) {
                 self.console.send(Command::FreeLathe);
+                // It explains an alarm that is gone.
+                self.why.close();
             }
             return;
         }
@@ -156,6 +158,9 @@ impl Window {
         let hint = say::window_way_back_hint().text(language);
         if button.on_hover_text(hint).clicked() {
             self.way_back = self.snapshot.as_ref().map(WayBack::new);
+            // The summary of the program would stand beside each step.
+            self.message
+                .take_if(|message| message.severity() < MessageSeverity::Hint);
         }
     }
 
@@ -288,11 +293,14 @@ impl Window {
         let is_running = snapshot.is_some_and(|it| it.run_state == RunState::Run);
         let waits_at_end = snapshot.is_some_and(|it| it.waits_at_end);
         let is_in_auto = snapshot.is_some_and(|it| is_lit(Key::Auto, it));
+        let is_away = snapshot.is_some_and(|it| it.is_away_from_start);
         Some(match (is_position_unknown, program) {
             (true, _) => say::window_hint_machine_zero(),
             (false, Some(_)) if is_running => say::window_hint_running(),
             (false, Some(_)) if waits_at_end => say::window_hint_program_end(),
             (false, Some(_)) if is_in_auto => say::window_hint_cycle_start(),
+            // The way back comes before the cycle start.
+            (false, Some(_)) if is_away => say::window_hint_start_away(),
             (false, Some(_)) => say::window_hint_start(),
             (false, None) => say::window_hint(),
         })

@@ -157,8 +157,9 @@ impl Window {
                 let row = self.lcd_row_rect(bounds);
                 tooltip.popup = tooltip.popup.anchor(row);
                 tooltip.show(|ui| {
+                    // A tip as narrow as that of the cell before would break its words.
                     for line in tip {
-                        ui.label(line);
+                        ui.add(egui::Label::new(line).extend());
                     }
                 });
             }

@@ -78,14 +78,18 @@ impl StartWatch {
     }
 
     /// Returns the distance of the slides from the last start, while the selected program waits for
-    /// its start in automatic mode and begins with G50 or G92; `None` otherwise, or if the slides are
-    /// close to that start.
+    /// its start and begins with G50 or G92; `None` otherwise, or if the slides are close to that
+    /// start.
     /// `is_internal`: the tool works in a bore.
-    pub(in crate::kernel) fn report(&self, cnc: &Cnc, is_internal: bool) -> Option<StartDistance> {
+    pub(in crate::kernel) fn distance(
+        &self,
+        cnc: &Cnc,
+        is_internal: bool,
+    ) -> Option<StartDistance> {
         let (program, last) = self.last_start?;
         let waits = cnc.run_state() == RunState::Reset && !cnc.is_position_unknown();
         let is_selected = cnc.programs().selected() == Some(program);
-        if !waits || !is_selected || cnc.mode() != OperatingMode::Auto {
+        if !waits || !is_selected {
             return None;
         }
         let distance = last - cnc.position_machine();

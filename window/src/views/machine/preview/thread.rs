@@ -1,7 +1,7 @@
 //! Executes the selected program in a background thread. Runs again when the program, an offset, a
 //! parameter or the place of the slides has changed.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -317,9 +317,10 @@ impl PreviewThread {
         let offset_of = |number: u8| setup.memory.offsets.get(number);
         let tools = preview.tools.iter().filter(|(_, number)| {
             let row = offset_of(*number);
-            row.x == 0.0 && row.z == 0.0
+            *number > 0 && row.x == 0.0 && row.z == 0.0
         });
-        result.unset_tools = tools.map(|(tool, _)| *tool).collect();
+        let tools: BTreeSet<u8> = tools.map(|(tool, _)| *tool).collect();
+        result.unset_tools = tools.into_iter().collect();
         let partial = preview.end == PreviewEnd::Limit;
         result.path = Arc::new(builder.build(programs, partial));
         result.times = times;
