@@ -45,6 +45,11 @@ fn a_start_after_reset_in_the_cut_is_explained_until_the_tool_is_back() {
     for key in [Key::Edit, Key::Reset, Key::Jog] {
         tap(&mut bench, key);
     }
+    // As after a crash: the sentence about it goes with new stock, and the hint comes.
+    for command in [Command::FreeLathe, Command::FreshStock] {
+        bench.console.send(command);
+        bench.run(500);
+    }
     assert!(is_seen(&bench, "to see the way back"));
     tap(&mut bench, Key::Auto);
     assert!(!is_seen(&bench, "in mid-program"));
