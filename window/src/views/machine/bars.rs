@@ -229,12 +229,12 @@ impl LatheView {
                     names if names.is_empty() => (say::lathe_tools_set(), theme::STATE_TEXT),
                     names => (say::lathe_tools_unset(names), theme::WARNING),
                 },
-                Some(name) => (say::lathe_job(name), theme::STATE_TEXT),
-                None if self.preview.is_changed_job
+                _ if self.preview.is_changed_job
                     || self.instruments.job.is_own_change(&part.job) =>
                 {
                     (say::lathe_changed(), theme::STATE_TEXT)
                 }
+                Some(name) => (say::lathe_job(name), theme::STATE_TEXT),
                 None if self.preview.is_practice_job => (say::lathe_practice(), theme::STATE_TEXT),
                 None if self.preview.is_form_job => (say::job_of_form(), theme::STATE_TEXT),
                 None => (say::lathe_guessed(), theme::WARNING),

@@ -57,7 +57,7 @@ impl ChangedJobs {
 
 /// Returns a job that the user has changed, with the name of the job file beside `program_file` if
 /// that exists.
-pub fn to_selected_job(job: Job, program_file: Option<&Path>) -> SelectedJob {
+fn to_selected_job(job: Job, program_file: Option<&Path>) -> SelectedJob {
     let file = program_file.map(job::job_path);
     SelectedJob {
         job,
@@ -73,7 +73,13 @@ pub fn choose_job(
     program_file: Option<&Path>,
 ) -> (Option<SelectedJob>, Option<Message>) {
     let (read, error) = read_job(program, program_file);
-    let changed = changed.map(|job| to_selected_job(job.clone(), program_file));
+    let changed = changed.map(|job| {
+        let own = to_selected_job(job.clone(), program_file);
+        // Changed, the job of a sample is still a given one.
+        let file = own.file.clone();
+        let file = file.or_else(|| read.as_ref().and_then(|it| it.file.clone()));
+        SelectedJob { file, ..own }
+    });
     (changed.or(read), error)
 }
 
@@ -122,6 +128,22 @@ mod tests {
         assert_eq!(jobs.find(&owner), None);
         jobs.keep_clamped_stock(&Program::new("O0007;\n"), &owner);
         assert_eq!(jobs.find(&owner), Some(clamped().job));
+    }
+
+    #[test]
+    fn a_changed_job_of_a_sample_is_still_a_given_one() {
+        let sample = samples::samples_of(gsk_core::model::ModelId::Gsk980td)
+            .next()
+            .expect("a sample");
+        let program = sample.to_opened().program;
+        let (own, _) = choose_job(Some(&program), None, None);
+        let own = own.expect("a job");
+        assert!(own.file.is_some());
+        let (changed, _) = choose_job(Some(&program), Some(&clamped().job), None);
+        let changed = changed.expect("a job");
+        assert_eq!((&changed.job, &changed.file), (&clamped().job, &own.file));
+        let (guessed, _) = choose_job(None, Some(&clamped().job), None);
+        assert_eq!(guessed.expect("a job").file, None);
     }
 
     #[test]

@@ -27,7 +27,7 @@ use web_time::{Duration, Instant};
 use super::super::load_curve::LoadCurve;
 use super::super::path::{BlockRef, PathBuilder};
 use super::super::xray;
-use super::changed_jobs::{ChangedJobs, JobOwner, choose_job, to_selected_job};
+use super::changed_jobs::{ChangedJobs, JobOwner, choose_job};
 use super::exchange::{PreviewOutputs, PreviewRequest, PreviewResult, WorkerFlags};
 use super::placed_path::{
     PathPlace, WORK_BUDGET, build_path, build_profile_path, micrometres, replace_program_text,
@@ -158,7 +158,7 @@ impl PreviewThread {
             PreviewRequest::Compare(job) => self.compare(&job),
             PreviewRequest::ComputeLoad(job) => self.compute_load(&job),
             PreviewRequest::SetTrial(tried) => self.tried = tried,
-            PreviewRequest::Clamp(job) => self.clamp(*job),
+            PreviewRequest::Clamp(job) => self.clamp(&job),
             PreviewRequest::Reopened(program) => {
                 self.file.take_if(|(id, _)| *id == program);
                 if self.changed_jobs.forget(&(Some(program), None)) {
@@ -367,13 +367,15 @@ impl PreviewThread {
         true
     }
 
-    fn clamp(&mut self, job: Job) {
+    fn clamp(&mut self, job: &Job) {
         // Only the open view clamps, and it has been handed a path.
         let Some(last) = &self.last_inputs else {
             return;
         };
         let owner: JobOwner = (last.program.as_ref().map(|(id, _)| *id), last.file.clone());
-        let chosen = to_selected_job(job, owner.1.as_deref());
+        let program = last.program.as_ref().map(|(_, program)| program);
+        let (chosen, _) = choose_job(program, Some(job), owner.1.as_deref());
+        let Some(chosen) = chosen else { return };
         self.changed_jobs.keep(owner, chosen.clone());
         let sent = self.sent_job.as_ref().map(|sent| &sent.job);
         match sent.is_some_and(|sent| has_same_part(sent, &chosen.job)) {
