@@ -246,7 +246,7 @@ impl LatheView {
 
     /// The tools of the program whose offset is still 0: `T02 T03`.
     fn unset_tool_names(&self) -> String {
-        let tools = self.preview.unset_tools.iter().filter(|tool| **tool > 0);
+        let tools = self.preview.unset_tools.iter();
         tools
             .map(|tool| format!("T{tool:02}"))
             .collect::<Vec<_>>()

@@ -36,7 +36,7 @@ pub struct PreviewResult {
     pub is_form_job: bool,
     /// Whether the user has changed the job of the program.
     pub is_changed_job: bool,
-    /// Numbers of the tools whose offset in the control is 0 in X and Z.
+    /// Numbers of the tools of the program whose offset in the control is 0 in X and Z.
     pub unset_tools: Vec<u8>,
     /// Whether the program is that of a lesson or an exercise.
     pub is_practice_machine: bool,

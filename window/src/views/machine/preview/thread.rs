@@ -314,10 +314,9 @@ impl PreviewThread {
             return false;
         }
         times.end_at(preview.time_s);
-        let offset_of = |number: u8| setup.memory.offsets.get(number);
-        let tools = preview.tools.iter().filter(|(_, number)| {
-            let row = offset_of(*number);
-            *number > 0 && row.x == 0.0 && row.z == 0.0
+        let tools = preview.tools.iter().filter(|(tool, number)| {
+            let row = setup.memory.offsets.get(*number);
+            *tool > 0 && *number > 0 && row.x == 0.0 && row.z == 0.0
         });
         let tools: BTreeSet<u8> = tools.map(|(tool, _)| *tool).collect();
         result.unset_tools = tools.into_iter().collect();
